@@ -1,1 +1,31 @@
+"""Modulation functions: the "shaders" of haptics.
 
+Each haptic connection applies one. Intra-connections use the propagation function of their object, inter-connections the transmission
+function of their contact. A function returns the gain of a signal over a distance, between 0 and 1 unless an author drives it higher.
+"""
+
+from .modulation import (
+    FUNCTIONS,
+    Constant,
+    Exponential,
+    Expression,
+    HapticTracing,
+    Identity,
+    Linear,
+    ModulationFunction,
+    Spectrum,
+    function_from_dict,
+)
+
+__all__ = [
+    "FUNCTIONS",
+    "Constant",
+    "Exponential",
+    "Expression",
+    "HapticTracing",
+    "Identity",
+    "Linear",
+    "ModulationFunction",
+    "Spectrum",
+    "function_from_dict",
+]

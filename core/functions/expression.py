@@ -1,0 +1,218 @@
+"""Designers' expressions: compiled from a whitelist of operations, so that a file from a stranger can't run code.
+
+Grammar: numbers, the variables below, ``+ - * / **``, comparisons inside ``where(condition, a, b)``, and the functions below. No attributes,
+no indexing, no other names, at most `MAX_LENGTH` characters and `MAX_NODES` parts: evaluation is bounded and loop-free.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import interval
+from .interval import Interval
+
+FloatArray = NDArray[np.float64]
+
+VARIABLES = ("x", "d", "kappa", "rho", "epsilon", "area", "depth", "angle")
+CONSTANTS = {"pi": math.pi, "e": math.e}
+MAX_LENGTH = 500
+MAX_NODES = 200
+
+
+@dataclass(frozen=True, slots=True)
+class _Function:
+    arguments: tuple[int, int]  # fewest, most
+    array: Callable[..., Any]
+    bounds: Callable[..., Interval]
+    keeps_scale: bool = False  # f(c a, c b) = c f(a, b) for c >= 0
+
+
+_FUNCTIONS: dict[str, _Function] = {
+    "exp": _Function((1, 1), np.exp, interval.monotone(math.exp)),
+    "log": _Function((1, 1), np.log, interval.monotone(interval.logarithm)),
+    "sqrt": _Function((1, 1), np.sqrt, interval.monotone(lambda x: math.sqrt(x) if x >= 0 else 0.0)),
+    "tanh": _Function((1, 1), np.tanh, interval.monotone(math.tanh)),
+    "atan": _Function((1, 1), np.arctan, interval.monotone(math.atan)),
+    "sin": _Function((1, 1), np.sin, interval.within_unit),
+    "cos": _Function((1, 1), np.cos, interval.within_unit),
+    "abs": _Function((1, 1), np.abs, interval.absolute, keeps_scale=True),
+    "min": _Function((2, 2), np.minimum, interval.minimum, keeps_scale=True),
+    "max": _Function((2, 2), np.maximum, interval.maximum, keeps_scale=True),
+}
+FUNCTION_NAMES = (*_FUNCTIONS, "where")
+
+_BINARY: dict[type[ast.operator], tuple[Callable[..., Any], Callable[[Interval, Interval], Interval]]] = {
+    ast.Add: (np.add, interval.add),
+    ast.Sub: (np.subtract, interval.subtract),
+    ast.Mult: (np.multiply, interval.multiply),
+    ast.Div: (np.true_divide, interval.divide),
+    ast.Pow: (np.power, interval.power),
+}
+_COMPARE: dict[type[ast.cmpop], Callable[..., Any]] = {
+    ast.Lt: np.less,
+    ast.LtE: np.less_equal,
+    ast.Gt: np.greater,
+    ast.GtE: np.greater_equal,
+}
+
+
+class ExpressionError(ValueError):
+    """A formula that is not accepted; ``column`` is the 0-based place in it."""
+
+    def __init__(self, message: str, column: int = 0) -> None:
+        super().__init__(f"expression: {message} (column {column + 1})")
+        self.column = column
+
+
+@dataclass(frozen=True, slots=True)
+class CompiledExpression:
+    """A checked formula. Compared and hashed by its source."""
+
+    source: str
+    tree: ast.expr
+
+    def evaluate(self, distance: FloatArray, values: Mapping[str, float]) -> FloatArray:
+        """The gain (the formula at x = 1) at each distance (metres). May hold NaN or infinity: the caller decides."""
+        variables: dict[str, Any] = {"x": 1.0, "d": np.asarray(distance, dtype=np.float64), **values, **CONSTANTS}
+        with np.errstate(all="ignore"):
+            result = _evaluate(self.tree, variables)
+        return np.array(np.broadcast_to(np.asarray(result, dtype=np.float64), np.shape(distance)))
+
+    def bounds(self, variables: Mapping[str, Interval]) -> Interval:
+        """Guaranteed bounds of the formula over the given intervals of its variables."""
+        return _bounds(self.tree, variables)
+
+    @property
+    def uses_contact(self) -> bool:
+        """True where it needs area, depth or angle, which only a contact has."""
+        names = {node.id for node in ast.walk(self.tree) if isinstance(node, ast.Name)}
+        return bool(names & {"area", "depth", "angle"})
+
+
+def compile_expression(source: str) -> CompiledExpression:
+    """Check a formula against the whitelist.
+
+    Raises ExpressionError, which gives the column, for anything that is not allowed, or where ``x`` is used but the formula is
+    not proportional to it.
+    """
+    if not isinstance(source, str):
+        raise ExpressionError(f"expected text, got {type(source).__name__}")
+    if len(source) > MAX_LENGTH:
+        raise ExpressionError(f"longer than {MAX_LENGTH} characters", MAX_LENGTH)
+    try:
+        tree = ast.parse(source.strip(), mode="eval").body
+    except SyntaxError as error:
+        raise ExpressionError(f"not a formula: {error.msg}", max(0, (error.offset or 1) - 1)) from None
+    except (ValueError, MemoryError, RecursionError):
+        raise ExpressionError("not a formula") from None
+    if sum(1 for _ in ast.walk(tree)) > 3 * MAX_NODES:
+        raise ExpressionError(f"more than {MAX_NODES} parts")
+    degree = _degree(tree)
+    if degree not in (0, 1, None):
+        raise ExpressionError(f"must be proportional to x, but grows with x to the power {degree}")
+    return CompiledExpression(source, tree)
+
+
+def _degree(node: ast.expr) -> int | None:
+    """Check one node and return its degree in x: f(c x) = c^degree f(x) for c >= 0. None for a literal 0, which has any degree."""
+    match node:
+        case ast.Constant(value=value):
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                raise ExpressionError(f"{value!r} is not a number", node.col_offset)
+            try:
+                finite = math.isfinite(float(value))
+            except OverflowError:
+                finite = False
+            if not finite:
+                raise ExpressionError("number too large", node.col_offset)
+            return None if value == 0 else 0
+        case ast.Name(id=name):
+            if name not in VARIABLES and name not in CONSTANTS:
+                raise ExpressionError(f"unknown name {name!r}; known are {', '.join((*VARIABLES, *CONSTANTS, *FUNCTION_NAMES))}", node.col_offset)
+            return 1 if name == "x" else 0
+        case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=operand):
+            return _degree(operand)
+        case ast.BinOp(op=ast.Add() | ast.Sub(), left=left, right=right):
+            return _same_degree(node, [left, right])
+        case ast.BinOp(op=ast.Mult(), left=left, right=right):
+            degrees = _degree(left), _degree(right)
+            return None if None in degrees else degrees[0] + degrees[1]  # type: ignore[operator]
+        case ast.BinOp(op=ast.Div(), left=left, right=right):
+            top, bottom = _degree(left), _degree(right)
+            return None if top is None else top - (bottom or 0)
+        case ast.BinOp(op=ast.Pow(), left=left, right=right):
+            if _degree(left) or _degree(right):
+                raise ExpressionError("x can't stand in a power: the formula must be proportional to x", node.col_offset)
+            return 0
+        case ast.Call(func=ast.Name(id="where"), args=[ast.Compare(left=left, ops=[operator], comparators=[right]), a, b], keywords=[]):
+            if type(operator) not in _COMPARE:
+                raise ExpressionError("where() compares with <, <=, > or >=", node.col_offset)
+            if _degree(left) or _degree(right):
+                raise ExpressionError("a condition can't depend on x", node.col_offset)
+            return _same_degree(node, [a, b])
+        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in _FUNCTIONS:
+            function = _FUNCTIONS[name]
+            fewest, most = function.arguments
+            if not fewest <= len(arguments) <= most:
+                raise ExpressionError(f"{name}() takes {fewest} argument{'s' if fewest > 1 else ''}, got {len(arguments)}", node.col_offset)
+            if function.keeps_scale:
+                return _same_degree(node, arguments)
+            if any(_degree(argument) for argument in arguments):
+                raise ExpressionError(f"x can't stand inside {name}(): the formula must be proportional to x", node.col_offset)
+            return 0
+        case ast.Call(func=ast.Name(id=name)):
+            raise ExpressionError(f"{name!r} can't be called like this; functions are {', '.join(FUNCTION_NAMES)}", node.col_offset)
+        case _:
+            raise ExpressionError(f"{type(node).__name__} is not allowed", getattr(node, "col_offset", 0))
+
+
+def _same_degree(node: ast.expr, parts: list[ast.expr]) -> int | None:
+    degrees = {degree for part in parts if (degree := _degree(part)) is not None}
+    if len(degrees) > 1:
+        raise ExpressionError("terms with and without x are mixed: the formula must be proportional to x", node.col_offset)
+    return degrees.pop() if degrees else None
+
+
+def _evaluate(node: ast.expr, variables: Mapping[str, Any]) -> Any:
+    match node:
+        case ast.Constant(value=value):
+            return np.float64(value)  # type: ignore[arg-type]
+        case ast.Name(id=name):
+            return variables[name]
+        case ast.UnaryOp(op=operator, operand=operand):
+            value = _evaluate(operand, variables)
+            return np.negative(value) if isinstance(operator, ast.USub) else value
+        case ast.BinOp(op=operator, left=left, right=right):
+            return _BINARY[type(operator)][0](_evaluate(left, variables), _evaluate(right, variables))
+        case ast.Call(func=ast.Name(id="where"), args=[ast.Compare(left=left, ops=[operator], comparators=[right]), a, b]):
+            condition = _COMPARE[type(operator)](_evaluate(left, variables), _evaluate(right, variables))
+            return np.where(condition, _evaluate(a, variables), _evaluate(b, variables))
+        case ast.Call(func=ast.Name(id=name), args=arguments):
+            return _FUNCTIONS[name].array(*(_evaluate(argument, variables) for argument in arguments))
+    raise AssertionError("unreachable: the tree was checked")
+
+
+def _bounds(node: ast.expr, variables: Mapping[str, Interval]) -> Interval:
+    match node:
+        case ast.Constant(value=value):
+            return Interval(float(value), float(value))  # type: ignore[arg-type]
+        case ast.Name(id=name):
+            return variables[name] if name in variables else Interval(CONSTANTS[name], CONSTANTS[name])
+        case ast.UnaryOp(op=operator, operand=operand):
+            inner = _bounds(operand, variables)
+            return Interval(-inner.high, -inner.low) if isinstance(operator, ast.USub) else inner
+        case ast.BinOp(op=operator, left=left, right=right):
+            return _BINARY[type(operator)][1](_bounds(left, variables), _bounds(right, variables))
+        case ast.Call(func=ast.Name(id="where"), args=[_, a, b]):
+            first, second = _bounds(a, variables), _bounds(b, variables)
+            return Interval(min(first.low, second.low), max(first.high, second.high))
+        case ast.Call(func=ast.Name(id=name), args=arguments):
+            return _FUNCTIONS[name].bounds(*(_bounds(argument, variables) for argument in arguments))
+    raise AssertionError("unreachable: the tree was checked")

@@ -1,0 +1,254 @@
+"""The predefined modulation functions and the designers' expression.
+
+Five of them have the form ``gain(d) = factor * exp(-decay * d)``: a metric plus a constant in the log domain. They report the two
+numbers (`log_linear`), so that whole graphs are evaluated as arrays; `linear` and `expression` are called with arrays of distances.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..bands import BAND_COUNT
+from .expression import CompiledExpression, compile_expression
+from .interval import Interval
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Spectrum:
+    """What a connection does beyond the plain gain.
+
+    ``band_gains``: one factor per frequency band, each in [0, 1] (see `core.bands`), applied once per connection.
+    ``band_decays``: extra attenuation per band in 1/m (>= 0): factor ``exp(-band_decay * d)``.
+    ``wave_speed``: metres per second; the connection delays by ``d / wave_speed``. 0 means no delay.
+    """
+
+    band_gains: tuple[float, ...] = ()
+    band_decays: tuple[float, ...] = ()
+    wave_speed: float = 0.0
+
+    def __post_init__(self) -> None:
+        for key in ("band_gains", "band_decays"):
+            values = getattr(self, key)
+            if values and len(values) != BAND_COUNT:
+                raise ValueError(f"{key}: expected {BAND_COUNT} values, one per frequency band, got {len(values)}")
+        if any(not 0 <= value <= 1 for value in self.band_gains):
+            raise ValueError("band_gains: every value must lie in [0, 1]")
+        if any(not 0 <= value < math.inf for value in self.band_decays):
+            raise ValueError("band_decays: every value must be finite and >= 0")
+        if not 0 <= self.wave_speed < math.inf:
+            raise ValueError("wave_speed: must be finite and >= 0 m/s (0: no delay)")
+
+    @property
+    def is_plain(self) -> bool:
+        """True where neither bands nor delay are used."""
+        return not self.band_gains and not self.band_decays and self.wave_speed == 0
+
+    def to_dict(self) -> dict[str, Any]:
+        """The keys of the scene file, those that are used."""
+        used: dict[str, Any] = {}
+        if self.band_gains:
+            used["band_gains"] = list(self.band_gains)
+        if self.band_decays:
+            used["band_decays"] = list(self.band_decays)
+        if self.wave_speed:
+            used["wave_speed"] = self.wave_speed
+        return used
+
+
+def _require(key: str, value: float, low: float = 0.0) -> None:
+    if not (math.isfinite(value) and value >= low):
+        raise ValueError(f"{key}: must be finite and >= {low:g}, got {value!r}")
+
+
+def attenuation(kappa: float, rho: float) -> float:
+    """``K = (1 - kappa) rho``, the one number of the two haptic properties that the paper's function depends on."""
+    return (1.0 - kappa) * rho
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModulationFunction:
+    """Base of all modulation functions. Values, hashable, compared by content."""
+
+    name: ClassVar[str] = ""
+    spectrum: Spectrum = field(default_factory=Spectrum)
+
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float] | None:
+        """``(factor, decay)`` where the gain is ``factor * exp(-decay * d)``, or None where it has another form."""
+        return None
+
+    def gain(self, distance: FloatArray, kappa: float, rho: float, epsilon: float, contact: Mapping[str, float] | None = None) -> FloatArray:
+        """Gains over ``distance`` (metres, >= 0, any shape). ``contact`` gives area (m^2), depth (m) and angle (rad) of a contact."""
+        pair = self.log_linear(kappa, rho, epsilon)
+        assert pair is not None
+        factor, decay = pair
+        return np.asarray(factor * np.exp(-decay * np.asarray(distance, dtype=np.float64)))
+
+    def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+        """Guaranteed (lowest, highest) gain for any distance in [0, max_distance]."""
+        pair = self.log_linear(kappa, rho, epsilon)
+        assert pair is not None
+        factor, decay = pair
+        ends = (factor, factor * math.exp(-min(decay * max_distance, 745.0)))
+        return min(ends), max(ends)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The form of the scene file: ``{"function": name, parameters...}``."""
+        parameters = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "spectrum" and f.init}
+        return {"function": self.name, **parameters, **self.spectrum.to_dict()}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Identity(ModulationFunction):
+    """Gain 1: nothing changes. The default of inter-connections."""
+
+    name: ClassVar[str] = "identity"
+
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+        return 1.0, 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Constant(ModulationFunction):
+    """The same gain over any distance."""
+
+    name: ClassVar[str] = "constant"
+    gain_value: float = field(default=0.5, metadata={"key": "gain"})
+
+    def __post_init__(self) -> None:
+        _require("gain", self.gain_value)
+
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+        return self.gain_value, 0.0
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"function": self.name, "gain": self.gain_value, **self.spectrum.to_dict()}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exponential(ModulationFunction):
+    """``exp(-alpha d)``; alpha = 0.2 is the distance-only function of the paper (equation 4)."""
+
+    name: ClassVar[str] = "exponential"
+    alpha: float = 0.2
+
+    def __post_init__(self) -> None:
+        _require("alpha", self.alpha)
+
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+        return 1.0, self.alpha
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HapticTracing(ModulationFunction):
+    """``K exp(-max(K, epsilon) d)`` with ``K = (1 - kappa) rho``: the paper's propagation function (equation 2). The default of objects."""
+
+    name: ClassVar[str] = "haptic_tracing"
+
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+        k = attenuation(kappa, rho)
+        return k, max(k, epsilon)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Linear(ModulationFunction):
+    """``max(0, 1 - d / range)``."""
+
+    name: ClassVar[str] = "linear"
+    range: float = 10.0
+
+    def __post_init__(self) -> None:
+        _require("range", self.range)
+        if self.range == 0:
+            raise ValueError("range: must be greater than 0 m")
+
+    def gain(self, distance: FloatArray, kappa: float, rho: float, epsilon: float, contact: Mapping[str, float] | None = None) -> FloatArray:
+        return np.asarray(np.maximum(0.0, 1.0 - np.asarray(distance, dtype=np.float64) / self.range))
+
+    def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+        return max(0.0, 1.0 - max_distance / self.range), 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Expression(ModulationFunction):
+    """A designer's formula over ``x, d, kappa, rho, epsilon`` and, on a contact, ``area, depth, angle``.
+
+    With ``x`` (a sample of the signal) it must be proportional to it, ``x * exp(-d)``; without, it is the gain itself, ``exp(-d)``.
+    """
+
+    name: ClassVar[str] = "expression"
+    expression: str = "x * exp(-0.2 * d)"
+    compiled: CompiledExpression = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "compiled", compile_expression(self.expression))
+
+    def gain(self, distance: FloatArray, kappa: float, rho: float, epsilon: float, contact: Mapping[str, float] | None = None) -> FloatArray:
+        """Raises ValueError where the formula gives a negative or non-finite gain."""
+        values = {"kappa": kappa, "rho": rho, "epsilon": epsilon, **(contact or _NO_CONTACT)}
+        gains = self.compiled.evaluate(np.asarray(distance, dtype=np.float64), values)
+        if not np.all(np.isfinite(gains)):
+            raise ValueError(f"expression: {self.expression!r} has no finite value at d = {_first(distance, ~np.isfinite(gains)):g} m")
+        if np.any(gains < 0):
+            raise ValueError(f"expression: {self.expression!r} is negative at d = {_first(distance, gains < 0):g} m; a gain is 0 or more")
+        return gains
+
+    def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+        """By interval arithmetic: certain, though not always tight (then above 1 where the formula itself is not)."""
+        variables = {
+            "x": Interval(1.0, 1.0),
+            "d": Interval(0.0, max_distance),
+            "kappa": Interval(kappa, kappa),
+            "rho": Interval(rho, rho),
+            "epsilon": Interval(epsilon, epsilon),
+            "area": Interval(0.0, math.inf),
+            "depth": Interval(0.0, math.inf),
+            "angle": Interval(0.0, math.pi),
+        }
+        result = self.compiled.bounds(variables)
+        return max(0.0, result.low), result.high
+
+
+_NO_CONTACT = {"area": 0.0, "depth": 0.0, "angle": 0.0}
+
+
+def _first(distance: FloatArray, where: NDArray[np.bool_]) -> float:
+    values = np.broadcast_to(np.asarray(distance, dtype=np.float64), where.shape)
+    return float(values[where].flat[0])
+
+
+FUNCTIONS: dict[str, type[ModulationFunction]] = {
+    cls.name: cls for cls in (Identity, Constant, Linear, Exponential, HapticTracing, Expression)
+}
+_SPECTRUM_KEYS = ("band_gains", "band_decays", "wave_speed")
+
+
+def function_from_dict(form: Mapping[str, Any]) -> ModulationFunction:
+    """The function of a scene file's ``{"function": name, parameters...}``.
+
+    Raises ValueError that names the key for an unknown name, an unknown parameter or a value out of range.
+    """
+    name = form.get("function")
+    cls = FUNCTIONS.get(name) if isinstance(name, str) else None
+    if cls is None:
+        raise ValueError(f"function: unknown {name!r}; one of {', '.join(FUNCTIONS)}")
+    parameters: dict[str, Any] = {f.metadata.get("key", f.name): f.name for f in fields(cls) if f.init and f.name != "spectrum"}
+    arguments: dict[str, Any] = {}
+    for key, value in form.items():
+        if key in parameters:
+            arguments[parameters[key]] = value
+        elif key not in ("function", *_SPECTRUM_KEYS):
+            raise ValueError(f"{key}: unknown parameter of function {name!r}")
+    spectrum = Spectrum(
+        band_gains=tuple(form.get("band_gains", ())),
+        band_decays=tuple(form.get("band_decays", ())),
+        wave_speed=form.get("wave_speed", 0.0),
+    )
+    return cls(spectrum=spectrum, **arguments)
