@@ -1,0 +1,215 @@
+"""What a designer authors, as properties of objects and scenes. Parameters live here; results live in `session`."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.types import Context, Object, PropertyGroup, Scene
+
+from ..core.body import BODY_PARTS
+from . import session
+
+FUNCTION_ITEMS = (
+    ("haptic_tracing", "Haptic Tracing", "K e^(-max(K, ε) d) with K = (1 - κ) ρ: fades with distance as the two properties say"),
+    ("exponential", "Exponential", "e^(-α d): fades with distance alone"),
+    ("linear", "Linear", "1 - d / range: silent from the range on"),
+    ("constant", "Constant", "The same gain over any distance"),
+    ("identity", "Identity", "Passes everything on unchanged"),
+    ("expression", "Expression", "Your own formula of x, d, kappa, rho, epsilon"),
+)
+SIGNAL_ITEMS = (
+    ("SINE", "Sine", "A pure vibration"),
+    ("PULSE", "Pulse Train", "Regular blows, like those of a jackhammer"),
+    ("NOISE", "Noise", "A rough, random vibration"),
+    ("FILE", "WAV File", "A recorded signal"),
+)
+MIXING_ITEMS = (
+    ("cumulative", "Cumulative", "Adds all signals up and holds the sum at the ceiling"),
+    ("weighted", "Weighted", "Averages the signals by the priorities of their sources"),
+    ("strongest", "Strongest", "Only the strongest signal is felt"),
+    ("power", "Power", "Adds up energies: the root of the sum of squares"),
+)
+BODY_PART_ITEMS = (
+    ("NONE", "None", "Not a part of the body"),
+    *((part.name, part.name.replace("_", " ").title(), f"Stands for the {part.name.replace('_', ' ')}") for part in BODY_PARTS),
+)
+
+
+def _changed(self: PropertyGroup, context: Context) -> None:
+    session.mark_changed()
+
+
+def _view_changed(self: PropertyGroup, context: Context) -> None:
+    from .overlay import draw
+
+    draw.redraw()
+
+
+class HapticFunction:
+    """Mixin: a modulation function and its parameters."""
+
+    function: EnumProperty(
+        name="Function", description="How the signal fades on its way through", items=FUNCTION_ITEMS, default="haptic_tracing", update=_changed
+    )
+    alpha: FloatProperty(
+        name="Alpha", description="Attenuation per metre; 0.2 is the paper's distance-only function",
+        default=0.2, min=0.0, soft_max=5.0, precision=3, update=_changed,
+    )
+    range: FloatProperty(
+        name="Range", description="Distance from which on nothing is felt", default=10.0, min=0.001, soft_max=100.0, unit="LENGTH", update=_changed
+    )
+    constant: FloatProperty(
+        name="Gain", description="The gain over any distance", default=0.5, min=0.0, max=1.0, subtype="FACTOR", update=_changed
+    )
+    expression: StringProperty(
+        name="Expression",
+        description="Formula of x (the signal), d (metres), kappa, rho, epsilon. Functions: exp, log, sqrt, tanh, atan, sin, cos, abs, min, max, where",
+        default="x * exp(-0.2 * d)", maxlen=500, update=_changed,
+    )
+
+
+class HapticSourceProperties(PropertyGroup):
+    """A haptic source: emits a signal."""
+
+    enabled: BoolProperty(name="Haptic Source", description="This object emits a haptic signal", default=False, update=_changed)
+    muted: BoolProperty(name="Mute", description="Keep the source but silence it", default=False, update=_changed)
+    amplitude: FloatProperty(
+        name="Amplitude", description="Strength of the emitted signal; can be animated", default=1.0, min=0.0, max=1.0, subtype="FACTOR",
+        update=_changed,
+    )
+    signal: EnumProperty(name="Signal", description="What the source emits", items=SIGNAL_ITEMS, default="SINE", update=_changed)
+    frequency: FloatProperty(
+        name="Frequency", description="Vibrations or blows per second, in hertz; the skin feels 20 to 1000 Hz, best around 250 Hz",
+        default=60.0, min=0.1, max=1000.0, soft_min=10.0, soft_max=500.0, update=_changed,
+    )
+    filepath: StringProperty(name="WAV File", description="The recorded signal, looped", subtype="FILE_PATH", update=_changed)
+    priority: FloatProperty(
+        name="Priority", description="Weight of this source where a listener mixes by priority", default=1.0, min=0.0, soft_max=10.0, update=_changed
+    )
+
+
+class HapticListenerProperties(PropertyGroup):
+    """A haptic listener: receives signals at a place of the body."""
+
+    enabled: BoolProperty(name="Haptic Listener", description="Signals are received at this object's origin", default=False, update=_changed)
+    body_part: EnumProperty(
+        name="Body Part", description="The place on the body that this listener stands for", items=BODY_PART_ITEMS, default="NONE", update=_changed
+    )
+    radius: FloatProperty(
+        name="Radius", description="Extent of the listener's bounding volume", default=0.05, min=0.0, soft_max=0.5, unit="LENGTH", update=_changed
+    )
+    gain: FloatProperty(
+        name="Gain", description="Makes this listener feel more or less; can be animated", default=1.0, min=0.0, max=10.0, soft_max=2.0,
+        update=_changed,
+    )
+    mixing: EnumProperty(name="Mixing", description="How signals that arrive together are combined", items=MIXING_ITEMS, update=_changed)
+    s_max: FloatProperty(
+        name="Ceiling", description="No sample of the mixed signal is stronger than this", default=1.0, min=0.01, max=1.0, subtype="FACTOR",
+        update=_changed,
+    )
+
+
+class HapticObjectProperties(PropertyGroup, HapticFunction):
+    """A haptic object: passes signals on."""
+
+    enabled: BoolProperty(name="Haptic Object", description="Vibration passes through this object", default=False, update=_changed)
+    kappa: FloatProperty(
+        name="Kappa (κ)",
+        description="The paper's transmissibility. As its function is published, only (1 - κ) ρ counts: a higher κ passes on less, "
+        "but over a longer distance; 1 passes on nothing",
+        default=0.1, min=0.0, max=1.0, subtype="FACTOR", precision=3, update=_changed,
+    )
+    rho: FloatProperty(
+        name="Rho (ρ)",
+        description="The paper's density coefficient. A higher ρ passes on more but fades faster with distance; 0 passes on nothing",
+        default=0.9, min=0.0, max=1.0, subtype="FACTOR", precision=3, update=_changed,
+    )
+    wave_speed: FloatProperty(
+        name="Wave Speed", description="Speed of vibration in this material; 0 passes signals on without delay",
+        default=0.0, min=0.0, soft_max=5000.0, unit="VELOCITY", update=_changed,
+    )
+    medium: BoolProperty(
+        name="Medium", description="A volume such as air or water: it touches everything that it overlaps", default=False, update=_changed
+    )
+    source: PointerProperty(type=HapticSourceProperties)
+    listener: PointerProperty(type=HapticListenerProperties)
+
+
+class HapticSceneProperties(PropertyGroup):
+    """How a scene is traced and shown."""
+
+    tracing: BoolProperty(
+        name="Trace", description="Trace haptics at every frame while the timeline plays or objects move", default=True, update=_changed
+    )
+    mode: EnumProperty(
+        name="Mode", description="The rendering", update=_changed,
+        items=(
+            ("HT", "Haptic Tracing", "Through touching objects, as their properties say"),
+            ("SD", "Single Nearest", "Only the listener nearest to each source, fading with distance alone"),
+            ("MD", "All by Distance", "Every source directly to every listener, fading with distance alone"),
+            ("MN", "All Alike", "Every source directly to every listener, without fading"),
+        ),
+    )
+    strategy: EnumProperty(
+        name="Strategy", description="How the gain from a source to a listener is computed", update=_changed,
+        items=(
+            ("auto", "Automatic", "All paths for persistent sources, the best path for impacts"),
+            ("best_path", "Best Path", "Only the path that passes on most"),
+            ("all_paths", "All Paths", "The sum of everything that arrives"),
+            ("energy_balance", "Energy Balance", "Steady state of the energy that flows through all contacts; for dense piles"),
+        ),
+    )
+    max_connections: IntProperty(
+        name="Max Connections", description="Longest path, in connections through and between objects; 0 sets no limit",
+        default=32, min=0, soft_max=128, update=_changed,
+    )
+    threshold: FloatProperty(
+        name="Threshold", description="A path ends where its gain falls below this part of the source; 0 sets no limit",
+        default=0.001, min=0.0, max=1.0, soft_max=0.1, precision=4, update=_changed,
+    )
+    epsilon: FloatProperty(
+        name="Epsilon (ε)", description="Least attenuation per metre of the haptic tracing function", default=0.1, min=0.0, soft_max=1.0,
+        precision=3, update=_changed,
+    )
+    contact_tolerance: FloatProperty(
+        name="Contact Tolerance", description="Objects closer than this touch", default=0.01, min=0.0, soft_max=0.1, unit="LENGTH",
+        precision=4, update=_changed,
+    )
+    impacts: BoolProperty(
+        name="Impacts", description="Collisions make temporary sources that play the impact signal once", default=True, update=_changed
+    )
+    minimum_energy: FloatProperty(
+        name="Minimum Energy", description="Weaker collisions make no source; 5 J is a light contact", default=5.0, min=0.0, soft_max=100.0,
+        unit="ENERGY", update=_changed,
+    )
+    maximum_energy: FloatProperty(
+        name="Full Energy", description="A collision of this energy plays the impact signal at full strength",
+        default=100.0, min=0.001, soft_max=1000.0, unit="ENERGY", update=_changed,
+    )
+    show_overlay: BoolProperty(name="Overlay", description="Draw the haptic graph over the 3D viewport", default=True, update=_view_changed)
+    show_intra: BoolProperty(
+        name="Connections", description="Draw the connections inside objects that carry signal", default=True, update=_view_changed
+    )
+    show_best_paths: BoolProperty(name="Best Paths", description="Mark the best path from each source to each listener", default=True,
+                                  update=_view_changed)
+    show_labels: BoolProperty(name="Labels", description="Write names and gains beside sources and listeners", default=True,
+                              update=_view_changed)
+    xray: BoolProperty(name="In Front", description="Draw the graph over objects instead of being hidden by them", default=True,
+                       update=_view_changed)
+
+
+CLASSES = (HapticSourceProperties, HapticListenerProperties, HapticObjectProperties, HapticSceneProperties)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    Object.haptics = PointerProperty(type=HapticObjectProperties, name="Haptics")
+    Scene.haptics = PointerProperty(type=HapticSceneProperties, name="Haptics")
+
+
+def unregister() -> None:
+    del Scene.haptics
+    del Object.haptics
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

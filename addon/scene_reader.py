@@ -1,0 +1,327 @@
+"""Reads a Blender scene into the values of the core: the only place that reads haptic properties and transforms.
+
+What an author changes is read when it changes; what moves is read at every frame, all matrices in one call. No bpy object is kept between
+calls: only session ids, row numbers and plain values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.types import Depsgraph, Object, Scene
+from numpy.typing import NDArray
+
+from ..core.contacts.impacts import ImpactSettings
+from ..core.contacts.tracker import Body, ContactSettings
+from ..core.functions import ModulationFunction, function_from_dict
+from ..core.scene import HapticObject, Listener, Settings, Source
+from . import compatibility
+from .collision_shapes import collision_shape
+
+FloatArray = NDArray[np.float64]
+
+# Which properties are the parameters of which function, and their names in the core.
+_PARAMETERS = {
+    "exponential": {"alpha": "alpha"},
+    "linear": {"range": "range"},
+    "constant": {"gain": "constant"},
+    "expression": {"expression": "expression"},
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """Something a designer should mend: the object's name ("" for the scene) and what to do, in the words of the panel."""
+
+    object: str
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One frame of a scene. ``transforms`` (n, 4, 4) of ``objects`` are rigid: the scale is in the bodies' shapes."""
+
+    objects: tuple[HapticObject, ...]
+    bodies: tuple[Body, ...]
+    transforms: FloatArray
+    sources: tuple[Source, ...]
+    listeners: tuple[Listener, ...]
+    settings: Settings
+    contact_settings: ContactSettings
+    impact_settings: ImpactSettings | None
+    problems: tuple[Problem, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Tagged:
+    """One tagged object of the scene, as authored."""
+
+    row: int  # in bpy.data.objects
+    animated: bool
+    scale: tuple[float, float, float]
+    object: HapticObject | None
+    body: Body | None
+    source: Source | None
+    listener: Listener | None
+    problems: tuple[Problem, ...]
+
+
+class SceneReader:
+    """Reads one scene, again and again."""
+
+    def __init__(self) -> None:
+        self._session_ids: NDArray[np.int32] | None = None
+        self._tagged: dict[int, _Tagged] = {}  # by row
+        self._shapes: dict[int, tuple[Any, Any]] = {}  # by session id: what it was built from, and the shape
+        self._lists: tuple[Any, ...] | None = None
+
+    def forget(self) -> None:
+        """Something an author can change has changed: read everything at the next call."""
+        self._session_ids = None
+
+    def forget_shapes(self) -> None:
+        """Meshes have changed."""
+        self._shapes.clear()
+        self._session_ids = None
+
+    @property
+    def is_empty(self) -> bool:
+        """True where the last reading found nothing tagged, and nothing has changed since."""
+        return self._session_ids is not None and not self._tagged
+
+    def read(self, scene: Scene, depsgraph: Depsgraph) -> Reading:
+        """The scene as it stands in ``depsgraph``."""
+        session_ids = _session_ids()
+        if self._session_ids is None or not np.array_equal(self._session_ids, session_ids):
+            self._read_all(depsgraph)
+            self._session_ids = session_ids
+        matrices = _matrices(len(session_ids))
+        self._read_changed(depsgraph, matrices)
+        rows, objects, bodies, places, problems = self._assembled()
+        transforms, _ = rigid_transforms(matrices[rows])
+        moved = [replace(item, position=tuple(matrices[row, :3, 3].tolist())) for row, item in places]
+        return Reading(
+            objects=objects,
+            bodies=bodies,
+            transforms=transforms,
+            sources=tuple(item for item in moved if isinstance(item, Source)),
+            listeners=tuple(item for item in moved if isinstance(item, Listener)),
+            settings=read_settings(scene),
+            contact_settings=ContactSettings(tolerance=scene.haptics.contact_tolerance),
+            impact_settings=read_impact_settings(scene),
+            problems=problems,
+        )
+
+    def _read_all(self, depsgraph: Depsgraph) -> None:
+        shown = {obj.session_uid for obj in depsgraph.view_layer.objects}
+        tagged = {row: obj for row, obj in enumerate(bpy.data.objects) if obj.session_uid in shown and is_tagged(obj)}
+        self._tagged = {row: self._read_object(row, obj, depsgraph) for row, obj in tagged.items()}
+        self._lists = None
+
+    def _read_changed(self, depsgraph: Depsgraph, matrices: FloatArray) -> None:
+        """Read again what is animated, what was scaled and whose mesh changed."""
+        rows = {row for row, tagged in self._tagged.items() if tagged.animated} | self._scaled(matrices)
+        if depsgraph.id_type_updated("MESH") or depsgraph.id_type_updated("ARMATURE"):
+            deformed = {u.id.original.session_uid for u in depsgraph.updates if u.is_updated_geometry and isinstance(u.id, Object)}
+            for session_id in deformed:
+                self._shapes.pop(session_id, None)
+            rows |= {row for row in self._tagged if self._session_ids is not None and int(self._session_ids[row]) in deformed}
+        for row in sorted(rows):
+            tagged = self._read_object(row, bpy.data.objects[row], depsgraph)
+            if tagged != self._tagged[row]:
+                self._tagged[row] = tagged
+                self._lists = None
+
+    def _scaled(self, matrices: FloatArray) -> set[int]:
+        rows = np.fromiter(self._tagged, dtype=np.int64, count=len(self._tagged))
+        known = np.array([tagged.scale for tagged in self._tagged.values()], dtype=np.float64).reshape(-1, 3)
+        _, scales = rigid_transforms(matrices[rows])
+        changed = np.any(np.abs(scales - known) > 1e-5 * np.abs(known), axis=1)
+        return set(rows[changed].tolist())
+
+    def _assembled(self) -> tuple[Any, ...]:
+        if self._lists is None:
+            tagged = sorted(self._tagged.values(), key=lambda t: t.row)
+            bodies = [t for t in tagged if t.object is not None and t.body is not None]
+            self._lists = (
+                np.array([t.row for t in bodies], dtype=np.int64),
+                tuple(t.object for t in bodies),
+                tuple(t.body for t in bodies),
+                tuple((t.row, item) for t in tagged for item in (t.source, t.listener) if item is not None),
+                tuple(problem for t in tagged for problem in t.problems),
+            )
+        return self._lists
+
+    def _read_object(self, row: int, obj: Object, depsgraph: Depsgraph) -> _Tagged:
+        haptics = obj.haptics
+        name = obj.name_full
+        problems: list[Problem] = []
+        haptic_object = body = source = listener = None
+        scale = _scale(obj)
+        if haptics.enabled:
+            try:
+                shape = self._shape(obj, depsgraph, scale)
+                haptic_object = read_object(obj)
+                body = Body(name=name, shape=shape, mass=haptic_object.mass or 0.0, motion=_motion(obj), medium=haptics.medium)
+            except ValueError as error:
+                problems.append(Problem(name, str(error)))
+        carrier = haptic_carrier(obj)
+        for role, read in (("source", read_source), ("listener", read_listener)):
+            if not getattr(haptics, role).enabled:
+                continue
+            if carrier is None:
+                problems.append(Problem(name, f"This {role} is on no haptic object: make it haptic, or parent it to a haptic object"))
+            elif carrier == obj and haptic_object is None:
+                continue  # the object's own problem says it
+            elif role == "source":
+                source = read(obj, carrier.name_full)
+            else:
+                listener = read(obj, carrier.name_full)
+        animated = compatibility.is_animated(obj)
+        return _Tagged(row, animated, tuple(scale.tolist()), haptic_object, body, source, listener, tuple(problems))
+
+    def _shape(self, obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Any:
+        body = obj.rigid_body
+        settings = () if body is None else (body.collision_shape, body.mesh_source, body.use_margin, body.collision_margin)
+        key = (tuple(scale.tolist()), settings)
+        known = self._shapes.get(obj.session_uid)
+        if known is None or known[0] != key:
+            known = (key, collision_shape(obj, depsgraph, scale))
+            self._shapes[obj.session_uid] = known
+        return known[1]
+
+
+def is_tagged(obj: Object) -> bool:
+    """True where the object has any haptic role."""
+    haptics = obj.haptics
+    return haptics.enabled or haptics.source.enabled or haptics.listener.enabled
+
+
+def haptic_carrier(obj: Object | None) -> Object | None:
+    """The object itself if it is haptic, else its nearest haptic ancestor, else None."""
+    while obj is not None and not obj.haptics.enabled:
+        obj = obj.parent
+    return obj
+
+
+def read_function(haptics: Any) -> ModulationFunction:
+    """The propagation function of an object's properties. Raises ValueError in words."""
+    parameters = {key: getattr(haptics, name) for key, name in _PARAMETERS.get(haptics.function, {}).items()}
+    if haptics.wave_speed > 0:
+        parameters["wave_speed"] = haptics.wave_speed
+    return function_from_dict({"function": haptics.function, **parameters})
+
+
+def read_object(obj: Object) -> HapticObject:
+    """The haptic object of a Blender object. Raises ValueError in words where its function is wrong."""
+    haptics = obj.haptics
+    return HapticObject(
+        name=obj.name_full,
+        kappa=haptics.kappa,
+        rho=haptics.rho,
+        propagation=read_function(haptics),
+        mass=obj.rigid_body.mass if obj.rigid_body is not None else None,
+        medium=haptics.medium,
+    )
+
+
+def read_source(obj: Object, carrier: str) -> Source:
+    """The persistent source of a Blender object that stands on the haptic object ``carrier``; its position is filled in per frame."""
+    properties = obj.haptics.source
+    return Source(
+        name=obj.name_full,
+        object=carrier,
+        amplitude=0.0 if properties.muted else properties.amplitude,
+        signal=read_signal(properties),
+        priority=properties.priority,
+    )
+
+
+def read_signal(properties: Any) -> dict[str, Any]:
+    """The signal of a source's properties in the form of the scene file."""
+    if properties.signal == "FILE":
+        return {"signal": "wav", "path": bpy.path.abspath(properties.filepath)}
+    if properties.signal == "NOISE":
+        return {"signal": "noise"}
+    return {"signal": properties.signal.lower(), "frequency": properties.frequency}
+
+
+def read_listener(obj: Object, carrier: str) -> Listener:
+    """The listener of a Blender object that stands on the haptic object ``carrier``; its position is filled in per frame."""
+    properties = obj.haptics.listener
+    return Listener(
+        name=obj.name_full,
+        object=carrier,
+        body_part="" if properties.body_part == "NONE" else properties.body_part,
+        radius=properties.radius,
+        gain=properties.gain,
+        mixing=properties.mixing,
+        s_max=properties.s_max,
+    )
+
+
+def read_settings(scene: Scene) -> Settings:
+    """The propagation settings of a scene."""
+    haptics = scene.haptics
+    return Settings(
+        mode=haptics.mode,
+        strategy=haptics.strategy,
+        max_connections=haptics.max_connections or None,
+        threshold=haptics.threshold,
+        epsilon=haptics.epsilon,
+    )
+
+
+def read_impact_settings(scene: Scene) -> ImpactSettings | None:
+    """How collisions make temporary sources, or None where they make none."""
+    haptics = scene.haptics
+    if not haptics.impacts:
+        return None
+    return ImpactSettings(minimum_energy=haptics.minimum_energy, maximum_energy=max(haptics.maximum_energy, haptics.minimum_energy))
+
+
+def seconds_of(scene: Scene, frame: float) -> float:
+    """Time of a frame in seconds from the scene's first frame."""
+    return (frame - scene.frame_start) * scene.render.fps_base / scene.render.fps
+
+
+def _motion(obj: Object) -> str:
+    body = obj.rigid_body
+    if body is None:
+        return "animated"
+    if body.type == "PASSIVE" and not body.kinematic:
+        return "static"
+    return "animated" if body.kinematic else "dynamic"
+
+
+def _session_ids() -> NDArray[np.int32]:
+    ids = np.empty(len(bpy.data.objects), dtype=np.int32)
+    bpy.data.objects.foreach_get("session_uid", ids)
+    return ids
+
+
+def _matrices(count: int) -> FloatArray:
+    """(n, 4, 4) world matrices of all objects of the file."""
+    values = np.empty(16 * count, dtype=np.float32)
+    bpy.data.objects.foreach_get("matrix_world", values)
+    return values.reshape(count, 4, 4).transpose(0, 2, 1).astype(np.float64)
+
+
+def _scale(obj: Object) -> FloatArray:
+    matrix = np.array(obj.matrix_world, dtype=np.float64)
+    return rigid_transforms(matrix[None])[1][0]
+
+
+def rigid_transforms(matrices: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Split world matrices (n, 4, 4) into rigid transforms and scales (n, 3), negative where mirrored. A shear is dropped, as Bullet does."""
+    transforms = np.array(matrices, dtype=np.float64)
+    axes = transforms[:, :3, :3]
+    scales = np.linalg.norm(axes, axis=1)
+    mirrored = np.linalg.det(axes) < 0
+    scales[mirrored] *= -1
+    transforms[:, :3, :3] = axes / np.where(scales == 0, 1.0, scales)[:, None, :]
+    return transforms, scales
