@@ -1,1 +1,42 @@
+"""Signals: small immutable values that compose by `*`, `+` and `>>` and are sampled only at the end."""
 
+from .composition import Delay, Gain, Loop, Product, Sequence, Sum
+from .envelopes import Adsr, Constant, Decay, Keyed
+from .impacts import DecayingSine, Impulse
+from .noise import Noise
+from .oscillators import Oscillator, Pulse, Saw, Sine, Square, Triangle
+from .sampled import Sampled
+from .serialization import SIGNAL_KINDS, signal_from_dict
+from .signal import Signal
+from .templates import DEFAULT_IMPACT, DEFAULT_PERSISTENT
+from .track import Track, ramp
+
+__all__ = [
+    "DEFAULT_IMPACT",
+    "DEFAULT_PERSISTENT",
+    "SIGNAL_KINDS",
+    "Adsr",
+    "Constant",
+    "Decay",
+    "DecayingSine",
+    "Delay",
+    "Gain",
+    "Impulse",
+    "Keyed",
+    "Loop",
+    "Noise",
+    "Oscillator",
+    "Product",
+    "Pulse",
+    "Sampled",
+    "Saw",
+    "Sequence",
+    "Signal",
+    "Sine",
+    "Square",
+    "Sum",
+    "Track",
+    "Triangle",
+    "ramp",
+    "signal_from_dict",
+]

@@ -1,0 +1,127 @@
+"""Signals that shape others by `*`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
+from .signal import Signal
+from .track import Array, Track, checked_parameter, largest
+
+SILENCE = 1e-4
+"""What decays exponentially ends when it has fallen to this share (-80 dB)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Constant(Signal):
+    """One value for `duration` seconds (endless by default); with a duration, a rectangular gate."""
+
+    kind: ClassVar[str] = "constant"
+
+    value: float = 1.0
+    duration: float = math.inf
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "value", checked_number("value", self.value, -MAX_PEAK, MAX_PEAK))
+        if self.duration != math.inf:
+            object.__setattr__(self, "duration", checked_number("duration", self.duration, MIN_SECONDS, MAX_SECONDS))
+
+    @property
+    def peak(self) -> float:
+        return abs(self.value)
+
+    def values(self, times: Array, step: float) -> Array:
+        return np.full(times.shape, self.value)
+
+
+@dataclass(frozen=True, slots=True)
+class Adsr(Signal):
+    """Rises to 1 in `attack` seconds, falls to `sustain` (0 to 1) in `decay`, stays for `hold`, falls to 0 in `release`.
+
+    `hold` is endless by default.
+    """
+
+    kind: ClassVar[str] = "adsr"
+
+    attack: float = 0.01
+    decay: float = 0.05
+    sustain: float = 0.7
+    release: float = 0.1
+    hold: float = math.inf
+
+    def __post_init__(self) -> None:
+        for name in ("attack", "decay", "release"):
+            object.__setattr__(self, name, checked_number(name, getattr(self, name), 0.0, MAX_SECONDS))
+        object.__setattr__(self, "sustain", checked_number("sustain", self.sustain, 0.0, 1.0))
+        if self.hold != math.inf:
+            object.__setattr__(self, "hold", checked_number("hold", self.hold, 0.0, MAX_SECONDS))
+        if self.duration < MIN_SECONDS:
+            raise ValueError("attack: the envelope takes no time at all")
+
+    @property
+    def duration(self) -> float:
+        return self.attack + self.decay + self.hold + self.release
+
+    @property
+    def peak(self) -> float:
+        return 1.0
+
+    def values(self, times: Array, step: float) -> Array:
+        hold = min(self.hold, MAX_SECONDS)
+        ends = np.cumsum((0.0, self.attack, self.decay, hold, self.release))
+        levels = np.array((0.0, 1.0, self.sustain, self.sustain, 0.0))
+        return Track(ends[:4], levels[:4]).at(times) if self.hold == math.inf else Track(ends, levels).at(times)
+
+
+@dataclass(frozen=True, slots=True)
+class Keyed(Signal):
+    """Straight lines between keys, over at the last one; before the first it has that key's value."""
+
+    kind: ClassVar[str] = "keyed"
+
+    track: Track
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.track, Track):
+            raise ValueError("track: must be a Track")
+        checked_parameter("track", self.track, -MAX_PEAK, MAX_PEAK)
+        if self.duration < MIN_SECONDS:
+            raise ValueError("track: its last key must be after the beginning")
+
+    @property
+    def duration(self) -> float:
+        return float(self.track.times[-1])
+
+    @property
+    def peak(self) -> float:
+        return largest(self.track)
+
+    def values(self, times: Array, step: float) -> Array:
+        return self.track.at(times)
+
+
+@dataclass(frozen=True, slots=True)
+class Decay(Signal):
+    """exp(-t / time_constant), over when it has fallen by 80 dB. Times a persistent source, it lets that source wear off."""
+
+    kind: ClassVar[str] = "decay"
+
+    time_constant: float = 1.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "time_constant", checked_number("time_constant", self.time_constant, MIN_SECONDS, MAX_SECONDS))
+
+    @property
+    def duration(self) -> float:
+        return -math.log(SILENCE) * self.time_constant
+
+    @property
+    def peak(self) -> float:
+        return 1.0
+
+    def values(self, times: Array, step: float) -> Array:
+        return np.exp(times / -self.time_constant)

@@ -1,0 +1,65 @@
+"""Noise that is the same on every machine and in every block: a hash of a counter."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .limits import MAX_PEAK, checked_integer, checked_number
+from .signal import Signal
+from .track import Array, Track, checked_parameter, largest, values_of
+
+
+@dataclass(frozen=True, slots=True)
+class Noise(Signal):
+    """Random values, uniform within ±amplitude, `rate` of them a second, straight lines between them.
+
+    seed: 0 to 2^64 - 1. Value k is output k of the SplitMix64 generator (Steele, Lea, Flood 2014) of that seed, which needs no
+    predecessor.
+    rate: new values a second, 1 to 48,000; a low rate gives a rumble.
+    """
+
+    kind: ClassVar[str] = "noise"
+
+    amplitude: float | Track = 1.0
+    seed: int = 0
+    rate: float = 8000.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "amplitude", checked_parameter("amplitude", self.amplitude, -MAX_PEAK, MAX_PEAK))
+        object.__setattr__(self, "seed", checked_integer("seed", self.seed, 0, 2**64 - 1))
+        object.__setattr__(self, "rate", checked_number("rate", self.rate, 1.0, 48_000.0))
+
+    @property
+    def duration(self) -> float:
+        return math.inf
+
+    @property
+    def peak(self) -> float:
+        return largest(self.amplitude)
+
+    def values(self, times: Array, step: float) -> Array:
+        position = times * self.rate
+        whole = np.floor(position)
+        share = position - whole
+        index = whole.astype(np.uint64)
+        lower = _uniform(splitmix64(self.seed, index))
+        upper = _uniform(splitmix64(self.seed, index + np.uint64(1)))
+        return ((1.0 - share) * lower + share * upper) * values_of(self.amplitude, times)
+
+
+def splitmix64(seed: int, index: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Return output number `index` (from 0) of SplitMix64 started with `seed`."""
+    mixed = np.uint64(seed) + (index + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
+    mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    mixed = (mixed ^ (mixed >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return mixed ^ (mixed >> np.uint64(31))
+
+
+def _uniform(bits: NDArray[np.uint64]) -> Array:
+    """Return the upper 53 bits as a number in [-1, 1)."""
+    return (bits >> np.uint64(11)).astype(np.float64) * 2.0**-52 - 1.0

@@ -1,0 +1,135 @@
+"""Periodic signals. Phase is the integral of frequency, so sweeps are exact and do not depend on how they are cut into blocks."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from .limits import MAX_FREQUENCY, MAX_PEAK, checked_number
+from .signal import Signal
+from .track import Array, Track, checked_parameter, largest, values_of
+
+
+@dataclass(frozen=True, slots=True)
+class Oscillator(Signal):
+    """A wave of period 1 over the phase in cycles, from `phase` on.
+
+    frequency: hertz, from 0 to 20,000, a number or a track. At and above half the sample rate the oscillator is silent.
+    amplitude: a number or a track.
+    phase: cycles at the beginning.
+
+    A wave with edges or corners is averaged over the sample's period (a box filter): what would fold back to the frequencies that skin
+    feels lies near multiples of the sample rate, where that filter is deepest.
+    """
+
+    frequency: float | Track = 60.0
+    amplitude: float | Track = 1.0
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "frequency", checked_parameter("frequency", self.frequency, 0.0, MAX_FREQUENCY))
+        object.__setattr__(self, "amplitude", checked_parameter("amplitude", self.amplitude, -MAX_PEAK, MAX_PEAK))
+        object.__setattr__(self, "phase", checked_number("phase", self.phase, -1e6, 1e6))
+
+    @property
+    def duration(self) -> float:
+        return math.inf
+
+    @property
+    def peak(self) -> float:
+        return largest(self.amplitude)
+
+    def values(self, times: Array, step: float) -> Array:
+        if isinstance(self.frequency, Track):
+            width: float | Array = self.frequency.at(times) * step
+            cycles = self.frequency.integral(times)
+        else:
+            width = self.frequency * step
+            cycles = self.frequency * times
+        if self.phase:
+            cycles = cycles + self.phase
+        result = self.wave(cycles, width) * values_of(self.amplitude, times)
+        if largest(self.frequency) * step >= 0.5:
+            result = np.where(np.less(width, 0.5), result, 0.0)
+        return result
+
+    @abstractmethod
+    def wave(self, cycles: Array, width: float | Array) -> Array:
+        """Return the wave at phase `cycles`, averaged over `width` cycles around it where it has edges or corners."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sine(Oscillator):
+    """sin(2π cycles)."""
+
+    kind: ClassVar[str] = "sine"
+
+    def wave(self, cycles: Array, width: float | Array) -> Array:
+        return np.sin((2 * np.pi) * (cycles - np.floor(cycles)))
+
+
+@dataclass(frozen=True, slots=True)
+class Square(Oscillator):
+    """+1 in the first half of the period, -1 in the second."""
+
+    kind: ClassVar[str] = "square"
+
+    def wave(self, cycles: Array, width: float | Array) -> Array:
+        to_edge = _distance(cycles - 0.25) - 0.25
+        return np.asarray(np.clip(-2 * to_edge / np.maximum(width, 1e-9), -1.0, 1.0))
+
+
+@dataclass(frozen=True, slots=True)
+class Triangle(Oscillator):
+    """0, +1, 0, -1 at the quarters of the period, straight between them."""
+
+    kind: ClassVar[str] = "triangle"
+
+    def wave(self, cycles: Array, width: float | Array) -> Array:
+        from_top = _distance(cycles - 0.25)
+        width = np.maximum(width, 1e-9)
+        top = np.maximum(width / 2 - from_top, 0.0)
+        bottom = np.maximum(width / 2 - (0.5 - from_top), 0.0)
+        return np.asarray(1.0 - 4 * from_top + 4 * (bottom * bottom - top * top) / width)
+
+
+@dataclass(frozen=True, slots=True)
+class Saw(Oscillator):
+    """Rises from -1 to +1 over the period, then falls at once."""
+
+    kind: ClassVar[str] = "saw"
+
+    def wave(self, cycles: Array, width: float | Array) -> Array:
+        from_edge = cycles - np.round(cycles)
+        return 2 * from_edge - np.clip(2 * from_edge / np.maximum(width, 1e-9), -1.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Pulse(Oscillator):
+    """A train of pulses: 1 for the first `duty` (0 to 1) of the period, 0 for the rest."""
+
+    kind: ClassVar[str] = "pulse"
+
+    duty: float = 0.1
+
+    def __post_init__(self) -> None:
+        Oscillator.__post_init__(self)
+        object.__setattr__(self, "duty", checked_number("duty", self.duty, 0.0, 1.0))
+
+    def wave(self, cycles: Array, width: float | Array) -> Array:
+        half = self.duty / 2
+        from_centre = _distance(cycles - half)
+        width = np.maximum(width, 1e-6)
+        low, high = from_centre - width / 2, from_centre + width / 2
+        this = np.maximum(np.minimum(high, half) - np.maximum(low, -half), 0.0)
+        following = np.maximum(high - (1.0 - half), 0.0)
+        return np.asarray(np.minimum((this + following) / width, 1.0))
+
+
+def _distance(cycles: Array) -> Array:
+    """Return the distance to the nearest whole number, from 0 to 0.5."""
+    return np.abs(cycles - np.round(cycles))

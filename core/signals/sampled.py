@@ -1,0 +1,65 @@
+"""A recording as a signal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from .interpolation import interpolate
+from .limits import MAX_PEAK, checked_number
+from .signal import Signal
+from .track import Array
+
+MAX_SAMPLES = 4_000_000
+_OVERSHOOT = 4.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sampled(Signal):
+    """`samples` at `rate` a second, interpolated between them, silent beyond.
+
+    samples: shape (n,), 1 to 4,000,000 finite numbers. rate: hertz, 1 to 192,000.
+    """
+
+    kind: ClassVar[str] = "sampled"
+
+    samples: Array
+    rate: float = 8000.0
+    peak: float = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "rate", checked_number("rate", self.rate, 1.0, 192_000.0))
+        object.__setattr__(self, "samples", _checked_samples(self.samples))
+        # The largest sum of the kernel's magnitudes bounds what interpolation can overshoot.
+        object.__setattr__(self, "peak", _OVERSHOOT * float(np.max(np.abs(self.samples))))
+
+    @property
+    def duration(self) -> float:
+        return len(self.samples) / self.rate
+
+    def values(self, times: Array, step: float) -> Array:
+        return interpolate(self.samples, times * self.rate, max(1.0, step * self.rate))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Sampled):
+            return NotImplemented
+        return self is other or (self.rate == other.rate and np.array_equal(self.samples, other.samples))
+
+    def __hash__(self) -> int:
+        return hash((self.rate, self.samples.tobytes()))
+
+
+def _checked_samples(numbers: Sequence[float] | Array) -> Array:
+    try:
+        samples = np.array(numbers, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError("samples: must be a list of numbers") from None
+    if samples.ndim != 1 or not 1 <= samples.size <= MAX_SAMPLES:
+        raise ValueError(f"samples: must be a list of 1 to {MAX_SAMPLES} numbers")
+    if not np.all(np.abs(samples) <= MAX_PEAK / _OVERSHOOT):
+        raise ValueError(f"samples: must be finite and within ±{MAX_PEAK / _OVERSHOOT:g}")
+    samples.setflags(write=False)
+    return samples

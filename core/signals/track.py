@@ -1,0 +1,104 @@
+"""A number that changes over time: straight lines between keys."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .limits import MAX_SECONDS, checked_number
+
+Array = NDArray[np.float64]
+
+
+class Track:
+    """A value keyed over time, linear between the keys and constant before the first and after the last.
+
+    times: seconds, shape (n,), n >= 1, never decreasing; two keys at one time are a jump (the later one holds from that time on).
+    values: shape (n,), finite.
+    Raises ValueError that names the argument.
+    """
+
+    __slots__ = ("_areas", "_origin", "_slopes", "times", "values")
+
+    times: Array
+    values: Array
+
+    def __init__(self, times: Sequence[float] | Array, values: Sequence[float] | Array) -> None:
+        self.times = _column("times", times, MAX_SECONDS)
+        self.values = _column("values", values, 1e9)
+        if len(self.times) != len(self.values):
+            raise ValueError(f"values: {len(self.values)} for {len(self.times)} times")
+        widths = np.diff(self.times)
+        if np.any(widths < 0):
+            raise ValueError("times: must not decrease")
+        rises = np.diff(self.values)
+        # A jump, and a width so small that the slope would overflow, is never stepped into.
+        steps = widths > 1e-12
+        self._slopes = np.append(np.divide(rises, widths, out=np.zeros_like(rises), where=steps), 0.0)
+        self._areas = np.append(0.0, np.cumsum(widths * (self.values[:-1] + self.values[1:]) / 2))
+        self._origin = 0.0
+        self._origin = float(self.integral(np.zeros(1))[0])
+
+    def at(self, times: Array) -> Array:
+        """Return the values at `times` (seconds, any shape)."""
+        index, since = self._locate(times)
+        return np.asarray(self.values[index] + self._slopes[index] * np.maximum(since, 0.0))
+
+    def integral(self, times: Array) -> Array:
+        """Return the integral from 0 to each of `times`, exact for straight lines."""
+        index, since = self._locate(times)
+        return self._areas[index] + since * (self.values[index] + self._slopes[index] * np.maximum(since, 0.0) / 2) - self._origin
+
+    def _locate(self, times: Array) -> tuple[NDArray[np.intp], Array]:
+        index = np.maximum(np.searchsorted(self.times, times, side="right") - 1, 0)
+        return index, times - self.times[index]
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Track):
+            return NotImplemented
+        return self is other or (np.array_equal(self.times, other.times) and np.array_equal(self.values, other.values))
+
+    def __hash__(self) -> int:
+        return hash((self.times.tobytes(), self.values.tobytes()))
+
+    def __repr__(self) -> str:
+        return f"Track({self.times.tolist()}, {self.values.tolist()})"
+
+
+def ramp(start: float, end: float, duration: float) -> Track:
+    """Return the track from `start` to `end` within `duration` seconds (> 0), constant afterwards."""
+    return Track((0.0, duration), (start, end))
+
+
+def checked_parameter(name: str, value: object, low: float, high: float) -> float | Track:
+    """Return `value`, a number or a track whose every value is within [low, high]. Raise ValueError that names `name` otherwise."""
+    if not isinstance(value, Track):
+        return checked_number(name, value, low, high)
+    checked_number(name, float(np.min(value.values)), low, high)
+    checked_number(name, float(np.max(value.values)), low, high)
+    return value
+
+
+def largest(parameter: float | Track) -> float:
+    """Return the largest magnitude that a number or track takes."""
+    return float(np.max(np.abs(parameter.values))) if isinstance(parameter, Track) else abs(parameter)
+
+
+def values_of(parameter: float | Track, times: Array) -> float | Array:
+    """Return a number as it is, or a track's values at `times`."""
+    return parameter.at(times) if isinstance(parameter, Track) else parameter
+
+
+def _column(name: str, numbers: Sequence[float] | Array, limit: float) -> Array:
+    try:
+        column = np.array(numbers, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"{name}: must be a list of numbers") from None
+    if column.ndim != 1 or column.size == 0:
+        raise ValueError(f"{name}: must be a list of at least one number")
+    if not np.all(np.abs(column) <= limit):
+        raise ValueError(f"{name}: must be finite and within ±{limit:g}")
+    column.setflags(write=False)
+    return column
