@@ -6,7 +6,7 @@ import pytest
 from haptic_tracing.core.body import BODY_PART, BODY_PARTS, DEFAULT_LISTENERS, body_part
 
 # Bits of OHMData.h in MPEGGroup/HapticReferenceSoftware.
-# On each side the bits are ears 0x4, chest 0x10, then every second bit from the upper arm to the toes; the left one is the right one shifted by 1.
+# On each side: ear 0x4, chest 0x10, then every second bit from the upper arm to the toes; the left one is the right one shifted by 1.
 RIGHT_BITS = 0x4 | 0x10 | sum(1 << bit for bit in range(10, 32, 2))
 LEFT_BITS = RIGHT_BITS << 1
 MIDLINE_BITS = 0x1 | 0x2 | 0x40 | 0x80 | 0x100 | 0x200
