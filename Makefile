@@ -1,0 +1,59 @@
+# make demo, make test: everything else that is needed is made first. `make help` lists the rest.
+
+PYTHON := .venv/bin/python
+MATRIX := 4.2.23 4.5.15 5.0.1 5.2.3
+
+.PHONY: packages-for-demo packages-for-test help demo test lint test-matrix $(MATRIX:%=test-%) test-gui package wheels bench clean
+.DELETE_ON_ERROR:
+
+help:
+	@echo "make demo         the paper's first figure, played through Blender: picture, sound and haptic scene in out/"
+	@echo "make test         linters, types and the whole suite"
+	@echo "make test-matrix  the suite on bpy $(MATRIX)"
+	@echo "make test-gui BLENDER=path/to/blender   the suite in Blender's own window"
+	@echo "make package      the extension, one zip per platform in dist/"
+	@echo "make bench        measurements, printed as tables"
+	@echo "make clean        remove everything made, the virtual environments included"
+
+demo: packages-for-demo .venv/complete
+	$(PYTHON) -m haptic_tracing demo --out out
+
+test: packages-for-test .venv/complete wheels lint
+	$(PYTHON) -m pytest
+
+lint: .venv/complete
+	.venv/bin/ruff check .
+	.venv/bin/mypy core
+
+test-matrix: $(MATRIX:%=test-%)
+
+$(MATRIX:%=test-%): test-%: packages-for-test .venv-%/complete wheels
+	.venv-$*/bin/python -m pytest
+
+test-gui: .venv/complete wheels
+	@[ -n "$(BLENDER)$(REAL_BLENDER)" ] || { echo "haptic-tracing: say which Blender: make test-gui BLENDER=path/to/blender" >&2; exit 1; }
+	BLENDER="$(BLENDER)" REAL_BLENDER="$(REAL_BLENDER)" $(PYTHON) -m pytest tests/gui
+
+package: .venv/complete wheels
+	$(PYTHON) packaging/build.py
+
+wheels: .venv/complete
+	@$(PYTHON) packaging/wheels.py
+
+bench: .venv/complete
+	$(PYTHON) -m pip install --quiet --quiet --disable-pip-version-check --editable ".[benchmark]"
+	$(PYTHON) benchmarks
+
+clean:
+	rm -rf .venv .venv-* build dist out wheels *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+
+.venv/complete: pyproject.toml
+	@packaging/make_environment .venv
+
+.venv-%/complete: pyproject.toml
+	@packaging/make_environment .venv-$* $*
+
+# Name the Debian packages that are missing, and stop.
+packages-for-demo packages-for-test: packages-for-%:
+	@missing=$$(packaging/system_packages $*); [ -z "$$missing" ] || { \
+		echo "haptic-tracing: missing Debian packages, install them with: sudo apt-get install $$missing" >&2; exit 1; }
