@@ -1,0 +1,23 @@
+"""The one error of all readers: which file, where in it, what is wrong, in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+
+def json_pointer(parts: Iterable[str | int]) -> str:
+    """The JSON pointer (RFC 6901) to the value reached by keys and indices; the document itself is shown as ``/``."""
+    pointer = "".join("/" + str(part).replace("~", "~0").replace("/", "~1") for part in parts)
+    return pointer or "/"
+
+
+class FormatError(ValueError):
+    """``FILE: /json/pointer: reason``. ``pointer`` is a JSON pointer, or a place such as ``byte 12`` in a file that is not JSON."""
+
+    def __init__(self, file: str | Path, pointer: str, reason: str) -> None:
+        text = f"{file}: {pointer}: {reason}"
+        super().__init__("".join(c if c.isprintable() else repr(c)[1:-1] for c in text))
+        self.file = str(file)
+        self.pointer = pointer
+        self.reason = reason

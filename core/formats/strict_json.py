@@ -1,0 +1,143 @@
+"""Reading JSON from strangers: bounded in size, depth and number of values, without NaN, duplicate keys or half a character.
+
+What the standard library lets through is found with its place: a value that JSON does not have is kept as a marker while parsing, and a
+walk over the document, done only when there is one, gives the pointer.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import re
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .error import FormatError, json_pointer
+
+MAX_BYTES = 256 * 2**20
+MAX_DEPTH = 100
+MAX_VALUES = 32_000_000
+_CHUNK = 2**22
+
+_SURROGATE_ESCAPE = re.compile(rb"\\u[dD][89a-fA-F]")
+
+
+@dataclass(frozen=True, slots=True)
+class _Misplaced:
+    """Stands where something is that JSON does not allow."""
+
+    reason: str
+
+
+def read_bytes(path: Path, max_bytes: int = MAX_BYTES) -> bytes:
+    """The content of a file, unpacked if its name ends in ``.gz``. Raises FormatError beyond ``max_bytes``, however small the packed
+    file is, and OSError."""
+    with path.open("rb") as file:
+        try:
+            if path.suffix.lower() == ".gz":
+                with gzip.open(file) as unpacked:
+                    data = unpacked.read(max_bytes + 1)
+            else:
+                data = file.read(max_bytes + 1)
+        except (gzip.BadGzipFile, EOFError, zlib.error) as error:
+            raise FormatError(path, "/", f"not a whole gzip file: {error}") from None
+    if len(data) > max_bytes:
+        raise FormatError(path, "/", f"larger than {max_bytes / 2**20:.6g} MiB")
+    return data
+
+
+def parse_json(data: bytes, file: str | Path) -> Any:
+    """The document in ``data``, UTF-8 with or without byte order mark. Raises FormatError."""
+    if not data.strip():
+        raise FormatError(file, "/", "the file is empty")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FormatError(file, "/", f"not UTF-8: byte {error.start} is 0x{data[error.start]:02x}") from None
+    _check_extent(data, file)
+    misplaced = False
+
+    def mark(reason: str) -> _Misplaced:
+        nonlocal misplaced
+        misplaced = True
+        return _Misplaced(reason)
+
+    def members(pairs: list[tuple[str, Any]]) -> Any:
+        result = dict(pairs)
+        if len(result) == len(pairs):
+            return result
+        seen: set[str] = set()
+        for key, _ in pairs:
+            if key in seen:
+                return mark(f"the key {key!r} stands twice")
+            seen.add(key)
+        raise AssertionError("unreachable: some key stands twice")
+
+    try:
+        document = json.loads(text, object_pairs_hook=members, parse_constant=lambda name: mark(f"{name} is not a JSON number"))
+    except json.JSONDecodeError as error:
+        raise FormatError(file, "/", f"not JSON: {error.msg} (line {error.lineno} column {error.colno})") from None
+    except RecursionError:
+        raise FormatError(file, "/", "nested too deeply") from None
+    except ValueError:
+        raise FormatError(file, "/", "a number has too many digits") from None
+    if misplaced or _SURROGATE_ESCAPE.search(data):
+        _find_misplaced(document, file)
+    return document
+
+
+def read_json(path: str | Path, max_bytes: int = MAX_BYTES) -> Any:
+    """The document in a ``.json`` or ``.json.gz`` file. Raises FormatError or OSError."""
+    path = Path(path)
+    return parse_json(read_bytes(path, max_bytes), path)
+
+
+def _check_extent(data: bytes, file: str | Path) -> None:
+    """Depth and number of values, before anything is built from them; in chunks, so that it costs no memory to speak of."""
+    if b"\\" in data:
+        data = data.replace(b"\\\\", b"__").replace(b'\\"', b"__")
+    quotes = depth = values = 0
+    for start in range(0, len(data), _CHUNK):
+        codes = np.frombuffer(data, dtype=np.uint8, count=min(_CHUNK, len(data) - start), offset=start)
+        # An odd number of quotes before a byte: it stands in a string. Counting modulo 256 keeps the parity.
+        before = np.cumsum(codes == ord('"'), dtype=np.uint8) + np.uint8(quotes % 256)
+        outside = before & 1 == 0
+        quotes = int(before[-1])
+        opening = (codes == ord("[")) | (codes == ord("{"))
+        brackets = np.flatnonzero((opening | (codes == ord("]")) | (codes == ord("}"))) & outside)
+        values += int(np.count_nonzero(((codes == ord(",")) | opening) & outside))
+        if values > MAX_VALUES:
+            raise FormatError(file, "/", f"more than {MAX_VALUES} values")
+        if len(brackets):
+            depths = depth + np.cumsum(np.where(opening[brackets], 1, -1))
+            if depths.max() > MAX_DEPTH:
+                place = start + int(brackets[np.argmax(depths > MAX_DEPTH)])
+                raise FormatError(file, "/", f"nested deeper than {MAX_DEPTH} levels at byte {place}")
+            depth = int(depths[-1])
+
+
+def _find_misplaced(document: Any, file: str | Path) -> None:
+    for parts, value in _walk(document):
+        if isinstance(value, _Misplaced):
+            raise FormatError(file, json_pointer(parts), value.reason)
+        strings = [value] if isinstance(value, str) else list(value) if isinstance(value, dict) else []
+        for text in strings:
+            if any("\ud800" <= c <= "\udfff" for c in text):
+                raise FormatError(file, json_pointer(parts), f"{text!r} holds half a character (a lone surrogate)")
+
+
+def _walk(document: Any) -> Iterator[tuple[tuple[str | int, ...], Any]]:
+    """Every value with the keys and indices that lead to it, in document order."""
+    stack: list[tuple[tuple[str | int, ...], Any]] = [((), document)]
+    while stack:
+        parts, value = stack.pop()
+        yield parts, value
+        if isinstance(value, dict):
+            stack.extend(((*parts, key), member) for key, member in reversed(value.items()))
+        elif isinstance(value, list):
+            stack.extend(((*parts, i), value[i]) for i in range(len(value) - 1, -1, -1))
