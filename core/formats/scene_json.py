@@ -16,7 +16,7 @@ import numpy as np
 from ..contacts.shapes import Shape, shape_from_dict
 from ..functions import ModulationFunction, function_from_dict
 from ..scene import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source
-from ..signals import signal_from_dict
+from ..signals import Signal, signal_from_dict
 from .atomic import atomic_file
 from .error import FormatError, json_pointer
 from .schema import validate
@@ -159,12 +159,13 @@ class _Reader:
         return self.made(Contact, arguments, place)
 
     def source(self, form: Mapping[str, Any], place: Place) -> Source:
+        arguments = dict(form)
         if "signal" in form:
             try:
-                signal_from_dict(form["signal"])
+                arguments["signal"] = signal_from_dict(form["signal"])
             except ValueError as error:
                 raise self.error(str(error), (*place, "signal"), form["signal"]) from None
-        return self.made(Source, form, place)
+        return self.made(Source, arguments, place)
 
     def listener(self, form: Mapping[str, Any], place: Place) -> Listener:
         return self.made(Listener, form, place)
@@ -207,7 +208,7 @@ def _plain(value: Any) -> Any:
             return value
         case Pose():
             return {"position": list(value.position), "rotation": list(value.rotation)}
-        case ModulationFunction() | Shape():
+        case ModulationFunction() | Shape() | Signal():
             return value.to_dict()
         case Mapping():
             return {key: _plain(member) for key, member in value.items()}

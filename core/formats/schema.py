@@ -44,7 +44,7 @@ def _validator(schema: str) -> Callable[[Any], Any]:
 
 
 def _parts(document: Any, name: str) -> list[str | int]:
-    """Keys and indices behind the validator's ``.objects[0].kappa``. Keys with dots and brackets make it ambiguous: the document decides."""
+    """Keys and indices behind the validator's ``.objects[0].kappa``. Keys with dots and brackets are ambiguous: the document decides."""
     if isinstance(document, list) and name.startswith("["):
         index, _, rest = name[1:].partition("]")
         return [int(index), *_parts(document[int(index)], rest)]
