@@ -1,0 +1,51 @@
+"""``haptic-tracing contacts``: the contacts of a scene file, found from shapes and poses."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+
+
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Describe the subcommand."""
+    parser = subparsers.add_parser("contacts", help="print the contacts of a scene file, found from the shapes and poses of its objects")
+    parser.add_argument("scene", metavar="SCENE.json", help="haptic scene")
+    parser.add_argument("--tolerance", type=_tolerance, default=0.01, metavar="M", help="greatest signed distance of a contact (0.01 m)")
+    parser.add_argument("--points", action="store_true", help="one contact per point of a patch, with its share, instead of its centre")
+    parser.set_defaults(run=run)
+
+
+def _tolerance(text: str) -> float:
+    value = float(text)
+    if not 0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"must be finite and >= 0 m, got {text}")
+    return value
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print ``{"contacts": [...]}`` in the form of the scene file, each contact with its signed ``distance`` in metres."""
+    from ..core.contacts.scene_contacts import contacts_of_scene
+    from ..core.formats.scene_json import read_scene
+
+    scene = read_scene(args.scene)
+    try:
+        contacts = contacts_of_scene(scene, args.tolerance, args.points)
+    except ValueError as error:
+        raise ValueError(f"{args.scene}: {error}") from None
+    names = [item.name for item in scene.objects]
+    forms = [
+        {
+            "objects": [names[a], names[b]],
+            "positions": contacts.positions[i].tolist(),
+            "transmission": {"function": "identity"},
+            "area": float(contacts.area[i]),
+            "normal": contacts.normal[i].tolist(),
+            "depth": float(contacts.depth[i]),
+            "distance": float(contacts.distance[i]),
+            **({"share": float(contacts.share[i])} if args.points else {}),
+        }
+        for i, (a, b) in enumerate(contacts.pairs.tolist())
+    ]
+    print(json.dumps({"contacts": forms}, indent=1, allow_nan=False))
+    return 0

@@ -1,0 +1,78 @@
+"""Shapes as Blender hands them to Bullet, from the bounding box or the vertices of an object.
+
+Box and round shapes take their size from the bounding box and stand at the object's origin, wherever the middle of that box is. All of
+them are built without scale; Bullet then scales each shape by its own rules. Boxes and cylinders hold their margin inside; cones, hulls
+and meshes have it outside, but a hull is first moved inwards by 0.04 m unless its margin is used as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .hull import convex_hull, shrunk_hull
+from .shapes import Box, Capsule, Cone, ConvexHull, Cylinder, Mesh, Shape, Sphere, points_array
+
+FloatArray = NDArray[np.float64]
+
+DEFAULT_MARGIN = 0.04
+"""Bullet's margin in metres, for every shape whose own is not used."""
+
+
+def shape_from_bounding_box(
+    kind: str, bounds: ArrayLike, scale: Sequence[float] = (1.0, 1.0, 1.0), margin: float = DEFAULT_MARGIN, use_margin: bool = False
+) -> Shape:
+    """BOX, SPHERE, CAPSULE, CYLINDER or CONE around an object.
+
+    ``bounds`` (2, 3): lowest and highest corner in the object's space, or the eight corners of ``Object.bound_box``; ``scale`` of the
+    object; ``margin`` and ``use_margin`` of its rigid body. Raises ValueError for a scale that is not positive or a box without extent.
+    """
+    corners = points_array("bounds", bounds)
+    x, y, z = (np.ptp(corners, axis=0) / 2).tolist()
+    sx, sy, sz = _scale(scale)
+    rounding = margin if use_margin else DEFAULT_MARGIN
+    round_radius = max(x, y)
+    match kind:
+        case "BOX":
+            return Box((2 * x * sx, 2 * y * sy, 2 * z * sz), rounding=rounding)
+        case "SPHERE":
+            return Sphere(max(x, y, z) * sx)
+        case "CAPSULE":
+            return Capsule(round_radius * sy, max(0.0, 2 * (z - round_radius)) * sz)
+        case "CYLINDER":
+            return Cylinder(round_radius * sx, 2 * z * sz, rounding=rounding)
+        case "CONE":
+            return Cone(round_radius * sx, 2 * z * sz, margin)
+    raise ValueError(f"kind: expected BOX, SPHERE, CAPSULE, CYLINDER or CONE, got {kind!r}")
+
+
+def convex_hull_shape(
+    points: ArrayLike, scale: Sequence[float] = (1.0, 1.0, 1.0), margin: float = DEFAULT_MARGIN, use_margin: bool = False
+) -> ConvexHull:
+    """CONVEX_HULL of an object's vertices (n, 3) in its own space. Raises ValueError for bad points or a scale that is not positive."""
+    vertices = points_array("points", points)
+    factor = np.array(_scale(scale))
+    hull = convex_hull(vertices)
+    if use_margin:
+        return ConvexHull(hull.points * factor, margin)
+    inner = shrunk_hull(hull, DEFAULT_MARGIN) if len(hull.triangles) and np.min(np.ptp(vertices, axis=0)) > 0 else None
+    if inner is None:
+        return ConvexHull(hull.points * factor)
+    return ConvexHull(inner.points * factor, DEFAULT_MARGIN)
+
+
+def mesh_shape(
+    points: ArrayLike, triangles: ArrayLike, scale: Sequence[float] = (1.0, 1.0, 1.0), margin: float = DEFAULT_MARGIN
+) -> Mesh:
+    """MESH of an object's vertices (n, 3) and triangles (t, 3) in its own space; its margin always lies outside. Raises ValueError for bad
+    arrays or a scale that is not positive."""
+    return Mesh(points_array("points", points) * np.array(_scale(scale)), np.asarray(triangles), margin)
+
+
+def _scale(scale: Sequence[float]) -> tuple[float, float, float]:
+    x, y, z = (float(s) for s in scale)
+    if not all(np.isfinite((x, y, z))) or min(x, y, z) <= 0:
+        raise ValueError(f"scale: must be greater than 0, got {(x, y, z)}")
+    return x, y, z

@@ -1,0 +1,256 @@
+"""Convex hulls of points in space (quickhull), their faces, and hulls moved inwards by a margin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+MAX_HULL_POINTS = 4096
+"""Most points a hull is computed from exactly; more are first reduced to the extreme ones in as many directions."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hull:
+    """``points`` (n, 3): the corners. ``triangles`` (t, 3): the surface, counter-clockwise seen from outside; a flat hull has both sides,
+    a line has none."""
+
+    points: FloatArray
+    triangles: IntArray
+
+    def planes(self) -> tuple[FloatArray, FloatArray]:
+        """Outward unit normals (f, 3) and offsets (f,): the hull is where ``normals @ x <= offsets``. Triangles of one plane share one."""
+        a, b, c = (self.points[self.triangles[:, k]] for k in range(3))
+        normals = np.cross(b - a, c - a)
+        lengths = np.linalg.norm(normals, axis=1)
+        kept = lengths > 0
+        normals = normals[kept] / lengths[kept, None]
+        offsets = np.einsum("ij,ij->i", normals, a[kept])
+        extent = float(np.max(np.ptp(self.points, axis=0)))
+        keys = np.round(np.concatenate([normals, offsets[:, None] / extent], axis=1), 6)
+        _, first = np.unique(keys, axis=0, return_index=True)
+        first.sort()
+        return normals[first], offsets[first]
+
+
+def extreme_points(points: FloatArray, count: int) -> FloatArray:
+    """The points farthest out in ``count`` directions spread evenly over the sphere."""
+    k = np.arange(count) + 0.5
+    z = 1 - 2 * k / count
+    angle = np.pi * (1 + 5**0.5) * k
+    ring = np.sqrt(1 - z * z)
+    directions = np.stack([ring * np.cos(angle), ring * np.sin(angle), z])
+    best = np.full(count, -np.inf)
+    index = np.zeros(count, dtype=np.int64)
+    for start in range(0, len(points), 2048):
+        height: FloatArray = points[start : start + 2048] @ directions
+        top = height.argmax(axis=0)
+        value = height[top, np.arange(count)]
+        better = value > best
+        best[better] = value[better]
+        index[better] = top[better] + start
+    return points[np.unique(index)]
+
+
+def convex_hull(points: FloatArray) -> Hull:
+    """The hull of ``points`` (n, 3), at least one. Points within 1e-9 of the extent of a face count as lying in it."""
+    points = np.unique(np.asarray(points, dtype=np.float64), axis=0)
+    if len(points) > MAX_HULL_POINTS:
+        points = extreme_points(points, MAX_HULL_POINTS)
+    extent = float(np.max(np.ptp(points, axis=0)))
+    simplex = _simplex(points, 1e-9 * max(extent, float(np.max(np.abs(points))) * 1e-4))
+    if len(simplex) == 1:
+        return Hull(points[simplex], np.zeros((0, 3), dtype=np.int64))
+    if len(simplex) == 2:
+        direction = points[simplex[1]] - points[simplex[0]]
+        along = points @ direction
+        return Hull(points[[int(np.argmin(along)), int(np.argmax(along))]], np.zeros((0, 3), dtype=np.int64))
+    if len(simplex) == 3:
+        return _flat_hull(points, points[simplex])
+    return _Quickhull(points, simplex, 1e-9 * extent).hull()
+
+
+def _simplex(points: FloatArray, tolerance: float) -> list[int]:
+    """Indices of up to four points that span the space of all of them."""
+    low = int(np.lexsort(points.T)[0])
+    offsets = points - points[low]
+    distance = np.linalg.norm(offsets, axis=1)
+    second = int(distance.argmax())
+    if distance[second] <= tolerance:
+        return [low]
+    axis = offsets[second] / distance[second]
+    flat = offsets - np.outer(offsets @ axis, axis)
+    distance = np.linalg.norm(flat, axis=1)
+    third = int(distance.argmax())
+    if distance[third] <= tolerance:
+        return [low, second]
+    normal = np.cross(axis, flat[third])
+    normal /= np.linalg.norm(normal)
+    height = np.abs(offsets @ normal)
+    fourth = int(height.argmax())
+    if height[fourth] <= tolerance:
+        return [low, second, third]
+    return [low, second, third, fourth]
+
+
+def _flat_hull(points: FloatArray, triangle: FloatArray) -> Hull:
+    """Hull of points in one plane: the polygon, both sides."""
+    u = triangle[1] - triangle[0]
+    u = u / np.linalg.norm(u)
+    normal = np.cross(u, triangle[2] - triangle[0])
+    normal /= np.linalg.norm(normal)
+    plane = np.stack([(points - triangle[0]) @ u, (points - triangle[0]) @ np.cross(normal, u)], axis=1)
+    outline = hull_2d(plane)
+    fan = np.array([[0, k, k + 1] for k in range(1, len(outline) - 1)], dtype=np.int64)
+    return Hull(points[outline], np.concatenate([fan, fan[:, ::-1]]))
+
+
+def hull_2d(points: FloatArray) -> IntArray:
+    """Indices of the corners of the convex hull of ``points`` (n, 2), counter-clockwise (Andrew's monotone chain)."""
+    order = np.lexsort((points[:, 1], points[:, 0])).tolist()
+    xy = points.tolist()
+
+    def chain(indices: list[int]) -> list[int]:
+        kept: list[int] = []
+        for i in indices:
+            while len(kept) > 1:
+                (ax, ay), (bx, by), (cx, cy) = xy[kept[-2]], xy[kept[-1]], xy[i]
+                if (bx - ax) * (cy - ay) - (by - ay) * (cx - ax) > 0:
+                    break
+                kept.pop()
+            kept.append(i)
+        return kept[:-1]
+
+    if len(order) == 1:
+        return np.array(order, dtype=np.int64)
+    return np.array(chain(order) + chain(order[::-1]), dtype=np.int64)
+
+
+@dataclass(slots=True)
+class _Face:
+    corners: tuple[int, int, int]
+    normal: FloatArray
+    offset: float
+    outside: IntArray
+    height: float = 0.0
+    neighbours: dict[tuple[int, int], _Face] = field(default_factory=dict)
+    alive: bool = True
+
+
+class _Quickhull:
+    """Quickhull (Barber, Dobkin, Huhdanpaa 1996): the farthest point outside a face replaces all the faces it sees."""
+
+    def __init__(self, points: FloatArray, simplex: list[int], tolerance: float) -> None:
+        self._points = points
+        self._tolerance = tolerance
+        a, b, c, d = simplex
+        if np.dot(np.cross(points[b] - points[a], points[c] - points[a]), points[d] - points[a]) > 0:
+            b, c = c, b
+        faces = [self._face(*corners) for corners in ((a, b, c), (a, d, b), (b, d, c), (c, d, a))]
+        self._link(faces)
+        self._share_out(np.setdiff1d(np.arange(len(points)), simplex), faces)
+        self._faces = faces
+        waiting = [face for face in faces if len(face.outside)]
+        while waiting:
+            face = waiting.pop()
+            if face.alive and len(face.outside):
+                waiting.extend(f for f in self._add_point(face) if len(f.outside))
+
+    def hull(self) -> Hull:
+        triangles = np.array([face.corners for face in self._faces if face.alive], dtype=np.int64)
+        used, flat = np.unique(triangles, return_inverse=True)
+        return Hull(self._points[used], flat.reshape(-1, 3).astype(np.int64))
+
+    def _face(self, a: int, b: int, c: int) -> _Face:
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self._points[a].tolist(), self._points[b].tolist(), self._points[c].tolist()
+        ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
+        nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        length = (nx * nx + ny * ny + nz * nz) ** 0.5
+        if length > 0:
+            nx, ny, nz = nx / length, ny / length, nz / length
+        return _Face((a, b, c), np.array([nx, ny, nz]), nx * ax + ny * ay + nz * az, np.zeros(0, dtype=np.int64))
+
+    @staticmethod
+    def _link(faces: list[_Face]) -> None:
+        edges = {(f.corners[k], f.corners[(k + 1) % 3]): f for f in faces for k in range(3)}
+        for (a, b), face in edges.items():
+            other = edges.get((b, a))
+            if other is not None:
+                face.neighbours[(a, b)] = other
+
+    def _share_out(self, indices: IntArray, faces: list[_Face]) -> None:
+        """Give every point above some face to the one it is highest above."""
+        if not len(indices):
+            return
+        heights = self._points[indices] @ np.array([f.normal for f in faces]).T - np.array([f.offset for f in faces])
+        best = heights.argmax(axis=1)
+        top = heights[np.arange(len(indices)), best]
+        outside = top > self._tolerance
+        for number in np.unique(best[outside]).tolist():
+            chosen = np.flatnonzero(outside & (best == number))
+            chosen = chosen[np.argsort(top[chosen], kind="stable")]
+            faces[number].outside = indices[chosen]
+
+    def _add_point(self, start: _Face) -> list[_Face]:
+        apex = int(start.outside[-1])
+        point = self._points[apex]
+        visible = [start]
+        start.alive = False
+        horizon: list[tuple[tuple[int, int], _Face]] = []
+        for face in visible:
+            for edge, other in face.neighbours.items():
+                if not other.alive:
+                    continue
+                if float(other.normal @ point) - other.offset > self._tolerance:
+                    other.alive = False
+                    visible.append(other)
+                else:
+                    horizon.append((edge, other))
+        horizon = [(edge, other) for edge, other in horizon if other.alive]
+        created = []
+        for (a, b), other in horizon:
+            face = self._face(a, b, apex)
+            face.neighbours[(a, b)] = other
+            other.neighbours[(b, a)] = face
+            created.append(face)
+        self._link(created)
+        orphans = np.concatenate([face.outside for face in visible])
+        self._share_out(orphans[orphans != apex], created)
+        self._faces.extend(created)
+        return created
+
+
+def shrunk_hull(hull: Hull, depth: float) -> Hull | None:
+    """The hull with every face moved inwards by ``depth`` metres, or None where nothing is left of it."""
+    if depth == 0:
+        return hull
+    normals, offsets = hull.planes()
+    offsets = offsets - depth
+    centre = _deep_point(normals, offsets, hull.points.mean(axis=0))
+    slack = offsets - normals @ centre
+    extent = float(np.max(np.ptp(hull.points, axis=0)))
+    if np.min(slack) <= 1e-6 * extent:
+        return None
+    # Duality: a plane at distance s from the centre becomes the point normal / s; a face of their hull becomes a corner.
+    dual = convex_hull(normals / slack[:, None])
+    dual_normals, dual_offsets = dual.planes()
+    return convex_hull(centre + dual_normals / dual_offsets[:, None])
+
+
+def _deep_point(normals: FloatArray, offsets: FloatArray, start: FloatArray) -> FloatArray:
+    """A point well inside the half-spaces: steps away from the nearest plane, ever smaller."""
+    best = point = start
+    best_slack = float(np.min(offsets - normals @ start))
+    step = float(np.max(np.abs(offsets - normals @ start)))
+    for _ in range(200):
+        slack = offsets - normals @ point
+        nearest = int(np.argmin(slack))
+        if slack[nearest] > best_slack:
+            best, best_slack = point, float(slack[nearest])
+        point = point - step * normals[nearest]
+        step *= 0.95
+    return best

@@ -1,0 +1,418 @@
+"""Collision shapes as values: a core with its origin at the body's origin, grown by a margin.
+
+Round shapes stand along local z and are centred at half their height, the cone too (base at ``-height / 2``, tip at ``+height / 2``).
+A shape with margin m is its core and every point within m metres of it: the margin lies outside and rounds edges.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..scene import Pose, Vector
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+MAX_TRIANGLES = 500_000
+"""Largest mesh taken. A scene that wants more collides with its hull."""
+
+
+def _length(key: str, value: float, least: float = 0.0) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.floating, np.integer)):
+        raise ValueError(f"{key}: expected a number, got {value!r}")
+    if not (math.isfinite(value) and value >= least):
+        raise ValueError(f"{key}: must be finite and >= {least:g} m, got {float(value)!r}")
+    return float(value)
+
+
+def _positive(key: str, value: float) -> float:
+    length = _length(key, value)
+    if length == 0:
+        raise ValueError(f"{key}: must be greater than 0 m")
+    return length
+
+
+def points_array(key: str, value: ArrayLike) -> FloatArray:
+    """``value`` as a read-only array (n, 3) of finite numbers, n > 0. Raises ValueError that begins with ``key``."""
+    try:
+        points = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{key}: expected a list of points of three numbers") from None
+    if points.size == 0:
+        raise ValueError(f"{key}: there are none")
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ValueError(f"{key}: expected a list of points of three numbers, got an array of shape {points.shape}")
+    if not np.isfinite(points).all():
+        raise ValueError(f"{key}: point {int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])} is not finite")
+    points.setflags(write=False)
+    return points
+
+
+def rotation_matrix(rotation: tuple[float, float, float, float]) -> FloatArray:
+    """The (3, 3) matrix of a unit quaternion (w, x, y, z)."""
+    w, x, y, z = rotation
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ],
+        dtype=np.float64,
+    )
+
+
+def pose_matrix(pose: Pose) -> FloatArray:
+    """The rigid (4, 4) matrix of a pose: local to world, columns are the axes."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation_matrix(pose.rotation)
+    matrix[:3, 3] = pose.position
+    return matrix
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """Base of all shapes. Values: hashable, compared by content."""
+
+    type: ClassVar[str] = ""
+
+    @property
+    def margin(self) -> float:
+        """Metres by which the core is grown."""
+        raise NotImplementedError
+
+    def core_bounds(self) -> FloatArray:
+        """(2, 3) lowest and highest corner of the core's bounding box in local space."""
+        raise NotImplementedError
+
+    def local_bounds(self) -> FloatArray:
+        """(2, 3) lowest and highest corner of the bounding box in local space, margin included."""
+        bounds: FloatArray = self.core_bounds() + np.array([[-self.margin], [self.margin]])
+        return bounds
+
+    def to_dict(self) -> dict[str, Any]:
+        """The form of the scene file."""
+        raise NotImplementedError
+
+    def _margin_form(self) -> dict[str, float]:
+        return {"margin": self.margin} if self.margin else {}
+
+
+@dataclass(frozen=True, slots=True)
+class Box(Shape):
+    """``size`` (x, y, z) in metres. ``rounding`` is the radius of its edges within that size: Bullet sees a box so wherever the other shape
+    is not a box (its embedded margin); two boxes meet with sharp edges."""
+
+    type: ClassVar[str] = "box"
+    size: Vector
+    margin: float = 0.0
+    rounding: float = 0.0
+
+    def __post_init__(self) -> None:
+        try:
+            x, y, z = self.size
+        except (TypeError, ValueError):
+            raise ValueError(f"size: expected three lengths, got {self.size!r}") from None
+        object.__setattr__(self, "size", (_positive("size", x), _positive("size", y), _positive("size", z)))
+        object.__setattr__(self, "margin", _length("margin", self.margin))
+        object.__setattr__(self, "rounding", min(_length("rounding", self.rounding), min(self.size) / 2))
+
+    def core_bounds(self) -> FloatArray:
+        half = np.array(self.size) / 2
+        return np.array([-half, half])
+
+    def to_dict(self) -> dict[str, Any]:
+        rounding = {"rounding": self.rounding} if self.rounding else {}
+        return {"type": self.type, "size": list(self.size), **self._margin_form(), **rounding}
+
+
+@dataclass(frozen=True, slots=True)
+class Sphere(Shape):
+    """``radius`` in metres."""
+
+    type: ClassVar[str] = "sphere"
+    radius: float
+    margin: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", _positive("radius", self.radius))
+        object.__setattr__(self, "margin", _length("margin", self.margin))
+
+    def core_bounds(self) -> FloatArray:
+        return np.array([[-self.radius] * 3, [self.radius] * 3])
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"type": self.type, "radius": self.radius, **self._margin_form()}
+
+
+def _round_bounds(radius: float, half: float) -> FloatArray:
+    return np.array([[-radius, -radius, -half], [radius, radius, half]])
+
+
+@dataclass(frozen=True, slots=True)
+class Capsule(Shape):
+    """``radius`` and ``height`` of the cylindrical part, in metres (height 0 is a sphere)."""
+
+    type: ClassVar[str] = "capsule"
+    radius: float
+    height: float
+    margin: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", _positive("radius", self.radius))
+        object.__setattr__(self, "height", _length("height", self.height))
+        object.__setattr__(self, "margin", _length("margin", self.margin))
+
+    def core_bounds(self) -> FloatArray:
+        return _round_bounds(self.radius, self.height / 2 + self.radius)
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"type": self.type, "radius": self.radius, "height": self.height, **self._margin_form()}
+
+
+@dataclass(frozen=True, slots=True)
+class Cylinder(Shape):
+    """``radius`` and ``height`` in metres. ``rounding`` is the radius of its edges within that size (Bullet's embedded margin)."""
+
+    type: ClassVar[str] = "cylinder"
+    radius: float
+    height: float
+    margin: float = 0.0
+    rounding: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", _positive("radius", self.radius))
+        object.__setattr__(self, "height", _positive("height", self.height))
+        object.__setattr__(self, "margin", _length("margin", self.margin))
+        object.__setattr__(self, "rounding", min(_length("rounding", self.rounding), self.radius, self.height / 2))
+
+    def core_bounds(self) -> FloatArray:
+        return _round_bounds(self.radius, self.height / 2)
+
+    def to_dict(self) -> dict[str, Any]:
+        rounding = {"rounding": self.rounding} if self.rounding else {}
+        return {"type": self.type, "radius": self.radius, "height": self.height, **self._margin_form(), **rounding}
+
+
+@dataclass(frozen=True, slots=True)
+class Cone(Shape):
+    """``radius`` of the base and ``height`` in metres. The base lies at ``z = -height / 2``, the tip at ``z = +height / 2``."""
+
+    type: ClassVar[str] = "cone"
+    radius: float
+    height: float
+    margin: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", _positive("radius", self.radius))
+        object.__setattr__(self, "height", _positive("height", self.height))
+        object.__setattr__(self, "margin", _length("margin", self.margin))
+
+    def core_bounds(self) -> FloatArray:
+        return _round_bounds(self.radius, self.height / 2)
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"type": self.type, "radius": self.radius, "height": self.height, **self._margin_form()}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ConvexHull(Shape):
+    """The convex hull of ``points`` (n, 3) in metres, which may lie in one plane or on one line, but not all in one place."""
+
+    type: ClassVar[str] = "convex_hull"
+    points: FloatArray
+    margin: float = 0.0
+
+    def __post_init__(self) -> None:
+        points = points_array("points", self.points)
+        if not np.ptp(points, axis=0).any():
+            raise ValueError("points: they all lie in one place")
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "margin", _length("margin", self.margin))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ConvexHull) and self.margin == other.margin and np.array_equal(self.points, other.points)
+
+    def __hash__(self) -> int:
+        return hash((self.type, self.margin, self.points.tobytes()))
+
+    def core_bounds(self) -> FloatArray:
+        return np.array([self.points.min(axis=0), self.points.max(axis=0)])
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"type": self.type, "points": self.points.tolist(), **self._margin_form()}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mesh(Shape):
+    """A surface of ``triangles`` (t, 3), indices into ``points`` (n, 3) in metres. It has no inside: what touches it touches a triangle."""
+
+    type: ClassVar[str] = "mesh"
+    points: FloatArray
+    triangles: IntArray
+    margin: float = 0.0
+
+    def __post_init__(self) -> None:
+        points = points_array("points", self.points)
+        triangles = np.array(self.triangles)
+        if triangles.size == 0:
+            raise ValueError("triangles: there are none")
+        if triangles.ndim != 2 or triangles.shape[1] != 3 or triangles.dtype.kind not in "iu":
+            raise ValueError("triangles: expected a list of three indices each")
+        if len(triangles) > MAX_TRIANGLES:
+            raise ValueError(f"triangles: {len(triangles):,} are more than the {MAX_TRIANGLES:,} that a collision mesh can have")
+        if np.min(triangles) < 0 or np.max(triangles) >= len(points):
+            worst = int(np.flatnonzero((triangles < 0).any(axis=1) | (triangles >= len(points)).any(axis=1))[0])
+            raise ValueError(f"triangles: triangle {worst} refers to a point that is not there")
+        triangles = triangles.astype(np.int64)
+        triangles.setflags(write=False)
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "triangles", triangles)
+        object.__setattr__(self, "margin", _length("margin", self.margin))
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, Mesh)
+            and self.margin == other.margin
+            and np.array_equal(self.points, other.points)
+            and np.array_equal(self.triangles, other.triangles)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.type, self.margin, self.points.tobytes(), self.triangles.tobytes()))
+
+    def core_bounds(self) -> FloatArray:
+        used = self.points[self.triangles.reshape(-1)]
+        return np.array([used.min(axis=0), used.max(axis=0)])
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"type": self.type, "points": self.points.tolist(), "triangles": self.triangles.tolist(), **self._margin_form()}
+
+
+@dataclass(frozen=True, slots=True)
+class Compound(Shape):
+    """Shapes at poses in the local space of the body. ``margin`` adds to that of every child."""
+
+    type: ClassVar[str] = "compound"
+    children: tuple[tuple[Shape, Pose], ...]
+    margin: float = 0.0
+
+    def __post_init__(self) -> None:
+        children = tuple(self.children)
+        if not children:
+            raise ValueError("children: there are none")
+        object.__setattr__(self, "children", children)
+        object.__setattr__(self, "margin", _length("margin", self.margin))
+
+    def core_bounds(self) -> FloatArray:
+        bounds = np.array([transformed_bounds(shape.local_bounds(), pose_matrix(pose)) for shape, pose in self.children])
+        return np.array([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
+
+    def to_dict(self) -> dict[str, Any]:
+        children = [
+            {**shape.to_dict(), "pose": {"position": list(pose.position), "rotation": list(pose.rotation)}} for shape, pose in self.children
+        ]
+        return {"type": self.type, "children": children, **self._margin_form()}
+
+
+def transformed_bounds(bounds: FloatArray, matrices: FloatArray) -> FloatArray:
+    """World bounding boxes (..., 2, 3) of local ones (..., 2, 3) under rigid ``matrices`` (..., 4, 4)."""
+    centre = (bounds[..., 0, :] + bounds[..., 1, :]) / 2
+    half = (bounds[..., 1, :] - bounds[..., 0, :]) / 2
+    rotation = matrices[..., :3, :3]
+    world_centre = np.einsum("...ij,...j->...i", rotation, centre) + matrices[..., :3, 3]
+    world_half = np.einsum("...ij,...j->...i", np.abs(rotation), half)
+    return np.stack([world_centre - world_half, world_centre + world_half], axis=-2)
+
+
+SHAPES: dict[str, type[Shape]] = {cls.type: cls for cls in (Box, Sphere, Capsule, Cylinder, Cone, ConvexHull, Mesh, Compound)}
+
+_KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "box": (("size",), ("margin", "rounding")),
+    "sphere": (("radius",), ("margin",)),
+    "capsule": (("radius", "height"), ("margin",)),
+    "cylinder": (("radius", "height"), ("margin", "rounding")),
+    "cone": (("radius", "height"), ("margin",)),
+    "convex_hull": (("points",), ("margin",)),
+    "mesh": (("points", "triangles"), ("margin",)),
+    "compound": (("children",), ("margin",)),
+}
+
+
+def shape_from_dict(form: Mapping[str, Any]) -> Shape:
+    """The shape of a scene file's ``{"type": name, ...}``. The children of a compound are such forms with a ``pose`` beside.
+
+    Raises ValueError that begins with the key (``children/0/radius: ...`` inside a compound) for what is unknown, missing or out of range.
+    """
+    if not isinstance(form, Mapping):
+        raise ValueError(f"shape: expected an object, got {form!r}")
+    name = form.get("type")
+    cls = SHAPES.get(name) if isinstance(name, str) else None
+    if cls is None:
+        raise ValueError(f"type: unknown shape {name!r}; one of {', '.join(SHAPES)}")
+    required, optional = _KEYS[cls.type]
+    for key in form:
+        if key not in ("type", *required, *optional):
+            raise ValueError(f"{key}: unknown key of shape {name!r}")
+    for key in required:
+        if key not in form:
+            raise ValueError(f"{key}: missing in shape {name!r}")
+    values = {key: value for key, value in form.items() if key != "type"}
+    if cls is Compound:
+        values["children"] = _children(values["children"])
+    return cls(**values)
+
+
+def _children(forms: Any) -> tuple[tuple[Shape, Pose], ...]:
+    if not isinstance(forms, Iterable) or isinstance(forms, (str, Mapping)):
+        raise ValueError("children: expected a list of shapes")
+    children = []
+    for index, form in enumerate(forms):
+        try:
+            if not isinstance(form, Mapping):
+                raise ValueError(f"shape: expected an object, got {form!r}")
+            shape = shape_from_dict({key: value for key, value in form.items() if key != "pose"})
+            children.append((shape, _pose(form.get("pose", {}))))
+        except ValueError as error:
+            raise ValueError(f"children/{index}/{error}") from None
+    return tuple(children)
+
+
+def _pose(form: Any) -> Pose:
+    if not isinstance(form, Mapping):
+        raise ValueError(f"pose: expected an object, got {form!r}")
+    for key in form:
+        if key not in ("position", "rotation"):
+            raise ValueError(f"pose/{key}: unknown key")
+    try:
+        return Pose(**form)
+    except TypeError:
+        raise ValueError("pose: expected lists of numbers") from None
+    except ValueError as error:
+        raise ValueError(f"pose/{error}") from None
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A primitive of a shape in the body's local space: ``shape`` (never a compound) under the rigid ``matrix`` (4, 4), its core grown by
+    ``radius`` metres in all (its own margin and those of the compounds it is in)."""
+
+    shape: Shape
+    matrix: FloatArray
+    radius: float
+
+
+def parts_of(shape: Shape) -> tuple[Part, ...]:
+    """The primitives that a shape is made of, compounds resolved."""
+    if not isinstance(shape, Compound):
+        return (Part(shape, np.eye(4), shape.margin),)
+    return tuple(
+        Part(part.shape, pose_matrix(pose) @ part.matrix, part.radius + shape.margin)
+        for child, pose in shape.children
+        for part in parts_of(child)
+    )
