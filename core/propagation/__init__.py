@@ -1,5 +1,19 @@
 """Propagation: from the haptic graph to the gain of every source at every listener."""
 
-from .result import Propagation
+from __future__ import annotations
 
-__all__ = ["Propagation"]
+from ..graph import HapticGraph
+from .result import Propagation
+from .strategies import propagate
+
+__all__ = ["Propagation", "objects_on", "propagate"]
+
+
+def objects_on(graph: HapticGraph, nodes: tuple[int, ...]) -> tuple[str, ...]:
+    """Names of the objects that a path of nodes goes through, in order; the same object twice in a row once."""
+    names: list[str] = []
+    for node in nodes:
+        name = graph.table.names[graph.node_object[node]]
+        if not names or names[-1] != name:
+            names.append(name)
+    return tuple(names)

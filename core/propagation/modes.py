@@ -1,0 +1,65 @@
+"""The four renderings of the paper's study: what each makes of the haptic graph."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..functions import Exponential
+from ..graph import HapticGraph, ObjectTable, distances
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+DISTANCE_ONLY = Exponential(alpha=0.2)
+"""The paper's distance-only function (equation 4)."""
+
+
+def distance_only(graph: HapticGraph) -> HapticGraph:
+    """The graph with every object's propagation function replaced by `DISTANCE_ONLY`."""
+    count = len(graph.table.names)
+    table = ObjectTable(
+        names=graph.table.names,
+        objects=tuple(dataclasses.replace(o, propagation=DISTANCE_ONLY) for o in graph.table.objects),
+        factor=np.ones(count),
+        decay=np.full(count, DISTANCE_ONLY.alpha),
+        special=frozenset(),
+        epsilon=graph.table.epsilon,
+        band_gains=None,
+        band_decays=None,
+        slowness=None,
+    )
+    return dataclasses.replace(graph, table=table)
+
+
+def straight_distances(graph: HapticGraph) -> FloatArray:
+    """Straight-line distance (s, l) in metres between sources and listeners, from the nearer side of a source that feeds two objects."""
+    listeners = graph.node_position[graph.listener_nodes]
+    rows = [
+        distances(graph.node_position[list(source.nodes)][:, None, :], listeners[None, :, :]).min(axis=0) for source in graph.sources
+    ]
+    return np.array(rows, dtype=np.float64).reshape(len(graph.sources), len(graph.listeners))
+
+
+def nearest_listener(graph: HapticGraph) -> BoolArray:
+    """(s, l) True for the listener nearest to each source; of several at the same distance, the first by name."""
+    chosen = np.zeros((len(graph.sources), len(graph.listeners)), dtype=np.bool_)
+    for row, line in enumerate(straight_distances(graph)):
+        if len(line):
+            best = min(range(len(line)), key=lambda k: (line[k], graph.listeners[k]))
+            chosen[row, best] = True
+    return chosen
+
+
+def direct_gains(graph: HapticGraph, attenuated: bool) -> FloatArray:
+    """Gains (s, l) of one straight connection from every source to every listener: over distance, or 1."""
+    line = straight_distances(graph)
+    return np.exp(-DISTANCE_ONLY.alpha * line) if attenuated else np.ones_like(line)
+
+
+def cost_limit(threshold: float) -> float:
+    """The largest cost that still meets the threshold (not yet allowing for rounding)."""
+    return math.inf if threshold == 0 else -math.log(threshold)
