@@ -1,0 +1,56 @@
+"""Splits samples into the six vibrotactile bands, which add up to the samples again."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .bands import BAND_EDGES
+
+Array = NDArray[np.float64]
+
+_PERIODS = 2
+"""Half-length of a low-pass in periods of its edge: its transition is then about an octave wide."""
+
+
+def bank_reach(sample_rate: float) -> int:
+    """Return how many samples before and after a sample its bands depend on: two periods of the lowest inner edge (50 ms)."""
+    return math.ceil(_PERIODS * sample_rate / BAND_EDGES[1])
+
+
+def low_pass(edge: float, sample_rate: float) -> Array:
+    """Return a linear-phase low-pass, shape (2 bank_reach + 1,), centred: a Hann-windowed sinc, gain 1 at 0 Hz and 1/2 at `edge` hertz."""
+    reach = bank_reach(sample_rate)
+    offsets = np.arange(-reach, reach + 1)
+    if edge >= sample_rate / 2:
+        return np.asarray(offsets == 0, dtype=np.float64)
+    half = math.ceil(_PERIODS * sample_rate / edge)
+    window = np.where(np.abs(offsets) <= half, 0.5 + 0.5 * np.cos(np.pi / (half + 1) * offsets), 0.0)
+    kernel = window * np.sinc(2 * edge / sample_rate * offsets)
+    return np.asarray(kernel / kernel.sum())
+
+
+def split_bands(samples: Array, sample_rate: float) -> Array:
+    """Return the bands of `samples`, shape (6, n), where `samples`, shape (n + 2 bank_reach,), goes bank_reach further on either side.
+
+    A band is the difference of two low-passes at its edges; the lowest has what is below it, the highest what is above. So the sum over
+    the bands is the signal itself, to rounding. The filters are symmetric: no delay, no change of phase.
+    """
+    reach = bank_reach(sample_rate)
+    count = len(samples) - 2 * reach
+    size = 1 << (len(samples) - 1).bit_length()
+    spectra = _low_pass_spectra(sample_rate, size)
+    low = np.fft.irfft(np.fft.rfft(samples, size) * spectra, size)[:, 2 * reach : 2 * reach + count]
+    bands = np.empty((len(low) + 1, count))
+    bands[0] = low[0]
+    np.subtract(low[1:], low[:-1], out=bands[1:-1])
+    np.subtract(samples[reach : reach + count], low[-1], out=bands[-1])
+    return bands
+
+
+@lru_cache(maxsize=16)
+def _low_pass_spectra(sample_rate: float, size: int) -> NDArray[np.complex128]:
+    return np.fft.rfft([low_pass(edge, sample_rate) for edge in BAND_EDGES[1:-1]], size)

@@ -1,0 +1,142 @@
+"""How the signals that reach one listener become one, and how that one keeps below what the listener may feel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+CustomMixing = Callable[[Array, Array], Array]
+"""A designer's own method: signals, shape (n_signals, n), and their weights, shape (n_signals,), to one signal, shape (n,)."""
+
+MixingMethod = Literal["cumulative", "weighted", "strongest", "power"] | CustomMixing
+
+LOOK_AHEAD = 0.005
+"""Seconds by which the limiter sees a peak coming, its latency."""
+HOLD = 0.025
+"""Seconds for which the limiter keeps its gain after a peak: half a period of 20 Hz, so that a steady tone is turned down, not bent."""
+RELEASE = 0.15
+"""Time constant in seconds with which the limiter lets go."""
+
+
+def cumulative(signals: Array, s_max: float = math.inf) -> Array:
+    """Return the sum over `signals`, shape (n_signals, n), where it is within ±s_max, else s_max with the sum's sign; shape (n,)."""
+    return saturated(signals.sum(axis=0), s_max)
+
+
+def weighted(signals: Array, weights: Array, s_max: float = math.inf) -> Array:
+    """Return the sum over `signals` times their priorities `weights`, shape (n_signals,), kept within ±s_max."""
+    return saturated(weights @ signals, s_max)
+
+
+def strongest(signals: Array, s_max: float = math.inf) -> Array:
+    """Return, sample by sample, the signal of the greatest magnitude (the first of equals), kept within ±s_max."""
+    if not len(signals):
+        return np.zeros(signals.shape[1])
+    index = np.argmax(np.abs(signals), axis=0)
+    return saturated(np.take_along_axis(signals, index[None, :], axis=0)[0], s_max)
+
+
+def power(signals: Array, s_max: float = math.inf) -> Array:
+    """Return the root of the sum of squares with the sign of the sum (+ where the sum is 0), kept within ±s_max.
+
+    That is how unrelated vibrations add up in strength: never less than the strongest, never more than their sum.
+    """
+    return saturated(np.copysign(np.sqrt(np.einsum("ij,ij->j", signals, signals)), signals.sum(axis=0) + 0.0), s_max)
+
+
+def saturated(total: Array, s_max: float | Array) -> Array:
+    """Return `total` where its magnitude is at most s_max, else s_max with its sign."""
+    return np.clip(total, -s_max, s_max)
+
+
+def mixed(method: MixingMethod, signals: Array, weights: Array) -> Array:
+    """Return the mix of `signals`, shape (n_signals, n), by `method`, without a limit.
+
+    Raises ValueError if a custom method returns another shape or what is not finite.
+    """
+    if method == "cumulative":
+        return cumulative(signals)
+    if method == "weighted":
+        return weighted(signals, weights)
+    if method == "strongest":
+        return strongest(signals)
+    if method == "power":
+        return power(signals)
+    if not callable(method):
+        raise ValueError(f"method: unknown mixing method {method!r}")
+    mix = np.asarray(method(signals, weights), dtype=np.float64)
+    if mix.shape != signals.shape[1:]:
+        raise ValueError(f"method: returned shape {mix.shape} for {signals.shape[1]} samples")
+    if not np.isfinite(mix).all():
+        raise ValueError("method: returned a sample that is not finite")
+    return mix
+
+
+class Limiter:
+    """A look-ahead limiter for several channels: no sample above `s_max`, gain that changes smoothly, and no change at all below.
+
+    The gain that each sample needs is held over the look-ahead and HOLD, released with the time constant RELEASE, and averaged over the
+    look-ahead (a Hann window): every value in the average is low enough for the sample in question, so their average is.
+
+    s_max: shape (n_channels,), positive. Output lags input by `latency` samples.
+    """
+
+    def __init__(self, s_max: Array, sample_rate: float) -> None:
+        self.latency = max(round(LOOK_AHEAD * sample_rate), 1)
+        self._s_max = np.asarray(s_max, dtype=np.float64)[:, None]
+        self._window = self.latency + 1 + round(HOLD * sample_rate)
+        self._fall = 1.0 / (RELEASE * sample_rate)
+        kernel = np.hanning(self.latency + 3)[1:-1]
+        self._kernel = kernel / kernel.sum()
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all that went through."""
+        channels = len(self._s_max)
+        self._input = np.zeros((channels, self.latency))
+        self._needed = np.zeros((channels, self._window - 1))
+        self._held = np.zeros((channels, self.latency))
+
+    def process(self, block: Array) -> Array:
+        """Return the next samples out for the next samples in, both of shape (n_channels, n)."""
+        pieces = [self._process(block[:, begin : begin + 4096]) for begin in range(0, block.shape[1], 4096)]
+        return np.concatenate(pieces, axis=1) if pieces else block.copy()
+
+    def _process(self, block: Array) -> Array:
+        count = block.shape[1]
+        delayed = np.concatenate((self._input, block), axis=1)
+        self._input = delayed[:, count:]
+        magnitude = np.abs(block)
+        if not (magnitude > self._s_max).any() and not self._needed.any() and not self._held.any():
+            return delayed[:, :count].copy()
+        # All of these are reductions: 0 leaves a sample as it is, 1 would silence it.
+        reduction = 1.0 - self._s_max / np.maximum(magnitude, self._s_max)
+        needed = np.concatenate((self._needed, reduction), axis=1)
+        self._needed = needed[:, count:]
+        held = np.concatenate((self._held, self._released(_sliding_maximum(needed, self._window), self._held[:, -1:])), axis=1)
+        self._held = held[:, count:]
+        windows = np.lib.stride_tricks.sliding_window_view(held, self.latency + 1, axis=1)
+        return saturated(delayed[:, :count] * (1.0 - windows @ self._kernel), self._s_max)
+
+    def _released(self, reduction: Array, before: Array) -> Array:
+        """Return the larger of the reduction and of what remains of any earlier one, falling exponentially."""
+        age = np.arange(1, reduction.shape[1] + 1) * self._fall
+        grown = np.concatenate((before, reduction * np.exp(age)), axis=1)
+        fallen = np.maximum.accumulate(grown, axis=1)[:, 1:] * np.exp(-age)
+        return np.where(fallen < 1e-10, 0.0, fallen)
+
+
+def _sliding_maximum(values: Array, width: int) -> Array:
+    """Return the maximum over each run of `width` columns, by doubling the width."""
+    span = 1
+    while 2 * span <= width:
+        values = np.maximum(values[:, span:], values[:, :-span])
+        span *= 2
+    rest = width - span
+    return np.maximum(values[:, rest:], values[:, :-rest]) if rest else values
