@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from .functions import HapticTracing, Identity, ModulationFunction
+from .signals import Signal
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -94,7 +95,8 @@ class Pose:
         length = math.hypot(*rotation)
         if length < 1e-12:
             raise ValueError("rotation: a quaternion of length 0 is no rotation")
-        object.__setattr__(self, "rotation", tuple(v / length for v in rotation))
+        # One that is normalised already stays as it is to the last bit, through any number of files.
+        object.__setattr__(self, "rotation", rotation if abs(length - 1) < 1e-12 else tuple(v / length for v in rotation))
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +133,7 @@ class Contact:
     normal: Vector = (0.0, 0.0, 1.0)
     depth: float = 0.0
     share: float = 1.0
+    extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         first, second = self.objects
@@ -156,7 +159,7 @@ class Source:
     position: Vector = (0.0, 0.0, 0.0)
     amplitude: float = 1.0
     kind: SourceKind = SourceKind.PERSISTENT
-    signal: Mapping[str, Any] | None = field(default=None, hash=False)
+    signal: Signal | None = None
     second_object: str | None = None
     second_position: Vector | None = None
     onset: float = 0.0
@@ -207,6 +210,7 @@ class HapticScene:
     sources: tuple[Source, ...] = ()
     listeners: tuple[Listener, ...] = ()
     settings: Settings = field(default_factory=Settings)
+    extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         for key in ("objects", "sources", "listeners"):
