@@ -8,30 +8,35 @@ import numpy as np
 from bpy.types import Depsgraph, Object
 from numpy.typing import NDArray
 
-from ..core.contacts.shapes import Compound, Shape, convex_hull_shape, mesh_shape, shape_from_bounding_box
+from ..core.contacts.bullet_shapes import DEFAULT_MARGIN, convex_hull_shape, mesh_shape, shape_from_bounding_box
+from ..core.contacts.shapes import Compound, ConvexHull, Shape
 from ..core.scene import Pose
 
 FloatArray = NDArray[np.float64]
 
 
 def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Shape:
-    """The shape of ``obj`` with its world scale (3,) applied, in the object's rotated frame.
+    """The shape of ``obj`` with its world scale (3,), negative where mirrored, in the object's rotated frame.
 
     A rigid body's own shape; else the convex hull of the evaluated mesh. Raises ValueError in words for a designer where there is none.
     """
+    if np.any(np.abs(scale) < 1e-9):
+        raise ValueError("its scale is 0: give it an extent in every direction")
+    size, mirror = np.abs(scale), np.sign(scale)
     body = obj.rigid_body
     if body is None:
-        return convex_hull_shape(_vertices(obj, depsgraph, "FINAL") * scale, margin=0.0)
-    kind = body.collision_shape
-    margin = body.collision_margin if body.use_margin else None
-    if kind == "CONVEX_HULL":
-        return convex_hull_shape(_vertices(obj, depsgraph, body.mesh_source) * scale, margin=margin)
-    if kind == "MESH":
-        vertices, triangles = _triangles(obj, depsgraph, body.mesh_source)
-        return mesh_shape(vertices * scale, triangles, margin=body.collision_margin)
-    if kind == "COMPOUND":
-        return _compound(obj, depsgraph, scale)
-    return shape_from_bounding_box(kind, _bounding_box(obj, depsgraph), scale, margin)
+        return ConvexHull(_vertices(obj, depsgraph, "FINAL") * scale)
+    margin, use_margin = body.collision_margin, body.use_margin
+    match body.collision_shape:
+        case "CONVEX_HULL":
+            return convex_hull_shape(_vertices(obj, depsgraph, body.mesh_source) * mirror, size, margin, use_margin)
+        case "MESH":
+            vertices, triangles = _triangles(obj, depsgraph, body.mesh_source)
+            return mesh_shape(vertices * mirror, triangles, size, margin if use_margin else DEFAULT_MARGIN)
+        case "COMPOUND":
+            return _compound(obj, depsgraph, size)
+        case kind:
+            return shape_from_bounding_box(kind, _bounding_box(obj, depsgraph), size, margin, use_margin)
 
 
 def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:
@@ -41,13 +46,13 @@ def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:
     for child in obj.children:
         if child.rigid_body is None:
             continue
-        location, rotation, child_scale = (inverse @ child.matrix_world).decompose()
-        world_scale = np.array(child.matrix_world.to_scale(), dtype=np.float64)
-        shape = collision_shape(child, depsgraph, world_scale)
-        pose = Pose(tuple(np.array(location, dtype=np.float64) * scale), (rotation.w, rotation.x, rotation.y, rotation.z))
-        children.append((shape, pose))
+        location, rotation, _ = (inverse @ child.matrix_world).decompose()
+        child_scale = np.array(child.matrix_world.to_scale(), dtype=np.float64)
+        position = np.array(location, dtype=np.float64) * scale
+        pose = Pose(tuple(position.tolist()), (rotation.w, rotation.x, rotation.y, rotation.z))
+        children.append((collision_shape(child, depsgraph, child_scale), pose))
     if not children:
-        raise ValueError("its shape is Compound Parent, but no child is a rigid body")
+        raise ValueError("its shape is Compound Parent, but none of its children is a rigid body")
     return Compound(tuple(children))
 
 

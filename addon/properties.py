@@ -49,14 +49,29 @@ class HapticFunction:
     """Mixin: a modulation function and its parameters."""
 
     function: EnumProperty(
-        name="Function", description="How the signal fades on its way through", items=FUNCTION_ITEMS, default="haptic_tracing", update=_changed
+        name="Function",
+        description="How the signal fades on its way through",
+        items=FUNCTION_ITEMS,
+        default="haptic_tracing",
+        update=_changed,
     )
     alpha: FloatProperty(
-        name="Alpha", description="Attenuation per metre; 0.2 is the paper's distance-only function",
-        default=0.2, min=0.0, soft_max=5.0, precision=3, update=_changed,
+        name="Alpha",
+        description="Attenuation per metre; 0.2 is the paper's distance-only function",
+        default=0.2,
+        min=0.0,
+        soft_max=5.0,
+        precision=3,
+        update=_changed,
     )
     range: FloatProperty(
-        name="Range", description="Distance from which on nothing is felt", default=10.0, min=0.001, soft_max=100.0, unit="LENGTH", update=_changed
+        name="Range",
+        description="Distance from which on nothing is felt",
+        default=10.0,
+        min=0.001,
+        soft_max=100.0,
+        unit="LENGTH",
+        update=_changed,
     )
     constant: FloatProperty(
         name="Gain", description="The gain over any distance", default=0.5, min=0.0, max=1.0, subtype="FACTOR", update=_changed
@@ -64,7 +79,9 @@ class HapticFunction:
     expression: StringProperty(
         name="Expression",
         description="Formula of x (the signal), d (metres), kappa, rho, epsilon. Functions: exp, log, sqrt, tanh, atan, sin, cos, abs, min, max, where",
-        default="x * exp(-0.2 * d)", maxlen=500, update=_changed,
+        default="x * exp(-0.2 * d)",
+        maxlen=500,
+        update=_changed,
     )
 
 
@@ -74,37 +91,75 @@ class HapticSourceProperties(PropertyGroup):
     enabled: BoolProperty(name="Haptic Source", description="This object emits a haptic signal", default=False, update=_changed)
     muted: BoolProperty(name="Mute", description="Keep the source but silence it", default=False, update=_changed)
     amplitude: FloatProperty(
-        name="Amplitude", description="Strength of the emitted signal; can be animated", default=1.0, min=0.0, max=1.0, subtype="FACTOR",
+        name="Amplitude",
+        description="Strength of the emitted signal; can be animated",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
         update=_changed,
     )
     signal: EnumProperty(name="Signal", description="What the source emits", items=SIGNAL_ITEMS, default="SINE", update=_changed)
     frequency: FloatProperty(
-        name="Frequency", description="Vibrations or blows per second, in hertz; the skin feels 20 to 1000 Hz, best around 250 Hz",
-        default=60.0, min=0.1, max=1000.0, soft_min=10.0, soft_max=500.0, update=_changed,
+        name="Frequency",
+        description="Vibrations or blows per second, in hertz; the skin feels 20 to 1000 Hz, best around 250 Hz",
+        default=60.0,
+        min=0.1,
+        max=1000.0,
+        soft_min=10.0,
+        soft_max=500.0,
+        update=_changed,
     )
     filepath: StringProperty(name="WAV File", description="The recorded signal, looped", subtype="FILE_PATH", update=_changed)
     priority: FloatProperty(
-        name="Priority", description="Weight of this source where a listener mixes by priority", default=1.0, min=0.0, soft_max=10.0, update=_changed
+        name="Priority",
+        description="Weight of this source where a listener mixes by priority",
+        default=1.0,
+        min=0.0,
+        soft_max=10.0,
+        update=_changed,
     )
 
 
 class HapticListenerProperties(PropertyGroup):
     """A haptic listener: receives signals at a place of the body."""
 
-    enabled: BoolProperty(name="Haptic Listener", description="Signals are received at this object's origin", default=False, update=_changed)
+    enabled: BoolProperty(
+        name="Haptic Listener", description="Signals are received at this object's origin", default=False, update=_changed
+    )
     body_part: EnumProperty(
-        name="Body Part", description="The place on the body that this listener stands for", items=BODY_PART_ITEMS, default="NONE", update=_changed
+        name="Body Part",
+        description="The place on the body that this listener stands for",
+        items=BODY_PART_ITEMS,
+        default="NONE",
+        update=_changed,
     )
     radius: FloatProperty(
-        name="Radius", description="Extent of the listener's bounding volume", default=0.05, min=0.0, soft_max=0.5, unit="LENGTH", update=_changed
+        name="Radius",
+        description="Extent of the listener's bounding volume",
+        default=0.05,
+        min=0.0,
+        soft_max=0.5,
+        unit="LENGTH",
+        update=_changed,
     )
     gain: FloatProperty(
-        name="Gain", description="Makes this listener feel more or less; can be animated", default=1.0, min=0.0, max=10.0, soft_max=2.0,
+        name="Gain",
+        description="Makes this listener feel more or less; can be animated",
+        default=1.0,
+        min=0.0,
+        max=10.0,
+        soft_max=2.0,
         update=_changed,
     )
     mixing: EnumProperty(name="Mixing", description="How signals that arrive together are combined", items=MIXING_ITEMS, update=_changed)
     s_max: FloatProperty(
-        name="Ceiling", description="No sample of the mixed signal is stronger than this", default=1.0, min=0.01, max=1.0, subtype="FACTOR",
+        name="Ceiling",
+        description="No sample of the mixed signal is stronger than this",
+        default=1.0,
+        min=0.01,
+        max=1.0,
+        subtype="FACTOR",
         update=_changed,
     )
 
@@ -117,16 +172,31 @@ class HapticObjectProperties(PropertyGroup, HapticFunction):
         name="Kappa (κ)",
         description="The paper's transmissibility. As its function is published, only (1 - κ) ρ counts: a higher κ passes on less, "
         "but over a longer distance; 1 passes on nothing",
-        default=0.1, min=0.0, max=1.0, subtype="FACTOR", precision=3, update=_changed,
+        default=0.1,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        precision=3,
+        update=_changed,
     )
     rho: FloatProperty(
         name="Rho (ρ)",
         description="The paper's density coefficient. A higher ρ passes on more but fades faster with distance; 0 passes on nothing",
-        default=0.9, min=0.0, max=1.0, subtype="FACTOR", precision=3, update=_changed,
+        default=0.9,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        precision=3,
+        update=_changed,
     )
     wave_speed: FloatProperty(
-        name="Wave Speed", description="Speed of vibration in this material; 0 passes signals on without delay",
-        default=0.0, min=0.0, soft_max=5000.0, unit="VELOCITY", update=_changed,
+        name="Wave Speed",
+        description="Speed of vibration in this material; 0 passes signals on without delay",
+        default=0.0,
+        min=0.0,
+        soft_max=5000.0,
+        unit="VELOCITY",
+        update=_changed,
     )
     medium: BoolProperty(
         name="Medium", description="A volume such as air or water: it touches everything that it overlaps", default=False, update=_changed
@@ -142,7 +212,9 @@ class HapticSceneProperties(PropertyGroup):
         name="Trace", description="Trace haptics at every frame while the timeline plays or objects move", default=True, update=_changed
     )
     mode: EnumProperty(
-        name="Mode", description="The rendering", update=_changed,
+        name="Mode",
+        description="The rendering",
+        update=_changed,
         items=(
             ("HT", "Haptic Tracing", "Through touching objects, as their properties say"),
             ("SD", "Single Nearest", "Only the listener nearest to each source, fading with distance alone"),
@@ -151,7 +223,9 @@ class HapticSceneProperties(PropertyGroup):
         ),
     )
     strategy: EnumProperty(
-        name="Strategy", description="How the gain from a source to a listener is computed", update=_changed,
+        name="Strategy",
+        description="How the gain from a source to a listener is computed",
+        update=_changed,
         items=(
             ("auto", "Automatic", "All paths for persistent sources, the best path for impacts"),
             ("best_path", "Best Path", "Only the path that passes on most"),
@@ -160,42 +234,74 @@ class HapticSceneProperties(PropertyGroup):
         ),
     )
     max_connections: IntProperty(
-        name="Max Connections", description="Longest path, in connections through and between objects; 0 sets no limit",
-        default=32, min=0, soft_max=128, update=_changed,
+        name="Max Connections",
+        description="Longest path, in connections through and between objects; 0 sets no limit",
+        default=32,
+        min=0,
+        soft_max=128,
+        update=_changed,
     )
     threshold: FloatProperty(
-        name="Threshold", description="A path ends where its gain falls below this part of the source; 0 sets no limit",
-        default=0.001, min=0.0, max=1.0, soft_max=0.1, precision=4, update=_changed,
+        name="Threshold",
+        description="A path ends where its gain falls below this part of the source; 0 sets no limit",
+        default=0.001,
+        min=0.0,
+        max=1.0,
+        soft_max=0.1,
+        precision=4,
+        update=_changed,
     )
     epsilon: FloatProperty(
-        name="Epsilon (ε)", description="Least attenuation per metre of the haptic tracing function", default=0.1, min=0.0, soft_max=1.0,
-        precision=3, update=_changed,
+        name="Epsilon (ε)",
+        description="Least attenuation per metre of the haptic tracing function",
+        default=0.1,
+        min=0.0,
+        soft_max=1.0,
+        precision=3,
+        update=_changed,
     )
     contact_tolerance: FloatProperty(
-        name="Contact Tolerance", description="Objects closer than this touch", default=0.01, min=0.0, soft_max=0.1, unit="LENGTH",
-        precision=4, update=_changed,
+        name="Contact Tolerance",
+        description="Objects closer than this touch",
+        default=0.01,
+        min=0.0,
+        soft_max=0.1,
+        unit="LENGTH",
+        precision=4,
+        update=_changed,
     )
     impacts: BoolProperty(
         name="Impacts", description="Collisions make temporary sources that play the impact signal once", default=True, update=_changed
     )
     minimum_energy: FloatProperty(
-        name="Minimum Energy", description="Weaker collisions make no source; 5 J is a light contact", default=5.0, min=0.0, soft_max=100.0,
-        unit="ENERGY", update=_changed,
+        name="Minimum Energy (J)",
+        description="Collisions weaker than this, in joules, make no source; 5 J is a light contact",
+        default=5.0,
+        min=0.0,
+        soft_max=100.0,
+        update=_changed,
     )
     maximum_energy: FloatProperty(
-        name="Full Energy", description="A collision of this energy plays the impact signal at full strength",
-        default=100.0, min=0.001, soft_max=1000.0, unit="ENERGY", update=_changed,
+        name="Full Energy (J)",
+        description="A collision of this energy, in joules, plays the impact signal at full strength",
+        default=100.0,
+        min=0.001,
+        soft_max=1000.0,
+        update=_changed,
     )
     show_overlay: BoolProperty(name="Overlay", description="Draw the haptic graph over the 3D viewport", default=True, update=_view_changed)
     show_intra: BoolProperty(
         name="Connections", description="Draw the connections inside objects that carry signal", default=True, update=_view_changed
     )
-    show_best_paths: BoolProperty(name="Best Paths", description="Mark the best path from each source to each listener", default=True,
-                                  update=_view_changed)
-    show_labels: BoolProperty(name="Labels", description="Write names and gains beside sources and listeners", default=True,
-                              update=_view_changed)
-    xray: BoolProperty(name="In Front", description="Draw the graph over objects instead of being hidden by them", default=True,
-                       update=_view_changed)
+    show_best_paths: BoolProperty(
+        name="Best Paths", description="Mark the best path from each source to each listener", default=True, update=_view_changed
+    )
+    show_labels: BoolProperty(
+        name="Labels", description="Write names and gains beside sources and listeners", default=True, update=_view_changed
+    )
+    xray: BoolProperty(
+        name="In Front", description="Draw the graph over objects instead of being hidden by them", default=True, update=_view_changed
+    )
 
 
 CLASSES = (HapticSourceProperties, HapticListenerProperties, HapticObjectProperties, HapticSceneProperties)

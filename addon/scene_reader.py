@@ -6,19 +6,19 @@ calls: only session ids, row numbers and plain values.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import bpy
 import numpy as np
 from bpy.types import Depsgraph, Object, Scene
+from mathutils import Matrix
 from numpy.typing import NDArray
 
-from ..core.contacts.impacts import ImpactSettings
-from ..core.contacts.tracker import Body, ContactSettings
+from ..core.contacts.tracker import Body, ContactSettings, Motion
 from ..core.functions import ModulationFunction, function_from_dict
-from ..core.scene import HapticObject, Listener, Settings, Source
+from ..core.scene import HapticObject, Listener, Pose, Settings, Source
+from ..core.signals import Loop, Noise, Pulse, Signal, Sine
 from . import compatibility
 from .collision_shapes import collision_shape
 
@@ -52,8 +52,14 @@ class Reading:
     listeners: tuple[Listener, ...]
     settings: Settings
     contact_settings: ContactSettings
-    impact_settings: ImpactSettings | None
     problems: tuple[Problem, ...]
+
+    def posed_objects(self) -> tuple[HapticObject, ...]:
+        """The objects with the shape and pose that they have in this frame."""
+        return tuple(
+            replace(item, shape=body.shape, pose=pose_of(transform))
+            for item, body, transform in zip(self.objects, self.bodies, self.transforms, strict=True)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,8 +117,7 @@ class SceneReader:
             sources=tuple(item for item in moved if isinstance(item, Source)),
             listeners=tuple(item for item in moved if isinstance(item, Listener)),
             settings=read_settings(scene),
-            contact_settings=ContactSettings(tolerance=scene.haptics.contact_tolerance),
-            impact_settings=read_impact_settings(scene),
+            contact_settings=read_contact_settings(scene),
             problems=problems,
         )
 
@@ -166,7 +171,7 @@ class SceneReader:
             try:
                 shape = self._shape(obj, depsgraph, scale)
                 haptic_object = read_object(obj)
-                body = Body(name=name, shape=shape, mass=haptic_object.mass or 0.0, motion=_motion(obj), medium=haptics.medium)
+                body = Body(name=name, shape=shape, mass=haptic_object.mass, motion=_motion(obj), medium=haptics.medium)
             except ValueError as error:
                 problems.append(Problem(name, str(error)))
         carrier = haptic_carrier(obj)
@@ -177,10 +182,13 @@ class SceneReader:
                 problems.append(Problem(name, f"This {role} is on no haptic object: make it haptic, or parent it to a haptic object"))
             elif carrier == obj and haptic_object is None:
                 continue  # the object's own problem says it
-            elif role == "source":
-                source = read(obj, carrier.name_full)
-            else:
+            elif role == "listener":
                 listener = read(obj, carrier.name_full)
+            else:
+                try:
+                    source = read(obj, carrier.name_full)
+                except ValueError as error:
+                    problems.append(Problem(name, str(error)))
         animated = compatibility.is_animated(obj)
         return _Tagged(row, animated, tuple(scale.tolist()), haptic_object, body, source, listener, tuple(problems))
 
@@ -241,13 +249,18 @@ def read_source(obj: Object, carrier: str) -> Source:
     )
 
 
-def read_signal(properties: Any) -> dict[str, Any]:
-    """The signal of a source's properties in the form of the scene file."""
-    if properties.signal == "FILE":
-        return {"signal": "wav", "path": bpy.path.abspath(properties.filepath)}
-    if properties.signal == "NOISE":
-        return {"signal": "noise"}
-    return {"signal": properties.signal.lower(), "frequency": properties.frequency}
+def read_signal(properties: Any) -> Signal:
+    """The signal of a source's properties. Raises ValueError in words where its file can't be read."""
+    match properties.signal:
+        case "SINE":
+            return Sine(properties.frequency)
+        case "PULSE":
+            return Pulse(properties.frequency)
+        case "NOISE":
+            return Noise()
+    if not properties.filepath:
+        raise ValueError("its signal is a WAV file, but none is chosen")
+    return Loop(read_wav(bpy.path.abspath(properties.filepath)))
 
 
 def read_listener(obj: Object, carrier: str) -> Listener:
@@ -276,12 +289,12 @@ def read_settings(scene: Scene) -> Settings:
     )
 
 
-def read_impact_settings(scene: Scene) -> ImpactSettings | None:
-    """How collisions make temporary sources, or None where they make none."""
+def read_contact_settings(scene: Scene) -> ContactSettings:
+    """What counts as a contact and as an impact in a scene."""
     haptics = scene.haptics
-    if not haptics.impacts:
-        return None
-    return ImpactSettings(minimum_energy=haptics.minimum_energy, maximum_energy=max(haptics.maximum_energy, haptics.minimum_energy))
+    return ContactSettings(
+        tolerance=haptics.contact_tolerance, least_energy=haptics.minimum_energy, full_energy=max(haptics.maximum_energy, 1e-3)
+    )
 
 
 def seconds_of(scene: Scene, frame: float) -> float:
@@ -289,13 +302,11 @@ def seconds_of(scene: Scene, frame: float) -> float:
     return (frame - scene.frame_start) * scene.render.fps_base / scene.render.fps
 
 
-def _motion(obj: Object) -> str:
+def _motion(obj: Object) -> Motion:
     body = obj.rigid_body
-    if body is None:
-        return "animated"
-    if body.type == "PASSIVE" and not body.kinematic:
-        return "static"
-    return "animated" if body.kinematic else "dynamic"
+    if body is None or body.kinematic:
+        return Motion.KINEMATIC
+    return Motion.DYNAMIC if body.type == "ACTIVE" else Motion.STATIC
 
 
 def _session_ids() -> NDArray[np.int32]:
@@ -309,6 +320,12 @@ def _matrices(count: int) -> FloatArray:
     values = np.empty(16 * count, dtype=np.float32)
     bpy.data.objects.foreach_get("matrix_world", values)
     return values.reshape(count, 4, 4).transpose(0, 2, 1).astype(np.float64)
+
+
+def pose_of(transform: FloatArray) -> Pose:
+    """The pose of a rigid transform (4, 4)."""
+    rotation = Matrix(transform[:3, :3].tolist()).to_quaternion()
+    return Pose(tuple(transform[:3, 3].tolist()), (rotation.w, rotation.x, rotation.y, rotation.z))
 
 
 def _scale(obj: Object) -> FloatArray:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from bpy.types import Depsgraph, Scene
 
-from ..core.tracer import Frame, FrameResult, Tracer
-from .scene_reader import Problem, SceneReader, seconds_of
+from ..core.frame_result import FrameResult
+from ..core.tracer import Frame, Tracer
+from .scene_reader import Problem, Reading, SceneReader, seconds_of
 
 
 @dataclass(slots=True)
@@ -17,12 +18,11 @@ class Session:
 
     reader: SceneReader = field(default_factory=SceneReader)
     tracer: Tracer = field(default_factory=Tracer)
+    reading: Reading | None = None
     result: FrameResult | None = None
     problems: tuple[Problem, ...] = ()
     frame: int | None = None
     version: int = -1
-    frame_entered: float = 0.0
-    blender_milliseconds: float = 0.0  # of the last frame change, without tracing
 
 
 _sessions: dict[int, Session] = {}
@@ -53,39 +53,50 @@ def problems_of(scene: Scene) -> tuple[Problem, ...]:
 
 
 def clear() -> None:
-    """Forget every scene: on load, undo of everything, disable."""
+    """Forget every scene."""
     _sessions.clear()
     mark_changed()
 
 
-def trace(scene: Scene, depsgraph: Depsgraph, *, geometry_changed: bool = False) -> FrameResult | None:
-    """Trace the scene as it stands now and keep the result. None where nothing is tagged."""
+def trace(scene: Scene, depsgraph: Depsgraph) -> FrameResult | None:
+    """Trace the scene as it stands now and keep the result. None where nothing is tagged, or where a problem forbids it."""
     session = of(scene)
     if session.version != _version:
         session.reader.forget()
         session.version = _version
-    if geometry_changed:
-        session.reader.forget_shapes()
     if session.reader.is_empty:
-        session.result = None
-        session.problems = ()
+        session.result, session.problems, session.frame = None, (), None
         return None
     started = time.perf_counter()
     reading = session.reader.read(scene, depsgraph)
-    number = scene.frame_current
-    frame = Frame(
-        number=number,
-        time=seconds_of(scene, number),
-        end=seconds_of(scene, number + 1),
-        continuous=session.frame is not None and number == session.frame + 1,
-        transforms=reading.transforms,
+    read_milliseconds = 1000 * (time.perf_counter() - started)
+    session.reading = reading
+    session.tracer.contact_settings = reading.contact_settings
+    session.tracer.impact_sources = scene.haptics.impacts
+    continuous = session.frame is not None and scene.frame_current == session.frame + 1
+    session.frame = scene.frame_current
+    try:
+        result = session.tracer.step(frame_of(scene, reading, continuous))
+    except ValueError as error:
+        session.tracer.reset()
+        session.result = None
+        session.problems = (*reading.problems, Problem("", str(error)))
+        return None
+    session.result = replace(result, milliseconds={"read": read_milliseconds, **result.milliseconds})
+    session.problems = reading.problems + tuple(Problem("", warning) for warning in result.warnings)
+    return session.result
+
+
+def frame_of(scene: Scene, reading: Reading, continuous: bool) -> Frame:
+    """What the tracer is told of a reading."""
+    return Frame(
+        number=scene.frame_current,
+        time=seconds_of(scene, scene.frame_current),
         objects=reading.objects,
         sources=reading.sources,
         listeners=reading.listeners,
-        read_milliseconds=1000 * (time.perf_counter() - started),
+        settings=reading.settings,
+        bodies=reading.bodies,
+        transforms=reading.transforms,
+        continuous=continuous,
     )
-    session.tracer.configure(reading.settings, reading.contact_settings, reading.impact_settings, reading.bodies)
-    session.frame = number
-    session.result = session.tracer.step(frame)
-    session.problems = reading.problems + tuple(Problem("", warning) for warning in session.result.warnings)
-    return session.result

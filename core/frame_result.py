@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contacts.contact_set import ContactSet
-from .contacts.impacts import Impact
+from .contacts.tracker import Impact
 from .graph import HapticGraph
 from .propagation import Propagation
 from .scene import Listener, Source

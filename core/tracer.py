@@ -1,0 +1,250 @@
+"""The haptic tracer: the paper's algorithm, once per frame.
+
+    detect collisions -> update graph -> for each source: propagate -> for each listener: mix, render
+
+One tracer serves the live preview, the bake, the export, the command line and the tests, so that none of them differs from the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .contacts.contact_set import ContactSet
+from .contacts.tracker import Body, ContactSettings, ContactTracker, Impact
+from .frame_result import FrameResult
+from .functions import ModulationFunction
+from .graph import ObjectTable, build_graph
+from .propagation import Propagation, propagate
+from .rendering import SAMPLE_RATE, ListenerMix, Renderer, Voice, sample_index
+from .scene import HapticObject, Listener, Settings, Source, SourceKind
+from .signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Signal
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """What the tracer is told of one frame.
+
+    ``time`` [s]; the step renders the samples from the previous frame's time up to this one's, so that an impact between the two sounds
+    when it happened. ``continuous``: this is the step after the previous call's frame; otherwise contact history, velocities and sounding
+    signals are dropped. Either bodies move, then ``transforms`` (n, 4, 4) are the rigid world transforms of ``bodies``, which are
+    ``objects`` in the same order; or ``contacts`` are given, which number the objects by their sorted names.
+    """
+
+    number: int
+    time: float
+    objects: tuple[HapticObject, ...]
+    sources: tuple[Source, ...]
+    listeners: tuple[Listener, ...]
+    settings: Settings = field(default_factory=Settings)
+    bodies: tuple[Body, ...] = ()
+    transforms: FloatArray | None = None
+    contacts: ContactSet | None = None
+    continuous: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class _Ringing:
+    """An impact whose template still plays. It stays with both objects: ``local`` is its place in the frame of either."""
+
+    source: Source
+    local: tuple[FloatArray, FloatArray]
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """Collisions of one frame."""
+
+    contacts: ContactSet
+    impacts: tuple[Impact, ...] = ()
+    statistics: dict[str, int | float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+
+class Tracer:
+    """Steps through the frames of a scene. Impacts make temporary sources that play ``impact_signal``, unless ``impact_sources`` is False."""
+
+    def __init__(
+        self,
+        contact_settings: ContactSettings | None = None,
+        impact_sources: bool = True,
+        impact_signal: Signal = DEFAULT_IMPACT,
+        transmission: ModulationFunction | None = None,
+        sample_rate: float = SAMPLE_RATE,
+    ) -> None:
+        self.contact_settings = contact_settings or ContactSettings()
+        self.impact_sources = impact_sources
+        self.impact_signal = impact_signal
+        self.transmission = transmission
+        self.sample_rate = sample_rate
+        self._objects: tuple[HapticObject, ...] = ()
+        self._table = ObjectTable.of((), 0.0)
+        self._tracker: ContactTracker | None = None
+        self._renderer: Renderer | None = None
+        self._ringing: list[_Ringing] = []
+        self._time: float | None = None
+
+    def reset(self) -> None:
+        """Forget contacts, velocities and sounding signals."""
+        self._ringing.clear()
+        self._time = None
+        if self._tracker is not None:
+            self._tracker.reset()
+        if self._renderer is not None:
+            self._renderer.reset()
+
+    def step(self, frame: Frame) -> FrameResult:
+        """Trace one frame. Raises ValueError that names the object where a designer's expression gives no gain."""
+        if not frame.continuous or (self._time is not None and frame.time <= self._time):
+            self.reset()
+        watch = _Stopwatch()
+        table = self._object_table(frame)
+        found = self._detect_collisions(frame, table)
+        watch.lap("contacts")
+        sources = frame.sources + self._temporary_sources(frame, found.impacts)
+        graph = build_graph(table, found.contacts, sources, frame.listeners)
+        watch.lap("graph")
+        propagation = propagate(graph, frame.settings)
+        watch.lap("propagate")
+        block = self._mix_and_render(frame, sources, propagation)
+        watch.lap("mix")
+        first = sample_index(frame.time if self._time is None else self._time, self.sample_rate)
+        self._time = frame.time
+        return FrameResult(
+            number=frame.number,
+            time=frame.time,
+            objects=table.names,
+            contacts=found.contacts,
+            graph=graph,
+            propagation=propagation,
+            sources=sources,
+            listeners=frame.listeners,
+            gains=propagation.gain * np.array([source.amplitude for source in sources]).reshape(-1, 1),
+            impacts=found.impacts,
+            block=block,
+            first_sample=first,
+            sample_rate=self.sample_rate,
+            milliseconds=watch.milliseconds,
+            statistics={
+                "objects": len(table.names),
+                "contacts": len(found.contacts),
+                "nodes": graph.node_count,
+                "intra_connections": graph.intra_connection_count(),
+                **found.statistics,
+                **propagation.statistics,
+            },
+            warnings=(*found.warnings, *propagation.warnings),
+        )
+
+    def _object_table(self, frame: Frame) -> ObjectTable:
+        if frame.objects is not self._objects or frame.settings.epsilon != self._table.epsilon:
+            self._objects = frame.objects
+            self._table = ObjectTable.of(frame.objects, frame.settings.epsilon)
+        return self._table
+
+    def _detect_collisions(self, frame: Frame, table: ObjectTable) -> _Found:
+        if frame.contacts is not None:
+            return _Found(frame.contacts)
+        if not frame.bodies or frame.transforms is None:
+            return _Found(ContactSet.empty())
+        if self._tracker is None or self._tracker.bodies != frame.bodies or self._tracker.settings != self.contact_settings:
+            self._tracker = ContactTracker(frame.bodies, self.contact_settings)
+            self._ringing.clear()
+        found = self._tracker.update(frame.time, frame.transforms, continuous=frame.continuous)
+        index = table.index()
+        numbers = np.array([index[body.name] for body in frame.bodies], dtype=np.int64)
+        contacts = replace(found.contacts, pairs=numbers[found.contacts.pairs])
+        if self.transmission is not None:
+            contacts = replace(contacts, transmissions=(self.transmission,))
+        statistics = found.statistics
+        counts = {"candidate_pairs": statistics.candidates, "contact_queries": statistics.queries, "queries_avoided": statistics.avoided}
+        return _Found(contacts, found.impacts if self.impact_sources else (), counts, found.warnings)
+
+    def _temporary_sources(self, frame: Frame, impacts: Sequence[Impact]) -> tuple[Source, ...]:
+        """The sources of impacts whose template plays, the new ones among them, each where its objects have carried it."""
+        self._ringing = [r for r in self._ringing if self._time is None or r.end > self._time]
+        if frame.transforms is None:
+            return ()
+        for impact in impacts:
+            self._ringing.append(self._struck(frame, impact))
+        row = {body.name: number for number, body in enumerate(frame.bodies)}
+        sources = []
+        for ringing in self._ringing:
+            first, second = ringing.source.object, ringing.source.second_object
+            assert second is not None
+            positions = [
+                _transformed(frame.transforms[row[name]], local) for name, local in zip((first, second), ringing.local, strict=True)
+            ]
+            sources.append(replace(ringing.source, position=positions[0], second_position=positions[1]))
+        return tuple(sources)
+
+    def _struck(self, frame: Frame, impact: Impact) -> _Ringing:
+        assert frame.transforms is not None
+        first, second = impact.objects
+        names = frame.bodies[first].name, frame.bodies[second].name
+        source = Source(
+            name=f"impact of {names[0]} and {names[1]} at {impact.time:.4f} s",
+            object=names[0],
+            position=impact.positions[0],
+            second_object=names[1],
+            second_position=impact.positions[1],
+            amplitude=impact.amplitude,
+            kind=SourceKind.TEMPORARY,
+            signal=self.impact_signal,
+            onset=impact.time,
+        )
+        local = (_local(frame.transforms[first], impact.positions[0]), _local(frame.transforms[second], impact.positions[1]))
+        return _Ringing(source, local, impact.time + self.impact_signal.duration)
+
+    def _mix_and_render(self, frame: Frame, sources: Sequence[Source], propagation: Propagation) -> FloatArray | None:
+        """The samples from the previous frame's time up to this one's; None where there is no previous frame or nobody listens."""
+        mixes = tuple(ListenerMix(name=item.name, method=item.mixing, s_max=item.s_max) for item in frame.listeners)  # type: ignore[arg-type]
+        if self._renderer is None or self._renderer.listeners != mixes:
+            self._renderer = Renderer(mixes, self.sample_rate) if mixes else None
+        if self._renderer is None or self._time is None:
+            return None
+        listener_gain = np.array([item.gain for item in frame.listeners])
+        gains = propagation.gain if propagation.band_gain is None else propagation.band_gain
+        voices = [
+            Voice(
+                key=source.name,
+                signal=source.signal or (DEFAULT_PERSISTENT if source.kind is SourceKind.PERSISTENT else self.impact_signal),
+                gains=gains[row] * (listener_gain if gains.ndim == 2 else listener_gain[:, None]),
+                onset=source.onset,
+                amplitude=source.amplitude,
+                delays=None if propagation.delay is None else propagation.delay[row],
+                priority=source.priority,
+            )
+            for row, source in enumerate(sources)
+        ]
+        return self._renderer.render_frame(self._time, frame.time, voices)
+
+
+class _Stopwatch:
+    """Milliseconds between laps."""
+
+    def __init__(self) -> None:
+        self.milliseconds: dict[str, float] = {}
+        self._last = perf_counter()
+
+    def lap(self, stage: str) -> None:
+        now = perf_counter()
+        self.milliseconds[stage] = 1000 * (now - self._last)
+        self._last = now
+
+
+def _local(transform: FloatArray, position: Sequence[float]) -> FloatArray:
+    """A world position in the frame of a rigid transform."""
+    return np.asarray(transform[:3, :3].T @ (np.asarray(position) - transform[:3, 3]))
+
+
+def _transformed(transform: FloatArray, local: FloatArray) -> tuple[float, float, float]:
+    x, y, z = (transform[:3, :3] @ local + transform[:3, 3]).tolist()
+    return x, y, z
