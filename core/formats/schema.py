@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,8 @@ from typing import Any
 from .error import FormatError, json_pointer
 
 SCHEMAS = Path(__file__).with_name("schemas")
+
+Place = tuple[str | int, ...]
 
 _LONGEST_VALUE = 60
 
@@ -22,9 +24,11 @@ def validate(document: Any, schema: str, file: str | Path) -> None:
     try:
         _validator(schema)(document)
     except fastjsonschema.JsonSchemaValueException as error:
-        parts = _parts(document, (error.name or "data").removeprefix("data"))
+        parts = next(
+            (parts for parts, value in _readings(document, (error.name or "data").removeprefix("data"), ()) if value is error.value), ()
+        )
         key, reason = _reason(error)
-        raise FormatError(file, json_pointer(parts if key is None else [*parts, key]), reason) from None
+        raise FormatError(file, json_pointer(parts if key is None else (*parts, key)), reason) from None
 
 
 def load_schema(schema: str) -> dict[str, Any]:
@@ -43,17 +47,17 @@ def _validator(schema: str) -> Callable[[Any], Any]:
     return validator
 
 
-def _parts(document: Any, name: str) -> list[str | int]:
-    """Keys and indices behind the validator's ``.objects[0].kappa``. Keys with dots and brackets are ambiguous: the document decides."""
-    if isinstance(document, list) and name.startswith("["):
+def _readings(value: Any, name: str, parts: Place) -> Iterator[tuple[Place, Any]]:
+    """The keys and indices, with the value there, that the validator's ``.objects[0].kappa`` may stand for: dots may be part of a key."""
+    if not name:
+        yield parts, value
+    elif isinstance(value, list) and name.startswith("["):
         index, _, rest = name[1:].partition("]")
-        return [int(index), *_parts(document[int(index)], rest)]
-    if isinstance(document, dict) and name.startswith("."):
-        for key in sorted(document, key=len, reverse=True):
-            rest = name[1 + len(key) :]
-            if name[1:].startswith(key) and rest[:1] in ("", ".", "["):
-                return [key, *_parts(document[key], rest)]
-    return []
+        yield from _readings(value[int(index)], rest, (*parts, int(index)))
+    elif isinstance(value, dict) and name.startswith("."):
+        for key, member in value.items():
+            if name.startswith(key, 1):
+                yield from _readings(member, name[1 + len(key) :], (*parts, key))
 
 
 def _reason(error: Any) -> tuple[str | None, str]:

@@ -1,0 +1,237 @@
+"""The haptic scene file: the schema against the draft's own meta-schema, our validator against `jsonschema`, files against files."""
+
+import copy
+import gzip
+import json
+import math
+
+import jsonschema
+import pytest
+from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Sphere
+from haptic_tracing.core.formats.error import FormatError
+from haptic_tracing.core.formats.scene_json import read_scene, scene_from_dict, scene_to_dict, write_scene
+from haptic_tracing.core.formats.schema import load_schema, validate
+from haptic_tracing.core.functions import Constant, Exponential, Expression, HapticTracing, Identity, Linear, Spectrum
+from haptic_tracing.core.scene import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Mode,
+    Pose,
+    Settings,
+    Source,
+    SourceKind,
+    Strategy,
+)
+from haptic_tracing.core.signals import DecayingSine, Keyed, Sine, Track
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+SCHEMA = load_schema("haptic-scene-1.0")
+REFERENCE = jsonschema.Draft202012Validator(SCHEMA)
+
+unit = st.floats(0, 1)
+metres = st.floats(-1e6, 1e6)
+length = st.floats(1e-3, 1e3)
+vectors = st.tuples(metres, metres, metres)
+names = st.text(st.characters(exclude_categories=("Cs",)), min_size=1, max_size=12)
+extras = st.dictionaries(names, st.one_of(st.none(), st.booleans(), unit, names), max_size=2)
+spectra = st.builds(
+    Spectrum,
+    band_gains=st.one_of(st.just(()), st.tuples(*[unit] * 6)),
+    band_decays=st.one_of(st.just(()), st.tuples(*[st.floats(0, 100)] * 6)),
+    wave_speed=st.floats(0, 5000),
+)
+functions = st.one_of(
+    st.builds(Identity, spectrum=spectra),
+    st.builds(HapticTracing, spectrum=spectra),
+    st.builds(Constant, gain_value=st.floats(0, 2), spectrum=spectra),
+    st.builds(Exponential, alpha=st.floats(0, 10), spectrum=spectra),
+    st.builds(Linear, range=length, spectrum=spectra),
+    st.builds(Expression, expression=st.sampled_from(["x * exp(-d)", "1 / (1 + d)", "x * min(rho, kappa)"]), spectrum=spectra),
+)
+rotations = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: math.hypot(*q) > 0.01)
+poses = st.builds(Pose, position=vectors, rotation=rotations)
+solids = st.one_of(
+    st.builds(Box, size=st.tuples(length, length, length), margin=unit),
+    st.builds(Sphere, radius=length),
+    st.builds(Capsule, radius=length, height=length),
+    st.builds(Cylinder, radius=length, height=length, margin=unit),
+    st.builds(Cone, radius=length, height=length),
+    st.just(ConvexHull(points=[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])),
+    st.just(Mesh(points=[[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles=[[0, 1, 2]])),
+)
+shapes = st.one_of(solids, st.builds(Compound, children=st.lists(st.tuples(solids, poses), min_size=1, max_size=2).map(tuple)))
+signals = st.sampled_from([Sine(60.0), DecayingSine(150.0, 0.03), Sine(Track([0, 1], [40, 80])) * Keyed(Track([0, 2], [1, 0]))])
+
+
+@st.composite
+def scenes(draw):
+    object_names = draw(st.lists(names, min_size=2, max_size=4, unique=True))
+    some_object = st.sampled_from(object_names)
+    return HapticScene(
+        objects=tuple(
+            HapticObject(
+                name=name,
+                kappa=draw(unit),
+                rho=draw(unit),
+                propagation=draw(functions),
+                shape=draw(st.one_of(st.none(), shapes)),
+                pose=draw(st.one_of(st.none(), poses)),
+                mass=draw(st.one_of(st.none(), length)),
+                medium=draw(st.booleans()),
+                extras=draw(extras),
+            )
+            for name in object_names
+        ),
+        contacts=tuple(
+            draw(
+                st.lists(
+                    st.builds(
+                        Contact,
+                        objects=st.permutations(object_names).map(lambda order: tuple(order[:2])),
+                        positions=st.tuples(vectors, vectors),
+                        transmission=functions,
+                        area=st.floats(0, 10),
+                        normal=st.sampled_from([(0.0, 0.0, 1.0), (0.6, 0.0, 0.8), (-1.0, 0.0, 0.0)]),
+                        depth=metres,
+                        share=unit,
+                        extras=extras,
+                    ),
+                    max_size=3,
+                )
+            )
+        ),
+        sources=tuple(
+            Source(
+                name=name,
+                object=draw(some_object),
+                position=draw(vectors),
+                amplitude=draw(unit),
+                kind=draw(st.sampled_from(SourceKind)),
+                signal=draw(st.one_of(st.none(), signals)),
+                second_object=draw(st.one_of(st.none(), some_object)),
+                onset=draw(st.floats(0, 100)),
+                priority=draw(st.floats(0, 100)),
+                extras=draw(extras),
+            )
+            for name in draw(st.lists(names, max_size=2, unique=True))
+        ),
+        listeners=tuple(
+            draw(
+                st.lists(
+                    st.builds(
+                        Listener,
+                        name=names,
+                        object=some_object,
+                        position=vectors,
+                        body_part=st.sampled_from(["", "hand.L"]),
+                        radius=unit,
+                        s_max=st.floats(0.1, 1),
+                        extras=extras,
+                    ),
+                    max_size=2,
+                    unique_by=lambda listener: listener.name,
+                )
+            )
+        ),
+        settings=draw(
+            st.builds(
+                Settings,
+                mode=st.sampled_from(Mode),
+                strategy=st.sampled_from(Strategy),
+                max_connections=st.one_of(st.none(), st.integers(0, 1000)),
+                threshold=unit,
+                epsilon=unit,
+                tolerance=unit,
+            )
+        ),
+        extras=draw(extras),
+    )
+
+
+def accepted(document):
+    """Whether our validator takes the document."""
+    try:
+        validate(document, "haptic-scene-1.0", "scene.json")
+    except FormatError:
+        return False
+    return True
+
+
+def test_the_schema_is_a_valid_2020_12_schema_in_which_every_number_is_bounded():
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+
+    def parts(node):
+        if isinstance(node, dict):
+            yield node
+            for value in node.values():
+                yield from parts(value)
+        elif isinstance(node, list):
+            for value in node:
+                yield from parts(value)
+
+    for part in parts(SCHEMA):
+        kinds = part.get("type", [])
+        if {"number", "integer"} & set([kinds] if isinstance(kinds, str) else kinds):
+            assert "maximum" in part and ("minimum" in part or "exclusiveMinimum" in part), part
+        if kinds == "array":
+            assert "maxItems" in part and "items" in part, part
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(scenes())
+def test_writing_and_reading_gives_the_same_scene_and_again_the_same_bytes(tmp_path_factory, scene):
+    folder = tmp_path_factory.mktemp("scene")
+    document = json.loads(json.dumps(scene_to_dict(scene)))
+    REFERENCE.validate(document)
+    write_scene(scene, folder / "a.json")
+    assert read_scene(folder / "a.json") == scene
+    write_scene(read_scene(folder / "a.json"), folder / "b.json.gz")
+    assert gzip.decompress((folder / "b.json.gz").read_bytes()) == (folder / "a.json").read_bytes()
+    assert sorted(path.name for path in folder.iterdir()) == ["a.json", "b.json.gz"]
+
+
+ODD_SHAPES = [{"function": "linear"}, {"type": "box"}, {"pose": {}}]
+ODD = [*ODD_SHAPES, None, True, -1, 0, 0.5, 1.0, 2, 2.5, 1e300, 10**30, "", "x", "identity", "box", "HT", [], [0], [0, 0, 0], {}]
+
+
+def places(document, path=()):
+    yield path
+    items = document.items() if isinstance(document, dict) else enumerate(document) if isinstance(document, list) else ()
+    for key, value in items:
+        yield from places(value, (*path, key))
+
+
+@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(scenes(), st.data())
+def test_our_validator_and_jsonschema_agree_on_mutated_scenes(scene, data):
+    document = json.loads(json.dumps(scene_to_dict(scene)))
+    for _ in range(data.draw(st.integers(1, 2))):
+        path = data.draw(st.sampled_from([p for p in places(document) if p] or [("x",)]))
+        parent = document
+        for key in path[:-1]:
+            parent = parent[key]
+        match data.draw(st.sampled_from(["replace", "delete", "add"])):
+            case "replace":
+                parent[path[-1]] = copy.deepcopy(data.draw(st.sampled_from(ODD)))
+            case "delete":
+                del parent[path[-1]]
+            case "add" if isinstance(parent, dict):
+                key = data.draw(st.sampled_from(["gain", "size", "pose", "unknown", "a.b[0]"]))
+                parent[key] = copy.deepcopy(data.draw(st.sampled_from(ODD)))
+            case "add":
+                parent.append(copy.deepcopy(data.draw(st.sampled_from(ODD))))
+    assert accepted(document) == REFERENCE.is_valid(document)
+    try:
+        scene_from_dict(document, "scene.json")
+    except FormatError as error:
+        assert str(error).startswith("scene.json: /") and str(error).isprintable()
+
+
+def test_keys_that_look_like_paths_are_found(tmp_path):
+    document = scene_to_dict(HapticScene(objects=(HapticObject("a", 0, 1, extras={"a.b[0]": {"a": 1}, "a": {"b[0]": [1e301]}}),)))
+    with pytest.raises(FormatError) as caught:
+        scene_from_dict(document, "scene.json")
+    assert caught.value.pointer == "/objects/0/extras/a/b[0]/0"
