@@ -8,8 +8,10 @@ from bpy.types import Context, Menu, Operator
 from bpy_extras.io_utils import ExportHelper
 
 from ..core.formats.scene_json import write_scene
+from ..core.frame_result import FrameResult
 from ..core.scene import HapticScene
 from . import session
+from .scene_reader import Reading
 
 
 def scene_of_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> HapticScene:
@@ -19,6 +21,11 @@ def scene_of_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Ha
     if result is None or reading is None:
         problems = session.problems_of(scene)
         raise ValueError(problems[0].message if problems else "Nothing is tagged: select objects and press Make Haptic")
+    return scene_of_result(result, reading)
+
+
+def scene_of_result(result: FrameResult, reading: Reading) -> HapticScene:
+    """The haptic scene of a traced frame and the reading that it was traced from."""
     return HapticScene(
         objects=reading.posed_objects(),
         contacts=result.contacts.to_contacts(result.objects),

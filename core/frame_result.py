@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .contacts.contact_set import ContactSet
 from .contacts.tracker import Impact
 from .graph import HapticGraph
-from .propagation import Propagation
+from .propagation import Propagation, objects_on
 from .scene import Listener, Source
 
 FloatArray = NDArray[np.float64]
@@ -43,6 +43,10 @@ class FrameResult:
     milliseconds: Mapping[str, float]
     statistics: Mapping[str, int | float]
     warnings: tuple[str, ...] = ()
+
+    def path_objects(self, source: int, listener: int) -> tuple[str, ...]:
+        """The objects of the best path from a source to a listener, () where there is none."""
+        return objects_on(self.graph, self.propagation.best_path.get((source, listener), ()))
 
     def peak(self, listener: int) -> float:
         """Largest absolute sample of the frame at a listener, 0 where nothing was rendered."""

@@ -1,0 +1,126 @@
+"""Plays the timeline frame by frame, with the add-on's own frame handler doing the tracing, and keeps what was rendered."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from bpy.types import Scene
+from numpy.typing import NDArray
+
+from ..core.frame_result import FrameResult
+from ..core.scene import Source
+from . import session
+from .scene_reader import Reading, seconds_of
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class ImpactFelt:
+    """A temporary source at the frame where it began: its gains at the listeners, amplitude included, and the objects of its best paths."""
+
+    source: Source
+    gains: FloatArray
+    paths: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """What playing a frame range gave. ``samples`` (l, n) of ``listeners``; ``start`` [s] of the first sample; per frame (f,) Blender's own
+    and the tracer's milliseconds."""
+
+    listeners: tuple[str, ...]
+    body_parts: tuple[str, ...]
+    samples: FloatArray
+    sample_rate: float
+    start: float
+    impacts: tuple[ImpactFelt, ...]
+    blender_milliseconds: FloatArray
+    tracing_milliseconds: FloatArray
+    last: FrameResult
+    last_reading: Reading
+    liveliest: FrameResult  # the frame of the strongest impact; the last one where there was none
+
+
+def play(scene: Scene, start: int, end: int, progress: Callable[[int], None] = lambda frame: None) -> Played:
+    """Step through the frames ``start`` to ``end`` in order; the scene's frame is then what it was. ``progress`` is told every frame.
+
+    Raises ValueError in words where a frame can't be traced, or where the listeners change on the way.
+    """
+    before = scene.frame_current
+    session.of(scene).frame = None  # a fresh start, whatever was traced before
+    blocks: list[FloatArray] = []
+    blender, tracing = [], []
+    impacts: list[ImpactFelt] = []
+    result: FrameResult | None = None
+    liveliest: FrameResult | None = None
+    try:
+        for frame in range(start, end + 1):
+            began = time.perf_counter()
+            scene.frame_set(frame)
+            total = 1000 * (time.perf_counter() - began)
+            result = _checked(scene, result)
+            traced = sum(result.milliseconds.values())
+            tracing.append(traced)
+            blender.append(total - traced)
+            impacts += _new_impacts(result)
+            if result.impacts and (liveliest is None or _strength(result) > _strength(liveliest)):
+                liveliest = result
+            if result.block is not None:
+                blocks.append(result.block)
+            progress(frame)
+        reading = session.of(scene).reading
+    finally:
+        scene.frame_set(before)
+    if result is None or reading is None:
+        raise ValueError(f"The frame range {start} to {end} is empty")
+    return Played(
+        listeners=tuple(listener.name for listener in result.listeners),
+        body_parts=tuple(listener.body_part for listener in result.listeners),
+        samples=np.concatenate(blocks, axis=1) if blocks else np.zeros((len(result.listeners), 0)),
+        sample_rate=result.sample_rate,
+        start=seconds_of(scene, start),
+        impacts=tuple(impacts),
+        blender_milliseconds=np.array(blender),
+        tracing_milliseconds=np.array(tracing),
+        last=result,
+        last_reading=reading,
+        liveliest=liveliest or result,
+    )
+
+
+def _strength(result: FrameResult) -> float:
+    return max(impact.energy for impact in result.impacts)
+
+
+def _checked(scene: Scene, previous: FrameResult | None) -> FrameResult:
+    result = session.result_of(scene)
+    if result is None or result.number != scene.frame_current:
+        problems = session.problems_of(scene)
+        reason = problems[0].message if problems else "no object is tagged, or tracing is switched off"
+        raise ValueError(f"Frame {scene.frame_current} can't be traced: {reason}")
+    if previous is not None and [item.name for item in previous.listeners] != [item.name for item in result.listeners]:
+        raise ValueError(f"The listeners change at frame {result.number}")
+    return result
+
+
+def _new_impacts(result: FrameResult) -> list[ImpactFelt]:
+    """The temporary sources that this frame began."""
+    first = len(result.sources) - len(result.impacts)
+    return [
+        ImpactFelt(result.sources[s], result.gains[s], tuple(result.path_objects(s, i) for i in range(len(result.listeners))))
+        for s in range(first, len(result.sources))
+    ]
+
+
+def open_blend(path: str) -> Scene:
+    """Open a .blend file without running its scripts, and return its scene. Raises ValueError where it can't be opened."""
+    try:
+        bpy.ops.wm.open_mainfile(filepath=path, use_scripts=False, load_ui=False)
+    except RuntimeError as error:
+        raise ValueError(f"{path}: {str(error).strip().removeprefix('Error: ')}") from None
+    return bpy.context.scene

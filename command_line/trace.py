@@ -1,0 +1,135 @@
+"""``haptic-tracing trace FILE.blend``: plays a tagged Blender file and writes what its listeners feel."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ..addon.timeline import ImpactFelt, Played
+    from ..core.frame_result import FrameResult
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the command to the program's."""
+    parser = subparsers.add_parser("trace", help="play a tagged .blend file and write what is felt", description=__doc__)
+    parser.add_argument("file", help="Blender file with haptic objects, sources and listeners")
+    add_output_arguments(parser)
+    parser.set_defaults(run=run)
+
+
+def add_output_arguments(parser: argparse.ArgumentParser) -> None:
+    """Where results go and which frames are played."""
+    parser.add_argument("--out", default="out", type=Path, metavar="FOLDER", help="where the results are written (out)")
+    parser.add_argument("--start", type=int, help="first frame (the scene's)")
+    parser.add_argument("--end", type=int, help="last frame (the scene's)")
+    parser.add_argument("--no-picture", action="store_true", help="draw no picture")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Open the file, trace it, write the results. Exit code 0."""
+    start_blender()
+    from ..addon import timeline
+
+    if not Path(args.file).is_file():
+        raise ValueError(f"{args.file}: there is no such file")
+    timeline.open_blend(str(Path(args.file).resolve()))
+    return trace_and_report(args, Path(args.file).stem)
+
+
+def start_blender() -> None:
+    """Import Blender as a module and enable the add-on. Raises ValueError where bpy is not installed."""
+    try:
+        import bpy
+    except ImportError:
+        raise ValueError("this needs Blender as a Python module: pip install bpy (its version decides the Python version)") from None
+    import haptic_tracing
+
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    haptic_tracing.register()
+
+
+def trace_and_report(args: argparse.Namespace, name: str) -> int:
+    """Play the open file's scene, write haptic scene, WAV and picture into the folder, print what is felt and what it cost."""
+    import bpy
+    from tqdm import tqdm
+
+    from ..addon import export, timeline
+    from ..addon.suspension import suspended
+    from ..core.formats.scene_json import read_scene, write_scene
+    from ..core.formats.tracks import Tracks
+    from ..core.formats.wav import write_wav
+
+    scene = bpy.context.scene
+    start = scene.frame_start if args.start is None else args.start
+    end = scene.frame_end if args.end is None else args.end
+    args.out.mkdir(parents=True, exist_ok=True)
+    with tqdm(total=max(end - start + 1, 0), desc="Tracing", unit="frame") as bar:
+        played = timeline.play(scene, start, end, lambda frame: bar.update())
+
+    written = [args.out / f"{name}.json", args.out / f"{name}.wav"]
+    write_scene(export.scene_of_result(played.last, played.last_reading), written[0])
+    read_scene(written[0])  # validates what was written
+    write_wav(Tracks.of(played), written[1])
+    if not args.no_picture:
+        from ..addon.overlay.picture import draw_picture
+
+        written.append(args.out / f"{name}.png")
+        with suspended():
+            scene.frame_set(played.liveliest.number)
+            draw_picture(scene, played.liveliest, written[-1])
+
+    print_gains(played.last)
+    print_impacts(played.impacts, played.listeners)
+    print_statistics(played)
+    for path in written:
+        print(f"wrote {path}")
+    return 0
+
+
+def print_gains(result: FrameResult) -> None:
+    """The table (source, listener, gain, dB, path) of a frame."""
+    rows = [
+        (source.name, listener.name, *_gain_cells(float(result.gains[s, i])), " > ".join(result.path_objects(s, i)))
+        for s, source in enumerate(result.sources)
+        for i, listener in enumerate(result.listeners)
+    ]
+    print(f"\nFrame {result.number}")
+    _print_table(("source", "listener", "gain", "dB", "best path"), rows)
+
+
+def print_impacts(impacts: Sequence[ImpactFelt], listeners: Sequence[str]) -> None:
+    """The impacts on the way, each with the listener that felt it most."""
+    if not impacts:
+        return
+    rows = []
+    for impact in impacts:
+        i = int(impact.gains.argmax()) if len(listeners) else -1
+        felt = (listeners[i], *_gain_cells(float(impact.gains[i])), " > ".join(impact.paths[i])) if i >= 0 else ("", "", "", "")
+        rows.append((f"{impact.source.onset:.3f} s", f"{impact.source.object} and {impact.source.second_object}", *felt))
+    print("\nImpacts")
+    _print_table(("time", "objects", "felt most at", "gain", "dB", "best path"), rows)
+
+
+def print_statistics(played: Played) -> None:
+    """Counts of the last frame, and the time per frame beside Blender's own."""
+    print("\nStatistics of the last frame")
+    _print_table(("", ""), [(key.replace("_", " "), f"{value:g}") for key, value in played.last.statistics.items()])
+    print("\nMilliseconds per frame, median")
+    own, tracing = float(np.median(played.blender_milliseconds)), float(np.median(played.tracing_milliseconds))
+    _print_table(("", ""), [("Blender", f"{own:.2f}"), ("tracing", f"{tracing:.2f}"), ("ratio", f"{tracing / max(own, 1e-9):.3f}")])
+
+
+def _gain_cells(gain: float) -> tuple[str, str]:
+    return f"{gain:.4f}", f"{20 * math.log10(gain):.1f}" if gain > 0 else "-inf"
+
+
+def _print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    widths = [max(len(row[i]) for row in (heads, *rows)) for i in range(len(heads))]
+    for row in (heads, *rows) if any(heads) else rows:
+        print("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
