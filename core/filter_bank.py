@@ -41,9 +41,8 @@ def split_bands(samples: Array, sample_rate: float) -> Array:
     """
     reach = bank_reach(sample_rate)
     count = len(samples) - 2 * reach
-    size = 1 << (len(samples) - 1).bit_length()
-    spectra = _low_pass_spectra(sample_rate, size)
-    low = np.fft.irfft(np.fft.rfft(samples, size) * spectra, size)[:, 2 * reach : 2 * reach + count]
+    size = -(-len(samples) // 256) * 256
+    low = np.fft.irfft(np.fft.rfft(samples, size) * _low_pass_spectra(sample_rate, size), size)[:, reach : reach + count]
     bands = np.empty((len(low) + 1, count))
     bands[0] = low[0]
     np.subtract(low[1:], low[:-1], out=bands[1:-1])
@@ -52,5 +51,10 @@ def split_bands(samples: Array, sample_rate: float) -> Array:
 
 
 @lru_cache(maxsize=16)
-def _low_pass_spectra(sample_rate: float, size: int) -> NDArray[np.complex128]:
-    return np.fft.rfft([low_pass(edge, sample_rate) for edge in BAND_EDGES[1:-1]], size)
+def _low_pass_spectra(sample_rate: float, size: int) -> Array:
+    """Return the low-passes' spectra for transforms of `size`, centred on sample 0, where a symmetric filter's spectrum is real."""
+    kernels = np.zeros((len(BAND_EDGES) - 2, size))
+    for kernel, edge in zip(kernels, BAND_EDGES[1:-1], strict=True):
+        taps = low_pass(edge, sample_rate)
+        kernel[: len(taps)] = taps
+    return np.asarray(np.fft.rfft(np.roll(kernels, -bank_reach(sample_rate), axis=1)).real)

@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,11 +25,13 @@ Array = NDArray[np.float64]
 
 SAMPLE_RATE = 8000.0
 MAX_GAIN = 1e6
-"""Largest magnitude of a gain times its amplitude."""
+"""Largest magnitude of a gain and of an amplitude."""
 MAX_DELAY = 60.0
 """Seconds."""
 MAX_TIME = 1e6
 """Seconds before and after 0 within which frames lie."""
+MAX_FRAME = 60.0
+"""Seconds that a frame may last."""
 _CHUNK = 2048
 _SNAP = 1e-6
 
@@ -119,20 +123,24 @@ class Renderer:
             self._limiter.reset()
 
     def render_frame(self, start: float, end: float, voices: Sequence[Voice]) -> Array:
-        """Return the samples n with start <= n / sample_rate < end (seconds), shape (n_listeners, n_samples).
+        """Return the samples n with start <= n / sample_rate < end (seconds, at most 60 apart), shape (n_listeners, n_samples).
 
         Gains reach those of `voices` at `end`. Frames follow each other without a gap, else call `reset` first.
         Raises ValueError that names the argument; the renderer is then as it was before.
         """
         frame = self._frame(start, end)
-        moves = self._moves(frame, voices)
-        block = self._mix(frame, [move for move in moves if move.is_heard(frame)])
+        parts = self._parts(frame, voices)
+        groups = [self._group(list(group)) for _, group in groupby(sorted(parts, key=_Part.kind), key=_Part.kind)]
+        block = self._mix([_paths(frame, group) for group in groups], frame.count)
         self._next = frame.last
         self._streams = {}
-        for move in moves:
-            if move.stays:
-                move.stream.gains, move.stream.delays, move.stream.priority = move.gains, move.delays, move.priority
-                self._streams[move.stream.key] = move.stream
+        for group in groups:
+            for index, part in enumerate(group.parts):
+                if part.voice is not None:
+                    part.stream.gains = group.gains[index]
+                    part.stream.delays = None if group.delays is None else group.delays[index]
+                    part.stream.priority = part.voice.priority
+                    self._streams[part.stream.key] = part.stream
         return self._limiter.process(block) if self._limiter else block
 
     def flush(self) -> Array:
@@ -141,91 +149,84 @@ class Renderer:
         return self._limiter.process(empty) if self._limiter else empty
 
     def _frame(self, start: float, end: float) -> _Frame:
-        if not -MAX_TIME <= start <= end <= MAX_TIME:
-            raise ValueError(f"end: {end!r} must not be before start {start!r}, and both be within ±{MAX_TIME:g} seconds")
+        if not (-MAX_TIME <= start <= end <= MAX_TIME and end - start <= MAX_FRAME):
+            raise ValueError(f"end: {end!r} must be 0 to {MAX_FRAME:g} seconds after start {start!r}, both within ±{MAX_TIME:g}")
         first, last = sample_index(start, self.sample_rate), sample_index(end, self.sample_rate)
         if self._next is not None and first != self._next:
             raise ValueError(f"start: {start!r} does not follow the last frame; reset the renderer before a jump")
         times = np.arange(first, last) / self.sample_rate
         return _Frame(start, end, first, last, times, (times - start) / (end - start) if last > first else times)
 
-    def _moves(self, frame: _Frame, voices: Sequence[Voice]) -> list[_Move]:
-        """Return where gains and delays go in this frame: those of the voices, then of what is replaced or left out."""
-        moves: list[_Move] = []
-        left = dict(self._streams)
-        keys = set()
+    def _parts(self, frame: _Frame, voices: Sequence[Voice]) -> list[_Part]:
+        """Return the stream of each voice, then those that are replaced or left out."""
+        parts = []
+        fading = dict(self._streams)
         replaced = []
+        keys = set()
         for voice in voices:
             if voice.key in keys:
                 raise ValueError(f"voices: key {voice.key!r} is given twice")
             keys.add(voice.key)
-            gains = self._gains(voice)
-            stream = left.pop(voice.key, None)
+            self._check(voice)
+            stream = fading.pop(voice.key, None)
             if stream is not None and stream.plays(voice):
-                before, delays_before = stream.gains, stream.delays
-            else:
-                begins = voice.onset >= frame.start and (stream is None or stream.onset != voice.onset)
-                before, delays_before = gains if begins else np.zeros_like(gains), None
-                if stream is not None:
-                    replaced.append(stream)
-                stream = _Stream(voice, self.sample_rate)
-            if voice.delays is None:
-                moves.append(_Move(stream, before, gains, None, None, voice.priority, True))
-            else:
-                delays_before, delays = self._delays(voice, before, gains, delays_before)
-                moves.append(_Move(stream, before, gains, delays_before, delays, voice.priority, True))
-        for stream in (*replaced, *left.values()):
-            silent = np.zeros_like(stream.gains)
-            moves.append(_Move(stream, stream.gains, silent, stream.delays, stream.delays, stream.priority, False))
-        return moves
+                parts.append(_Part(stream, voice, False))
+                continue
+            if stream is not None:
+                replaced.append(stream)
+            begins = voice.onset >= frame.start and (stream is None or stream.onset != voice.onset)
+            parts.append(_Part(_Stream(voice, self.sample_rate), voice, begins))
+        return parts + [_Part(stream, None, False) for stream in (*replaced, *fading.values())]
 
-    def _gains(self, voice: Voice) -> Array:
-        """Return the voice's gains times its amplitude, and times its priority where a listener weighs it."""
+    def _check(self, voice: Voice) -> None:
         count = len(self.listeners)
-        gains = voice.gains * np.float64(voice.amplitude)
-        if gains.shape != (count,) and gains.shape != (count, BAND_COUNT):
-            raise ValueError(f"gains: those of {voice.key!r} have shape {gains.shape}, not ({count},) or ({count}, {BAND_COUNT})")
-        if not (np.abs(gains) <= MAX_GAIN).all():
-            raise ValueError(f"gains: those of {voice.key!r} times its amplitude must be within ±{MAX_GAIN:g}")
+        if voice.gains.shape not in ((count,), (count, BAND_COUNT)):
+            raise ValueError(f"gains: those of {voice.key!r} have shape {voice.gains.shape}, not ({count},) or ({count}, {BAND_COUNT})")
+        if voice.delays is not None and voice.delays.shape != (count,):
+            raise ValueError(f"delays: those of {voice.key!r} have shape {voice.delays.shape}, not ({count},)")
+        if not -MAX_GAIN <= voice.amplitude <= MAX_GAIN:
+            raise ValueError(f"amplitude: that of {voice.key!r} must be within ±{MAX_GAIN:g}")
         if not -MAX_TIME <= voice.onset <= MAX_TIME:
             raise ValueError(f"onset: that of {voice.key!r} must be within ±{MAX_TIME:g} seconds")
         if not 0.0 <= voice.priority <= MAX_GAIN:
             raise ValueError(f"priority: that of {voice.key!r} must be from 0 to {MAX_GAIN:g}")
-        for index in self._weighted:
-            gains[index] *= self._weight(index, voice.key, voice.priority)
-        return gains
 
-    def _delays(self, voice: Voice, before: Array, gains: Array, delays_before: Array | None) -> tuple[Array, Array]:
-        """Return the delays at the frame's two ends. Where nothing is heard at one end, the delay is that of the other."""
-        delays = np.where(_heard(gains), voice.delays, np.nan if delays_before is None else delays_before)
-        delays_before = np.where(_heard(before), delays if delays_before is None else delays_before, delays)
-        audible = _heard(gains) | _heard(before)
-        if delays.shape != (len(self.listeners),) or not ((delays >= 0.0) & (delays <= MAX_DELAY))[audible].all():
-            raise ValueError(f"delays: those of {voice.key!r} must be {len(self.listeners)} numbers from 0 to {MAX_DELAY:g}")
-        return delays_before, delays
+    def _group(self, parts: list[_Part]) -> _Group:
+        """Return where the gains and delays of parts of one kind go in this frame. What listeners weigh has its weight in its gain."""
+        gains = np.array([part.stream.gains if part.voice is None else part.voice.gains for part in parts])
+        within = np.abs(gains) <= MAX_GAIN
+        if not within.all():
+            key = parts[int(np.argmin(within.reshape(len(parts), -1).all(axis=1)))].stream.key
+            raise ValueError(f"gains: those of {key!r} must be finite and within ±{MAX_GAIN:g}")
+        gains = (gains.T * [0.0 if part.voice is None else part.voice.amplitude for part in parts]).T
+        for listener in self._weighted:
+            gains[:, listener] = (gains[:, listener].T * [self._weight(listener, part) for part in parts]).T
+        before = np.array([part.stream.gains for part in parts])
+        begins = [part.begins for part in parts]
+        before[begins] = gains[begins]
+        if parts[0].stream.delays is None:
+            return _Group(parts, before, gains, None, None)
+        delays_before = np.array([part.stream.delays for part in parts])
+        delays = np.array([part.stream.delays if part.voice is None else part.voice.delays for part in parts])
+        within = ~_heard(gains) | ((delays >= 0.0) & (delays <= MAX_DELAY))
+        if not within.all():
+            key = parts[int(np.argmin(within.all(axis=1)))].stream.key
+            raise ValueError(f"delays: those of {key!r} must be from 0 to {MAX_DELAY:g}")
+        # The delay of a path that is not heard means nothing: it is taken from the frame's other end.
+        delays = np.where(_heard(gains), delays, delays_before)
+        return _Group(parts, before, gains, np.where(_heard(before), delays_before, delays), delays)
 
-    def _weight(self, listener: int, key: Hashable, priority: float) -> float:
-        return self.listeners[listener].priorities.get(key, priority)
+    def _weight(self, listener: int, part: _Part) -> float:
+        priority = part.stream.priority if part.voice is None else part.voice.priority
+        return self.listeners[listener].priorities.get(part.stream.key, priority)
 
-    def _mix(self, frame: _Frame, moves: list[_Move]) -> Array:
-        """Return the listeners' mixes, shape (n_listeners, n), cut at s_max where no limiter takes care of that."""
-        direct = [move for move in moves if move.delays is None]
-        rows = np.concatenate([np.empty((0, frame.count)), *(move.stream.rows(frame.first, frame.last) for move in direct)])
-        before = np.concatenate([np.empty((0, len(self.listeners))), *(_by_row(move.before) for move in direct)])
-        change = np.concatenate([np.empty((0, len(self.listeners))), *(_by_row(move.gains) for move in direct)]) - before
-        rising = rows * frame.ramp
-        total = before.T @ rows + change.T @ rising
-        delayed = [(move, _delayed(frame, move)) for move in moves if move.delays is not None]
-        for _, paths in delayed:
-            total += paths
-        for index in self._unsummed:
-            ramped = rows * before[:, index, None] + rising * change[:, index, None]
-            begins = np.cumsum([0, *(move.stream.row_count for move in direct)])[:-1]
-            summed = np.add.reduceat(ramped, begins) if direct else ramped
-            voices = np.concatenate((summed, *(paths[index][None] for _, paths in delayed)))
-            order = [*direct, *(move for move, _ in delayed)]
-            weights = np.array([self._weight(index, move.stream.key, move.priority) for move in order])
-            total[index] = mixed(self.listeners[index].method, voices, weights)
+    def _mix(self, groups: list[_DirectPaths | _DelayedPaths], count: int) -> Array:
+        """Return the listeners' mixes, shape (n_listeners, count), cut at s_max where no limiter takes care of that."""
+        total = sum((group.summed() for group in groups), start=np.zeros((len(self.listeners), count)))
+        for listener in self._unsummed:
+            voices = np.concatenate([np.empty((0, count)), *(group.at_listener(listener) for group in groups)])
+            weights = np.array([self._weight(listener, part) for group in groups for part in group.parts])
+            total[listener] = mixed(self.listeners[listener].method, voices, weights)
         return saturated(total * self._gain, self._cut)
 
 
@@ -261,7 +262,7 @@ class _Stream:
     Ahead, because a few long runs cost less than many short ones; a sample depends on its own time alone, so they are the same.
     """
 
-    __slots__ = ("_ahead", "_end", "_first", "delays", "gains", "key", "onset", "priority", "row_count", "sample_rate", "signal")
+    __slots__ = ("_end", "_first", "_known", "delays", "gains", "key", "onset", "priority", "row_count", "sample_rate", "signal")
 
     def __init__(self, voice: Voice, sample_rate: float) -> None:
         self.key = voice.key
@@ -273,8 +274,8 @@ class _Stream:
         self.gains = np.zeros_like(voice.gains)
         self.delays = voice.delays
         self._first = 0
-        self._ahead = np.empty((self.row_count, 0))
-        tail = 0 if self.row_count == 1 else bank_reach(sample_rate) / sample_rate
+        self._known = np.empty((self.row_count, 0))
+        tail = 0.0 if self.row_count == 1 else bank_reach(sample_rate) / sample_rate
         self._end = self.onset + self.signal.duration + tail
 
     def plays(self, voice: Voice) -> bool:
@@ -292,16 +293,17 @@ class _Stream:
 
     def rows(self, first: int, last: int) -> Array:
         """Return samples first to last - 1 of the signal, shape (1, n), or of its bands, shape (6, n)."""
-        known = self._first + self._ahead.shape[1]
+        known = self._first + self._known.shape[1]
         if not self._first <= first <= known:
             self._first = known = first
-            self._ahead = np.empty((self.row_count, 0))
+            self._known = np.empty((self.row_count, 0))
         if last > known:
-            end = min(self._end * self.sample_rate + 1.0, float(last + _CHUNK))
-            more = self._sampled(known, max(last, math.ceil(end)))
-            self._ahead = np.concatenate((self._ahead[:, first - self._first :], more), axis=1)
-            self._first = first
-        return self._ahead[:, first - self._first : last - self._first]
+            ahead = min(self._end * self.sample_rate + 1.0, float(last + _CHUNK))
+            kept = max(first - _CHUNK, self._first)
+            more = self._sampled(known, max(last, math.ceil(ahead)))
+            self._known = np.concatenate((self._known[:, kept - self._first :], more), axis=1)
+            self._first = kept
+        return self._known[:, first - self._first : last - self._first]
 
     def _sampled(self, first: int, last: int) -> Array:
         if self.row_count == 1:
@@ -312,56 +314,107 @@ class _Stream:
         begun = np.arange(first, last) / self.sample_rate >= self.onset
         return split_bands(samples, self.sample_rate) * begun
 
-    def at(self, times: Array) -> Array:
-        """Return the signal, shape (1, n), or its bands, shape (6, n), at any `times` (seconds on the frames' clock)."""
-        if self.row_count == 1:
-            return self.signal.at(times - self.onset, 1.0 / self.sample_rate)[None, :]
-        positions = times * self.sample_rate
-        first = math.floor(float(np.min(positions))) - ZERO_CROSSINGS
-        last = math.ceil(float(np.max(positions))) + ZERO_CROSSINGS + 1
-        return interpolate(self.rows(first, last), positions - first) * (times >= self.onset)
+
+class _Part(NamedTuple):
+    """A stream in one frame. Without a voice it fades out; one that begins has its full gain from its onset on."""
+
+    stream: _Stream
+    voice: Voice | None
+    begins: bool
+
+    def kind(self) -> tuple[bool, int]:
+        return self.stream.delays is not None, self.stream.row_count
 
 
 @dataclass(frozen=True, slots=True)
-class _Move:
-    """The gains and delays of a stream at a frame's start and end."""
+class _Group:
+    """Parts of one kind and their gains at a frame's start and end, shape (n_parts, n_listeners) or (n_parts, n_listeners, 6)."""
 
-    stream: _Stream
+    parts: list[_Part]
     before: Array
     gains: Array
     delays_before: Array | None
     delays: Array | None
-    priority: float
-    stays: bool
-
-    def is_heard(self, frame: _Frame) -> bool:
-        """Whether anything of it reaches a listener in this frame."""
-        if not (self.before.any() or self.gains.any()):
-            return False
-        if self.delays is None or self.delays_before is None:
-            return self.stream.sounds(frame.start, frame.end)
-        return self.stream.sounds(frame.start - max(np.nanmax(self.delays), np.nanmax(self.delays_before)), frame.end)
 
 
-def _delayed(frame: _Frame, move: _Move) -> Array:
-    """Return what each listener gets of a voice along its own delay, shape (n_listeners, n)."""
-    assert move.delays is not None and move.delays_before is not None
-    paths = np.zeros((len(move.delays), frame.count))
-    if frame.count == 0:
-        return paths
-    for index in np.flatnonzero(_heard(move.before) | _heard(move.gains)):
-        delay = move.delays_before[index] + (move.delays[index] - move.delays_before[index]) * frame.ramp
-        before, gains = np.atleast_1d(move.before[index]), np.atleast_1d(move.gains[index])
-        ramped = before[:, None] + (gains - before)[:, None] * frame.ramp
-        paths[index] = (ramped * move.stream.at(frame.times - delay)).sum(axis=0)
-    return paths
+class _DirectPaths:
+    """What listeners get without delay: the same samples for all, times gains on a ramp, so a sum over voices is two matrix products."""
+
+    def __init__(self, frame: _Frame, group: _Group) -> None:
+        heard = (_heard(group.before) | _heard(group.gains)).any(axis=1)
+        chosen = [index for index, part in enumerate(group.parts) if heard[index] and part.stream.sounds(frame.start, frame.end)]
+        self.parts = [group.parts[index] for index in chosen]
+        self._row_count = group.parts[0].stream.row_count
+        self._rows = np.concatenate([np.empty((0, frame.count)), *(part.stream.rows(frame.first, frame.last) for part in self.parts)])
+        self._rising = self._rows * frame.ramp
+        listeners = group.gains.shape[1]
+        before, gains = (np.moveaxis(levels[chosen], 1, 0).reshape(listeners, -1) for levels in (group.before, group.gains))
+        self._before, self._change = before, gains - before
+
+    def summed(self) -> Array:
+        """Return the sum over voices, shape (n_listeners, n)."""
+        return np.asarray(self._before @ self._rows + self._change @ self._rising)
+
+    def at_listener(self, listener: int) -> Array:
+        """Return the voices as they reach one listener, shape (n_voices, n)."""
+        rows = self._before[listener][:, None] * self._rows + self._change[listener][:, None] * self._rising
+        return np.asarray(rows.reshape(len(self.parts), self._row_count, rows.shape[1]).sum(axis=1))
+
+
+class _DelayedPaths:
+    """What listeners get along paths with a delay each: the signal at an earlier time, which moves as the delay changes."""
+
+    def __init__(self, frame: _Frame, group: _Group) -> None:
+        assert group.delays_before is not None and group.delays is not None
+        heard = _heard(group.before) | _heard(group.gains)
+        longest = np.where(heard, np.maximum(group.delays_before, group.delays), 0.0).max(axis=1, initial=0.0)
+        chosen = [
+            index
+            for index, part in enumerate(group.parts)
+            if heard[index].any() and frame.count and part.stream.sounds(frame.start - longest[index], frame.end)
+        ]
+        self.parts = [group.parts[index] for index in chosen]
+        self._voices = np.zeros((len(chosen), heard.shape[1], frame.count))
+        for voice, index in zip(self._voices, chosen, strict=True):
+            paths = heard[index]
+            before, change = group.before[index, paths], (group.gains - group.before)[index, paths]
+            delays = group.delays_before[index, paths, None] + (group.delays - group.delays_before)[index, paths, None] * frame.ramp
+            travel = _travelled if group.gains.ndim == 2 else _travelled_in_bands
+            voice[paths] = travel(group.parts[index].stream, frame.times - delays, before, change, frame.ramp)
+
+    def summed(self) -> Array:
+        """Return the sum over voices, shape (n_listeners, n)."""
+        return self._voices.sum(axis=0)
+
+    def at_listener(self, listener: int) -> Array:
+        """Return the voices as they reach one listener, shape (n_voices, n)."""
+        return self._voices[:, listener]
+
+
+def _travelled(stream: _Stream, times: Array, before: Array, change: Array, ramp: Array) -> Array:
+    """Return a signal at `times`, shape (n_paths, n), times gains that go from `before`, shape (n_paths,), by `change` along the ramp."""
+    values = stream.signal.at(times.ravel() - stream.onset, 1.0 / stream.sample_rate).reshape(times.shape)
+    return (before[:, None] + change[:, None] * ramp) * values
+
+
+def _travelled_in_bands(stream: _Stream, times: Array, before: Array, change: Array, ramp: Array) -> Array:
+    """The same with gains by band, shape (n_paths, 6): the bands' samples, weighed and added, then interpolated."""
+    positions = times * stream.sample_rate
+    first = math.floor(np.min(positions)) - ZERO_CROSSINGS
+    rows = stream.rows(first, math.ceil(np.max(positions)) + ZERO_CROSSINGS + 1)
+    result = np.empty(times.shape)
+    for index, path in enumerate(positions):
+        near = math.floor(np.min(path)) - ZERO_CROSSINGS - first
+        far = math.ceil(np.max(path)) + ZERO_CROSSINGS + 1 - first
+        constant, rising = interpolate(np.stack((before[index], change[index])) @ rows[:, near:far], path - (first + near))
+        result[index] = constant + rising * ramp
+    return result * (times >= stream.onset)
+
+
+def _paths(frame: _Frame, group: _Group) -> _DirectPaths | _DelayedPaths:
+    return _DirectPaths(frame, group) if group.delays is None else _DelayedPaths(frame, group)
 
 
 def _heard(gains: Array) -> NDArray[np.bool_]:
-    """Return for which listeners, shape (n_listeners,), there is a gain."""
-    return np.asarray(gains != 0.0 if gains.ndim == 1 else (gains != 0.0).any(axis=1))
-
-
-def _by_row(gains: Array) -> Array:
-    """Return gains by listener (and band) as one row per row of samples, shape (rows, n_listeners)."""
-    return gains[None, :] if gains.ndim == 1 else gains.T
+    """Return where a voice reaches a listener, shape (n_parts, n_listeners)."""
+    return np.asarray(gains != 0.0 if gains.ndim == 2 else (gains != 0.0).any(axis=2))

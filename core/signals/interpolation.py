@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from functools import lru_cache
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from .track import Array
 
@@ -13,71 +15,87 @@ ZERO_CROSSINGS = 16
 """Half-width of the kernel in samples of the lower of the two rates."""
 
 _KAISER_BETA = 9.0
-_BATCH = 1 << 19
+_PHASES = 1024
 _EXACT = 1e-7
+_BATCH = 1 << 19
 
 
-def kernel_weights(offsets: Array, stretch: float) -> Array:
-    """Return the weights of samples at `offsets` from the wanted position, shape (n, taps), each row summing to 1.
+def kernel_weights(phases: Array, stretch: float = 1.0) -> Array:
+    """Return the weights of the samples around positions that lie `phases` (0 to 1, shape (n,)) beyond a sample; each row sums to 1.
 
-    stretch: samples in per sample out where the rate falls, else 1; the kernel gets that much longer and its cut-off that much lower.
+    Shape (n, 2 reach) with reach = ceil(16 stretch): the weights of samples 1 - reach to reach, counted from the sample before.
+    stretch: samples in per sample out where the rate falls, else 1; the kernel is that much longer and its cut-off that much lower.
     """
-    scaled = offsets / stretch
+    reach = math.ceil(ZERO_CROSSINGS * stretch)
+    scaled = (np.arange(1 - reach, reach + 1) - phases[:, None]) / stretch
     inside = np.maximum(1.0 - (scaled / ZERO_CROSSINGS) ** 2, 0.0)
-    weights = np.sinc(scaled) * np.i0(_KAISER_BETA * np.sqrt(inside)) * (inside > 0)
+    weights = np.sinc(scaled) * np.i0(_KAISER_BETA * np.sqrt(inside)) * (inside > 0.0)
     return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
 
 def interpolate(samples: Array, positions: Array, stretch: float = 1.0) -> Array:
-    """Return the band-limited values of `samples` (shape (m,) or (k, m), silent beyond its ends) at `positions` (shape (n,), in samples).
+    """Return the band-limited values of `samples`, shape (k, m), silent beyond their ends, at `positions`, shape (n,), in samples.
 
-    Shape (n,) or (k, n). A position within 1e-7 of a sample gets that sample as it is. Up to 0.4 times the sample rate the error is
-    below 1e-4 of the amplitude, below an eighth of the rate 1e-5.
+    Shape (k, n). A position within 1e-7 of a sample has that sample's value. Weights are read from a table of 1,024 phases, straight
+    lines between them. Up to 0.4 times the lower sample rate the error is below 1e-4 of the amplitude.
     """
+    if not len(positions):
+        return np.empty((len(samples), 0))
     reach = math.ceil(ZERO_CROSSINGS * stretch)
-    result = np.empty((*samples.shape[:-1], len(positions)))
-    padded = np.concatenate((np.zeros((*samples.shape[:-1], 2 * reach)), samples, np.zeros((*samples.shape[:-1], 2 * reach))), axis=-1)
-    taps = np.arange(1 - reach, reach + 1)
-    batch = max(_BATCH // len(taps), 1)
+    first = min(max(math.floor(np.min(positions)) + 1 - reach, 0), samples.shape[1])
+    samples = samples[:, first : max(math.floor(np.max(positions)) + 1 + reach, 0)]
+    positions = positions - first
+    silence = np.zeros((len(samples), 2 * reach))
+    windows = sliding_window_view(np.concatenate((silence, samples, silence), axis=1), 2 * reach, axis=1)
+    result = np.empty((len(samples), len(positions)))
+    batch = max(_BATCH // (2 * reach), 1)
     for begin in range(0, len(positions), batch):
         # Beyond the ends there is nothing to find: one kernel away is as far as any.
-        wanted = np.clip(positions[begin : begin + batch], -reach - 1.0, samples.shape[-1] + reach)
-        whole = np.floor(wanted).astype(np.intp)
-        share = wanted - whole
-        nearest = np.where(share > 0.5, whole + 1, whole)
-        values = padded[..., nearest + 2 * reach]
-        between = np.flatnonzero((np.abs(wanted - nearest) > _EXACT) | (stretch > 1.0))
-        if between.size:
-            weights = kernel_weights(taps - share[between, None], stretch)
-            windows = padded[..., whole[between, None] + taps + 2 * reach]
-            values[..., between] = np.einsum("...nt,nt->...n", windows, weights)
-        result[..., begin : begin + batch] = values
+        wanted = np.clip(positions[begin : begin + batch], -reach - 0.5, samples.shape[1] + reach - 0.5)
+        before = np.floor(wanted)
+        phase = wanted - before
+        window = before.astype(np.intp) + (reach + 1)
+        if stretch == 1.0 and (np.minimum(phase, 1.0 - phase) < _EXACT).all():
+            result[:, begin : begin + batch] = windows[:, window + (phase > 0.5), reach - 1]
+        else:
+            result[:, begin : begin + batch] = np.einsum("knt,nt->kn", windows[:, window], _table_weights(phase, stretch))
     return result
 
 
 def resample(samples: Array, rate: float, new_rate: float) -> Array:
-    """Return `samples` (shape (n,)) at `new_rate` instead of `rate` (hertz), shape (ceil(n · new_rate / rate),): polyphase windowed sinc.
+    """Return `samples`, shape (n,), at `new_rate` instead of `rate` (hertz), shape (ceil(n · new_rate / rate),), by polyphase filters.
 
     Sample 0 stays where it is. What the new rate cannot carry is filtered out.
     """
     ratio = Fraction(new_rate).limit_denominator(1_000_000) / Fraction(rate).limit_denominator(1_000_000)
+    up, down = ratio.numerator, ratio.denominator
     if ratio == 1:
         return samples.copy()
-    up, down = ratio.numerator, ratio.denominator
-    count = -(-len(samples) * up // down)
-    positions_exact = np.arange(count, dtype=np.int64) * down
-    if up > 4096:
-        return interpolate(samples, positions_exact / up, max(1.0, down / up))
     stretch = max(1.0, down / up)
+    count = -(-len(samples) * up // down)
+    if up > _PHASES:
+        positions = np.arange(count) * np.float64(down / up)
+        return np.asarray(interpolate(samples[None, :], positions, stretch)[0])
     reach = math.ceil(ZERO_CROSSINGS * stretch)
-    padded = np.concatenate((np.zeros(reach), samples, np.zeros(reach + 1)))
-    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach)
-    taps = np.arange(1 - reach, reach + 1)
+    windows = sliding_window_view(np.concatenate((np.zeros(reach), samples, np.zeros(reach + 1))), 2 * reach)
     result = np.empty(count)
     for phase in range(min(up, count)):
-        whole, remainder = divmod(phase * down, up)
-        offsets = taps - np.float64(remainder / up)
-        weights = kernel_weights(offsets[None, :], stretch)[0]
-        chosen = windows[whole + 1 :: down]
-        result[phase::up] = chosen[: len(result[phase::up])] @ weights
+        before, remainder = divmod(phase * down, up)
+        out = result[phase::up]
+        out[:] = windows[before + 1 :: down][: len(out)] @ kernel_weights(np.array([remainder / up]), stretch)[0]
     return result
+
+
+def _table_weights(phase: Array, stretch: float) -> Array:
+    table = _table(stretch)
+    position = phase * _PHASES
+    row = np.minimum(position.astype(np.intp), _PHASES - 1)
+    share = (position - row)[:, None]
+    exact = (phase < _EXACT) | (phase > 1.0 - _EXACT)
+    share[exact] = np.round(share[exact])
+    return np.asarray(table[row] + share * (table[row + 1] - table[row]))
+
+
+@lru_cache(maxsize=8)
+def _table(stretch: float) -> Array:
+    return kernel_weights(np.linspace(0.0, 1.0, _PHASES + 1), stretch)

@@ -13,6 +13,8 @@ from .limits import MAX_FREQUENCY, MAX_PEAK, checked_number
 from .signal import Signal
 from .track import Array, Track, checked_parameter, largest, values_of
 
+_RUN = 64
+
 
 @dataclass(frozen=True, slots=True)
 class Oscillator(Signal):
@@ -70,6 +72,20 @@ class Sine(Oscillator):
 
     def wave(self, cycles: Array, width: float | Array) -> Array:
         return np.sin((2 * np.pi) * (cycles - np.floor(cycles)))
+
+    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> Array:
+        if isinstance(self.frequency, Track) or self.frequency >= sample_rate / 2 or start / sample_rate < onset or count < 1:
+            return Oscillator.sample(self, start, count, sample_rate, onset)
+        # A steady tone by sin(a + b) = sin a cos b + cos a sin b: a at every 64th sample of the clock, b at the 64 from there on.
+        runs = np.arange(start // _RUN, (start + count - 1) // _RUN + 1) * _RUN
+        cycles = self.frequency * (runs / sample_rate - onset) + self.phase
+        coarse = (2 * np.pi) * (cycles - np.floor(cycles))[:, None]
+        fine = (2 * np.pi * self.frequency / sample_rate) * np.arange(_RUN)
+        tone = np.sin(coarse) * np.cos(fine) + np.cos(coarse) * np.sin(fine)
+        begin = start - int(runs[0])
+        if isinstance(self.amplitude, Track):
+            return np.asarray(tone.ravel()[begin : begin + count] * self.amplitude.at(np.arange(start, start + count) / sample_rate - onset))
+        return np.asarray(self.amplitude * tone.ravel()[begin : begin + count])
 
 
 @dataclass(frozen=True, slots=True)

@@ -41,7 +41,7 @@ class Sampled(Signal):
         return len(self.samples) / self.rate
 
     def values(self, times: Array, step: float) -> Array:
-        return interpolate(self.samples, times * self.rate, max(1.0, step * self.rate))
+        return np.asarray(interpolate(self.samples[None, :], times * self.rate, max(1.0, step * self.rate))[0])
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Sampled):
