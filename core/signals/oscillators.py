@@ -84,7 +84,8 @@ class Sine(Oscillator):
         tone = np.sin(coarse) * np.cos(fine) + np.cos(coarse) * np.sin(fine)
         begin = start - int(runs[0])
         if isinstance(self.amplitude, Track):
-            return np.asarray(tone.ravel()[begin : begin + count] * self.amplitude.at(np.arange(start, start + count) / sample_rate - onset))
+            times = np.arange(start, start + count) / sample_rate - onset
+            return np.asarray(tone.ravel()[begin : begin + count] * self.amplitude.at(times))
         return np.asarray(self.amplitude * tone.ravel()[begin : begin + count])
 
 
