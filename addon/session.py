@@ -64,11 +64,11 @@ def trace(scene: Scene, depsgraph: Depsgraph) -> FrameResult | None:
     if session.version != _version:
         session.reader.forget()
         session.version = _version
-    if session.reader.is_empty:
-        session.result, session.problems, session.frame = None, (), None
-        return None
     started = time.perf_counter()
-    reading = session.reader.read(scene, depsgraph)
+    reading = None if session.reader.is_empty else session.reader.read(scene, depsgraph)
+    if reading is None or session.reader.is_empty:
+        session.reading, session.result, session.problems, session.frame = None, None, (), None
+        return None
     read_milliseconds = 1000 * (time.perf_counter() - started)
     session.reading = reading
     session.tracer.contact_settings = reading.contact_settings

@@ -1,0 +1,73 @@
+"""Blender as a module: every test starts in an empty file with the add-on registered, and the add-on is unregistered after it."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from typing import Any
+
+# Keep this machine's own extensions and preferences out; must be set before bpy is imported.
+os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
+
+import bpy
+import pytest
+
+import haptic_tracing
+
+
+@pytest.fixture(autouse=True)
+def scene() -> Iterator[Any]:
+    """The scene of an empty file."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    haptic_tracing.register()
+    yield bpy.context.scene
+    haptic_tracing.unregister()
+
+
+@pytest.fixture
+def add_box(scene: Any) -> Callable[..., Any]:
+    """Adds a box, as a rigid body where ``body`` is ACTIVE or PASSIVE, haptic unless said otherwise."""
+
+    def add(name: str, location: tuple[float, ...], size: tuple[float, ...], body: str | None = None, haptic: bool = True, mass: float = 1.0) -> Any:
+        x, y, z = 0.5, 0.5, 0.5
+        corners = [(sx * x, sy * y, sz * z) for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)]
+        faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        mesh = bpy.data.meshes.new(name)
+        mesh.from_pydata(corners, [], faces)
+        obj = bpy.data.objects.new(name, mesh)
+        bpy.context.scene.collection.objects.link(obj)
+        obj.location, obj.scale = location, size
+        if body is not None:
+            with bpy.context.temp_override(object=obj, active_object=obj, selected_objects=[obj]):
+                bpy.ops.rigidbody.object_add(type=body)
+            obj.rigid_body.mass = mass
+        obj.haptics.enabled = haptic
+        return obj
+
+    return add
+
+
+@pytest.fixture
+def add_empty() -> Callable[..., Any]:
+    """Adds an empty, as a child of ``parent`` where given."""
+
+    def add(name: str, location: tuple[float, ...] = (0, 0, 0), parent: Any = None) -> Any:
+        obj = bpy.data.objects.new(name, None)
+        bpy.context.scene.collection.objects.link(obj)
+        obj.location = location
+        obj.parent = parent
+        return obj
+
+    return add
+
+
+@pytest.fixture
+def traced() -> Callable[[], Any]:
+    """Traces the current frame of the current scene and returns the result (None where there is none)."""
+    from haptic_tracing.addon import session
+
+    def trace() -> Any:
+        return session.trace(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+
+    return trace

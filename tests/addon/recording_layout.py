@@ -1,0 +1,60 @@
+"""A layout that records what a panel draws and refuses what Blender would: unknown properties and operators."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+
+class RecordingLayout:
+    """Stands in for UILayout: sub-layouts are the same recorder."""
+
+    def __init__(self) -> None:
+        self.labels: list[str] = []
+        self.properties: list[str] = []
+        self.operators: list[str] = []
+
+    def column(self, **_: Any) -> RecordingLayout:
+        return self
+
+    row = box = split = grid_flow = column
+
+    def separator(self, **_: Any) -> None:
+        pass
+
+    def label(self, *, text: str = "", icon: str = "NONE") -> None:
+        _check_icon(icon)
+        self.labels.append(text)
+
+    def prop(self, data: Any, name: str, *, text: str = "", icon: str = "NONE", **_: Any) -> None:
+        assert name in data.bl_rna.properties, f"{data.bl_rna.identifier} has no property {name}"
+        _check_icon(icon)
+        self.properties.append(name)
+
+    def progress(self, *, factor: float, text: str = "", **_: Any) -> None:
+        assert 0 <= factor <= 1
+        self.labels.append(text)
+
+    def operator(self, identifier: str, *, text: str = "", icon: str = "NONE", **_: Any) -> Any:
+        _check_icon(icon)
+        module, name = identifier.split(".")
+        operator = getattr(getattr(bpy.ops, module), name)
+        self.operators.append(identifier)
+        self.labels.append(text)
+        return _OperatorProperties({p.identifier for p in operator.get_rna_type().properties})
+
+    def menu(self, identifier: str, **_: Any) -> None:
+        assert hasattr(bpy.types, identifier)
+
+
+class _OperatorProperties:
+    def __init__(self, names: set[str]) -> None:
+        object.__setattr__(self, "_names", names)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        assert name in self._names, f"the operator has no property {name}"
+
+
+def _check_icon(icon: str) -> None:
+    assert icon in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items, f"no icon {icon}"

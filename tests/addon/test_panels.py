@@ -1,0 +1,85 @@
+"""Every panel draws, with nothing, with a result and with problems; what it shows is what was traced."""
+
+import importlib.util
+from pathlib import Path
+from types import SimpleNamespace
+
+import bpy
+import pytest
+
+_spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parent / "recording_layout.py")
+recording_layout = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(recording_layout)
+
+
+def _panels():
+    from haptic_tracing.addon import panels
+
+    return panels.CLASSES
+
+
+def _draw(panel):
+    layout = recording_layout.RecordingLayout()
+    if not hasattr(panel, "poll") or panel.poll(bpy.context):
+        drawn = SimpleNamespace(layout=layout)
+        if hasattr(panel, "draw_header"):
+            panel.draw_header(drawn, bpy.context)
+        panel.draw(drawn, bpy.context)
+    return layout
+
+
+def _panel(name):
+    return next(panel for panel in _panels() if panel.__name__ == name)
+
+
+@pytest.mark.parametrize("index", range(10))
+def test_panels_draw_in_an_empty_file(index):
+    assert len(_panels()) == 10
+    layout = _draw(_panels()[index])
+    assert isinstance(layout.labels, list)
+
+
+def _select(obj):
+    bpy.context.view_layer.objects.active = obj
+
+
+def test_object_panel_shows_the_parameter_of_the_chosen_function(add_box):
+    box = add_box("box", (0, 0, 0), (1, 1, 1))
+    _select(box)
+    for function, parameter in (("exponential", "alpha"), ("linear", "range"), ("constant", "constant"), ("expression", "expression")):
+        box.haptics.function = function
+        assert parameter in _draw(_panel("HAPTIC_PT_object")).properties
+    box.haptics.function = "haptic_tracing"
+    assert not {"alpha", "range", "constant", "expression"} & set(_draw(_panel("HAPTIC_PT_object")).properties)
+
+
+def test_result_panel_shows_gains_in_decibels(add_box, traced):
+    box = add_box("box", (0, 0, 0), (1, 1, 1))
+    box.haptics.kappa, box.haptics.rho = 0.0, 0.1
+    box.haptics.source.enabled = box.haptics.listener.enabled = True
+    traced()
+    labels = _draw(_panel("HAPTIC_PT_result")).labels
+    assert "0.100  -20 dB" in labels
+
+
+def test_result_panel_says_when_nothing_arrives(add_box, traced):
+    add_box("near", (0, 0, 0), (1, 1, 1)).haptics.source.enabled = True
+    add_box("far", (9, 0, 0), (1, 1, 1)).haptics.listener.enabled = True
+    traced()
+    assert "Nothing reaches it" in _draw(_panel("HAPTIC_PT_result")).labels
+
+
+def test_scene_panel_lists_problems_with_a_button_to_their_object(add_empty, traced):
+    add_empty("ghost").haptics.source.enabled = True
+    traced()
+    layout = _draw(_panel("HAPTIC_PT_scene"))
+    assert "1 problem" in layout.labels
+    assert "ghost" in layout.labels
+    assert "haptic.select_object" in layout.operators
+
+
+def test_listener_panel_warns_where_it_feels_nothing(add_empty):
+    ghost = add_empty("ghost")
+    ghost.haptics.listener.enabled = True
+    _select(ghost)
+    assert "Not on a haptic object:" in _draw(_panel("HAPTIC_PT_listener")).labels

@@ -1,0 +1,120 @@
+"""Bad input in a Blender scene: a message that names the object and the cure, and the rest of the scene goes on."""
+
+import bpy
+import pytest
+
+from haptic_tracing.addon import session
+
+
+def _problems():
+    return {problem.object: problem.message for problem in session.problems_of(bpy.context.scene)}
+
+
+@pytest.fixture
+def sound(add_box):
+    """A box that is source and listener: what goes on whatever else is wrong."""
+    box = add_box("sound", (0, 0, 10), (1, 1, 1))
+    box.haptics.source.enabled = box.haptics.listener.enabled = True
+    return box
+
+
+def _goes_on(result):
+    assert result is not None
+    assert result.gains.shape == (1, 1)
+    assert result.gains[0, 0] > 0
+
+
+def test_an_empty_as_source_on_nothing(sound, add_empty, traced):
+    add_empty("ghost").haptics.source.enabled = True
+    _goes_on(traced())
+    assert "parent it to a haptic object" in _problems()["ghost"]
+
+
+def test_a_listener_on_nothing(sound, add_empty, traced):
+    add_empty("ghost").haptics.listener.enabled = True
+    _goes_on(traced())
+    assert "listener is on no haptic object" in _problems()["ghost"]
+
+
+def test_a_mesh_without_faces(sound, traced):
+    mesh = bpy.data.meshes.new("dust")
+    obj = bpy.data.objects.new("dust", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    obj.haptics.enabled = True
+    bpy.context.view_layer.update()
+    _goes_on(traced())
+    assert "no vertices" in _problems()["dust"]
+
+
+@pytest.mark.parametrize("scale", [(0, 0, 0), (1, 0, 1)])
+def test_a_scale_of_zero(sound, add_box, traced, scale):
+    add_box("flat", (0, 0, 0), scale)
+    bpy.context.view_layer.update()
+    _goes_on(traced())
+    assert "scale is 0" in _problems()["flat"]
+
+
+def test_a_mirrored_object_touches_where_it_stands(add_box, traced):
+    left, right = add_box("left", (0, 0, 0), (1, 1, 1)), add_box("right", (1, 0, 0), (-1, 1, 1))
+    left.haptics.source.enabled = right.haptics.listener.enabled = True
+    bpy.context.view_layer.update()
+    assert traced().gains[0, 0] > 0
+    assert _problems() == {}
+
+
+def test_a_vertex_that_is_not_a_number(sound, add_box, traced):
+    bad = add_box("bad", (0, 0, 0), (1, 1, 1))
+    bad.data.vertices[0].co.x = float("nan")
+    bad.data.update()
+    bpy.context.view_layer.update()
+    _goes_on(traced())
+    assert "bad" in _problems()
+
+
+@pytest.mark.parametrize(("formula", "reason"), [("exp(", "not a formula"), ("open('x')", "'open'"), ("x * x", "proportional"), ("", "not a formula")])
+def test_an_expression_that_is_no_formula(sound, add_box, traced, formula, reason):
+    bad = add_box("bad", (0, 0, 0), (1, 1, 1))
+    bad.haptics.function, bad.haptics.expression = "expression", formula
+    _goes_on(traced())
+    assert reason in _problems()["bad"]
+
+
+def test_an_expression_without_a_finite_gain_names_its_object(add_box, traced):
+    bad = add_box("bad", (0, 0, 0), (1, 1, 1))
+    bad.haptics.source.enabled = bad.haptics.listener.enabled = True
+    bad.haptics.function, bad.haptics.expression = "expression", "x / d"
+    result = traced()
+    assert result is None or (result.gains == 0).all()
+    assert any("bad" in problem.object + problem.message for problem in session.problems_of(bpy.context.scene))
+
+
+def test_a_camera_has_no_surface(sound, traced):
+    camera = bpy.data.objects.new("eye", bpy.data.cameras.new("eye"))
+    bpy.context.scene.collection.objects.link(camera)
+    camera.haptics.enabled = True
+    bpy.context.view_layer.update()
+    _goes_on(traced())
+    assert "no surface" in _problems()["eye"]
+
+
+def test_a_rigid_body_without_a_world_is_traced_where_it_stands(add_box, traced):
+    box = add_box("box", (0, 0, 0), (1, 1, 1), "ACTIVE")
+    box.haptics.source.enabled = box.haptics.listener.enabled = True
+    bpy.context.scene.rigidbody_world.collection.objects.unlink(box) if bpy.context.scene.rigidbody_world.collection else None
+    bpy.ops.rigidbody.world_remove()
+    _goes_on(traced())
+
+
+def test_a_missing_recording(sound, traced):
+    sound.haptics.source.signal = "FILE"
+    traced()
+    assert "none is chosen" in _problems()["sound"]
+    sound.haptics.source.filepath = "/nowhere/at/all.wav"
+    traced()
+    assert "all.wav" in _problems()["sound"]
+
+
+def test_an_exporter_with_nothing_to_export_says_so(tmp_path):
+    with pytest.raises(RuntimeError, match="Nothing is tagged"):
+        bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "empty.json"))
+    assert not (tmp_path / "empty.json").exists()

@@ -1,0 +1,164 @@
+"""What the add-on traces in a Blender scene, against closed forms and against the command line on its own export."""
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import pytest
+
+from haptic_tracing.addon import session
+
+
+def _gain(kappa, rho, distance, epsilon=0.1):
+    k = (1 - kappa) * rho
+    return k * math.exp(-max(k, epsilon) * distance)
+
+
+@pytest.fixture
+def seesaw(add_box, add_empty):
+    """A source on the left end of a plank, a listener on a box that stands on its right end."""
+    plank = add_box("plank", (0, 0, 0), (4, 1, 0.2))
+    box = add_box("box", (1.5, 0, 0.35), (0.5, 0.5, 0.5))
+    source = add_empty("shaker", (-1.5 / 4, 0, 0), plank)
+    source.haptics.source.enabled = True
+    listener = add_empty("skin", (0, 0, 0), box)
+    listener.haptics.listener.enabled = True
+    return plank, box, source, listener
+
+
+def test_gain_of_two_touching_boxes_is_the_closed_form(seesaw, traced):
+    for obj in seesaw[:2]:
+        obj.haptics.kappa, obj.haptics.rho = 0.25, 0.8
+    result = traced()
+    distances = math.hypot(3.0, 0.1), 0.25
+    expected = math.prod(_gain(0.25, 0.8, d) for d in distances)
+    assert result.gains.shape == (1, 1)
+    assert result.gains[0, 0] == pytest.approx(expected, rel=1e-6)
+    assert result.path_objects(0, 0) == ("plank", "box")
+
+
+def test_amplitude_and_kappa_that_are_keyframed_count_at_each_frame(seesaw, scene):
+    plank, _, source, _ = seesaw
+    for frame, amplitude, kappa in ((1, 0.2, 0.0), (11, 1.0, 0.5)):
+        source.haptics.source.amplitude = amplitude
+        source.haptics.source.keyframe_insert("amplitude", frame=frame)
+        plank.haptics.kappa = kappa
+        plank.haptics.keyframe_insert("kappa", frame=frame)
+    for frame in (1, 4, 11):
+        scene.frame_set(frame)
+        result = session.result_of(scene)
+        amplitude, kappa = source.haptics.source.amplitude, plank.haptics.kappa
+        expected = amplitude * _gain(kappa, plank.haptics.rho, math.hypot(3.0, 0.1)) * _gain(0.1, 0.9, 0.25)
+        assert result.gains[0, 0] == pytest.approx(expected, rel=1e-5)
+    assert 0.2 < session.result_of(scene).sources[0].amplitude <= 1.0
+
+
+def test_moving_the_box_away_breaks_the_path(seesaw, traced):
+    assert traced().gains[0, 0] > 0
+    seesaw[1].location.z += 1.0
+    bpy.context.view_layer.update()
+    result = traced()
+    assert result.gains[0, 0] == 0
+    assert result.path_objects(0, 0) == ()
+
+
+def test_renamed_deleted_and_duplicated_objects_keep_being_traced(seesaw, traced, scene):
+    plank, box, _, _ = seesaw
+    before = traced().gains[0, 0]
+    plank.name = "zzz board"
+    assert traced().path_objects(0, 0) == ("zzz board", "box")
+    copy = box.copy()  # linked: shares the mesh
+    scene.collection.objects.link(copy)
+    copy.location.x -= 1.0
+    bpy.context.view_layer.update()
+    result = traced()
+    assert len(result.objects) == 3
+    assert len(result.contacts) == 2
+    assert result.gains[0, 0] == pytest.approx(before)
+    bpy.data.objects.remove(box)
+    bpy.context.view_layer.update()
+    result = traced()
+    assert box_names(result) == ["box.001", "zzz board"]
+    assert "skin" in [p.object for p in session.problems_of(scene)]  # its parent is gone: it is on no haptic object
+
+
+def box_names(result):
+    return sorted(result.objects)
+
+
+def test_two_scenes_are_traced_each_by_itself(seesaw, traced, add_box):
+    first = bpy.context.scene
+    gain = traced().gains[0, 0]
+    second = bpy.data.scenes.new("other")
+    bpy.context.window.scene = second
+    other = add_box("lonely", (0, 0, 0), (1, 1, 1))
+    other.haptics.source.enabled = other.haptics.listener.enabled = True
+    result = session.trace(second, bpy.context.evaluated_depsgraph_get())
+    assert result.objects == ("lonely",)
+    assert result.gains[0, 0] == pytest.approx(_gain(0.1, 0.9, 0.0))
+    bpy.context.window.scene = first
+    assert session.trace(first, bpy.context.evaluated_depsgraph_get()).gains[0, 0] == gain
+    assert session.result_of(second).objects == ("lonely",)
+
+
+def test_nothing_tagged_traces_nothing(traced, add_box):
+    add_box("plain", (0, 0, 0), (1, 1, 1), haptic=False)
+    assert traced() is None
+    assert session.problems_of(bpy.context.scene) == ()
+
+
+def test_tracing_switched_off_leaves_the_frame_alone(seesaw, scene):
+    scene.haptics.tracing = False
+    scene.frame_set(7)
+    assert session.result_of(scene) is None
+    scene.haptics.tracing = True
+    scene.frame_set(8)
+    assert session.result_of(scene).number == 8
+
+
+def test_a_dropped_crate_makes_one_impact_of_its_energy(add_box, add_empty, scene):
+    bpy.ops.rigidbody.world_add()
+    ground = add_box("ground", (0, 0, -0.5), (10, 10, 1), "PASSIVE")
+    add_box("crate", (0, 0, 1.25), (0.5, 0.5, 0.5), "ACTIVE", mass=8.0)
+    listener = add_empty("skin", (0.1, 0, 0.5), ground)
+    listener.haptics.listener.enabled = True
+    impacts = []
+    for frame in range(1, 40):
+        scene.frame_set(frame)
+        impacts += session.result_of(scene).impacts
+    assert len(impacts) == 1
+    assert impacts[0].energy == pytest.approx(8.0 * 9.81 * 1.0, rel=0.15)
+    assert impacts[0].time == pytest.approx(math.sqrt(2 * 1.0 / 9.81), abs=0.05)
+
+
+def test_the_command_line_finds_the_same_gains_in_the_export(seesaw, traced, tmp_path: Path):
+    result = traced()
+    path = tmp_path / "scene.json"
+    bpy.ops.export_scene.haptic_scene(filepath=str(path))
+    out = subprocess.run(
+        [sys.executable, "-m", "haptic_tracing", "propagate", str(path)], capture_output=True, text=True, check=True
+    ).stdout
+    pairs = json.loads(out)["gains"]
+    assert [(p["source"], p["listener"]) for p in pairs] == [("shaker", "skin")]
+    assert pairs[0]["gain"] == pytest.approx(result.gains[0, 0], rel=1e-12)
+    assert pairs[0]["path"] == ["plank", "box"]
+
+
+def test_the_same_timeline_played_twice_gives_the_same_bits(add_box, add_empty, scene):
+    from haptic_tracing.addon import timeline
+
+    bpy.ops.rigidbody.world_add()
+    ground = add_box("ground", (0, 0, -0.5), (10, 10, 1), "PASSIVE")
+    add_box("crate", (0, 0, 1.0), (0.5, 0.5, 0.5), "ACTIVE", mass=8.0)
+    ground.haptics.source.enabled = True
+    listener = add_empty("skin", (0.1, 0, 0.5), ground)
+    listener.haptics.listener.enabled = True
+    first = timeline.play(scene, 1, 30)
+    second = timeline.play(scene, 1, 30)
+    assert first.samples.shape == (1, round(29 / 24 * 8000)) or abs(first.samples.shape[1] - 29 / 24 * 8000) < 1
+    assert first.samples.tobytes() == second.samples.tobytes()
+    assert len(first.impacts) == 1
+    assert scene.frame_current == 1
