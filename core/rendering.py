@@ -377,10 +377,10 @@ class _DelayedPaths:
         self._voices = np.zeros((len(chosen), heard.shape[1], frame.count))
         for voice, index in zip(self._voices, chosen, strict=True):
             paths = heard[index]
-            before, change = group.before[index, paths], (group.gains - group.before)[index, paths]
-            delays = group.delays_before[index, paths, None] + (group.delays - group.delays_before)[index, paths, None] * frame.ramp
+            before, delays_before = group.before[index, paths], group.delays_before[index, paths, None]
+            delays = delays_before + (group.delays[index, paths, None] - delays_before) * frame.ramp
             travel = _travelled if group.gains.ndim == 2 else _travelled_in_bands
-            voice[paths] = travel(group.parts[index].stream, frame.times - delays, before, change, frame.ramp)
+            voice[paths] = travel(group.parts[index].stream, frame.times - delays, before, group.gains[index, paths] - before, frame.ramp)
 
     def summed(self) -> Array:
         """Return the sum over voices, shape (n_listeners, n)."""

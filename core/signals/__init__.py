@@ -8,12 +8,14 @@ from .oscillators import Oscillator, Pulse, Saw, Sine, Square, Triangle
 from .sampled import Sampled
 from .serialization import SIGNAL_KINDS, signal_from_dict
 from .signal import Signal
-from .templates import DEFAULT_IMPACT, DEFAULT_PERSISTENT
+from .templates import DEFAULT_IMPACT, DEFAULT_PERSISTENT, IMPACT_MATERIALS, ImpactMaterial, impact_template
 from .track import Track, ramp
+from .wav import decoded_wav, read_wav
 
 __all__ = [
     "DEFAULT_IMPACT",
     "DEFAULT_PERSISTENT",
+    "IMPACT_MATERIALS",
     "SIGNAL_KINDS",
     "Adsr",
     "Constant",
@@ -21,6 +23,7 @@ __all__ = [
     "DecayingSine",
     "Delay",
     "Gain",
+    "ImpactMaterial",
     "Impulse",
     "Keyed",
     "Loop",
@@ -37,6 +40,9 @@ __all__ = [
     "Sum",
     "Track",
     "Triangle",
+    "decoded_wav",
+    "impact_template",
     "ramp",
+    "read_wav",
     "signal_from_dict",
 ]
