@@ -4,10 +4,9 @@ from __future__ import annotations
 
 
 def _modules() -> tuple:
-    from . import export, handlers, operators, panels, properties
-    from .overlay import draw
+    from . import export, handlers, operators, overlay, panels, properties
 
-    return (properties, operators, panels, export, draw, handlers)
+    return (properties, operators, panels, export, overlay, handlers)
 
 
 def register() -> None:

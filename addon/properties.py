@@ -299,6 +299,12 @@ class HapticSceneProperties(PropertyGroup):
     show_labels: BoolProperty(
         name="Labels", description="Write names and gains beside sources and listeners", default=True, update=_view_changed
     )
+    show_flow: BoolProperty(
+        name="Signal Flow",
+        description="Pulses run along the best paths while the timeline plays; not their real speed, which the eye could not follow",
+        default=False,
+        update=_view_changed,
+    )
     xray: BoolProperty(
         name="In Front", description="Draw the graph over objects instead of being hidden by them", default=True, update=_view_changed
     )

@@ -1,0 +1,244 @@
+"""Draws the haptic graph over every 3D viewport: handlers, and what they keep between redraws.
+
+A redraw with nothing changed compares one signature and issues the draw calls: one for the graph, one for plates and symbols, and the texts.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.types import Context, Scene, SpaceView3D
+from mathutils import Matrix
+
+from ...core.frame_result import FrameResult
+from ...core.scene import Settings
+from .. import scene_reader, session
+from .colour_map import FloatArray
+from .furniture import Furniture, furniture
+from .quads import quads
+from .render_data import Options, RenderData, render_data
+
+PULSE_LENGTH = 0.8  # metres between two pulses of the signal flow
+PULSE_SPEED = 1.6  # metres per second of the timeline
+
+_handlers: list[Any] = []
+_drawings: dict[int, Drawing] = {}  # by session id of the scene
+_KEPT_VIEWS = 8
+
+
+@dataclass(slots=True)
+class Drawing:
+    """A frame's data and its batch on the GPU; labels and legend per view."""
+
+    result: FrameResult
+    settings: Settings
+    options: Options
+    data: RenderData
+    batch: Any
+    views: OrderedDict[Any, tuple[Furniture, Any]] = field(default_factory=OrderedDict)
+
+
+def drawing_of(scene_id: int, result: FrameResult, settings: Settings, options: Options) -> Drawing:
+    """What is drawn of ``result``, kept until the result, the settings or the options change."""
+    from . import shader
+
+    known = _drawings.get(scene_id)
+    if known is not None and known.result is result and known.settings == settings and known.options == options:
+        return known
+    data = render_data(result, settings, options)
+    drawing = Drawing(result, settings, options, data, shader.upload(quads(data.lines, data.points)))
+    _drawings[scene_id] = drawing
+    return drawing
+
+
+def options_of(scene: Scene, result: FrameResult) -> Options:
+    """The scene's choices, and which sources and listeners are selected."""
+    haptics = scene.haptics
+    return Options(
+        show_intra=haptics.show_intra,
+        show_best_paths=haptics.show_best_paths,
+        show_labels=haptics.show_labels,
+        sources=frozenset(source.name for source in result.sources if _is_selected(source.name)),
+        listeners=frozenset(listener.name for listener in result.listeners if _is_selected(listener.name)),
+    )
+
+
+def _is_selected(full_name: str) -> bool:
+    obj = bpy.data.objects.get(full_name)
+    if obj is None and full_name.endswith("]"):
+        name, _, library = full_name[:-1].rpartition(" [")
+        linked = bpy.data.libraries.get(library)
+        obj = bpy.data.objects.get((name, linked.filepath)) if linked is not None else None
+    return obj is not None and obj.select_get()
+
+
+def draw_graph(
+    drawing: Drawing, projection: Any, view: Any, size: tuple[float, float], scale: float, *, xray: bool, flow: float | None
+) -> None:
+    """Lines and points, in world space. ``flow``: seconds of the signal flow, None for no flow."""
+    import gpu
+
+    from . import shader
+
+    if drawing.batch is None:
+        return
+    gpu.state.blend_set("ALPHA_PREMULT")
+    gpu.state.depth_mask_set(False)
+    gpu.state.depth_test_set("NONE" if xray else "LESS_EQUAL")
+    try:
+        shader.draw(
+            drawing.batch,
+            projection @ view,
+            size,
+            pixels_per_point=scale,
+            bias=depth_bias(projection),
+            flow=(0.0, 0.0) if flow is None else (flow * PULSE_SPEED / PULSE_LENGTH, PULSE_LENGTH),
+        )
+    finally:
+        gpu.state.depth_test_set("NONE")
+        gpu.state.blend_set("NONE")
+
+
+def depth_bias(projection: Any) -> tuple[float, float]:
+    """How far things come towards the viewer, so that what lies on a surface is seen whole: 1 % of the distance in perspective,
+    2 cm in an orthographic view."""
+    orthographic = projection[3][3] == 1.0
+    return (0.0, 0.02 * abs(projection[2][2])) if orthographic else (0.01, 0.0)
+
+
+def draw_furniture(drawing: Drawing, perspective: FloatArray, size: tuple[float, float], scale: float, margin: tuple[float, float]) -> None:
+    """Labels and legend, in pixels."""
+    import blf
+    import gpu
+
+    from . import shader
+
+    key = (perspective.tobytes(), size, scale, margin)
+    known = drawing.views.get(key)
+    if known is None:
+        items = furniture(drawing.data, perspective, size, scale, margin, text_width)
+        known = items, shader.upload(quads(items.lines, items.points))
+        drawing.views[key] = known
+        while len(drawing.views) > _KEPT_VIEWS:
+            drawing.views.popitem(last=False)
+    items, batch = known
+    gpu.state.blend_set("ALPHA_PREMULT")
+    gpu.state.depth_test_set("NONE")
+    shader.draw(batch, pixels_to_clip(size), size, pixels_per_point=scale)
+    for text in items.texts:
+        blf.size(0, text.size)
+        blf.color(0, *text.colour, 1.0)
+        blf.position(0, *text.position, 0.0)
+        blf.draw(0, text.words)
+    gpu.state.blend_set("NONE")
+
+
+def pixels_to_clip(size: tuple[float, float]) -> Matrix:
+    """From pixels of a viewport to clip space."""
+    return Matrix(((2 / size[0], 0, 0, -1), (0, 2 / size[1], 0, -1), (0, 0, 1, 0), (0, 0, 0, 1)))
+
+
+def text_width(words: str, size: float) -> float:
+    """Width of a text in Blender's own font [pixels]."""
+    import blf
+
+    blf.size(0, size)
+    return float(blf.dimensions(0, words)[0])
+
+
+def _shown(context: Context) -> tuple[Scene, FrameResult] | None:
+    scene, space = context.scene, context.space_data
+    if scene is None or space is None or not scene.haptics.show_overlay or not space.overlay.show_overlays:
+        return None
+    result = session.result_of(scene)
+    if result is None:
+        _drawings.pop(scene.session_uid, None)
+        return None
+    return scene, result
+
+
+def _current(scene: Scene, result: FrameResult) -> Drawing:
+    return drawing_of(scene.session_uid, result, scene_reader.read_settings(scene), options_of(scene, result))
+
+
+def _draw_view() -> None:
+    context = bpy.context
+    shown = _shown(context)
+    if shown is None:
+        return
+    scene, result = shown
+    region, view = context.region, context.region_data
+    draw_graph(
+        _current(scene, result),
+        view.window_matrix,
+        view.view_matrix,
+        (region.width, region.height),
+        context.preferences.system.ui_scale,
+        xray=scene.haptics.xray,
+        flow=seconds_shown(scene) if scene.haptics.show_flow else None,
+    )
+
+
+def _draw_pixels() -> None:
+    context = bpy.context
+    shown = _shown(context)
+    if shown is None:
+        return
+    scene, result = shown
+    region = context.region
+    perspective = np.array(context.region_data.perspective_matrix, dtype=np.float64)
+    draw_furniture(
+        _current(scene, result), perspective, (region.width, region.height), context.preferences.system.ui_scale, covered_margin(context)
+    )
+
+
+def seconds_shown(scene: Scene) -> float:
+    """Where the signal flow stands: it moves with the timeline."""
+    return scene_reader.seconds_of(scene, scene.frame_current_final)
+
+
+def covered_margin(context: Context) -> tuple[float, float]:
+    """Pixels of the viewport covered by the sidebar at the right, and by what lies along the bottom."""
+    region = context.region
+    right = bottom = 0
+    for other in context.area.regions:
+        if other.width <= 1 or other.height <= 1:
+            continue
+        if other.type == "UI":
+            right = max(right, region.x + region.width - other.x)
+        elif other.type in {"ASSET_SHELF", "ASSET_SHELF_HEADER"} or (
+            other.type in {"HEADER", "TOOL_HEADER"} and other.alignment == "BOTTOM"
+        ):
+            bottom = max(bottom, other.y + other.height - region.y)
+    return float(max(right, 0)), float(max(bottom, 0))
+
+
+def redraw() -> None:
+    """Have every 3D viewport of every window drawn again."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+def forget() -> None:
+    """Drop what is kept between redraws."""
+    _drawings.clear()
+
+
+def register() -> None:
+    """Add the draw handlers, once."""
+    if not _handlers:
+        _handlers.append(SpaceView3D.draw_handler_add(_draw_view, (), "WINDOW", "POST_VIEW"))
+        _handlers.append(SpaceView3D.draw_handler_add(_draw_pixels, (), "WINDOW", "POST_PIXEL"))
+
+
+def unregister() -> None:
+    """Remove the draw handlers and free what they drew."""
+    while _handlers:
+        SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")
+    forget()

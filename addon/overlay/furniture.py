@@ -1,0 +1,167 @@
+"""Labels and legend in pixels: plates, symbols and texts. No GPU, no Blender: how wide a text is comes from outside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .colour_map import STEPS, FloatArray, GainScale, colour_table
+from .labels import place_labels, project
+from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Label, Lines, Points, RenderData, Shape
+
+TEXT_SIZE = 11.0
+INK = (0.94, 0.94, 0.94)
+FAINT_INK = (0.72, 0.72, 0.72)
+PLATE = (0.075, 0.075, 0.085, 0.78)
+_PADDING = (6.0, 4.0)
+
+Measure = Callable[[str, float], float]
+"""Width in pixels of a text at a size in pixels."""
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """Words with the start of their baseline at ``position`` [pixels]."""
+
+    words: str
+    position: tuple[float, float]
+    size: float
+    colour: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Furniture:
+    """What lies over the picture: ``lines`` and ``points`` in pixels (z = 0, sizes in points), and ``texts``."""
+
+    lines: Lines
+    points: Points
+    texts: tuple[Text, ...]
+
+
+class _Board:
+    """Collects plates, symbols and texts."""
+
+    def __init__(self, scale: float) -> None:
+        self.scale = scale
+        self.plates: list[tuple[float, ...]] = []
+        self.symbols: list[tuple[float, ...]] = []
+        self.texts: list[Text] = []
+
+    def plate(
+        self, low: Sequence[float], high: Sequence[float], colour: Sequence[float], radius: float, right: Sequence[float] | None = None
+    ) -> None:
+        """``radius`` of the corners in points; ``right``: the colour at the right end where it is another."""
+        self.plates.append((*low, 0, *high, 0, *colour, *(colour if right is None else right), 2 * radius))
+
+    def symbol(self, centre: Sequence[float], shape: Shape, size: float, colour: Sequence[float]) -> None:
+        self.symbols.append((*centre, 0, *colour, 1, size, shape))
+
+    def text(self, words: str, position: Sequence[float], colour: Sequence[float], size: float = TEXT_SIZE) -> None:
+        self.texts.append(Text(words, (float(position[0]), float(position[1])), size * self.scale, tuple(colour)))
+
+    def furniture(self) -> Furniture:
+        plates = np.array(self.plates, dtype=np.float32).reshape(-1, 15)
+        symbols = np.array(self.symbols, dtype=np.float32).reshape(-1, 9)
+        count = len(plates)
+        return Furniture(
+            Lines(
+                position=plates[:, :6].reshape(-1, 2, 3),
+                colour=plates[:, 6:14].reshape(-1, 2, 4),
+                width=plates[:, 14],
+                way=np.full((count, 2), -1, dtype=np.float32),
+                shape=np.full(count, Shape.PLATE, dtype=np.float32),
+            ),
+            Points(position=symbols[:, :3], colour=symbols[:, 3:7], size=symbols[:, 7], shape=symbols[:, 8]),
+            tuple(self.texts),
+        )
+
+
+def furniture(
+    data: RenderData, perspective: FloatArray, size: tuple[float, float], scale: float, margin: tuple[float, float], measure: Measure
+) -> Furniture:
+    """Labels and legend for a viewport of ``size`` pixels, seen with ``perspective`` (4, 4). ``scale``: pixels per point.
+    ``margin``: pixels at the right and at the bottom that something else covers."""
+    board = _Board(scale)
+    taken = _legend(board, data, (size[0] - margin[0], margin[1]), measure)
+    _labels(board, data.labels, perspective, size, taken, measure)
+    return board.furniture()
+
+
+def _labels(
+    board: _Board, labels: Sequence[Label], perspective: FloatArray, size: tuple[float, float], taken: FloatArray, measure: Measure
+) -> None:
+    if not labels:
+        return
+    scale, text = board.scale, TEXT_SIZE * board.scale
+    space = measure(" ", text) * 1.6
+    names = np.array([measure(label.name, text) for label in labels])
+    values = np.array([measure(label.value, text) for label in labels])
+    extent = np.column_stack([names + space + values, np.full(len(labels), text * 0.95)]) + 2 * scale * np.array(_PADDING)
+    anchor = project(np.array([label.position for label in labels]), perspective, size)
+    clearance = scale * np.array([label.clearance for label in labels])
+    corner = place_labels(anchor, extent, clearance, np.array([label.priority for label in labels]), size, taken)
+    for k, label in enumerate(labels):
+        if np.isnan(corner[k, 0]):
+            continue
+        low = np.round(corner[k])
+        board.plate(low, low + extent[k], PLATE, 4.0)
+        left, base = low[0] + scale * _PADDING[0], low[1] + scale * (_PADDING[1] + 1.2)
+        board.text(label.name, (left, base), INK)
+        board.text(label.value, (left + names[k] + space, base), label.colour)
+
+
+def _legend(board: _Board, data: RenderData, corner: tuple[float, float], measure: Measure) -> FloatArray:
+    """The legend, with its lower right corner a little away from ``corner``. The rectangle (1, 4) that it takes."""
+    scale, text = board.scale, TEXT_SIZE * board.scale
+    symbols = [(name, shape, colour) for name, shape, colour in _symbols(data.scale) if (data.points.shape == shape).any()]
+    widths = [measure(name, text) for name, _, _ in symbols]
+    symbol_width, gap, padding = 18 * scale, 10 * scale, 10 * scale
+    row = sum(widths) + len(widths) * symbol_width + max(len(widths) - 1, 0) * gap
+    width = max(row, 232 * scale) + 2 * padding
+    height = 66 * scale
+    left, bottom = round(corner[0] - width - 12 * scale), round(corner[1] + 12 * scale)
+    board.plate((left, bottom), (left + width, bottom + height), PLATE, 6.0)
+    x, base = left + padding, bottom + height - 20 * scale
+    for (name, shape, colour), text_width in zip(symbols, widths, strict=True):
+        size = 8.0 if shape == Shape.CONTACT else 17.0
+        board.symbol((x + symbol_width / 2 - 2 * scale, base + 4 * scale), shape, size, colour)
+        board.text(name, (x + symbol_width, base), INK)
+        x += symbol_width + text_width + gap
+    _bar(board, data.scale, left + padding, bottom + 24 * scale, width - 2 * padding, measure)
+    return np.array([[left, bottom, left + width, bottom + height]], dtype=np.float64)
+
+
+def _symbols(scale: GainScale) -> tuple[tuple[str, Shape, FloatArray], ...]:
+    return (
+        ("Source", Shape.SOURCE, SOURCE_COLOUR),
+        ("Impact", Shape.IMPACT, IMPACT_COLOUR),
+        ("Listener", Shape.LISTENER, colour_table()[STEPS * 3 // 5]),
+        ("Contact", Shape.CONTACT, colour_table()[STEPS * 3 // 5]),
+    )
+
+
+def _bar(board: _Board, gains: GainScale, left: float, bottom: float, width: float, measure: Measure) -> None:
+    """The colours from the floor to 0 dB, with round values below."""
+    scale, height, parts = board.scale, 10 * board.scale, 32
+    table = colour_table()
+    edges = np.linspace(0, 1, parts + 1)
+    for low, high in zip(edges[:-1], edges[1:], strict=True):
+        first, last = (table[round(edge * (STEPS - 1))] for edge in (low, high))
+        # Each part reaches under the next one, so that no seam shows.
+        end = min(high + 1 / parts, 1.0)
+        beyond = table[round(end * (STEPS - 1))]
+        board.plate(
+            (left + low * width, bottom), (left + end * width, bottom + height), (*first, 1), 0.0, (*(last if end == high else beyond), 1)
+        )
+    size = TEXT_SIZE * 0.86
+    ticks = gains.ticks()
+    unit = " dB"
+    for tick in ticks:
+        x = left + (1 - tick / gains.floor) * width
+        board.plate((x - 0.5 * scale, bottom - 4 * scale), (x + 0.5 * scale, bottom), (*FAINT_INK, 1), 0.0)
+        words = f"\N{MINUS SIGN}{-tick}" if tick else "0" + unit
+        text_width = measure(words, size * scale)
+        x = min(max(x - text_width / 2, left), left + width - text_width)
+        board.text(words, (x, bottom - 14 * scale), FAINT_INK, size)

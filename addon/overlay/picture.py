@@ -1,0 +1,124 @@
+"""A picture of a scene with its haptic graph over it, seen from the scene's camera, without a window."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.types import Scene
+from mathutils import Matrix
+from numpy.typing import NDArray
+
+from ...core.frame_result import FrameResult
+from .. import compatibility, scene_reader
+from . import draw, geometry
+from .png import write_png
+from .render_data import Options
+
+SMOOTHING = 2
+"""Pictures are drawn this much larger and averaged down, which smooths edges."""
+
+
+def draw_picture(scene: Scene, result: FrameResult, path: str | Path, size: tuple[int, int] = (1280, 800)) -> None:
+    """Write a PNG of ``size`` pixels: the viewport with the graph over it where the GPU can draw off-screen, else both rendered by Cycles.
+
+    Raises ValueError where the scene has no camera.
+    """
+    if scene.camera is None:
+        raise ValueError(f"scene {scene.name!r} has no camera to draw a picture from")
+    pixels = (
+        viewport_picture(scene, result, size) if compatibility.can_draw_off_screen() else geometry.rendered_picture(scene, result, size)
+    )
+    write_png(path, pixels)
+
+
+def viewport_picture(scene: Scene, result: FrameResult, size: tuple[int, int]) -> NDArray[np.uint8]:
+    """Pixels (height, width, 3), top row first: the 3D viewport from the scene's camera with the graph over it. Blender 5.2 on."""
+    import gpu
+    from gpu.types import GPUOffScreen
+
+    if bpy.app.background:
+        gpu.init()
+    haptics = scene.haptics
+    options = Options(haptics.show_intra, haptics.show_best_paths, haptics.show_labels)
+    drawing = draw.drawing_of(0, result, scene_reader.read_settings(scene), options)
+    width, height = (SMOOTHING * side for side in size)
+    scale = SMOOTHING * picture_scale(size)
+    camera = scene.camera.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    view = camera.matrix_world.normalized().inverted()
+    projection = camera.calc_matrix_camera(bpy.context.evaluated_depsgraph_get(), x=width, y=height)
+    off_screen = GPUOffScreen(width, height)
+    try:
+        with _plain_viewport(scene) as (space, region):
+            off_screen.draw_view3d(scene, bpy.context.view_layer, space, region, view, projection, do_color_management=True)
+        with off_screen.bind():
+            draw.draw_graph(drawing, projection, view, (width, height), scale, xray=haptics.xray, flow=None)
+            with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
+                gpu.matrix.load_matrix(Matrix.Identity(4))
+                gpu.matrix.load_projection_matrix(draw.pixels_to_clip((width, height)))
+                draw.draw_furniture(drawing, np.array(projection @ view, dtype=np.float64), (width, height), scale, (0.0, 0.0))
+            buffer = gpu.state.active_framebuffer_get().read_color(0, 0, width, height, 4, 0, "UBYTE")
+    finally:
+        off_screen.free()
+        draw.forget()
+    buffer.dimensions = width * height * 4
+    pixels = np.array(buffer, dtype=np.uint8).reshape(height, width, 4)[::-1, :, :3]
+    return averaged(pixels, SMOOTHING)
+
+
+def picture_scale(size: tuple[int, int]) -> float:
+    """Pixels per point of a picture: 1 at a height of 800."""
+    return max(0.75, size[1] / 800)
+
+
+def averaged(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
+    """Every ``factor`` x ``factor`` pixels as one."""
+    height, width, channels = pixels.shape
+    parts = pixels.reshape(height // factor, factor, width // factor, factor, channels)
+    return np.rint(parts.mean(axis=(1, 3))).astype(np.uint8)
+
+
+@contextmanager
+def _plain_viewport(scene: Scene) -> Iterator[tuple[Any, Any]]:
+    """A 3D viewport and its region, set for a picture: solid shading with shadows and cavities, nothing of the user interface."""
+    area = next(area for area in bpy.context.window.screen.areas if area.type == "VIEW_3D")
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    space = area.spaces.active
+    wanted = {
+        space.shading: {
+            "type": "SOLID",
+            "light": "STUDIO",
+            "color_type": "MATERIAL",
+            "background_type": "VIEWPORT",
+            "background_color": (0.035, 0.036, 0.04),
+            "show_shadows": True,
+            "shadow_intensity": 0.35,
+            "show_cavity": True,
+            "cavity_type": "BOTH",
+            "show_object_outline": True,
+            "object_outline_color": (0.0, 0.0, 0.0),
+            "show_xray": False,
+        },
+        space.overlay: {"show_overlays": False},
+        space: {"show_gizmo": False},
+    }
+    before = {owner: {key: _value(getattr(owner, key)) for key in values} for owner, values in wanted.items()}
+    try:
+        _set(wanted)
+        yield space, region
+    finally:
+        _set(before)
+
+
+def _value(value: Any) -> Any:
+    return value if isinstance(value, (bool, float, int, str)) else tuple(value)
+
+
+def _set(values: dict[Any, dict[str, Any]]) -> None:
+    for owner, items in values.items():
+        for key, value in items.items():
+            setattr(owner, key, value)
