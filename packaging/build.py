@@ -1,6 +1,6 @@
 """Build the extension: one zip per platform in dist/ (or in the folder named), by Blender's own builder and validated by it.
 
-Run it with an interpreter that has the bpy wheel: the builder, blender_ext.py, comes with it. wheels/ must be complete (packaging/wheels.py).
+Run it with an interpreter that has the bpy wheel: the builder, blender_ext.py, comes with it.
 """
 
 import importlib.util

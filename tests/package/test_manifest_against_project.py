@@ -1,0 +1,61 @@
+import itertools
+
+from packaging.requirements import Requirement
+from packaging.tags import Tag
+from packaging.utils import canonicalize_name, parse_wheel_filename
+
+PYTHONS = ("cp311", "cp313", "cp314")
+SYSTEMS = {
+    "windows-x64": ("win", "amd64"),
+    "macos-x64": ("macosx", "x86_64"),
+    "macos-arm64": ("macosx", "arm64"),
+    "linux-x64": ("manylinux", "x86_64"),
+}
+SHIPPED_WITH_BLENDER = {"numpy"}
+COMMAND_LINE_ONLY = {"tqdm"}
+
+
+def carried(manifest) -> list[tuple[str, str, frozenset[Tag]]]:
+    parsed = (parse_wheel_filename(wheel.removeprefix("./wheels/")) for wheel in manifest["wheels"])
+    return [(name, str(version), tags) for name, version, _, tags in parsed]
+
+
+def test_versions_agree(manifest, project):
+    assert manifest["version"] == project["project"]["version"]
+
+
+def test_licences_agree(manifest, project, root):
+    assert manifest["license"] == [f"SPDX:{project['project']['license']}"]
+    text = (root / "LICENSE").read_text(encoding="utf-8")
+    assert "GNU GENERAL PUBLIC LICENSE" in text
+    assert "Version 3, 29 June 2007" in text
+
+
+def test_every_wheel_has_the_pinned_version(manifest, pins):
+    pinned = {(canonicalize_name(name), version) for name, version in pins.items()}
+    assert {(name, version) for name, version, _ in carried(manifest)} == pinned
+
+
+def test_pins_are_the_run_time_dependencies(project, pins):
+    declared = map(Requirement, project["project"]["dependencies"])
+    requirements = {canonicalize_name(requirement.name): requirement for requirement in declared}
+    assert requirements.keys() - SHIPPED_WITH_BLENDER - COMMAND_LINE_ONLY == {canonicalize_name(name) for name in pins}
+    assert all(requirements[canonicalize_name(name)].specifier.contains(version) for name, version in pins.items())
+
+
+def test_every_python_and_platform_has_every_wheel(manifest, pins):
+    assert set(manifest["platforms"]) == set(SYSTEMS)
+    available = {name: tags for name, _, tags in carried(manifest) if Tag("py3", "none", "any") in tags}
+    for name, python, (system, machine) in itertools.product(pins, PYTHONS, SYSTEMS.values()):
+        name = canonicalize_name(name)
+        fitting = [
+            tag
+            for wheel, _, tags in carried(manifest)
+            for tag in tags
+            if wheel == name and tag.interpreter == python and tag.platform.startswith(system) and tag.platform.endswith(machine)
+        ]
+        assert name in available or fitting, f"no wheel of {name} for {python} on {system} {machine}"
+
+
+def test_permissions_are_the_ones_used(manifest):
+    assert set(manifest["permissions"]) == {"files"}

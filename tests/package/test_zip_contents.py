@@ -1,0 +1,33 @@
+import tomllib
+import zipfile
+
+import pytest
+
+PLATFORMS = ("linux_x64", "macos_arm64", "macos_x64", "windows_x64")
+TOP_LEVEL = {"blender_manifest.toml", "__init__.py", "LICENSE", "addon", "core", "sample_scenes", "wheels"}
+WHEEL_PLATFORM = {"linux_x64": "manylinux", "macos_arm64": "macosx", "macos_x64": "macosx", "windows_x64": "win_amd64"}
+
+
+def test_one_zip_per_platform(zips):
+    assert sorted(zips) == sorted(PLATFORMS)
+
+
+@pytest.mark.parametrize("platform", PLATFORMS)
+def test_holds_only_what_runs_in_blender(zips, root, platform):
+    with zipfile.ZipFile(zips[platform]) as archive:
+        names = [name for name in archive.namelist() if not name.endswith("/")]
+    assert {name.split("/")[0] for name in names} <= TOP_LEVEL
+    assert [name for name in names if "__pycache__" in name or "/." in name] == []
+    source = {str(path.relative_to(root).as_posix()) for part in ("addon", "core") for path in (root / part).rglob("*.py")}
+    assert source <= set(names)
+
+
+@pytest.mark.parametrize("platform", PLATFORMS)
+def test_carries_its_own_platforms_wheels(zips, manifest, platform):
+    with zipfile.ZipFile(zips[platform]) as archive:
+        wheels = [name for name in archive.namelist() if name.endswith(".whl")]
+        written = tomllib.loads(archive.read("blender_manifest.toml").decode("utf-8"))
+    assert len(wheels) == 8  # two pure packages, two native ones for three Pythons
+    assert all("none-any" in name or WHEEL_PLATFORM[platform] in name for name in wheels)
+    assert written["build"]["generated"]["platforms"] == [platform.replace("_", "-", 1)]
+    assert written["id"] == manifest["id"]
