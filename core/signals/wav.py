@@ -37,7 +37,16 @@ def read_wav(path: str | Path, sample_rate: float = 8000.0) -> Sampled:
 
 
 def decoded_wav(data: bytes) -> tuple[Array, float]:
-    """Return the samples, shape (n,) with n >= 1, channels averaged, and the sample rate of a WAV file's bytes. Raise ValueError if broken."""
+    """Return the samples, shape (n,) with n >= 1, channels averaged, and the sample rate of a WAV file's bytes.
+
+    Raises ValueError if they are broken or of another encoding.
+    """
+    channels, rate = wav_channels(data)
+    return np.asarray(channels.mean(axis=1)), rate
+
+
+def wav_channels(data: bytes) -> tuple[Array, float]:
+    """Return the samples, shape (n, channels) with n >= 1, and the sample rate of a WAV file's bytes. Raises ValueError."""
     if len(data) < 12 or data[:4] != b"RIFF" or data[8:12] != b"WAVE":
         raise ValueError("not a WAV file")
     form: bytes | None = None
@@ -68,7 +77,7 @@ def _decoded(form: bytes, body: bytes) -> tuple[Array, float]:
     if frames == 0:
         raise ValueError("WAV file without samples")
     raw = np.frombuffer(body, dtype=np.uint8, count=frames * frame_size).reshape(frames, channels, width)
-    return np.asarray(_numbers(tag, width, raw).mean(axis=1)), float(rate)
+    return _numbers(tag, width, raw), float(rate)
 
 
 def _numbers(tag: int, width: int, raw: NDArray[np.uint8]) -> Array:
