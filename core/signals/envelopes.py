@@ -55,10 +55,10 @@ class Adsr(Signal):
 
     def __post_init__(self) -> None:
         for name in ("attack", "decay", "release"):
-            object.__setattr__(self, name, checked_number(name, getattr(self, name), 0.0, MAX_SECONDS))
+            object.__setattr__(self, name, checked_number(name, getattr(self, name), 0.0, MAX_SECONDS / 4))
         object.__setattr__(self, "sustain", checked_number("sustain", self.sustain, 0.0, 1.0))
         if self.hold != math.inf:
-            object.__setattr__(self, "hold", checked_number("hold", self.hold, 0.0, MAX_SECONDS))
+            object.__setattr__(self, "hold", checked_number("hold", self.hold, 0.0, MAX_SECONDS / 4))
         if self.duration < MIN_SECONDS:
             raise ValueError("attack: the envelope takes no time at all")
 
@@ -71,10 +71,11 @@ class Adsr(Signal):
         return 1.0
 
     def values(self, times: Array, step: float) -> Array:
-        hold = min(self.hold, MAX_SECONDS)
-        ends = np.cumsum((0.0, self.attack, self.decay, hold, self.release))
-        levels = np.array((0.0, 1.0, self.sustain, self.sustain, 0.0))
-        return Track(ends[:4], levels[:4]).at(times) if self.hold == math.inf else Track(ends, levels).at(times)
+        sustained = Track(np.cumsum((0.0, self.attack, self.decay)), (0.0, 1.0, self.sustain)).at(times)
+        if self.hold == math.inf:
+            return sustained
+        release = Track((self.duration - self.release, self.duration), (1.0, 0.0))
+        return sustained * release.at(times)
 
 
 @dataclass(frozen=True, slots=True)

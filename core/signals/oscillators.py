@@ -74,7 +74,7 @@ class Sine(Oscillator):
         return np.sin((2 * np.pi) * (cycles - np.floor(cycles)))
 
     def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> Array:
-        if isinstance(self.frequency, Track) or self.frequency >= sample_rate / 2 or start / sample_rate < onset or count < 1:
+        if isinstance(self.frequency, Track) or not self.frequency < sample_rate / 2 or start / sample_rate < onset or count < 1:
             return Oscillator.sample(self, start, count, sample_rate, onset)
         # A steady tone by sin(a + b) = sin a cos b + cos a sin b: a at every 64th sample of the clock, b at the 64 from there on.
         runs = np.arange(start // _RUN, (start + count - 1) // _RUN + 1) * _RUN

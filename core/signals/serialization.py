@@ -37,7 +37,7 @@ def signal_to_dict(signal: Signal) -> dict[str, Any]:
     result: dict[str, Any] = {"signal": signal.kind}
     for entry in _fields(type(signal)):
         value = getattr(signal, entry.name)
-        if value is not None and value != math.inf:
+        if value is not None and not (isinstance(value, float) and value == math.inf):
             result[entry.name] = _to_json(value)
     return result
 
