@@ -1,0 +1,83 @@
+"""The window tests need a Blender with a window: BLENDER, the path of one, or REAL_BLENDER, a program that runs one on a virtual screen
+(called as `REAL_BLENDER gui ARGUMENTS` and `REAL_BLENDER run ARGUMENTS`, sharing the folder REAL_BLENDER_FOLDER with it)."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).parent
+BLENDER = os.environ.get("BLENDER")
+REAL_BLENDER = os.environ.get("REAL_BLENDER")
+SIZE = (1600, 1000)
+SECONDS = 300
+
+collect_ignore_glob = [] if BLENDER or REAL_BLENDER else ["test_*.py"]
+
+
+def commands() -> tuple[list[str], list[str]]:
+    """How Blender is started in the background, and in a window."""
+    if REAL_BLENDER:
+        return [REAL_BLENDER, "run", "--background"], [REAL_BLENDER, "gui"]
+    screen = []
+    if sys.platform == "linux" and not os.environ.get("DISPLAY") and not os.environ.get("WAYLAND_DISPLAY"):
+        screen = ["xvfb-run", "--auto-servernum", "--server-args", "-screen 0 {}x{}x24".format(*SIZE)]
+    return [BLENDER, "--background"], [*screen, BLENDER, "--window-geometry", "0", "0", *map(str, SIZE)]
+
+
+@pytest.fixture(scope="session")
+def folder():
+    """A folder that this program and Blender both see under the same path."""
+    shared = os.environ.get("REAL_BLENDER_FOLDER", str(Path(tempfile.gettempdir()) / "real-blender-io")) if REAL_BLENDER else None
+    with tempfile.TemporaryDirectory(dir=shared, prefix="haptic-tracing-") as name:
+        yield Path(name)
+
+
+@pytest.fixture(scope="session")
+def environment(folder) -> dict[str, str]:
+    return os.environ | {"BLENDER_USER_RESOURCES": str(folder / "resources"), "LIBGL_ALWAYS_SOFTWARE": "1", "LIMIT": str(SECONDS)}
+
+
+@pytest.fixture(scope="session")
+def installed(folder, environment) -> str:
+    """The extension built and installed from its zip, no splash screen; what Blender printed on the way."""
+    subprocess.run([sys.executable, ROOT / "packaging" / "build.py", folder / "dist"], check=True, stdout=subprocess.PIPE)
+    system = {"linux": "linux_x64", "win32": "windows_x64"}.get(sys.platform) or f"macos_{os.uname().machine.replace('x86_64', 'x64')}"
+    (package,) = (folder / "dist").glob(f"*-{system}.zip")
+    background, _ = commands()
+    quiet = "import bpy; bpy.context.preferences.view.show_splash = False; bpy.ops.wm.save_userpref()"
+    printed = ""
+    for arguments in (["--python-expr", quiet], ["--command", "extension", "install-file", "-r", "user_default", "-e", str(package)]):
+        answer = subprocess.run([*background, *arguments], env=environment, cwd=folder, capture_output=True, text=True, timeout=SECONDS)
+        printed += answer.stdout + answer.stderr
+        assert answer.returncode == 0, printed
+    return printed
+
+
+@pytest.fixture
+def play(folder, environment, installed):
+    """Plays a scenario; returns its report and what Blender printed. The pictures are kept in out/gui/SCENARIO."""
+
+    def play(scenario: Path) -> tuple[dict, str]:
+        stage = folder / scenario.stem
+        stage.mkdir()
+        for source in (HERE / "window.py", HERE.parent / "package" / "registered.py", scenario):
+            shutil.copy(source, stage)
+        _, window = commands()
+        command = [*window, "--enable-event-simulate", "--python", str(stage / "window.py"), "--", str(stage / scenario.name), str(stage)]
+        answer = subprocess.run(command, env=environment, cwd=stage, capture_output=True, text=True, timeout=SECONDS + 60)
+        printed = answer.stdout + answer.stderr
+        pictures = ROOT / "out" / "gui" / scenario.stem
+        pictures.mkdir(parents=True, exist_ok=True)
+        for path in stage.glob("*.png"):
+            shutil.copy(path, pictures)
+        assert (stage / "report.json").is_file(), f"Blender ended without a report:\n{printed}"
+        return json.loads((stage / "report.json").read_text(encoding="utf-8")), printed
+
+    return play

@@ -1,0 +1,210 @@
+"""Plays a scenario in Blender's own window: real events, one step at a time, with screenshots. Runs inside Blender:
+
+blender --enable-event-simulate --python window.py -- SCENARIO.py FOLDER
+
+A scenario is a module with ``steps(window)``, a generator: each ``yield`` hands control back to Blender, which handles events and redraws
+until the next step (``yield 2.0`` waits for two seconds). The outcome goes to FOLDER/report.json, pictures beside it; then Blender quits.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+import traceback
+from collections.abc import Iterator
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+
+import bpy
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from registered import difference, registered
+
+EXTENSION = "bl_ext.user_default.haptic_tracing"
+PAUSE = 0.1  # seconds: some turns of Blender's event loop
+Steps = Iterator[float | None]
+
+
+class Window:
+    """Blender's window as a scenario uses it. Places are pixels from the lower left corner."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.seen: dict[str, object] = {}  # what a scenario found, for the report
+        self.mouse = (0, 0)
+
+    @property
+    def view(self) -> bpy.types.Area:
+        """The largest 3D viewport."""
+        areas = [area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "VIEW_3D"]
+        return max(areas, key=lambda area: area.width * area.height)
+
+    def region(self, kind: str = "WINDOW") -> bpy.types.Region:
+        return next(region for region in self.view.regions if region.type == kind)
+
+    def context(self, kind: str = "WINDOW"):
+        """An override of the context: the pointer in a region of the viewport."""
+        return bpy.context.temp_override(window=bpy.context.window_manager.windows[0], area=self.view, region=self.region(kind))
+
+    def event(self, kind: str, value: str, **keys: bool | str) -> None:
+        x, y = self.mouse
+        bpy.context.window_manager.windows[0].event_simulate(type=kind, value=value, x=x, y=y, **keys)
+
+    def point(self, x: int, y: int) -> None:
+        """Move the mouse."""
+        self.mouse = (int(x), int(y))
+        self.event("MOUSEMOVE", "NOTHING")
+
+    def point_at_view(self) -> None:
+        region = self.region()
+        self.point(region.x + region.width // 2, region.y + region.height // 2)
+
+    def press(self, key: str, **keys: bool) -> Steps:
+        """A key or mouse button down and up, where the mouse is; modifiers as `ctrl=True`."""
+        self.event(key, "PRESS", **keys)
+        self.event(key, "RELEASE", **keys)
+        yield
+
+    def click(self, x: int, y: int) -> Steps:
+        self.point(x, y)
+        yield
+        yield from self.press("LEFTMOUSE")
+
+    def write(self, text: str) -> Steps:
+        """Type text, as into a search field."""
+        for letter in text:
+            key = {" ": "SPACE", ".": "PERIOD", "-": "MINUS"}.get(letter, letter.upper())
+            self.event(key, "PRESS", unicode=letter)
+            self.event(key, "RELEASE")
+            yield
+
+    def search(self, label: str) -> Steps:
+        """Run an operator as a user finds it: F3 over the viewport, its name, Return."""
+        self.point_at_view()
+        yield
+        yield from self.press("F3")
+        yield 0.5
+        yield from self.write(label)
+        yield 0.5
+        yield from self.press("RET")
+        yield 0.5
+
+    def undo(self) -> Steps:
+        self.point_at_view()
+        yield
+        yield from self.press("Z", ctrl=True)
+        yield 0.3
+
+    def redo(self) -> Steps:
+        self.point_at_view()
+        yield
+        yield from self.press("Z", ctrl=True, shift=True)
+        yield 0.3
+
+    def show_sidebar(self, tab: str = "Haptics") -> Steps:
+        self.view.spaces.active.show_region_ui = True
+        yield 1.0
+        self.region("UI").active_panel_category = tab  # it has categories once it has been drawn
+        yield 1.0
+
+    def under_mouse(self) -> str:
+        """What the sidebar's button under the mouse does, as Python: an operator's call, a property's data path, or nothing."""
+        with self.context("UI"):
+            for ask in (bpy.ops.ui.copy_python_command_button, bpy.ops.ui.copy_data_path_button):
+                if ask.poll():
+                    ask()
+                    return bpy.context.window_manager.clipboard
+        return ""
+
+    def click_button(self, wanted: str) -> Steps:
+        """Click the sidebar's button for an operator ("haptic.add_source") or a property ("haptics.kappa"), wherever it is."""
+        region = self.region("UI")
+        passed = set()
+        for fraction in (0.4, 0.8, 0.15):  # buttons may share a line
+            for y in range(region.y + region.height - 4, region.y, -8):
+                self.point(region.x + int(fraction * region.width), y)
+                yield 0.02
+                passed.add(self.under_mouse().removeprefix("bpy.ops."))
+                if any(found.split("(")[0] == wanted for found in passed):
+                    yield from self.press("LEFTMOUSE")
+                    yield 0.3
+                    return
+        raise AssertionError(f"no button for {wanted} in the sidebar; there are {sorted(passed - {''})}")
+
+    def use_theme(self, name: str) -> Steps:
+        """A theme that Blender ships, by file name ("Blender_Light"; "Blender_Dark" is the default)."""
+        themes = (Path(folder) / "interface_theme" / f"{name}.xml" for folder in bpy.utils.preset_paths(""))
+        path = next(path for path in themes if path.is_file())
+        bpy.ops.script.execute_preset(filepath=str(path), menu_idname="USERPREF_MT_interface_theme_presets")
+        yield 0.5
+
+    def use_scale(self, scale: float) -> Steps:
+        bpy.context.preferences.view.ui_scale = scale
+        yield 1.0
+
+    def screenshot(self, name: str) -> Steps:
+        """A picture of the whole window, FOLDER/name.png."""
+        yield 0.5
+        self.save_picture(name)
+        yield
+
+    def save_picture(self, name: str) -> None:
+        path = str(self.folder / f"{name}.png")
+        # Software OpenGL has no front buffer to read: Blender's own screenshot would be black there.
+        if os.environ.get("DISPLAY") and shutil.which("import"):
+            subprocess.run(["import", "-window", "root", path], check=True)
+        else:
+            with self.context():
+                bpy.ops.screen.screenshot(filepath=path, check_existing=False)
+
+    @property
+    def extension(self) -> ModuleType:
+        return sys.modules[EXTENSION]
+
+
+def play(scenario: ModuleType, window: Window) -> Steps:
+    """The scenario between two looks at what is registered: with the extension off before, on during and off after."""
+    yield 1.0
+    bpy.ops.preferences.addon_disable(module=EXTENSION)
+    yield
+    before = registered()
+    bpy.ops.preferences.addon_enable(module=EXTENSION)
+    yield
+    yield from scenario.steps(window)
+    bpy.ops.preferences.addon_disable(module=EXTENSION)
+    yield
+    window.seen["left after disabling"] = difference(before, registered())
+
+
+def main(scenario_path: str, folder: str) -> None:
+    specification = spec_from_file_location(Path(scenario_path).stem, scenario_path)
+    scenario = module_from_spec(specification)
+    specification.loader.exec_module(scenario)
+    window = Window(Path(folder))
+    steps = play(scenario, window)
+    started = time.monotonic()
+
+    def finish(error: str | None) -> None:
+        report = {"error": error, "seconds": time.monotonic() - started, "seen": window.seen}
+        (window.folder / "report.json").write_text(json.dumps(report, indent=1), encoding="utf-8")
+        bpy.ops.wm.quit_blender()
+
+    def turn() -> float | None:
+        try:
+            pause = next(steps)
+        except StopIteration:
+            return finish(None)
+        except BaseException:
+            error = traceback.format_exc()
+            window.save_picture("failure")
+            return finish(error)
+        return PAUSE if pause is None else pause
+
+    bpy.app.timers.register(turn, first_interval=2.0, persistent=True)
+
+
+main(*sys.argv[sys.argv.index("--") + 1 :])
