@@ -83,7 +83,7 @@ class GainScale:
     @classmethod
     def of_threshold(cls, threshold: float) -> GainScale:
         """From the threshold of propagation to 0 dB; 60 dB where there is no threshold, at least 10 dB."""
-        return cls(min(-10.0, max(-120.0, 20 * math.log10(threshold))) if threshold > 0 else -60.0)
+        return cls(min(-10.0, max(-120.0, round(20 * math.log10(threshold), 3))) if threshold > 0 else -60.0)
 
     def place(self, gain: FloatArray) -> FloatArray:
         """Place of gains on the scale, 0 to 1."""
@@ -104,4 +104,6 @@ def decibel_text(gain: float) -> str:
     if gain <= 0:
         return "silent"
     value = round(20 * math.log10(gain), 1)
-    return f"{abs(value):.1f} dB" if value >= 0 else f"\N{MINUS SIGN}{-value:.1f} dB"
+    if value == 0:
+        return "0 dB"
+    return f"+{value:.1f} dB" if value > 0 else f"\N{MINUS SIGN}{-value:.1f} dB"

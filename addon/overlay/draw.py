@@ -1,6 +1,6 @@
 """Draws the haptic graph over every 3D viewport: handlers, and what they keep between redraws.
 
-A redraw with nothing changed compares one signature and issues the draw calls: one for the graph, one for plates and symbols, and the texts.
+A redraw with nothing changed compares one signature and issues the draw calls: one for the graph, one for plates and symbols, one per text.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ...core.scene import Settings
 from .. import scene_reader, session
 from .colour_map import FloatArray
 from .furniture import Furniture, furniture
-from .quads import quads
+from .quads import quads, quads_of
 from .render_data import Options, RenderData, render_data
 
 PULSE_LENGTH = 0.8  # metres between two pulses of the signal flow
@@ -50,7 +50,7 @@ def drawing_of(scene_id: int, result: FrameResult, settings: Settings, options: 
     if known is not None and known.result is result and known.settings == settings and known.options == options:
         return known
     data = render_data(result, settings, options)
-    drawing = Drawing(result, settings, options, data, shader.upload(quads(data.lines, data.points)))
+    drawing = Drawing(result, settings, options, data, shader.upload(quads(data)))
     _drawings[scene_id] = drawing
     return drawing
 
@@ -121,7 +121,7 @@ def draw_furniture(drawing: Drawing, perspective: FloatArray, size: tuple[float,
     known = drawing.views.get(key)
     if known is None:
         items = furniture(drawing.data, perspective, size, scale, margin, text_width)
-        known = items, shader.upload(quads(items.lines, items.points))
+        known = items, shader.upload(quads_of((items.lines,), items.points))
         drawing.views[key] = known
         while len(drawing.views) > _KEPT_VIEWS:
             drawing.views.popitem(last=False)

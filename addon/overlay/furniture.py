@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from .colour_map import STEPS, FloatArray, GainScale, colour_table
-from .labels import place_labels, project
-from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Label, Lines, Points, RenderData, Shape
+from .labels import GAP, around, place_labels, project
+from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Lines, Points, RenderData, Shape
 
 TEXT_SIZE = 11.0
 INK = (0.94, 0.94, 0.94)
 FAINT_INK = (0.72, 0.72, 0.72)
 PLATE = (0.075, 0.075, 0.085, 0.78)
 _PADDING = (6.0, 4.0)
+_MOST_STEPS = 150
 
 Measure = Callable[[str, float], float]
 """Width in pixels of a text at a size in pixels."""
@@ -45,7 +47,7 @@ class _Board:
 
     def __init__(self, scale: float) -> None:
         self.scale = scale
-        self.plates: list[tuple[float, ...]] = []
+        self.strokes: list[tuple[float, ...]] = []
         self.symbols: list[tuple[float, ...]] = []
         self.texts: list[Text] = []
 
@@ -53,7 +55,11 @@ class _Board:
         self, low: Sequence[float], high: Sequence[float], colour: Sequence[float], radius: float, right: Sequence[float] | None = None
     ) -> None:
         """``radius`` of the corners in points; ``right``: the colour at the right end where it is another."""
-        self.plates.append((*low, 0, *high, 0, *colour, *(colour if right is None else right), 2 * radius))
+        self.strokes.append((*low, 0, *high, 0, *colour, *(colour if right is None else right), 2 * radius, Shape.PLATE))
+
+    def line(self, start: Sequence[float], end: Sequence[float], colour: Sequence[float], width: float) -> None:
+        """``width`` in points."""
+        self.strokes.append((*start, 0, *end, 0, *colour, *colour, width, Shape.LINE))
 
     def symbol(self, centre: Sequence[float], shape: Shape, size: float, colour: Sequence[float]) -> None:
         self.symbols.append((*centre, 0, *colour, 1, size, shape))
@@ -62,16 +68,15 @@ class _Board:
         self.texts.append(Text(words, (float(position[0]), float(position[1])), size * self.scale, tuple(colour)))
 
     def furniture(self) -> Furniture:
-        plates = np.array(self.plates, dtype=np.float32).reshape(-1, 15)
+        strokes = np.array(self.strokes, dtype=np.float32).reshape(-1, 16)
         symbols = np.array(self.symbols, dtype=np.float32).reshape(-1, 9)
-        count = len(plates)
         return Furniture(
             Lines(
-                position=plates[:, :6].reshape(-1, 2, 3),
-                colour=plates[:, 6:14].reshape(-1, 2, 4),
-                width=plates[:, 14],
-                way=np.full((count, 2), -1, dtype=np.float32),
-                shape=np.full(count, Shape.PLATE, dtype=np.float32),
+                position=strokes[:, :6].reshape(-1, 2, 3),
+                colour=strokes[:, 6:14].reshape(-1, 2, 4),
+                width=strokes[:, 14],
+                way=np.full((len(strokes), 2), -1, dtype=np.float32),
+                shape=strokes[:, 15],
             ),
             Points(position=symbols[:, :3], colour=symbols[:, 3:7], size=symbols[:, 7], shape=symbols[:, 8]),
             tuple(self.texts),
@@ -85,13 +90,14 @@ def furniture(
     ``margin``: pixels at the right and at the bottom that something else covers."""
     board = _Board(scale)
     taken = _legend(board, data, (size[0] - margin[0], margin[1]), measure)
-    _labels(board, data.labels, perspective, size, taken, measure)
+    _labels(board, data, perspective, size, taken, measure)
     return board.furniture()
 
 
 def _labels(
-    board: _Board, labels: Sequence[Label], perspective: FloatArray, size: tuple[float, float], taken: FloatArray, measure: Measure
+    board: _Board, data: RenderData, perspective: FloatArray, size: tuple[float, float], taken: FloatArray, measure: Measure
 ) -> None:
+    labels = data.labels
     if not labels:
         return
     scale, text = board.scale, TEXT_SIZE * board.scale
@@ -101,21 +107,36 @@ def _labels(
     extent = np.column_stack([names + space + values, np.full(len(labels), text * 0.95)]) + 2 * scale * np.array(_PADDING)
     anchor = project(np.array([label.position for label in labels]), perspective, size)
     clearance = scale * np.array([label.clearance for label in labels])
-    corner = place_labels(anchor, extent, clearance, np.array([label.priority for label in labels]), size, taken)
+    priority = np.array([label.priority for label in labels])
+    symbols = data.points.shape != Shape.CONTACT
+    places = project(data.points.position[symbols].astype(np.float64), perspective, size)
+    taken = np.concatenate([taken, around(places, scale * data.points.size[symbols] / 2)])
+    busy = project(_along_paths(data.paths), perspective, size)
+    corner = place_labels(anchor, extent, clearance, priority, size, taken, busy[~np.isnan(busy[:, 0])])
     for k, label in enumerate(labels):
         if np.isnan(corner[k, 0]):
             continue
         low = np.round(corner[k])
+        nearest = np.clip(anchor[k], low, low + extent[k])
+        if np.linalg.norm(nearest - anchor[k]) > clearance[k] + 2 * GAP * scale:
+            board.line(anchor[k], nearest, (*FAINT_INK, 0.8), 1.0)
         board.plate(low, low + extent[k], PLATE, 4.0)
         left, base = low[0] + scale * _PADDING[0], low[1] + scale * (_PADDING[1] + 1.2)
         board.text(label.name, (left, base), INK)
         board.text(label.value, (left + names[k] + space, base), label.colour)
 
 
+def _along_paths(lines: Lines) -> FloatArray:
+    """Places (k, 3) along the best paths, which labels had better not cover."""
+    ends = lines.position[-_MOST_STEPS:].astype(np.float64)
+    part = np.linspace(0, 1, 12)[None, :, None]
+    return (ends[:, :1] * (1 - part) + ends[:, 1:] * part).reshape(-1, 3)
+
+
 def _legend(board: _Board, data: RenderData, corner: tuple[float, float], measure: Measure) -> FloatArray:
     """The legend, with its lower right corner a little away from ``corner``. The rectangle (1, 4) that it takes."""
     scale, text = board.scale, TEXT_SIZE * board.scale
-    symbols = [(name, shape, colour) for name, shape, colour in _symbols(data.scale) if (data.points.shape == shape).any()]
+    symbols = [symbol for symbol in _symbols() if (data.points.shape == symbol[1]).any()]
     widths = [measure(name, text) for name, _, _ in symbols]
     symbol_width, gap, padding = 18 * scale, 10 * scale, 10 * scale
     row = sum(widths) + len(widths) * symbol_width + max(len(widths) - 1, 0) * gap
@@ -133,7 +154,7 @@ def _legend(board: _Board, data: RenderData, corner: tuple[float, float], measur
     return np.array([[left, bottom, left + width, bottom + height]], dtype=np.float64)
 
 
-def _symbols(scale: GainScale) -> tuple[tuple[str, Shape, FloatArray], ...]:
+def _symbols() -> tuple[tuple[str, Shape, FloatArray], ...]:
     return (
         ("Source", Shape.SOURCE, SOURCE_COLOUR),
         ("Impact", Shape.IMPACT, IMPACT_COLOUR),
@@ -147,7 +168,7 @@ def _bar(board: _Board, gains: GainScale, left: float, bottom: float, width: flo
     scale, height, parts = board.scale, 10 * board.scale, 32
     table = colour_table()
     edges = np.linspace(0, 1, parts + 1)
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in itertools.pairwise(edges):
         first, last = (table[round(edge * (STEPS - 1))] for edge in (low, high))
         # Each part reaches under the next one, so that no seam shows.
         end = min(high + 1 / parts, 1.0)

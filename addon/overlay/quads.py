@@ -6,12 +6,13 @@ width, points of any shape and their order take a single draw call.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .render_data import Drawn, Lines, Points
+from .render_data import Drawn, Lines, Points, RenderData, halos
 
 CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=np.float32)
 ATTRIBUTES = (("start", 3), ("end", 3), ("colour_start", 4), ("colour_end", 4), ("style", 4), ("way", 2))
@@ -31,20 +32,26 @@ class Quads:
         return len(self.triangles) // 2
 
 
-def quads(lines: Lines, points: Points) -> Quads:
+def quads(data: RenderData) -> Quads:
+    """The graph of a frame, in the order in which it is painted."""
+    return quads_of((data.tree, halos(data.paths), data.paths), data.points)
+
+
+def quads_of(lines: Sequence[Lines], points: Points) -> Quads:
     """Lines first, points over them."""
-    count = len(lines.width) + len(points.size)
+    position, colour, width, way, shape = (np.concatenate([getattr(part, f.name) for part in lines]) for f in fields(Lines))
+    count = len(width) + len(points.size)
     per_quad = {
-        "start": np.concatenate([lines.position[:, 0], points.position]),
-        "end": np.concatenate([lines.position[:, 1], points.position]),
-        "colour_start": np.concatenate([lines.colour[:, 0], points.colour]),
-        "colour_end": np.concatenate([lines.colour[:, 1], points.colour]),
-        "way": np.concatenate([lines.way, np.full((len(points.size), 2), -1, dtype=np.float32)]),
+        "start": np.concatenate([position[:, 0], points.position]),
+        "end": np.concatenate([position[:, 1], points.position]),
+        "colour_start": np.concatenate([colour[:, 0], points.colour]),
+        "colour_end": np.concatenate([colour[:, 1], points.colour]),
+        "way": np.concatenate([way, np.full((len(points.size), 2), -1, dtype=np.float32)]),
     }
     attributes = {name: np.repeat(values, 4, axis=0) for name, values in per_quad.items()}
     style = np.empty((count, 4, 4), dtype=np.float32)
-    style[:, :, 0] = np.concatenate([lines.width, points.size])[:, None]
-    style[:, :, 1] = np.concatenate([lines.shape, points.shape])[:, None]
+    style[:, :, 0] = np.concatenate([width, points.size])[:, None]
+    style[:, :, 1] = np.concatenate([shape, points.shape])[:, None]
     style[:, :, 2:] = CORNERS
     attributes["style"] = style.reshape(-1, 4)
     corners = np.array([(0, 1, 2), (0, 2, 3)], dtype=np.uint32)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -44,8 +44,14 @@ THIN_LINE = (1.2, 2.6)  # pixels, from the floor of the scale to 0 dB
 PATH_LINE = (3.0, 5.0)
 HALO = 3.0  # pixels that a halo shows on either side of a path
 
-DIMMED = 0.28
-"""Opacity of what no signal reaches, and of what has nothing to do with the selection."""
+DIMMED = 0.3
+"""Opacity of contacts that no signal reaches."""
+SILENT = 0.8
+"""Opacity of sources and listeners that are silent: grey, but not to be overlooked."""
+UNSELECTED = 0.35
+"""Opacity of what has nothing to do with the selection."""
+PARTED = 0.05
+"""Metres from which on an impact is drawn on both of its objects."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,10 +102,11 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class RenderData:
-    """One frame as drawn."""
+    """One frame as drawn: ``tree``, how the signal spreads; over it ``paths``, the best ones; over them ``points``."""
 
+    tree: Lines
+    paths: Lines
     points: Points
-    lines: Lines
     labels: tuple[Label, ...]
     scale: GainScale
 
@@ -110,14 +117,13 @@ def render_data(result: FrameResult, settings: Settings, options: Options) -> Re
     scale = GainScale.of_threshold(settings.threshold)
     spreading = _spread(result, graph, settings, options)
     pairs = _shown_pairs(result, options)
-    lines = []
-    if options.show_intra and settings.mode in (Mode.HT, Mode.SD):
-        lines.append(_tree_lines(graph, spreading, scale))
-    if options.show_best_paths or settings.mode in (Mode.MD, Mode.MN):
-        lines.extend(_path_lines(result, graph, settings.mode, pairs, scale))
+    on_graph = settings.mode in (Mode.HT, Mode.SD)
+    tree = _tree_lines(graph, spreading, scale, UNSELECTED if options.listeners else 1.0)
+    paths = _path_lines(result, graph, settings.mode, pairs, scale)
     return RenderData(
+        tree=tree if options.show_intra and on_graph else no_lines(),
+        paths=paths if options.show_best_paths or not on_graph else no_lines(),
         points=_points(result, spreading, scale, options),
-        lines=_joined_lines(lines),
         labels=_labels(result, scale, options) if options.show_labels else (),
         scale=scale,
     )
@@ -139,33 +145,37 @@ def _shown_pairs(result: FrameResult, options: Options) -> BoolArray:
     return np.outer(wanted_sources, wanted_listeners)
 
 
-def _tree_lines(graph: HapticGraph, spreading: Spread, scale: GainScale) -> Lines:
+def _tree_lines(graph: HapticGraph, spreading: Spread, scale: GainScale, opacity: float) -> Lines:
     """How the signal spreads: every node joined to the one that its strongest arrival came from, weak ones first."""
     ends = np.flatnonzero(spreading.predecessor >= 0)
     ends = ends[np.argsort(spreading.gain[ends], kind="stable")]
     nodes = np.stack([spreading.predecessor[ends], ends], axis=1)
     gain = spreading.gain[nodes]
     place = scale.place(gain[:, 1])
-    colour = np.concatenate([scale.colour(gain), np.broadcast_to((0.35 + 0.5 * place)[:, None, None], (len(ends), 2, 1))], axis=2)
+    colour = np.concatenate(
+        [scale.colour(gain), np.broadcast_to((opacity * (0.35 + 0.5 * place))[:, None, None], (len(ends), 2, 1))], axis=2
+    )
     return _lines(graph.node_position[nodes], colour, _between(THIN_LINE, place), None)
 
 
-def _path_lines(result: FrameResult, graph: HapticGraph, mode: Mode, pairs: BoolArray, scale: GainScale) -> Iterable[Lines]:
-    """The best paths of the shown pairs, each connection once as strong as its strongest use: first their halos, then their cores."""
+def _path_lines(result: FrameResult, graph: HapticGraph, mode: Mode, pairs: BoolArray, scale: GainScale) -> Lines:
+    """The best paths of the shown pairs, each connection once, as strong as its strongest use; weak ones first."""
     paths = {pair: nodes for pair, nodes in result.propagation.best_path.items() if pairs[pair] and result.sources[pair[0]].amplitude > 0}
     if not paths:
-        return ()
+        return no_lines()
     steps, gain, way = path_steps(result, graph, mode, paths)
     strongest = np.argsort(-gain[:, 1], kind="stable")
-    undirected = np.sort(steps[strongest], axis=1)
-    _, first = np.unique(undirected, axis=0, return_index=True)
+    _, first = np.unique(np.sort(steps[strongest], axis=1), axis=0, return_index=True)
     kept = strongest[np.sort(first)[::-1]]
     steps, gain, way = steps[kept], gain[kept], way[kept]
-    position = graph.node_position[steps]
-    width = _between(PATH_LINE, scale.place(gain[:, 1]))
-    halo = np.broadcast_to(np.array([*HALO_COLOUR, 0.85]), (len(steps), 2, 4))
-    core = np.concatenate([scale.colour(gain), np.ones((len(steps), 2, 1))], axis=2)
-    return _lines(position, halo, width + 2 * HALO, None), _lines(position, core, width, way)
+    colour = np.concatenate([scale.colour(gain), np.ones((len(steps), 2, 1))], axis=2)
+    return _lines(graph.node_position[steps], colour, _between(PATH_LINE, scale.place(gain[:, 1])), way)
+
+
+def halos(lines: Lines) -> Lines:
+    """A dark rim around lines, to be drawn under them."""
+    colour = np.broadcast_to(np.array([*HALO_COLOUR, 0.85]), (len(lines.width), 2, 4))
+    return _lines(lines.position, colour, lines.width + 2 * HALO, None)
 
 
 def path_steps(
@@ -215,43 +225,65 @@ def _running_sums(values: FloatArray, counts: IntArray) -> FloatArray:
 
 
 def _points(result: FrameResult, spreading: Spread, scale: GainScale, options: Options) -> Points:
-    """Contacts, then listeners, then sources, each contact once, in the middle between its two nodes."""
-    graph = result.graph
-    first = np.flatnonzero((graph.partner >= 0) & (graph.partner > np.arange(graph.node_count)))
+    """Contacts, over them listeners, over them sources."""
+    parts = (
+        _contact_points(result.graph, spreading, scale),
+        _listener_points(result, scale, options),
+        _source_points(result, options),
+    )
+    return Points(*(np.concatenate([getattr(part, key) for part in parts]) for key in ("position", "colour", "size", "shape")))
+
+
+def _contact_points(graph: HapticGraph, spreading: Spread, scale: GainScale) -> Points:
+    """Each contact once, in the middle between its two nodes, the strongest on top. Smaller where there are many."""
+    first = np.flatnonzero(graph.partner > np.arange(graph.node_count))
     second = graph.partner[first]
-    contact_gain = np.maximum(spreading.gain[first], spreading.gain[second])
-    order = np.argsort(contact_gain, kind="stable")
-    contacts = (graph.node_position[first] + graph.node_position[second])[order] / 2
-    contact_gain = contact_gain[order]
-    smaller = min(1.0, max(0.5, (400 / max(len(first), 1)) ** 0.25))
+    gain = np.maximum(spreading.gain[first], spreading.gain[second])
+    order = np.argsort(gain, kind="stable")
+    first, second, gain = first[order], second[order], gain[order]
+    reached = gain > 0
+    size = POINT_SIZE[Shape.CONTACT] * min(1.0, max(0.5, (400 / max(len(first), 1)) ** 0.25)) * np.where(reached, 1.0, 0.7)
+    position = (graph.node_position[first] + graph.node_position[second]) / 2
+    return _point_array(position, _gain_colour(scale, gain), np.where(reached, 1.0, DIMMED), size, Shape.CONTACT)
 
-    received = listener_gains(result, options)
-    in_selection = np.array([not options.listeners or li.name in options.listeners for li in result.listeners], dtype=np.bool_)
-    listeners = graph.node_position[graph.listener_nodes]
 
-    nodes = [(source, node) for source in graph.sources for node in source.nodes[:1]]
-    sources = graph.node_position[[node for _, node in nodes]] if nodes else np.zeros((0, 3))
-    impact = np.array([source.kind is SourceKind.TEMPORARY for source, _ in nodes], dtype=np.bool_)
-    sounding = np.array(
-        [source.amplitude > 0 and (not options.sources or source.name in options.sources) for source, _ in nodes], dtype=np.bool_
+def _listener_points(result: FrameResult, scale: GainScale, options: Options) -> Points:
+    gain = listener_gains(result, options)
+    unselected = np.array([bool(options.listeners) and li.name not in options.listeners for li in result.listeners], dtype=np.bool_)
+    opacity = np.where(unselected, UNSELECTED, np.where(gain > 0, 1.0, SILENT))
+    position = result.graph.node_position[result.graph.listener_nodes]
+    return _point_array(position, _gain_colour(scale, gain), opacity, POINT_SIZE[Shape.LISTENER], Shape.LISTENER)
+
+
+def _source_points(result: FrameResult, options: Options) -> Points:
+    """Each source once; an impact on both of its objects where they have parted."""
+    graph = result.graph
+    places = []
+    for source in graph.sources:
+        at = graph.node_position[list(source.nodes)]
+        parted = len(at) > 1 and float(distances(at[0], at[1])) > PARTED
+        places.extend((source, position) for position in (at if parted else at[:1]))
+    impact = np.array([source.kind is SourceKind.TEMPORARY for source, _ in places], dtype=np.bool_)
+    silent = np.array([source.amplitude <= 0 for source, _ in places], dtype=np.bool_)
+    unselected = np.array([bool(options.sources) and source.name not in options.sources for source, _ in places], dtype=np.bool_)
+    return _point_array(
+        np.array([position for _, position in places]).reshape(-1, 3),
+        np.where(silent[:, None], SILENT_COLOUR, np.where(impact[:, None], IMPACT_COLOUR, SOURCE_COLOUR)),
+        np.where(unselected, UNSELECTED, np.where(silent, SILENT, 1.0)),
+        np.where(impact, POINT_SIZE[Shape.IMPACT], POINT_SIZE[Shape.SOURCE]),
+        np.where(impact, Shape.IMPACT, Shape.SOURCE),
     )
-    source_colour = np.where(impact[:, None], IMPACT_COLOUR, SOURCE_COLOUR)
-    source_shape = np.where(impact, Shape.IMPACT, Shape.SOURCE)
 
-    colour = np.concatenate(
-        [
-            _gain_colour(scale, contact_gain, np.ones(len(contacts), dtype=np.bool_)),
-            _gain_colour(scale, received, in_selection),
-            np.column_stack([source_colour, np.where(sounding, 1.0, DIMMED)]).reshape(-1, 4),
-        ]
-    )
-    shape = np.concatenate(
-        [np.full(len(contacts), Shape.CONTACT), np.full(len(listeners), Shape.LISTENER), source_shape.reshape(-1)]
-    ).astype(np.float32)
-    size = np.array([POINT_SIZE.get(Shape(k), 0.0) for k in range(len(Shape))])[shape.astype(np.int64)]
-    size[: len(contacts)] *= smaller * np.where(contact_gain > 0, 1.0, 0.7)
+
+def _point_array(
+    position: FloatArray, colour: FloatArray, opacity: FloatArray, size: FloatArray | float, shape: IntArray | Shape
+) -> Points:
+    count = len(position)
     return Points(
-        np.concatenate([contacts, listeners, sources]).astype(np.float32), colour.astype(np.float32), size.astype(np.float32), shape
+        position.astype(np.float32),
+        np.column_stack([colour, opacity]).astype(np.float32),
+        np.broadcast_to(np.asarray(size, dtype=np.float32), count),
+        np.broadcast_to(np.asarray(shape, dtype=np.float32), count),
     )
 
 
@@ -261,17 +293,14 @@ def listener_gains(result: FrameResult, options: Options) -> FloatArray:
     return np.asarray(result.gains[wanted].max(axis=0, initial=0.0))
 
 
-def _gain_colour(scale: GainScale, gain: FloatArray, emphasised: BoolArray) -> FloatArray:
-    """(n, 4): by gain; grey and faint where nothing arrives."""
-    reached = gain > 0
-    colour = np.where(reached[:, None], scale.colour(gain), SILENT_COLOUR)
-    return np.column_stack([colour, np.where(reached & emphasised, 1.0, np.where(reached, 0.5, DIMMED))])
+def _gain_colour(scale: GainScale, gain: FloatArray) -> FloatArray:
+    """(n, 3): by gain, grey where nothing arrives."""
+    return np.where((gain > 0)[:, None], scale.colour(gain), SILENT_COLOUR)
 
 
 def _labels(result: FrameResult, scale: GainScale, options: Options) -> tuple[Label, ...]:
-    selected = bool(options.sources or options.listeners)
     received = listener_gains(result, options)
-    colours = np.where(received[:, None] > 0, scale.colour(received), SILENT_COLOUR)
+    colours = _gain_colour(scale, received)
     labels = []
     for source in result.sources:
         chosen = source.name in options.sources
@@ -290,7 +319,7 @@ def _labels(result: FrameResult, scale: GainScale, options: Options) -> tuple[La
         )
     for k, listener in enumerate(result.listeners):
         chosen = listener.name in options.listeners
-        if selected and options.listeners and not chosen:
+        if options.listeners and not chosen:
             continue
         gain = float(received[k])
         labels.append(
@@ -316,7 +345,6 @@ def _lines(position: FloatArray, colour: FloatArray, width: FloatArray, way: Flo
     return Lines(*(values.astype(np.float32) for values in (position, colour, width, way, shape)))
 
 
-def _joined_lines(parts: Sequence[Lines]) -> Lines:
-    if not parts:
-        return _lines(np.zeros((0, 2, 3)), np.zeros((0, 2, 4)), np.zeros(0), None)
-    return Lines(*(np.concatenate([getattr(part, key) for part in parts]) for key in ("position", "colour", "width", "way", "shape")))
+def no_lines() -> Lines:
+    """Nothing to draw."""
+    return _lines(np.zeros((0, 2, 3)), np.zeros((0, 2, 4)), np.zeros(0), None)

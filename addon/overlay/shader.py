@@ -1,4 +1,4 @@
-"""The shader of everything that is drawn, and how quads are drawn with it. One GPUShaderCreateInfo, so it runs on OpenGL, Vulkan and Metal."""
+"""The shader of everything that is drawn, and how quads are drawn with it. Made by GPUShaderCreateInfo, for OpenGL, Vulkan and Metal."""
 
 from __future__ import annotations
 
