@@ -1,0 +1,188 @@
+"""Samples become what an actuator can do.
+
+Devices that take samples get them, at their own rate. All others are described every 10 ms by a short-time spectrum: for each channel
+the amplitude of the part of the signal that it takes (a full-scale sine is 1) and, where the device can follow, its frequency.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .family import AnyFamily, RumbleFamily, StreamFamily
+from .profiles import Calibration, Profile
+from .report import Tones
+from .resampling import Resampler
+
+Array = NDArray[np.float64]
+
+HOP = 0.010
+"""Seconds between two steps: two thirds of the 15 ms by which touch may lead the picture."""
+
+# The window rises for 32 ms, long enough to tell frequencies 25 Hz apart, and falls within 8 ms, so that an impact is seen at once.
+_RISE, _FALL = 0.032, 0.008
+# A spectrum with this share of its power so near its peak is one tone, and goes to one channel: split, its halves would beat.
+_TONE_SHARE, _TONE_HALF_WIDTH = 0.97, 60.0
+# -54 dB: what is weaker stays silent, so that a calibration's floor does not make a device hum.
+_SILENT = 0.002
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What to drive from ``offset`` seconds after the start of the block on."""
+
+    offset: float
+    tones: Tones
+
+
+def calibrated(amplitude: Array, calibration: Calibration) -> Array:
+    """``floor + (1 - floor) min(gain a, 1)^exponent``, and 0 for what is silent. amplitude: any shape, 0 or more."""
+    driven = np.minimum(calibration.gain * amplitude, 1.0)
+    curve = calibration.floor + (1.0 - calibration.floor) * driven**calibration.exponent
+    return np.where(driven < _SILENT, 0.0, curve)
+
+
+class SpectralDescription:
+    """Amplitude and frequency per band, every ``HOP`` seconds, of signals that come in block by block."""
+
+    def __init__(self, rate: int, bands: list[list[tuple[float, float]]]) -> None:
+        """rate: samples per second. bands: for each signal, the (low, high) limits in Hz of each of its channels."""
+        self._hop = max(round(HOP * rate), 1)
+        self._rate = rate
+        rise, fall = round(_RISE * rate), max(round(_FALL * rate), 1)
+        self._window = np.concatenate(
+            [np.sin(0.5 * np.pi * (np.arange(rise) + 0.5) / rise) ** 2, np.cos(0.5 * np.pi * (np.arange(fall) + 0.5) / fall) ** 2]
+        )
+        self._size = 1 << (2 * len(self._window) - 1).bit_length()
+        self._frequencies = np.fft.rfftfreq(self._size, 1.0 / rate)
+        # Parseval: the bins' sum is the mean square under the window; a full-scale sine has 1/2.
+        self._scale = 2.0 * 2.0 / (self._size * np.sum(self._window**2))
+        self._masks = [np.array([(low <= self._frequencies) & (self._frequencies < high) for low, high in limits]) for limits in bands]
+        self.reset()
+
+    @property
+    def step(self) -> float:
+        """Seconds between two steps: ``HOP``, as near as whole samples allow."""
+        return self._hop / self._rate
+
+    @property
+    def pending(self) -> float:
+        """Seconds taken in that are not part of a finished step yet."""
+        return (self._history.shape[1] - (len(self._window) - self._hop)) / self._rate
+
+    def reset(self) -> None:
+        """Forget the samples so far: as if silence had come before."""
+        self._history = np.zeros((len(self._masks), len(self._window) - self._hop))
+
+    def process(self, block: Array) -> list[tuple[Array, Array]]:
+        """For each signal, amplitudes and frequencies [Hz], both (steps, channels). block: (signals, n)."""
+        samples = np.concatenate([self._history, block], axis=1)
+        width = len(self._window)
+        count = max((samples.shape[1] - width) // self._hop + 1, 0)
+        self._history = samples[:, count * self._hop :]
+        if count == 0:
+            return [(np.zeros((0, len(masks))),) * 2 for masks in self._masks]
+        windows = np.lib.stride_tricks.sliding_window_view(samples, width, axis=1)[:, :: self._hop][:, :count]
+        power = self._scale * np.abs(np.fft.rfft(windows * self._window, self._size, axis=2)) ** 2
+        return [self._describe(signal, masks) for signal, masks in zip(power, self._masks, strict=True)]
+
+    def _describe(self, power: Array, masks: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """power: (steps, bins); masks: (channels, bins)."""
+        taken = power * masks.any(axis=0)
+        peak = self._frequencies[taken.argmax(axis=1)][:, None]
+        near = np.where(np.abs(self._frequencies - peak) <= _TONE_HALF_WIDTH, taken, 0.0)
+        total = taken.sum(axis=1)
+        is_tone = near.sum(axis=1) >= _TONE_SHARE * total
+        # (steps, channels, bins): a tone whole to the channel that has its peak, anything else by its bins.
+        shares = np.where(is_tone[:, None, None], taken[:, None, :] * self._holds(masks, peak)[:, :, None], power[:, None, :] * masks)
+        sums = shares.sum(axis=2)
+        weights = np.where(is_tone[:, None, None], np.minimum(shares, near[:, None, :]), shares)
+        divisor = weights.sum(axis=2)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            centroids = np.where(divisor > 0.0, (weights @ self._frequencies) / divisor, 0.0)
+        return np.sqrt(sums), centroids
+
+    def _holds(self, masks: NDArray[np.bool_], peak: Array) -> NDArray[np.bool_]:
+        """Which channel takes the peak's frequency: (steps, channels)."""
+        bins = np.searchsorted(self._frequencies, peak[:, 0])
+        held: NDArray[np.bool_] = masks[:, bins].T
+        return held
+
+
+class ToneActuation:
+    """Blocks of samples, one row per actuator, to steps of amplitude and frequency for a rumble family."""
+
+    def __init__(self, profile: Profile, family: RumbleFamily, rate: int, calibrations: Mapping[str, Calibration]) -> None:
+        self._actuators = profile.actuators
+        self._calibrations = [calibrations.get(actuator.name, actuator.calibration) for actuator in profile.actuators]
+        self._rest = family.silence()
+        self._has_tones = family.has_tones
+        self._places = [[family.channels.index(channel.name) for channel in actuator.channels] for actuator in profile.actuators]
+        self._description = SpectralDescription(rate, [[channel.takes for channel in actuator.channels] for actuator in profile.actuators])
+
+    def process(self, block: Array) -> list[Step]:
+        """Steps of a block, in order; silence has the frequencies at rest. block: (actuators, n).
+
+        The first offset is below 0 where the last block ended inside a step.
+        """
+        start = -self._description.pending
+        described = self._description.process(block)
+        count = described[0][0].shape[0]
+        amplitudes = np.tile(np.array(self._rest.amplitudes), (count, 1))
+        frequencies = np.tile(np.array(self._rest.frequencies), (count, 1))
+        for actuator, calibration, places, (amplitude, frequency) in zip(
+            self._actuators, self._calibrations, self._places, described, strict=True
+        ):
+            amplitudes[:, places] = calibrated(amplitude, calibration)
+            if self._has_tones:
+                driven = amplitudes[:, places] > 0.0
+                frequencies[:, places] = np.where(driven, np.clip(frequency, *actuator.band), frequencies[:, places])
+        tones = (Tones(tuple(row), tuple(hz)) for row, hz in zip(amplitudes.tolist(), frequencies.tolist(), strict=True))
+        return [Step(start + i * self._description.step, tone) for i, tone in enumerate(tones)]
+
+    def reset(self) -> None:
+        """Forget the samples so far."""
+        self._description.reset()
+
+
+class SampleActuation:
+    """Blocks of samples, one row per actuator, to samples of a stream family's channels at its rate."""
+
+    def __init__(self, profile: Profile, family: StreamFamily, rate: int, calibrations: Mapping[str, Calibration]) -> None:
+        self._gains = np.array([[calibrations.get(actuator.name, actuator.calibration).gain] for actuator in profile.actuators])
+        self._places = [family.channels.index(actuator.channels[0].name) for actuator in profile.actuators]
+        self._channels = len(family.channels)
+        self._resampler = Resampler(len(profile.actuators), rate, family.rate)
+
+    def process(self, block: Array) -> Array:
+        """(actuators, n) at the input rate -> (channels, m) at the device's. Only the calibration's gain applies to samples."""
+        resampled = self._gains * self._resampler.process(block)
+        samples = np.zeros((self._channels, resampled.shape[1]))
+        samples[self._places] = resampled
+        return samples
+
+    def reset(self) -> None:
+        """Forget the samples so far."""
+        self._resampler.reset()
+
+
+def checked_block(block: Array, actuators: int) -> Array:
+    """A private float64 copy of a block; raises ValueError unless it is (actuators, n) and finite."""
+    copy = np.array(block, dtype=np.float64)
+    if copy.ndim != 2 or copy.shape[0] != actuators:
+        raise ValueError(f"block has the shape {copy.shape}, not ({actuators}, n)")
+    if not np.isfinite(copy).all():
+        raise ValueError("block has a sample that is not finite")
+    return copy
+
+
+def actuation_of(
+    profile: Profile, family: AnyFamily, rate: int, calibrations: Mapping[str, Calibration]
+) -> ToneActuation | SampleActuation:
+    """The actuation that fits the family."""
+    if isinstance(family, RumbleFamily):
+        return ToneActuation(profile, family, rate, calibrations)
+    return SampleActuation(profile, family, rate, calibrations)

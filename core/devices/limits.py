@@ -1,0 +1,45 @@
+"""How hard a device may be driven: a ceiling, a limit on how fast amplitude rises, and a limit on going on at full strength."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class DriveLimits:
+    """The limits of one device's channels, which remember what was driven.
+
+    ceilings: (channels,) largest amplitudes, in (0, 1].
+    slew: largest rise per second; falling is never held back.
+    sustained_maximum, sustained_seconds: the mean square of each channel, running with this time constant, stays at or below the
+    maximum's square. With 0.7 and 10 s, full strength lasts 6.7 s and goes on at 0.7.
+    interval: seconds that a command lasts; each is limited as if it stayed that long.
+    """
+
+    def __init__(self, ceilings: Array, slew: float, sustained_maximum: float, sustained_seconds: float, interval: float) -> None:
+        self._ceilings = ceilings
+        self._slew = slew
+        self._interval = interval
+        self._square = sustained_maximum**2
+        self._seconds = sustained_seconds
+        self._share = -math.expm1(-interval / sustained_seconds)
+        self._mean_square = np.zeros_like(ceilings)
+        self._driven = np.zeros_like(ceilings)
+
+    @property
+    def mean_square(self) -> Array:
+        """The running mean square of each channel up to the last call."""
+        return self._mean_square.copy()
+
+    def limited(self, wanted: Array, elapsed: float) -> Array:
+        """What may be driven now. wanted: (channels,) in [0, 1]; elapsed: seconds since the last call, 0 or more."""
+        past = -math.expm1(-elapsed / self._seconds)
+        self._mean_square += (self._driven**2 - self._mean_square) * past
+        sustainable = np.sqrt(np.maximum(self._mean_square + (self._square - self._mean_square) / self._share, 0.0))
+        risen = self._driven + self._slew * min(elapsed, self._interval)
+        self._driven = np.minimum(np.minimum(wanted, self._ceilings), np.minimum(risen, sustainable))
+        return self._driven.copy()

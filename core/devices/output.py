@@ -1,0 +1,316 @@
+"""Live output: one thread per device takes the newest block and keeps the device's pace, and always leaves the device silent.
+
+Nothing here blocks the caller: ``send`` puts a block into a mailbox of size one, in which the latest wins. The threads never touch Blender.
+"""
+
+from __future__ import annotations
+
+import atexit
+import threading
+import time
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from statistics import median
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .actuation import actuation_of, checked_block
+from .connection import DeviceError, HidModule, Opened, hid_module, open_device
+from .family import AnyFamily, RumbleFamily
+from .pacing import WATCHDOG, Pacing, pacing_of
+from .profiles import Calibration, Profile
+from .report import Report
+
+State = Literal["searching", "open", "stopped", "failed"]
+
+SAMPLE_RATE = 8000
+RESCAN = 1.5
+"""Seconds between two looks for a device that is not there."""
+
+# hidapi reports a vanished device only by failing writes; a single one can be a hiccup of the radio.
+_FAILURES_TO_CLOSE = 3
+# At exit, all devices together get so long to be silenced.
+_EXIT_SECONDS = 1.0
+_MEASURED_BLOCKS = 256
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """What an output is doing, for a panel.
+
+    state: ``searching`` until the device is there; ``open``; ``stopped``; ``failed`` after an error of the program.
+    message: why it is not open, or the last error; empty if all is well.
+    written, failed_writes: reports. losses: times the device went away while it was open. dropped_blocks: replaced before they were taken.
+    writing_for: seconds that the write in progress has been blocking, else 0.
+    delay: median seconds from ``send`` to the report written, over the last blocks; None before the first.
+    lag: ``delay`` and the actuators' latency: how long after the picture touch is felt.
+    """
+
+    state: State
+    message: str
+    written: int
+    failed_writes: int
+    losses: int
+    dropped_blocks: int
+    writing_for: float
+    delay: float | None
+    lag: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class _Mail:
+    block: NDArray[np.float64]
+    sent: float
+
+
+class DeviceOutput:
+    """One device that is fed with blocks of samples, one row per actuator of its profile."""
+
+    def __init__(
+        self,
+        profile: Profile,
+        *,
+        rate: int = SAMPLE_RATE,
+        serial: str = "",
+        delay: float = 0.0,
+        calibrations: Mapping[str, Calibration] | None = None,
+        hid: HidModule | None = None,
+    ) -> None:
+        """rate: samples per second of the blocks. serial: of one device among several alike. delay: seconds, 0 or more, by which
+        touch is held back. calibrations: by actuator, in place of the profile's. hid: in place of cython-hidapi.
+
+        Raises ValueError for a rate or delay out of range, or a calibration of an unknown actuator.
+        """
+        unknown = set(calibrations or {}) - {actuator.name for actuator in profile.actuators}
+        if unknown:
+            raise ValueError(f"calibrations names an unknown actuator: {sorted(unknown)[0]!r}")
+        if not 100 <= rate <= 192_000:
+            raise ValueError(f"rate {rate} is not in 100..192000")
+        if not 0.0 <= delay <= 1.0:
+            raise ValueError(f"delay {delay} s is not in [0, 1]")
+        self.profile = profile
+        self._rate, self._serial, self._delay = rate, serial, delay
+        self._calibrations = dict(calibrations or {})
+        self._hid = hid
+        self._wake = threading.Condition()
+        # Guarded by _wake:
+        self._mail: _Mail | None = None
+        self._silence = False
+        self._stopping = False
+        self._dropped = 0
+        # Written by the thread alone, read by anyone:
+        self._state: State = "searching"
+        self._message = ""
+        self._written = self._failed = self._losses = 0
+        self._writing_since: float | None = None
+        self._wrote = 0.0
+        self._delays: deque[float] = deque(maxlen=_MEASURED_BLOCKS)
+        self._thread = threading.Thread(target=self._run, name=f"haptics {profile.name}", daemon=True)
+
+    def start(self) -> None:
+        """Look for the device and drive it from now on. Raises RuntimeError if started before."""
+        with _registry:
+            _running.add(self)
+        self._thread.start()
+
+    def send(self, block: ArrayLike) -> None:
+        """Play a block, whose first sample is to be felt now; what is left of the one before is dropped. Never blocks.
+
+        block: (actuators, n) in [-1, 1] at the rate. Raises ValueError if it has another shape or is not finite.
+        """
+        mail = _Mail(checked_block(np.asarray(block), len(self.profile.actuators)), time.perf_counter())
+        with self._wake:
+            self._dropped += self._mail is not None
+            self._mail = mail
+            self._wake.notify()
+
+    def silence(self) -> None:
+        """Go to zero as soon as the device takes it, and forget what was sent so far. The next block plays again. Never blocks."""
+        with self._wake:
+            self._mail = None
+            self._silence = True
+            self._wake.notify()
+
+    def request_stop(self) -> None:
+        """Begin to stop, without waiting. Never blocks."""
+        with self._wake:
+            self._stopping = True
+            self._mail = None
+            self._wake.notify()
+
+    def stop(self, timeout: float = 1.0) -> bool:
+        """Zero, release and close the device. Returns after at most ``timeout`` seconds whether that is done.
+
+        If not, a write is blocked inside the system. The thread is a daemon: it silences and closes the device as soon as that write
+        returns, and does not keep the program from exiting; until then the device does what it does when a program is killed.
+        """
+        self.request_stop()
+        if self._thread.is_alive():
+            self._thread.join(timeout)
+        elif not self._thread.ident:
+            self._state = "stopped"
+        return not self._thread.is_alive()
+
+    @property
+    def status(self) -> Status:
+        """What the output is doing right now. Never blocks."""
+        since = self._writing_since
+        delays = list(self._delays)
+        delay = median(delays) if delays else None
+        return Status(
+            state=self._state,
+            message=self._message,
+            written=self._written,
+            failed_writes=self._failed,
+            losses=self._losses,
+            dropped_blocks=self._dropped,
+            writing_for=0.0 if since is None else time.perf_counter() - since,
+            delay=delay,
+            lag=None if delay is None else delay + self._delay + self.profile.latency,
+        )
+
+    # From here on: the thread.
+
+    def _run(self) -> None:
+        try:
+            hid = self._hid or hid_module()
+            while not self._stopping:
+                opened = self._open(hid)
+                if opened is not None:
+                    self._play(opened)
+            self._state = "stopped"
+        except Exception as error:
+            self._state, self._message = "failed", f"{type(error).__name__}: {error}"
+        finally:
+            with _registry:
+                _running.discard(self)
+
+    def _open(self, hid: HidModule) -> Opened | None:
+        """The device, or None after waiting for a while because it can't be opened."""
+        try:
+            # Opening holds Python's lock. Old kernels make it wait for a write that is stuck in another device.
+            if any(output.status.writing_for > 0.1 for output in _all_running()):
+                raise DeviceError("waiting: a write to another device is blocked")
+            opened = open_device(hid, self.profile.family, self._serial)
+        except OSError as error:
+            self._message = str(error)
+            with self._wake:
+                if not self._stopping:
+                    self._wake.wait_for(lambda: self._stopping, RESCAN)
+            return None
+        self._message = ""
+        return opened
+
+    def _play(self, opened: Opened) -> None:
+        """Drive the device until it is to stop, or is gone. Leaves it silent and closed, whatever happens."""
+        pacing: Pacing | None = None
+        try:
+            family: AnyFamily = self.profile.family
+            if isinstance(family, RumbleFamily) and family.variant is not None:
+                family = family.variant(opened.hid, opened.interface) or family
+            actuation = actuation_of(self.profile, family, self._rate, self._calibrations)
+            pacing = pacing_of(self.profile, family, opened.interface.transport, actuation, self._delay)
+            self._state = "open"
+            self._follow(opened, pacing)
+        finally:
+            try:
+                if pacing is not None and self._state == "open":
+                    self._end(opened, pacing)
+            finally:
+                opened.close()
+
+    def _follow(self, opened: Opened, pacing: Pacing) -> None:
+        """Write what is due when it is due, until the device is to stop or is gone."""
+        failures = 0
+        unmeasured: float | None = None
+        while not self._stopping:
+            with self._wake:
+                mail, self._mail = self._mail, None
+                silence, self._silence = self._silence, False
+            if silence:
+                pacing.silence()
+            # What waited for the device to be opened is no longer news.
+            if mail is not None and time.perf_counter() - mail.sent < WATCHDOG:
+                pacing.accept(mail.block, mail.sent)
+                unmeasured = mail.sent
+            report = pacing.next_report(time.perf_counter())
+            if report is None:
+                self._wait(pacing)
+                continue
+            if self._write(opened, report):
+                failures = 0
+                if unmeasured is not None:
+                    self._delays.append(time.perf_counter() - unmeasured)
+                    unmeasured = None
+                continue
+            pacing.failed()
+            failures += 1
+            if failures == _FAILURES_TO_CLOSE:
+                self._state = "searching"
+                self._losses += 1
+                return
+
+    def _wait(self, pacing: Pacing) -> None:
+        """Until something is due, a block comes, or the output is to stop."""
+        with self._wake:
+            if self._mail is None and not self._silence and not self._stopping:
+                now = time.perf_counter()
+                due = pacing.wake(now)
+                self._wake.wait(None if due is None else max(due - now, 0.0))
+
+    def _write(self, opened: Opened, report: Report) -> bool:
+        """Whether the device took the report. hidapi returns -1 for failure and blocks as long as the system does."""
+        self._writing_since = time.perf_counter()
+        try:
+            send = opened.hid.send_feature_report if report.feature else opened.hid.write
+            done = send(report.data) >= 0
+            reason = "" if done else opened.hid.error()
+        except (OSError, ValueError) as error:
+            done, reason = False, str(error)
+        finally:
+            self._writing_since = None
+            self._wrote = time.perf_counter()
+        if done:
+            self._written += 1
+        else:
+            self._failed += 1
+            self._message = f"{self.profile.title}: write failed: {reason or 'the device does not answer'}"
+        return done
+
+    def _end(self, opened: Opened, pacing: Pacing) -> None:
+        """Zero and release, keeping the device's pace."""
+        for report in pacing.ending():
+            time.sleep(max(self._wrote + pacing.interval - time.perf_counter(), 0.0))
+            if not self._write(opened, report):
+                return
+
+
+_registry = threading.Lock()
+_running: set[DeviceOutput] = set()
+
+
+def _all_running() -> list[DeviceOutput]:
+    with _registry:
+        return list(_running)
+
+
+def silence_all() -> None:
+    """All devices to zero, at once. They play again when blocks come. Never blocks."""
+    for output in _all_running():
+        output.silence()
+
+
+def stop_all(timeout: float = _EXIT_SECONDS) -> bool:
+    """Stop all outputs within ``timeout`` seconds together. Returns whether all are done."""
+    stopping = _all_running()
+    for output in stopping:
+        output.request_stop()
+    deadline = time.perf_counter() + timeout
+    done = [output.stop(max(deadline - time.perf_counter(), 0.0)) for output in stopping]
+    return all(done)
+
+
+atexit.register(stop_all)

@@ -1,0 +1,217 @@
+"""Device profiles: where a device's actuators sit, what they can do, and how hard they may be driven. Data, one JSON file each."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal, NoReturn
+
+from ..body import BODY_PART
+from .family import AnyFamily, RumbleFamily
+from .registry import FAMILIES
+from .report import Transport
+
+Kind = Literal["VCM", "LRA", "ERM", "PCM"]
+
+BUILT_IN = Path(__file__).parent / "profiles"
+_SCHEMA = Path(__file__).parent / "device.schema.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """How a device's amplitude follows the signal's: ``floor + (1 - floor) (gain a)^exponent``, 0 staying 0.
+
+    gain: 0 or more. floor: least amplitude at which the actuator moves, in [0, 1). exponent: above 0; below 1 lifts weak signals.
+    """
+
+    gain: float = 1.0
+    floor: float = 0.0
+    exponent: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.gain <= 10.0:
+            raise ValueError(f"gain {self.gain} is not in [0, 10]")
+        if not 0.0 <= self.floor < 1.0:
+            raise ValueError(f"floor {self.floor} is not in [0, 1)")
+        if not 0.1 <= self.exponent <= 10.0:
+            raise ValueError(f"exponent {self.exponent} is not in [0.1, 10]")
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """One value that the device is commanded by. takes: the part of the signal that goes to it, in Hz."""
+
+    name: str
+    takes: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Actuator:
+    """Something that vibrates.
+
+    body_parts: where it is felt. band: what it can vibrate at, in Hz. latency: seconds from command to touch.
+    safe_maximum: amplitude in (0, 1] never exceeded.
+    """
+
+    name: str
+    body_parts: tuple[str, ...]
+    kind: Kind
+    band: tuple[float, float]
+    latency: float
+    safe_maximum: float
+    channels: tuple[Channel, ...]
+    calibration: Calibration
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """A device as the user sees it.
+
+    minimum_interval: seconds between commands where slower than the family's own, else None.
+    slew: largest rise of amplitude per second.
+    sustained_maximum, sustained_seconds: the running mean square of the drive over that time stays below the maximum's square.
+    """
+
+    name: str
+    title: str
+    family: AnyFamily
+    experimental: bool
+    minimum_interval: float | None
+    slew: float
+    sustained_maximum: float
+    sustained_seconds: float
+    actuators: tuple[Actuator, ...]
+
+    def interval(self, transport: Transport) -> float:
+        """Seconds between two commands on this transport."""
+        return max(self.minimum_interval or 0.0, self.family.minimum_interval[transport])
+
+    @property
+    def latency(self) -> float:
+        """Seconds from command to touch of the slowest actuator."""
+        return max(actuator.latency for actuator in self.actuators)
+
+
+@cache
+def _validator() -> Callable[[Any], Any]:
+    import fastjsonschema
+
+    validate: Callable[[Any], Any] = fastjsonschema.compile(json.loads(_SCHEMA.read_text(encoding="utf-8")))
+    return validate
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is not a number of JSON")
+
+
+def parse_profile(text: str, families: Mapping[str, AnyFamily] = FAMILIES) -> Profile:
+    """A profile from its JSON text. Raises ValueError with the JSON pointer and what is wrong there, in one line."""
+    import fastjsonschema
+
+    try:
+        document = json.loads(text, parse_constant=_refuse_constant)
+    except RecursionError:
+        raise ValueError("/: is nested too deeply") from None
+    except ValueError as error:
+        raise ValueError(f"/: is not JSON: {error}") from None
+    try:
+        _validator()(document)
+    except fastjsonschema.JsonSchemaValueException as error:
+        place = "/" + "/".join(str(step) for step in error.path[1:])
+        raise ValueError(f"{place}: {error.message.removeprefix(error.name or '').strip()}") from None
+    family = families.get(document["family"])
+    if family is None:
+        raise ValueError(f"/family: {document['family']!r} is unknown: use one of {', '.join(families)}")
+    interval = document.get("minimum_interval")
+    if interval is not None and interval < min(family.minimum_interval.values()):
+        raise ValueError(f"/minimum_interval: {interval} s is faster than the device allows ({min(family.minimum_interval.values())} s)")
+    actuators = tuple(_actuator(f"/actuators/{i}", data) for i, data in enumerate(document["actuators"]))
+    _check_channels(family, actuators)
+    return Profile(
+        name=document["name"],
+        title=document["title"],
+        family=family,
+        experimental=document.get("experimental", False),
+        minimum_interval=interval,
+        slew=float(document["slew"]),
+        sustained_maximum=float(document["sustained"]["maximum"]),
+        sustained_seconds=float(document["sustained"]["seconds"]),
+        actuators=actuators,
+    )
+
+
+def _actuator(place: str, data: Mapping[str, Any]) -> Actuator:
+    for i, part in enumerate(data["body_parts"]):
+        if part not in BODY_PART:
+            raise ValueError(f"{place}/body_parts/{i}: body part {part!r} is unknown: use one of {', '.join(BODY_PART)}")
+    return Actuator(
+        name=data["name"],
+        body_parts=tuple(data["body_parts"]),
+        kind=data["kind"],
+        band=_band(f"{place}/band", data["band"]),
+        latency=float(data["latency"]),
+        safe_maximum=float(data["safe_maximum"]),
+        channels=tuple(
+            Channel(channel["name"], _band(f"{place}/channels/{i}/takes", channel["takes"])) for i, channel in enumerate(data["channels"])
+        ),
+        calibration=Calibration(**data.get("calibration", {})),
+    )
+
+
+def _band(place: str, limits: list[float]) -> tuple[float, float]:
+    low, high = map(float, limits)
+    if not low < high:
+        raise ValueError(f"{place}: {low} Hz is not below {high} Hz")
+    return low, high
+
+
+def _check_channels(family: AnyFamily, actuators: tuple[Actuator, ...]) -> None:
+    """Every channel exists and is used once; names of actuators are unique; samples go to one channel each."""
+    names: set[str] = set()
+    used: set[str] = set()
+    for i, actuator in enumerate(actuators):
+        if actuator.name in names:
+            raise ValueError(f"/actuators/{i}/name: {actuator.name!r} is used twice")
+        names.add(actuator.name)
+        if not isinstance(family, RumbleFamily) and len(actuator.channels) > 1:
+            raise ValueError(f"/actuators/{i}/channels: {family.name} takes samples, so an actuator has one channel")
+        for k, channel in enumerate(actuator.channels):
+            place = f"/actuators/{i}/channels/{k}/name"
+            if channel.name not in family.channels:
+                raise ValueError(f"{place}: {family.name} has no channel {channel.name!r}: use one of {', '.join(family.channels)}")
+            if channel.name in used:
+                raise ValueError(f"{place}: channel {channel.name!r} is used twice")
+            used.add(channel.name)
+
+
+def load_profiles(folders: Iterable[Path] = (BUILT_IN,)) -> tuple[dict[str, Profile], tuple[str, ...]]:
+    """Profiles by name from the ``*.json`` files of the folders, and one line for each file that is broken.
+
+    A later folder's profile replaces an earlier one of the same name, so a user's file can override a built-in one.
+    """
+    profiles: dict[str, Profile] = {}
+    problems: list[str] = []
+    for folder in folders:
+        seen: set[str] = set()
+        for file in sorted(folder.glob("*.json")):
+            try:
+                profile = parse_profile(file.read_text(encoding="utf-8"))
+                if profile.name in seen:
+                    raise ValueError(f"/name: {profile.name!r} is used by another file of this folder")
+            except (OSError, ValueError) as error:
+                problems.append(f"{file}: {error}")
+                continue
+            seen.add(profile.name)
+            profiles[profile.name] = profile
+    return profiles, tuple(problems)
+
+
+def profile(name: str, folders: Iterable[Path] = (BUILT_IN,)) -> Profile:
+    """The profile called ``name``. Raises ValueError that lists the known names."""
+    profiles, _ = load_profiles(folders)
+    if name not in profiles:
+        raise ValueError(f"device {name!r} is unknown: use one of {', '.join(profiles)}")
+    return profiles[name]

@@ -1,0 +1,301 @@
+"""What is written when, in simulated time: pace, refresh, watchdog, peaks, retries, and streams without gaps or jumps."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from haptic_tracing.core.devices.actuation import actuation_of
+from haptic_tracing.core.devices.pacing import WATCHDOG, pacing_of
+from haptic_tracing.core.devices.profiles import load_profiles, profile
+from haptic_tracing.core.devices.registry import rumble_report
+from haptic_tracing.core.devices.switch import enable_vibration, usb_command
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+RATE = 8000
+PROFILES = load_profiles()[0]
+
+
+def pacing(name, transport, delay=0.0, **changes):
+    device = replace(profile(name), **changes)
+    return pacing_of(device, device.family, transport, actuation_of(device, device.family, RATE, {}), delay)
+
+
+def tone(seconds, frequency=200.0, amplitude=0.5, rows=2, start=0.0):
+    row = amplitude * np.sin(2 * math.pi * frequency * (start + np.arange(round(seconds * RATE)) / RATE))
+    return np.tile(row, (rows, 1))
+
+
+class Simulation:
+    """The thread's loop without a thread: asks when it is told to, and never earlier."""
+
+    def __init__(self, paced, start=0.0):
+        self.paced, self.now, self.written = paced, start, []
+
+    def run_until(self, end):
+        """Ask until ``end``; then stay there."""
+        while True:
+            report = self.paced.next_report(self.now)
+            if report is not None:
+                self.written.append((self.now, report.data))
+                continue
+            due = self.paced.wake(self.now)
+            if due is None or due > end:
+                self.now = max(self.now, end)
+                return self
+            # A thread never wakes exactly when it wanted to.
+            self.now = max(due, self.now) + 1e-6
+
+    def play(self, block):
+        self.paced.accept(block, self.now)
+        return self.run_until(self.now + block.shape[1] / RATE)
+
+    @property
+    def reports(self):
+        return [data for _, data in self.written]
+
+
+ALL = [(name, transport) for name, device in PROFILES.items() for transport in device.family.transports]
+
+
+@pytest.mark.parametrize(("name", "transport"), ALL)
+@settings(deadline=None, max_examples=20)
+@given(data=st.data())
+def test_a_device_is_never_written_to_faster_than_it_takes_and_always_ends_silent(name, transport, data):
+    paced = pacing(name, transport)
+    simulation = Simulation(paced)
+    rows = len(PROFILES[name].actuators)
+    for _ in range(data.draw(st.integers(1, 8))):
+        length, amplitude = data.draw(st.floats(0.001, 0.2)), data.draw(st.floats(0.0, 2.0))
+        simulation.play(tone(length, data.draw(st.floats(5, 2000)), amplitude, rows))
+        if data.draw(st.booleans()):
+            paced.silence()
+        if data.draw(st.booleans()):
+            simulation.run_until(simulation.now + data.draw(st.floats(0.0, 0.5)))
+    last_block = simulation.now
+    simulation.run_until(last_block + 5.0)
+    times = [time for time, _ in simulation.written]
+    # A stream keeps its average pace: it may catch up after a late packet, not run ahead.
+    slack = 1e-4 if name.endswith("pcm") else 1e-12
+    assert all(later - earlier >= paced.interval - slack for earlier, later in pairwise(times))
+    assert paced.wake(simulation.now) is None, "nothing more to do"
+    assert times[-1] <= last_block + WATCHDOG + paced.lead + 6 * paced.interval + 1e-3
+    if not name.endswith("pcm"):
+        assert is_silent(name, transport, simulation.reports[-1])
+
+
+def is_silent(name, transport, data):
+    """Whether it is the zero report with any sequence number."""
+    return any(data == rumble_report(name, 0.0, 0.0, transport, sequence).data for sequence in range(16)) or (
+        name == "shield-2017" and data[4:6] == bytes(2)
+    )
+
+
+@pytest.mark.parametrize("name", ["dualsense", "xbox", "switch-pro", "stadia", "steam-deck", "steam-controller", "dualshock4"])
+def test_the_watchdog_silences_a_device_when_no_block_comes(name):
+    transport = PROFILES[name].family.transports[0]
+    paced = pacing(name, transport)
+    simulation = Simulation(paced).run_until(1.0)
+    start = simulation.now
+    rows = len(PROFILES[name].actuators)
+    simulation.play(tone(0.04, rows=rows)).run_until(start + 2.0)
+    sounding = [time for time, data in simulation.written if time >= start and not is_silent(name, transport, data)]
+    silent = [time for time, data in simulation.written if time > sounding[-1]]
+    assert sounding[-1] <= start + WATCHDOG + paced.interval
+    assert start + WATCHDOG <= silent[0] <= start + WATCHDOG + 2 * paced.interval + 1e-3
+    assert len(silent) == PROFILES[name].family.zero_repeats
+
+
+def test_opening_a_device_makes_it_silent_whatever_it_did():
+    assert Simulation(pacing("dualsense", "usb")).run_until(1.0).reports == [rumble_report("dualsense", 0.0, 0.0, "usb").data]
+
+
+def test_a_switch_pad_starts_with_its_handshake_over_usb_and_repeats_zero():
+    reports = Simulation(pacing("switch-pro", "usb")).run_until(1.0).reports
+    assert reports[:4] == [usb_command(command).data for command in (2, 3, 2, 4)]
+    assert reports[4] == enable_vibration("usb", 4).data
+    assert reports[5:] == [rumble_report("switch-pro", 0.0, 0.0, "usb", sequence).data for sequence in range(5, 10)]
+
+
+def test_a_steady_drive_is_written_once_where_the_device_holds_it():
+    simulation = Simulation(pacing("dualsense", "usb")).run_until(1.0)
+    for i in range(25):
+        simulation.play(tone(0.04, frequency=200.0, start=0.04 * i))
+    assert len(set(simulation.reports)) <= len(simulation.reports) <= 8
+
+
+@pytest.mark.parametrize(
+    ("name", "transport", "gap"),
+    [("xbox", "bt", 0.101), ("switch-pro", "usb", 0.051), ("switch-pro", "bt", 0.061), ("steam-controller", "usb", 0.041)],
+)
+def test_a_steady_drive_is_refreshed_before_the_device_lets_go(name, transport, gap):
+    simulation = Simulation(pacing(name, transport)).run_until(1.0)
+    start = simulation.now
+    for i in range(25):
+        simulation.play(tone(0.04, frequency=200.0, start=0.04 * i, rows=len(PROFILES[name].actuators)))
+    times = [time for time, _ in simulation.written if time >= start]
+    assert max(later - earlier for earlier, later in pairwise(times)) <= gap
+
+
+def test_sequence_numbers_count_every_report():
+    simulation = Simulation(pacing("dualsense", "bt")).run_until(0.1)
+    for i in range(40):
+        simulation.play(tone(0.02, amplitude=0.3 + 0.01 * i))
+    assert len(simulation.reports) > 20
+    assert [data[1] >> 4 for data in simulation.reports] == [i % 16 for i in range(len(simulation.reports))]
+
+
+@pytest.mark.parametrize("moment", np.arange(0.0, 0.1, 0.007))
+def test_a_slow_device_does_not_miss_an_impact_between_two_commands(moment):
+    """An impact of 20 ms is felt on a pad that is written to every 50 ms, at whatever time it comes."""
+    block = np.zeros((1, round(0.2 * RATE)))
+    start = round(moment * RATE)
+    block[:, start : start + 160] = tone(0.02, 150.0, 0.9, rows=1)
+    simulation = Simulation(pacing("xbox", "bt")).run_until(1.0)
+    simulation.play(block)
+    assert max(data[5] for data in simulation.reports) >= 60
+
+
+def test_touch_comes_at_its_time_within_a_step_and_a_delay_holds_it_back():
+    for delay in (0.0, 0.030):
+        simulation = Simulation(pacing("dualsense", "usb", delay)).run_until(1.0)
+        silence = round(0.1 * RATE)
+        simulation.play(np.concatenate([np.zeros((2, silence)), tone(0.1)], axis=1)).run_until(1.5)
+        first = next(time for time, data in simulation.written if data[3] or data[4])
+        assert 1.1 + delay - 0.015 <= first <= 1.1 + delay + 0.015
+
+
+def test_a_fresh_block_replaces_what_is_left_of_the_last():
+    paced = pacing("dualsense", "usb")
+    simulation = Simulation(paced).run_until(1.0)
+    paced.accept(tone(0.2, amplitude=0.9), 1.0)
+    simulation.run_until(1.05)
+    paced.accept(np.zeros((2, 1600)), 1.05)
+    simulation.run_until(1.12)
+    assert is_silent("dualsense", "usb", simulation.reports[-1])
+
+
+def test_silence_is_written_at_once_and_nothing_of_before_comes_back():
+    paced = pacing("dualsense", "usb")
+    simulation = Simulation(paced).run_until(1.0)
+    paced.accept(tone(0.2, amplitude=0.9), 1.0)
+    simulation.run_until(1.1)
+    paced.silence()
+    simulation.run_until(1.1 + paced.interval + 1e-3)
+    assert is_silent("dualsense", "usb", simulation.reports[-1])
+    count = len(simulation.reports)
+    simulation.run_until(2.0)
+    simulation.play(np.zeros((2, 400)))
+    assert len(simulation.reports) == count
+
+
+def test_a_report_that_did_not_arrive_is_written_again():
+    paced = pacing("dualsense", "usb")
+    assert is_silent("dualsense", "usb", paced.next_report(0.0).data)
+    paced.failed()
+    assert is_silent("dualsense", "usb", paced.next_report(1.0).data)
+    assert paced.next_report(2.0) is None
+
+
+def test_a_startup_that_did_not_arrive_begins_again():
+    paced = pacing("switch-pro", "usb")
+    assert [paced.next_report(float(i)).data for i in range(2)] == [usb_command(2).data, usb_command(3).data]
+    paced.failed()
+    assert paced.next_report(2.0).data == usb_command(2).data
+
+
+def test_the_ending_is_zero_then_release():
+    zero, release = pacing("dualsense", "usb").ending()
+    assert is_silent("dualsense", "usb", zero.data) and release.data == bytes([2]) + bytes(47)
+    zero, release = pacing("switch-pro", "usb").ending()
+    assert is_silent("switch-pro", "usb", zero.data) and release == usb_command(5)
+    zero, release = pacing("steam-controller-pcm", "usb").ending()
+    assert zero.data == bytes([0x88, 31]) + bytes(62) and release.data == bytes([0x86, 1, 2, 0])
+
+
+def test_ceilings_and_the_limit_on_full_drive_hold_for_what_is_written():
+    device = profile("dualsense")
+    quiet = tuple(replace(actuator, safe_maximum=0.5) for actuator in device.actuators)
+    simulation = Simulation(pacing("dualsense", "usb", actuators=quiet))
+    for i in range(50):
+        simulation.play(tone(0.04, amplitude=1.0, start=0.04 * i))
+    assert max(data[4] for data in simulation.reports) == 0x80
+    simulation = Simulation(pacing("dualsense", "usb"))
+    for i in range(500):
+        simulation.play(tone(0.04, amplitude=1.0, start=0.04 * i))
+    assert max(data[4] for data in simulation.reports) >= 0xFD
+    assert simulation.reports[-1][4] <= math.ceil(0.7 * 255)
+
+
+# Streams
+
+
+def sounded(name, reports):
+    if name == "dualsense-pcm":
+        packets = [np.frombuffer(data, np.int8)[13:77].reshape(-1, 2).T for data in reports if data[0] == 0x32]
+    else:
+        packets = [np.frombuffer(data, np.int8)[2:].reshape(2, -1) for data in reports if data[0] == 0x88]
+    return np.concatenate(packets, axis=1) / 127.0
+
+
+@pytest.mark.parametrize(("name", "transport", "rate"), [("dualsense-pcm", "bt", 3000), ("steam-controller-pcm", "usb", 8000)])
+def test_a_stream_plays_every_sample_in_time(name, transport, rate):
+    simulation = Simulation(pacing(name, transport, slew=10_000.0))
+    for i in range(50):
+        simulation.play(tone(0.04, 100.0, 0.5, start=0.04 * i))
+    played = sounded(name, simulation.reports)
+    times = [time for time, data in simulation.written if data[0] != 0x86]
+    frames = played.shape[1] / len(times)
+    assert (times[-1] - times[0]) / (len(times) - 1) == pytest.approx(frames / rate, rel=1e-3)
+    # The sine goes on through all packets: a fit of its amplitude and phase leaves no more than the rounding to 8 bits.
+    clean = played[0, 100:-100]
+    phase = 2 * math.pi * 100.0 * np.arange(len(clean)) / rate
+    basis = np.stack([np.sin(phase), np.cos(phase)], axis=1)
+    fit, *_ = np.linalg.lstsq(basis, clean, rcond=None)
+    assert np.hypot(*fit) == pytest.approx(0.5, rel=0.01)
+    assert np.abs(basis @ fit - clean).max() <= 1.5 / 127
+
+
+@pytest.mark.parametrize(("name", "transport"), [("dualsense-pcm", "bt"), ("steam-controller-pcm", "usb")])
+def test_a_stream_that_runs_dry_goes_to_silence_without_a_jump_and_stops(name, transport):
+    simulation = Simulation(pacing(name, transport, slew=10_000.0))
+    simulation.play(tone(0.043, 40.0, 0.9))
+    simulation.run_until(0.15)
+    simulation.play(tone(0.043, 40.0, 0.9))
+    simulation.run_until(2.0)
+    played = sounded(name, simulation.reports)
+    assert np.abs(played).max() > 0.5
+    assert np.abs(np.diff(played, axis=1)).max() <= 0.9 / 8 + 0.1
+    assert (played[:, -8:] == 0.0).all()
+    assert simulation.written[-1][0] <= 0.193 + WATCHDOG + 0.05
+
+
+def test_a_stream_is_scaled_and_not_clipped():
+    simulation = Simulation(pacing("steam-controller-pcm", "usb", slew=10_000.0, sustained_maximum=1.0))
+    for i in range(10):
+        simulation.play(tone(0.04, 200.0, 3.0, start=0.04 * i))
+    played = sounded("steam-controller-pcm", simulation.reports)[0]
+    spectrum = np.abs(np.fft.rfft(played[400:2000] * np.hanning(1600)))
+    assert np.abs(played).max() <= 1.0
+    assert spectrum[3 * 40] < 0.02 * spectrum[40], "a clipped sine would have a third harmonic of up to a third"
+
+
+def test_a_block_that_comes_early_cuts_off_the_one_before_and_the_newest_is_played_whole():
+    paced = pacing("steam-controller-pcm", "usb", slew=10_000.0)
+    for amplitude in (0.2, 0.4, 0.8):
+        paced.accept(tone(1.0, 100.0, amplitude), 0.0)
+    played = sounded("steam-controller-pcm", Simulation(paced).run_until(2.0).reports)
+    loud = np.flatnonzero(np.abs(played[0]) > 0.45)
+    assert loud[0] <= 0.06 * RATE
+    assert loud[-1] - loud[0] == pytest.approx(WATCHDOG * RATE, abs=0.03 * RATE), "played until the watchdog took over"
+    assert np.abs(np.diff(played, axis=1)).max() <= 0.2
+
+
+def test_the_actuation_must_be_of_the_familys_kind_and_the_delay_not_negative():
+    device, stream = profile("dualsense"), profile("dualsense-pcm")
+    with pytest.raises(ValueError, match="not of the family's kind"):
+        pacing_of(device, device.family, "usb", actuation_of(stream, stream.family, RATE, {}))
+    with pytest.raises(ValueError, match="delay -1"):
+        pacing("dualsense", "usb", delay=-1)
