@@ -7,7 +7,7 @@ nodes are one slice, and the gain between any two of them is its propagation fun
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING
@@ -38,14 +38,15 @@ class ObjectTable:
     """The propagation functions of all objects as arrays, in the order of their sorted names.
 
     ``factor`` and ``decay`` (n,): the gain over d metres is ``factor * exp(-decay * d)``; NaN for the objects in ``special``, whose
-    function has another form. ``band_gains`` (n, bands), ``band_decays`` (n, bands) [1/m] and ``slowness`` (n,) [s/m] are None where no
-    object uses them.
+    function has another form. ``loss`` (n,) is ``-log(factor)``, precise also for a factor close to 1. ``band_gains`` (n, bands),
+    ``band_decays`` (n, bands) [1/m] and ``slowness`` (n,) [s/m] are None where no object uses them.
     """
 
     names: tuple[str, ...]
     objects: tuple[HapticObject, ...]
     factor: FloatArray
     decay: FloatArray
+    loss: FloatArray
     special: frozenset[int]
     epsilon: float
     band_gains: FloatArray | None
@@ -58,12 +59,15 @@ class ObjectTable:
         ordered = tuple(sorted(objects, key=lambda o: o.name))
         pairs = [o.propagation.log_linear(o.kappa, o.rho, epsilon) for o in ordered]
         forms = np.array([(math.nan, math.nan) if pair is None else pair for pair in pairs], dtype=np.float64).reshape(-1, 2)
-        bands, decays, slowness = spectrum_arrays([o.propagation for o in ordered])
+        bands, decays, slowness = _spectrum_arrays([o.propagation for o in ordered])
         return cls(
             names=tuple(o.name for o in ordered),
             objects=ordered,
             factor=forms[:, 0].copy(),
             decay=forms[:, 1].copy(),
+            loss=np.array(
+                [math.nan if p is None else o.propagation.loss(o.kappa, o.rho, epsilon) for o, p in zip(ordered, pairs, strict=True)]
+            ),
             special=frozenset(i for i, pair in enumerate(pairs) if pair is None),
             epsilon=epsilon,
             band_gains=bands,
@@ -92,7 +96,7 @@ class ObjectTable:
         return haptic_object.propagation.bounds(max_distance, haptic_object.kappa, haptic_object.rho, self.epsilon)
 
 
-def spectrum_arrays(functions: Sequence[ModulationFunction]) -> tuple[FloatArray | None, FloatArray | None, FloatArray | None]:
+def _spectrum_arrays(functions: Sequence[ModulationFunction]) -> tuple[FloatArray | None, FloatArray | None, FloatArray | None]:
     """Band gains (n, bands), band decays (n, bands) and slowness (n,) of functions; each None where none of them uses it."""
     spectra: list[Spectrum] = [f.spectrum for f in functions]
     gains = decays = slowness = None
@@ -121,8 +125,9 @@ class HapticGraph:
 
     Nodes are sorted by object: those of object o are ``start[o] : start[o + 1]``. Per node: ``node_object`` (n,), ``node_kind`` (n,),
     ``node_position`` (n, 3) [m], ``partner`` (n,) the node at the other end of its inter-connection or -1, ``contact`` (n,) the number of
-    its contact or -1. Per contact: ``transmission`` (c,) gain of the inter-connection, ``share`` (c,) of its patch (weights sums over
-    paths, not the best path), ``contact_band_gains`` (c, bands) and ``contact_delay`` (c,) [s] or None.
+    its contact or -1. Per contact: ``transmission`` (c,) gain of the inter-connection and ``transmission_loss`` (c,) its ``-log``,
+    ``share`` (c,) of its patch (weights sums over paths, not the best path), ``contact_band_gains`` (c, bands) and ``contact_delay`` (c,)
+    [s] or None.
     """
 
     table: ObjectTable
@@ -133,6 +138,7 @@ class HapticGraph:
     partner: IntArray
     contact: IntArray
     transmission: FloatArray
+    transmission_loss: FloatArray
     share: FloatArray
     contact_band_gains: FloatArray | None
     contact_delay: FloatArray | None
@@ -174,7 +180,8 @@ class HapticGraph:
     def to_networkx(self) -> networkx.Graph:
         """The explicit graph, every intra-connection an edge: for small scenes and for tests.
 
-        Nodes carry ``object``, ``kind``, ``position``; edges ``connection`` ("intra" or "inter"), ``gain`` and, on an inter-connection, ``share``.
+        Nodes carry ``object``, ``kind``, ``position``; edges ``connection`` ("intra" or "inter"), ``gain`` and, on an inter-connection,
+        ``share``.
         """
         import networkx
 
@@ -215,9 +222,11 @@ def build_graph(table: ObjectTable, contacts: ContactSet, sources: Sequence[Sour
     """The haptic graph of one frame. ``contacts`` refers to objects by their number in ``table``.
 
     Nodes are put into a canonical order (object, kind, contact by objects and position), so that the result does not depend on the order
-    in which contacts were found. Raises ValueError that names the object where a transmission expression gives no gain.
+    in which contacts were found. Raises ValueError that names the argument for an object that is not in the table, a contact of an object
+    with itself or a number that is not finite, and the objects where a transmission expression gives no gain.
     """
     index = table.index()
+    _check(table, index, contacts, sources, listeners)
     contacts = _canonical(contacts)
     count = len(contacts)
     source_entries = [
@@ -256,7 +265,7 @@ def build_graph(table: ObjectTable, contacts: ContactSet, sources: Sequence[Sour
     source_nodes: list[list[int]] = [[] for _ in sources]
     for entry, (number, _, _) in enumerate(source_entries):
         source_nodes[number].append(int(rank[2 * count + entry]))
-    transmission, band_gains, delay = _transmissions(table, contacts)
+    transmission, loss, band_gains, delay = _transmissions(table, contacts)
     return HapticGraph(
         table=table,
         start=np.concatenate([[0], np.cumsum(np.bincount(node_object, minlength=len(table.names)))]),
@@ -266,6 +275,7 @@ def build_graph(table: ObjectTable, contacts: ContactSet, sources: Sequence[Sour
         partner=partner,
         contact=contact,
         transmission=transmission,
+        transmission_loss=loss,
         share=contacts.share,
         contact_band_gains=band_gains,
         contact_delay=delay,
@@ -281,17 +291,46 @@ def graph_of_scene(scene: HapticScene) -> HapticGraph:
     return build_graph(table, ContactSet.from_contacts(scene.contacts, table.index()), scene.sources, scene.listeners)
 
 
+def _check(
+    table: ObjectTable, index: Mapping[str, int], contacts: ContactSet, sources: Sequence[Source], listeners: Sequence[Listener]
+) -> None:
+    for key, items in (("sources", sources), ("listeners", listeners)):
+        for item in items:
+            for name in (item.object, getattr(item, "second_object", None)):
+                if name is not None and name not in index:
+                    raise ValueError(f"{key}: {item.name!r} is on {name!r}, but there is no such object")
+    pairs = contacts.pairs
+    if len(pairs) == 0:
+        return
+    if np.any((pairs < 0) | (pairs >= len(table.names))):
+        raise ValueError(f"contacts: pairs must be numbers of objects from 0 to {len(table.names) - 1}")
+    selves = pairs[:, 0] == pairs[:, 1]
+    if selves.any():
+        raise ValueError(f"contacts: {table.names[pairs[selves][0, 0]]!r} can't touch itself")
+    for key in ("positions", "area", "depth", "normal"):
+        if not np.isfinite(getattr(contacts, key)).all():
+            raise ValueError(f"contacts: {key} must be finite")
+    if not ((contacts.share >= 0) & (contacts.share <= 1)).all():
+        raise ValueError("contacts: share must lie in [0, 1]")
+
+
 def _canonical(contacts: ContactSet) -> ContactSet:
-    """Each pair's smaller object first, contacts sorted by objects, then by position."""
+    """Each pair's smaller object first, contacts sorted by objects, then by position and everything else that tells them apart."""
     swapped = contacts.pairs[:, 0] > contacts.pairs[:, 1]
     pairs = np.where(swapped[:, None], contacts.pairs[:, ::-1], contacts.pairs)
     positions = np.where(swapped[:, None, None], contacts.positions[:, ::-1], contacts.positions)
-    flat = positions.reshape(len(pairs), 6)
-    order = np.lexsort((contacts.share, contacts.area, *flat.T[::-1], pairs[:, 1], pairs[:, 0]))
+    normal = np.where(swapped[:, None], -contacts.normal, contacts.normal)
+    key = pairs[:, 0] * (pairs.max(initial=0) + 1) + pairs[:, 1]
+    order = np.argsort(key, kind="stable")
+    if np.any(key[order[1:]] == key[order[:-1]]):
+        by_name = sorted(range(len(contacts.transmissions)), key=lambda k: repr(contacts.transmissions[k]))
+        function = np.argsort(by_name)[contacts.transmission]
+        flat = positions.reshape(len(pairs), 6)
+        order = np.lexsort((function, *normal.T, contacts.depth, contacts.share, contacts.area, *flat.T[::-1], key))
     return ContactSet(
         pairs=pairs[order],
         positions=positions[order],
-        normal=np.where(swapped[:, None], -contacts.normal, contacts.normal)[order],
+        normal=normal[order],
         depth=contacts.depth[order],
         distance=contacts.distance[order],
         area=contacts.area[order],
@@ -301,31 +340,48 @@ def _canonical(contacts: ContactSet) -> ContactSet:
     )
 
 
-def _transmissions(table: ObjectTable, contacts: ContactSet) -> tuple[FloatArray, FloatArray | None, FloatArray | None]:
-    """Gain, band gains and delay of each inter-connection. A function of kappa and rho sees the mean of the two objects; ``angle`` is the
-    contact normal's angle to the vertical."""
+def _transmissions(table: ObjectTable, contacts: ContactSet) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
+    """Gain, loss, band gains and delay of each inter-connection. A function of kappa and rho sees the mean of the two objects; ``angle`` is
+    the contact normal's angle to the vertical."""
     gains = np.ones(len(contacts), dtype=np.float64)
+    losses = np.zeros(len(contacts), dtype=np.float64)
     distance = distances(contacts.positions[:, 0], contacts.positions[:, 1])
     for number, function in enumerate(contacts.transmissions):
-        chosen = np.flatnonzero(contacts.transmission == number)
-        constant = function.log_linear(0.0, 0.0, table.epsilon)
-        if constant is not None and function.name != "haptic_tracing":
-            gains[chosen] = constant[0] * np.exp(-constant[1] * distance[chosen])
+        if function.name == "identity":
             continue
-        for i in chosen.tolist():
-            first, second = (table.objects[k] for k in contacts.pairs[i].tolist())
-            parameters = {
-                "area": float(contacts.area[i]),
-                "depth": float(contacts.depth[i]),
-                "angle": math.acos(min(1.0, abs(float(contacts.normal[i, 2])))),
-            }
-            try:
-                gains[i] = function.gain(
-                    distance[i : i + 1], (first.kappa + second.kappa) / 2, (first.rho + second.rho) / 2, table.epsilon, parameters
-                )[0]
-            except ValueError as error:
-                raise ValueError(f"contact of {first.name!r} and {second.name!r}: {error}") from None
-    bands, decays, slowness = spectrum_arrays([contacts.transmissions[k] for k in contacts.transmission.tolist()])
+        chosen = np.flatnonzero(contacts.transmission == number)
+        gains[chosen] = _transmission_gains(table, contacts, function, chosen, distance[chosen])
+        with np.errstate(divide="ignore"):
+            losses[chosen] = -np.log(gains[chosen])
+        if function.name in ("constant", "exponential"):  # whose logarithm is known better than that of a rounded gain
+            _, decay = function.log_linear(0.0, 0.0, table.epsilon) or (0.0, 0.0)
+            losses[chosen] = function.loss(0.0, 0.0, table.epsilon) + decay * distance[chosen]
+    bands, decays, slowness = _spectrum_arrays(contacts.transmissions)
+    kind = contacts.transmission
+    band_gains = None if bands is None else bands[kind]
     if decays is not None:
-        bands = np.exp(-decays * distance[:, None]) * (1.0 if bands is None else bands)
-    return gains, bands, None if slowness is None else slowness * distance
+        band_gains = np.exp(-decays[kind] * distance[:, None]) * (1.0 if band_gains is None else band_gains)
+    return gains, losses, band_gains, None if slowness is None else slowness[kind] * distance
+
+
+def _transmission_gains(
+    table: ObjectTable, contacts: ContactSet, function: ModulationFunction, chosen: IntArray, distance: FloatArray
+) -> FloatArray:
+    kappa, rho = (np.array([getattr(o, key) for o in table.objects]) for key in ("kappa", "rho"))
+    pairs = contacts.pairs[chosen]
+    parameters = {
+        "area": contacts.area[chosen],
+        "depth": contacts.depth[chosen],
+        "angle": np.arccos(np.minimum(1.0, np.abs(contacts.normal[chosen, 2]))),
+    }
+    kappa, rho = kappa[pairs].mean(axis=1), rho[pairs].mean(axis=1)
+    try:
+        return function.gain(distance, kappa, rho, table.epsilon, parameters)
+    except ValueError:
+        for i, (a, b) in enumerate(pairs.tolist()):  # which one it was
+            here = {key: values[i : i + 1] for key, values in parameters.items()}
+            try:
+                function.gain(distance[i : i + 1], kappa[i : i + 1], rho[i : i + 1], table.epsilon, here)
+            except ValueError as error:
+                raise ValueError(f"contact of {table.names[a]!r} and {table.names[b]!r}: {error}") from None
+        raise

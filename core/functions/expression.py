@@ -1,7 +1,7 @@
 """Designers' expressions: compiled from a whitelist of operations, so that a file from a stranger can't run code.
 
-Grammar: numbers, the variables below, ``+ - * / **``, comparisons inside ``where(condition, a, b)``, and the functions below. No attributes,
-no indexing, no other names, at most `MAX_LENGTH` characters and `MAX_NODES` parts: evaluation is bounded and loop-free.
+Grammar: numbers, the variables below, ``+ - * / **``, comparisons inside ``where(condition, a, b)``, and the functions below. No
+attributes, no indexing, no other names, at most `MAX_LENGTH` characters and `MAX_NODES` parts: evaluation is bounded and loop-free.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ class CompiledExpression:
     source: str
     tree: ast.expr
 
-    def evaluate(self, distance: FloatArray, values: Mapping[str, float]) -> FloatArray:
+    def evaluate(self, distance: FloatArray, values: Mapping[str, float | FloatArray]) -> FloatArray:
         """The gain (the formula at x = 1) at each distance (metres). May hold NaN or infinity: the caller decides."""
         variables: dict[str, Any] = {"x": 1.0, "d": np.asarray(distance, dtype=np.float64), **values, **CONSTANTS}
         with np.errstate(all="ignore"):
@@ -135,7 +135,8 @@ def _degree(node: ast.expr) -> int | None:
             return None if value == 0 else 0
         case ast.Name(id=name):
             if name not in VARIABLES and name not in CONSTANTS:
-                raise ExpressionError(f"unknown name {name!r}; known are {', '.join((*VARIABLES, *CONSTANTS, *FUNCTION_NAMES))}", node.col_offset)
+                known = ", ".join((*VARIABLES, *CONSTANTS, *FUNCTION_NAMES))
+                raise ExpressionError(f"unknown name {name!r}; known are {known}", node.col_offset)
             return 1 if name == "x" else 0
         case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=operand):
             return _degree(operand)

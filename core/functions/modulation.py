@@ -19,6 +19,7 @@ from .expression import CompiledExpression, compile_expression
 from .interval import Interval
 
 FloatArray = NDArray[np.float64]
+Value = float | FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,9 +85,18 @@ class ModulationFunction:
         """``(factor, decay)`` where the gain is ``factor * exp(-decay * d)``, or None where it has another form."""
         return None
 
-    def gain(self, distance: FloatArray, kappa: float, rho: float, epsilon: float, contact: Mapping[str, float] | None = None) -> FloatArray:
-        """Gains over ``distance`` (metres, >= 0, any shape). ``contact`` gives area (m^2), depth (m) and angle (rad) of a contact."""
+    def loss(self, kappa: float, rho: float, epsilon: float) -> float:
+        """``-log(factor)`` of `log_linear`, infinite for factor 0; precise also where the factor is close to 1."""
         pair = self.log_linear(kappa, rho, epsilon)
+        assert pair is not None
+        return -math.log(pair[0]) if pair[0] > 0 else math.inf
+
+    def gain(
+        self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
+    ) -> FloatArray:
+        """Gains over ``distance`` (metres, >= 0, any shape). ``contact`` gives area (m^2), depth (m) and angle (rad) of a contact.
+        ``kappa``, ``rho`` and those three are numbers or arrays like ``distance``."""
+        pair = self.log_linear(0.0, 0.0, epsilon)
         assert pair is not None
         factor, decay = pair
         return np.asarray(factor * np.exp(-decay * np.asarray(distance, dtype=np.float64)))
@@ -156,6 +166,15 @@ class HapticTracing(ModulationFunction):
         k = attenuation(kappa, rho)
         return k, max(k, epsilon)
 
+    def loss(self, kappa: float, rho: float, epsilon: float) -> float:
+        return -(math.log1p(-kappa) + math.log(rho)) if kappa < 1 and rho > 0 else math.inf
+
+    def gain(
+        self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
+    ) -> FloatArray:
+        k = (1.0 - np.asarray(kappa)) * np.asarray(rho)
+        return np.asarray(k * np.exp(-np.maximum(k, epsilon) * np.asarray(distance, dtype=np.float64)))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Linear(ModulationFunction):
@@ -169,7 +188,9 @@ class Linear(ModulationFunction):
         if self.range == 0:
             raise ValueError("range: must be greater than 0 m")
 
-    def gain(self, distance: FloatArray, kappa: float, rho: float, epsilon: float, contact: Mapping[str, float] | None = None) -> FloatArray:
+    def gain(
+        self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
+    ) -> FloatArray:
         return np.asarray(np.maximum(0.0, 1.0 - np.asarray(distance, dtype=np.float64) / self.range))
 
     def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
@@ -190,7 +211,9 @@ class Expression(ModulationFunction):
     def __post_init__(self) -> None:
         object.__setattr__(self, "compiled", compile_expression(self.expression))
 
-    def gain(self, distance: FloatArray, kappa: float, rho: float, epsilon: float, contact: Mapping[str, float] | None = None) -> FloatArray:
+    def gain(
+        self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
+    ) -> FloatArray:
         """Raises ValueError where the formula gives a negative or non-finite gain."""
         values = {"kappa": kappa, "rho": rho, "epsilon": epsilon, **(contact or _NO_CONTACT)}
         gains = self.compiled.evaluate(np.asarray(distance, dtype=np.float64), values)

@@ -26,6 +26,7 @@ def distance_only(graph: HapticGraph) -> HapticGraph:
         objects=tuple(dataclasses.replace(o, propagation=DISTANCE_ONLY) for o in graph.table.objects),
         factor=np.ones(count),
         decay=np.full(count, DISTANCE_ONLY.alpha),
+        loss=np.zeros(count),
         special=frozenset(),
         epsilon=graph.table.epsilon,
         band_gains=None,
