@@ -21,7 +21,8 @@ LOOK_AHEAD = 0.005
 HOLD = 0.025
 """Seconds for which the limiter keeps its gain after a peak: half a period of 20 Hz, so that a steady tone is turned down, not bent."""
 RELEASE = 0.15
-"""Time constant in seconds with which the limiter lets go."""
+"""Seconds in which the limiter's gain, once let go, rises by a factor e (8.7 dB)."""
+_RUN = 4096
 
 
 def cumulative(signals: Array, s_max: float = math.inf) -> Array:
@@ -79,9 +80,9 @@ def mixed(method: MixingMethod, signals: Array, weights: Array) -> Array:
 
 
 class Limiter:
-    """A look-ahead limiter for several channels: no sample above `s_max`, gain that changes smoothly, and no change at all below.
+    """A look-ahead limiter for several channels: no sample above `s_max`, a gain that changes smoothly, and no change at all below.
 
-    The gain that each sample needs is held over the look-ahead and HOLD, released with the time constant RELEASE, and averaged over the
+    The gain that each sample needs is held over the look-ahead and HOLD, let go at 1/RELEASE nepers a second, and averaged over the
     look-ahead (a Hann window): every value in the average is low enough for the sample in question, so their average is.
 
     s_max: shape (n_channels,), positive. Output lags input by `latency` samples.
@@ -91,7 +92,7 @@ class Limiter:
         self.latency = max(round(LOOK_AHEAD * sample_rate), 1)
         self._s_max = np.asarray(s_max, dtype=np.float64)[:, None]
         self._window = self.latency + 1 + round(HOLD * sample_rate)
-        self._fall = 1.0 / (RELEASE * sample_rate)
+        self._rise = 1.0 / (RELEASE * sample_rate)
         kernel = np.hanning(self.latency + 3)[1:-1]
         self._kernel = kernel / kernel.sum()
         self.reset()
@@ -100,12 +101,12 @@ class Limiter:
         """Forget all that went through."""
         channels = len(self._s_max)
         self._input = np.zeros((channels, self.latency))
-        self._needed = np.zeros((channels, self._window - 1))
-        self._held = np.zeros((channels, self.latency))
+        self._needed = np.ones((channels, self._window - 1))
+        self._held = np.ones((channels, self.latency))
 
     def process(self, block: Array) -> Array:
         """Return the next samples out for the next samples in, both of shape (n_channels, n)."""
-        pieces = [self._process(block[:, begin : begin + 4096]) for begin in range(0, block.shape[1], 4096)]
+        pieces = [self._process(block[:, begin : begin + _RUN]) for begin in range(0, block.shape[1], _RUN)]
         return np.concatenate(pieces, axis=1) if pieces else block.copy()
 
     def _process(self, block: Array) -> Array:
@@ -113,30 +114,29 @@ class Limiter:
         delayed = np.concatenate((self._input, block), axis=1)
         self._input = delayed[:, count:]
         magnitude = np.abs(block)
-        if not (magnitude > self._s_max).any() and not self._needed.any() and not self._held.any():
+        if (magnitude <= self._s_max).all() and (self._needed == 1.0).all() and (self._held == 1.0).all():
             return delayed[:, :count].copy()
-        # All of these are reductions: 0 leaves a sample as it is, 1 would silence it.
-        reduction = 1.0 - self._s_max / np.maximum(magnitude, self._s_max)
-        needed = np.concatenate((self._needed, reduction), axis=1)
+        needed = np.concatenate((self._needed, self._s_max / np.maximum(magnitude, self._s_max)), axis=1)
         self._needed = needed[:, count:]
-        held = np.concatenate((self._held, self._released(_sliding_maximum(needed, self._window), self._held[:, -1:])), axis=1)
+        held = np.concatenate((self._held, self._released(_sliding_minimum(needed, self._window), self._held[:, -1:])), axis=1)
         self._held = held[:, count:]
-        windows = np.lib.stride_tricks.sliding_window_view(held, self.latency + 1, axis=1)
-        return saturated(delayed[:, :count] * (1.0 - windows @ self._kernel), self._s_max)
+        gain = np.lib.stride_tricks.sliding_window_view(held, self.latency + 1, axis=1)[:, :count] @ self._kernel
+        # A window of ones weighs 1 but for rounding, and must change nothing.
+        gain[np.abs(gain - 1.0) < 1e-12] = 1.0
+        return saturated(delayed[:, :count] * gain, self._s_max)
 
-    def _released(self, reduction: Array, before: Array) -> Array:
-        """Return the larger of the reduction and of what remains of any earlier one, falling exponentially."""
-        age = np.arange(1, reduction.shape[1] + 1) * self._fall
-        grown = np.concatenate((before, reduction * np.exp(age)), axis=1)
-        fallen = np.maximum.accumulate(grown, axis=1)[:, 1:] * np.exp(-age)
-        return np.where(fallen < 1e-10, 0.0, fallen)
+    def _released(self, gain: Array, before: Array) -> Array:
+        """Return the lower of the gain and of where any earlier one has risen to meanwhile, exponentially and at most to 1."""
+        age = np.arange(1, gain.shape[1] + 1) * self._rise
+        lowest = np.minimum.accumulate(np.concatenate((before, gain * np.exp(-age)), axis=1), axis=1)[:, 1:]
+        return np.asarray(np.minimum(lowest * np.exp(age), 1.0))
 
 
-def _sliding_maximum(values: Array, width: int) -> Array:
-    """Return the maximum over each run of `width` columns, by doubling the width."""
+def _sliding_minimum(values: Array, width: int) -> Array:
+    """Return the minimum over each run of `width` columns, by doubling the width."""
     span = 1
     while 2 * span <= width:
-        values = np.maximum(values[:, span:], values[:, :-span])
+        values = np.minimum(values[:, span:], values[:, :-span])
         span *= 2
     rest = width - span
-    return np.maximum(values[:, rest:], values[:, :-rest]) if rest else values
+    return np.minimum(values[:, rest:], values[:, :-rest]) if rest else values

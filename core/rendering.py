@@ -347,9 +347,9 @@ class _DirectPaths:
         self._row_count = group.parts[0].stream.row_count
         self._rows = np.concatenate([np.empty((0, frame.count)), *(part.stream.rows(frame.first, frame.last) for part in self.parts)])
         self._rising = self._rows * frame.ramp
-        listeners = group.gains.shape[1]
-        before, gains = (np.moveaxis(levels[chosen], 1, 0).reshape(listeners, -1) for levels in (group.before, group.gains))
-        self._before, self._change = before, gains - before
+        shape = (group.gains.shape[1], len(self._rows))
+        self._before = np.moveaxis(group.before[chosen], 1, 0).reshape(shape)
+        self._change = np.moveaxis(group.gains[chosen], 1, 0).reshape(shape) - self._before
 
     def summed(self) -> Array:
         """Return the sum over voices, shape (n_listeners, n)."""

@@ -1,0 +1,136 @@
+"""Mixing methods against their formulas, written out sample by sample."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from haptic_tracing.core.mixing import cumulative, mixed, power, saturated, strongest, weighted
+from haptic_tracing.core.rendering import ListenerMix, Renderer, Voice
+from haptic_tracing.core.signals import Constant, Decay, Sine
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+samples = arrays(np.float64, st.tuples(st.integers(0, 5), st.integers(1, 8)), elements=st.floats(-1e6, 1e6, allow_subnormal=False))
+limits = st.floats(1e-3, 1e7)
+
+
+def held(total: float, s_max: float) -> float:
+    """The paper's equation for one sample."""
+    return total if abs(total) <= s_max else total / abs(total) * s_max
+
+
+@given(samples, limits)
+@settings(deadline=None)
+def test_cumulative(signals: np.ndarray, s_max: float) -> None:
+    expected = [held(math.fsum(column), s_max) for column in signals.T]
+    assert cumulative(signals, s_max) == pytest.approx(expected, rel=1e-12, abs=1e-8)
+
+
+@given(samples, limits, st.data())
+@settings(deadline=None)
+def test_weighted(signals: np.ndarray, s_max: float, data: st.DataObject) -> None:
+    weights = data.draw(arrays(np.float64, len(signals), elements=st.floats(0, 10)))
+    expected = [held(math.fsum(w * s for w, s in zip(weights, column, strict=True)), s_max) for column in signals.T]
+    assert weighted(signals, weights, s_max) == pytest.approx(expected, rel=1e-12, abs=1e-7)
+
+
+@given(samples, limits)
+@settings(deadline=None)
+def test_strongest(signals: np.ndarray, s_max: float) -> None:
+    expected = [held(max(column, key=abs, default=0.0), s_max) for column in signals.T.tolist()]
+    assert strongest(signals, s_max).tolist() == pytest.approx(expected)
+
+
+@given(samples, limits)
+@settings(deadline=None)
+def test_power(signals: np.ndarray, s_max: float) -> None:
+    result = power(signals, s_max)
+    for value, column in zip(result, signals.T, strict=True):
+        magnitude = math.hypot(*column)
+        assert abs(value) == pytest.approx(min(magnitude, s_max), rel=1e-9, abs=1e-150)
+        total = math.fsum(column)
+        if abs(total) > 1e-6 * magnitude and magnitude > 1e-100:
+            assert np.sign(value) == np.sign(total)
+    unlimited = power(signals)
+    assert (np.abs(unlimited) >= np.abs(signals).max(axis=0, initial=0.0) * (1 - 1e-9) - 1e-150).all()
+    assert (np.abs(unlimited) <= np.abs(signals).sum(axis=0) * (1 + 1e-9)).all()
+
+
+@given(samples, limits)
+@settings(deadline=None)
+def test_order_does_not_matter(signals: np.ndarray, s_max: float) -> None:
+    backwards = signals[::-1]
+    for method in (cumulative, power):
+        assert method(backwards, s_max) == pytest.approx(method(signals, s_max), rel=1e-9, abs=1e-6) or method is power
+    assert np.abs(strongest(backwards, s_max)) == pytest.approx(np.abs(strongest(signals, s_max)))
+
+
+def test_saturated_keeps_what_fits() -> None:
+    assert saturated(np.array([-3.0, -1.0, 0.25, 1.0, 9.0]), 1.0).tolist() == [-1.0, -1.0, 0.25, 1.0, 1.0]
+
+
+def test_wearing_off_is_exponential() -> None:
+    voice = Voice("fire", Constant(0.8) * Decay(2.0), np.ones(1))
+    renderer = Renderer([ListenerMix("hand")])
+    block = np.concatenate([renderer.render_frame(n / 25, (n + 1) / 25, [voice]) for n in range(100)], axis=1)[0]
+    assert np.abs(block - 0.8 * np.exp(-np.arange(len(block)) / 8000 / 2.0)).max() < 1e-12
+
+
+VOICES = [Voice(name, Sine(frequency), np.array([gain]), priority=priority) for name, frequency, gain, priority in (
+    ("a", 50.0, 0.9, 0.5), ("b", 83.0, 0.7, 1.0), ("c", 111.0, 0.4, 2.0))]  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["cumulative", "weighted", "strongest", "power"])
+def test_renderer_mixes_by_the_listeners_method(method: str) -> None:
+    renderer = Renderer([ListenerMix("hand", method, s_max=0.8, gain=0.9, priorities={"b": 0.25})])  # type: ignore[arg-type]
+    block = renderer.render_frame(0.0, 0.5, VOICES)[0]
+    each = np.array([voice.gains[0] * np.sin(2 * np.pi * voice.signal.frequency * np.arange(4000) / 8000) for voice in VOICES])  # type: ignore[attr-defined]
+    mix = {
+        "cumulative": each.sum(axis=0),
+        "weighted": 0.5 * each[0] + 0.25 * each[1] + 2.0 * each[2],
+        "strongest": np.take_along_axis(each, np.abs(each).argmax(axis=0)[None], axis=0)[0],
+        "power": np.sqrt((each**2).sum(axis=0)) * np.where(each.sum(axis=0) < 0, -1, 1),
+    }[method]
+    different = np.abs(block - np.clip(0.9 * mix, -0.8, 0.8)) > 1e-9
+    # Where the sum crosses zero, its sign is a matter of rounding.
+    assert not different[np.abs(each.sum(axis=0)) > 1e-9].any()
+
+
+def test_custom_method() -> None:
+    seen = []
+
+    def loudest_two(signals: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        seen.append(weights.tolist())
+        return np.sort(signals, axis=0)[-2:].sum(axis=0)
+
+    block = Renderer([ListenerMix("hand", loudest_two, s_max=10.0, priorities={"c": 7.0})]).render_frame(0.0, 0.1, VOICES)[0]
+    each = np.array([voice.gains[0] * voice.signal.sample(0, 800, 8000.0) for voice in VOICES])
+    assert np.abs(block - np.sort(each, axis=0)[-2:].sum(axis=0)).max() < 1e-12
+    assert seen == [[0.5, 1.0, 7.0]]
+
+
+@pytest.mark.parametrize("bad", [lambda signals, _: signals, lambda signals, _: signals.sum(axis=0) * np.nan, lambda *_: "no"])
+def test_a_custom_method_that_fails_changes_nothing(bad: object) -> None:
+    renderer = Renderer([ListenerMix("hand", bad)])  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"method|string"):
+        renderer.render_frame(0.0, 0.1, VOICES)
+    with pytest.raises(ValueError, match="unknown mixing method"):
+        mixed("loudest", np.zeros((1, 1)), np.ones(1))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ({"s_max": 0.0}, "s_max"),
+        ({"s_max": float("nan")}, "s_max"),
+        ({"gain": -1.0}, "gain"),
+        ({"method": "loudest"}, "method"),
+        ({"priorities": {"a": -1.0}}, "priorities"),
+    ],
+)
+def test_bad_listeners_are_named(arguments: dict[str, object], name: str) -> None:
+    with pytest.raises(ValueError, match=f"^{name}: "):
+        ListenerMix("hand", **arguments)  # type: ignore[arg-type]
