@@ -1,0 +1,320 @@
+"""From samples to keyframes: as few as an error allows.
+
+The spectrum is cut into bands that overlap and add up to one. Within a band the analytic signal has one amplitude and one phase; a stretch of
+it is replaced by an amplitude that goes in a straight line and a frequency that goes in two, so that the phase is right at both ends.
+Stretches are halved until the power of the error in each is within its share of the signal's power there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .carrier import Carrier
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+BLOCK = 32
+"""Seconds that are transformed at once."""
+MARGIN = 1
+"""Seconds by which blocks overlap on either side."""
+OVERLAP = 0.15
+"""Bands fade into each other over this share of the frequency between them, on either side."""
+POWER_RATE = 125
+"""Points a second at which the signal's power is taken."""
+POWER_WINDOW = 0.032
+"""Seconds over which it is averaged."""
+LONGEST_STRETCH = 0.5
+"""Seconds between keys at most, before what is redundant goes."""
+ROUNDING = 0.1
+"""Cycles by which rounded frequencies may lag within a stretch."""
+LONGEST_REST = 0.03
+"""Seconds of silence that do not end a carrier."""
+
+
+@dataclass(frozen=True, slots=True)
+class Band:
+    """A part of the spectrum (hertz) whose keys lie on a grid of ``grid_rate`` points a second, at least twice its width with both fades.
+    A low edge of 0 does not fade."""
+
+    low: float
+    high: float
+    grid_rate: int
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """What is asked of a fit.
+
+    error: power of the error allowed in relation to the signal's power around each moment. floor: amplitude below which nothing is felt.
+    lowest, highest: frequency of a key in hertz. frequency_step (hertz), amplitude_step and time_step (seconds, 0: any): keys are
+    multiples of them. signed: amplitudes may be negative.
+    """
+
+    error: float = 0.03
+    floor: float = 0.002
+    lowest: float = 1.0
+    highest: float = 1000.0
+    frequency_step: float = 0.1
+    amplitude_step: float = 1e-4
+    time_step: float = 0.0
+    signed: bool = False
+
+
+def fit_bands(samples: NDArray[np.floating], sample_rate: int, bands: Sequence[Band], fit: Fit) -> list[list[Carrier]]:
+    """The carriers of each band in the order of time, for ``samples`` (n,) of one listener. Times are seconds from the first sample."""
+    count = len(samples)
+    parts = [
+        np.concatenate(pieces)[: math.ceil(count / sample_rate * band.grid_rate) + 1]
+        for band, pieces in zip(bands, zip(*_analytic_blocks(samples, sample_rate, bands), strict=True), strict=True)
+    ]
+    allowed = _allowed(samples, sample_rate, bands, parts, fit)
+    return [_fit_band(z, band, budget, count / sample_rate, fit) for z, band, budget in zip(parts, bands, allowed, strict=True)]
+
+
+def _centre(band: Band) -> float:
+    """The frequency (hertz) that the band's analytic signal is shifted down by: whole cycles in every block."""
+    return float(round((band.low * (1 - OVERLAP) + band.high * (1 + OVERLAP)) / 2))
+
+
+def _analytic_blocks(samples: NDArray[np.floating], sample_rate: int, bands: Sequence[Band]) -> Iterator[list[ComplexArray]]:
+    """Block by block, each band's complex amplitude on its grid: the band is ``Re(z exp(2πi centre t))``."""
+    length = BLOCK + 2 * MARGIN
+    frequencies = np.arange(length * sample_rate // 2 + 1) / length
+    weights = [_weight(frequencies, band) for band in bands]
+    for start in range(0, len(samples) + 1, BLOCK * sample_rate):
+        window = np.zeros(length * sample_rate)
+        first, last = max(start - MARGIN * sample_rate, 0), min(start + (BLOCK + MARGIN) * sample_rate, len(samples))
+        begin = first - (start - MARGIN * sample_rate)
+        window[begin : begin + last - first] = samples[first:last]
+        spectrum = np.fft.rfft(window)
+        pieces = []
+        for band, weight in zip(bands, weights, strict=True):
+            count = length * band.grid_rate
+            bins = np.flatnonzero(weight)
+            shifted = np.zeros(count, dtype=np.complex128)
+            shifted[(bins - round(_centre(band) * length)) % count] = spectrum[bins] * weight[bins]
+            z = np.fft.ifft(shifted) * (2 * count / len(window))
+            pieces.append(z[MARGIN * band.grid_rate : (MARGIN + BLOCK) * band.grid_rate])
+        yield pieces
+
+
+def _weight(frequencies: FloatArray, band: Band) -> FloatArray:
+    """How much of each frequency belongs to the band: fades are a raised cosine, so that neighbours add up to one."""
+
+    def rise(edge: float) -> FloatArray:
+        position = np.clip((frequencies - edge) / (2 * OVERLAP * edge) + 0.5, 0.0, 1.0)
+        return np.asarray((1 - np.cos(math.pi * position)) / 2)
+
+    rising = rise(band.low) if band.low > 0 else (frequencies > 0).astype(np.float64)
+    return rising * (1 - rise(band.high))
+
+
+def _allowed(
+    samples: NDArray[np.floating], sample_rate: int, bands: Sequence[Band], parts: Sequence[ComplexArray], fit: Fit
+) -> list[FloatArray]:
+    """The error (squared magnitude) allowed to each band at each point of its grid: the signal's share, split between the bands that
+    matter at that moment."""
+    count = math.ceil(len(samples) / sample_rate * POWER_RATE) + 1
+    times = np.arange(count) / POWER_RATE
+    total = 2 * _moving_mean(samples.astype(np.float64) ** 2, sample_rate, times)
+    powers = [_moving_mean(np.abs(z) ** 2, band.grid_rate, times) for z, band in zip(parts, bands, strict=True)]
+    least = fit.error / len(bands) * total
+    matter = np.maximum(np.sum([power > np.maximum(least, fit.floor**2) for power in powers], axis=0), 1)
+    budget = np.maximum(fit.error * total, fit.floor**2) / matter
+    return [np.interp(np.arange(len(z)) / band.grid_rate, times, budget) for z, band in zip(parts, bands, strict=True)]
+
+
+def _moving_mean(values: FloatArray, rate: int, times: FloatArray) -> FloatArray:
+    """Mean of ``values`` (``rate`` a second) over the power window around each of ``times``."""
+    sums = np.concatenate([[0.0], np.cumsum(values)])
+    half = max(POWER_WINDOW / 2, 1 / rate)
+    low = np.clip(np.floor((times - half) * rate).astype(np.int64), 0, len(values))
+    high = np.clip(np.ceil((times + half) * rate).astype(np.int64) + 1, 0, len(values))
+    return np.maximum(sums[high] - sums[low], 0.0) / np.maximum(high - low, 1)
+
+
+def _runs(active: BoolArray, rest: int) -> Iterator[tuple[int, int]]:
+    """First and last index of each run of True, runs at most ``rest`` apart taken as one."""
+    indices = np.flatnonzero(active)
+    if not len(indices):
+        return
+    breaks = np.flatnonzero(np.diff(indices) > rest + 1)
+    firsts = indices[np.concatenate([[0], breaks + 1])]
+    lasts = indices[np.concatenate([breaks, [len(indices) - 1]])]
+    yield from zip(firsts.tolist(), lasts.tolist(), strict=True)
+
+
+def _fit_band(z: ComplexArray, band: Band, allowed: FloatArray, duration: float, fit: Fit) -> list[Carrier]:
+    rate, centre = band.grid_rate, _centre(band)
+    strength = _moving_mean(np.abs(z) ** 2, rate, np.arange(len(z)) / rate)
+    # One point more on either side: the straight lines begin and end where there is next to nothing left.
+    runs = [(max(first - 1, 0), min(last + 1, len(z) - 1)) for first, last in _runs(strength > allowed, round(LONGEST_REST * rate))]
+    if not runs:
+        return []
+    phase = np.unwrap(np.angle(z * z)) / 2 if fit.signed else np.unwrap(np.angle(z))
+    amplitude = (z * np.exp(-1j * phase)).real
+    offset = _stepped(np.clip(_slope(z, rate, fit.signed) + centre, fit.lowest, fit.highest), fit.frequency_step) - centre
+    grid = _Grid(rate, phase, amplitude, offset, allowed, fit, centre)
+    return [carrier for keys in grid.keys(runs) if (carrier := grid.carrier(keys, duration)) is not None]
+
+
+def _slope(z: ComplexArray, rate: int, signed: bool) -> FloatArray:
+    """Frequency (hertz) around each point from the turns to and from its neighbours, each with the weight of its magnitude."""
+    turns = z[1:] * z[:-1].conj()
+    if signed:
+        turns = turns * turns
+    around = np.zeros(len(z), dtype=np.complex128)
+    around[1:] += turns
+    around[:-1] += turns
+    return np.asarray(np.angle(around) * (rate / (2 * math.pi)) / (2 if signed else 1))
+
+
+def _stepped(values: FloatArray, step: float) -> FloatArray:
+    return np.asarray(np.rint(values / step) * step)
+
+
+@dataclass(frozen=True, slots=True)
+class _Grid:
+    """A band on its grid: ``phase`` and frequency ``offset`` in relation to the ``centre``."""
+
+    rate: int
+    phase: FloatArray
+    amplitude: FloatArray
+    offset: FloatArray
+    allowed: FloatArray
+    fit: Fit
+    centre: float
+
+    def keys(self, runs: Sequence[tuple[int, int]]) -> list[IntArray]:
+        """The grid points that become keys, for each run."""
+        longest = max(int(min(LONGEST_STRETCH, ROUNDING / self.fit.frequency_step) * self.rate), 1)
+        borders = [np.append(np.arange(first, last, longest), last) for first, last in runs]
+        start = np.concatenate([border[:-1] for border in borders]).astype(np.int64)
+        end = np.concatenate([border[1:] for border in borders]).astype(np.int64)
+        shortest = max(1, round(2 * self.fit.time_step * self.rate))
+        accepted = [np.array([first for first, _ in runs], dtype=np.int64)]
+        while len(start):
+            good = (self._error(start, end) <= 0) | (end - start <= shortest)
+            accepted.append(end[good])
+            start, end = start[~good], end[~good]
+            middle = (start + end) // 2
+            start, end = np.concatenate([start, middle]), np.concatenate([middle, end])
+        points = np.unique(np.concatenate(accepted))
+        lasts = np.searchsorted(points, [last for _, last in runs], side="right")
+        firsts = np.searchsorted(points, [first for first, _ in runs])
+        return [points[first:last] for first, last in zip(firsts.tolist(), lasts.tolist(), strict=True)]
+
+    def _error(self, start: IntArray, end: IntArray) -> FloatArray:
+        """Error above what is allowed (squared magnitude, summed over the points) of each stretch if it had no key inside."""
+        length = end - start
+        owner = np.repeat(np.arange(len(start)), length)
+        step = np.arange(len(owner)) - np.repeat(np.cumsum(length) - length, length) + 1
+        point = start[owner] + step
+        before, middle = self._halves(length)
+        slow = self._middle_offset(start, end, self.phase[start], before, middle)
+        time = step / self.rate
+        half, whole = before[owner], before[owner] + middle[owner]
+        first, centre, last = self.offset[start][owner], slow[owner], self.offset[end][owner]
+        late = np.maximum(time - half, 0.0)
+        early = np.minimum(time, half)
+        rise = np.divide(centre - first, half, out=np.zeros_like(half), where=half > 0)
+        cycles = early * (first + rise * early / 2) + late * (centre + (last - centre) / (whole - half) * late / 2)
+        off = self.phase[start][owner] + 2 * math.pi * cycles - self.phase[point]
+        share = step / length[owner]
+        level = self.amplitude[start][owner] * (1 - share) + self.amplitude[end][owner] * share
+        actual = self.amplitude[point]
+        error = level * level + actual * actual - 2 * level * actual * np.cos(off) - self.allowed[point]
+        return np.asarray(np.add.reduceat(error, np.cumsum(length) - length))
+
+    def _halves(self, length: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Seconds before and after the frequency key in the middle of a stretch of ``length`` grid steps."""
+        whole = length / self.rate
+        before = whole / 2
+        if self.fit.time_step:
+            before = np.floor(before / self.fit.time_step + 1e-9) * self.fit.time_step
+        return before, whole - before
+
+    def _middle_offset(self, start: IntArray, end: IntArray, phase: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray:
+        """The frequency in the middle that takes ``phase`` at the start to the signal's phase at the end."""
+        cycles = (self.phase[end] - phase) / (2 * math.pi)
+        middle = (2 * cycles - self.offset[start] * before - self.offset[end] * after) / (before + after)
+        return _stepped(np.clip(middle + self.centre, self.fit.lowest, self.fit.highest), self.fit.frequency_step) - self.centre
+
+    def carrier(self, keys: IntArray, duration: float) -> Carrier | None:
+        """The carrier with keys at the given grid points, without those that change nothing."""
+        fit = self.fit
+        times = (keys - keys[0]) / self.rate
+        start = float(keys[0]) / self.rate
+        key_times, frequencies = self._frequencies(keys, times)
+        amplitudes = np.clip(_stepped(self.amplitude[keys], fit.amplitude_step), -1.0 if fit.signed else 0.0, 1.0)
+        kept = needed_keys(times, amplitudes, 0.25 * np.sqrt(self.allowed[keys]))
+        needed = needed_keys(key_times, frequencies, np.full(len(frequencies), 1e-9))
+        end = min(start + float(times[-1]), duration)
+        if end <= start or not amplitudes[kept].any():
+            return None
+        phase = (self.phase[keys[0]] + 2 * math.pi * self.centre * start + math.pi / 2) % (2 * math.pi)
+        return Carrier(start, end, float(phase), times[kept], amplitudes[kept], key_times[needed], frequencies[needed])
+
+    def _frequencies(self, keys: IntArray, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Times and values of the frequency keys, one within each stretch, so that the phase is the signal's at every border.
+
+        Straight lines between keys make a tridiagonal system, strictly diagonally dominant: nothing of it rings far.
+        """
+        before, after = self._halves(np.diff(keys))
+        key_times = times[:-1] + before
+        # How near the border between two keys lies to the later one: its frequency is that far on the line between theirs.
+        share = after[:-1] / (after[:-1] + before[1:])
+        from_last = np.append(0.0, before[1:] * (1 - share) / 2)
+        from_next = np.append(after[:-1] * share / 2, 0.0)
+        own = before * (1 + np.append(1.0, share)) / 2 + after * (1 + np.append(1 - share, 1.0)) / 2
+        cycles = np.diff(self.phase[keys]) / (2 * math.pi)
+        return key_times, self._rounded(_tridiagonal(from_last, own, from_next, cycles) + self.centre, from_last, own, from_next)
+
+    def _rounded(self, frequencies: FloatArray, from_last: FloatArray, own: FloatArray, from_next: FloatArray) -> FloatArray:
+        """The frequencies in steps and within limits; what that costs in phase is made up for by the keys that follow."""
+        fit = self.fit
+        weights = own + np.append(from_last[1:], 0.0) + np.append(0.0, from_next[:-1])
+        missing = 0.0
+        values = []
+        for wanted, weight in zip(frequencies.tolist(), weights.tolist(), strict=True):
+            value = round(min(max(wanted + missing / weight, fit.lowest), fit.highest) / fit.frequency_step) * fit.frequency_step
+            missing += (wanted - value) * weight
+            missing -= round(missing)
+            values.append(value)
+        return np.array(values)
+
+
+def _tridiagonal(lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray) -> FloatArray:
+    """Solve ``lower[k] x[k-1] + diagonal[k] x[k] + upper[k] x[k+1] = right[k]`` by elimination."""
+    pivots, values = [float(diagonal[0])], [float(right[0])]
+    for low, own, above, value in zip(lower[1:].tolist(), diagonal[1:].tolist(), upper[:-1].tolist(), right[1:].tolist(), strict=True):
+        factor = low / pivots[-1]
+        values.append(value - factor * values[-1])
+        pivots.append(own - factor * above)
+    result = [values[-1] / pivots[-1]]
+    for pivot, above, value in zip(pivots[-2::-1], upper[-2::-1].tolist(), values[-2::-1], strict=True):
+        result.append((value - above * result[-1]) / pivot)
+    return np.array(result[::-1])
+
+
+def needed_keys(times: FloatArray, values: FloatArray, tolerance: FloatArray) -> IntArray:
+    """Indices of the keys that remain when those go that lie on the line between their neighbours, every second one at a time."""
+    kept = np.arange(len(times))
+    for turn in range(2 * len(times).bit_length()):
+        if len(kept) < 3:
+            break
+        inner = np.arange(1 + turn % 2, len(kept) - 1, 2)
+        left, here, right = kept[inner - 1], kept[inner], kept[inner + 1]
+        width = times[right] - times[left]
+        share = np.divide(times[here] - times[left], width, out=np.zeros_like(width), where=width > 0)
+        off = np.abs(values[left] + share * (values[right] - values[left]) - values[here])
+        kept = np.delete(kept, inner[off <= tolerance[here]])
+    return kept

@@ -1,0 +1,66 @@
+"""Options of a format, described so that menus and command lines can offer them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+Value = bool | int | float | str
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """``default`` tells the type: bool, int, float or one of ``choices``. ``minimum`` and ``maximum`` bound numbers."""
+
+    name: str
+    default: Value
+    label: str
+    description: str
+    choices: tuple[str, ...] = ()
+    minimum: float = -math.inf
+    maximum: float = math.inf
+
+    def parse(self, text: str) -> Value:
+        """The value written as ``text``. Raises ValueError that names the option."""
+        if isinstance(self.default, bool):
+            if text.lower() not in ("true", "false"):
+                raise ValueError(f"{self.name}: must be true or false, not {text!r}")
+            return text.lower() == "true"
+        if isinstance(self.default, str):
+            return self.checked(text)
+        try:
+            return self.checked(type(self.default)(text))
+        except ValueError:
+            raise ValueError(f"{self.name}: must be {self._range()}, not {text!r}") from None
+
+    def checked(self, value: Value) -> Value:
+        """``value`` if it is allowed. Raises ValueError that names the option."""
+        if isinstance(self.default, bool):
+            good = isinstance(value, bool)
+        elif isinstance(self.default, str):
+            good = value in self.choices
+        else:
+            good = isinstance(value, int | float) and not isinstance(value, bool) and self.minimum <= value <= self.maximum
+            good = good and (isinstance(self.default, float) or isinstance(value, int))
+        if not good:
+            raise ValueError(f"{self.name}: must be {self._range()}, not {value!r}")
+        return value
+
+    def _range(self) -> str:
+        if isinstance(self.default, bool):
+            return "true or false"
+        if self.choices:
+            return "one of " + ", ".join(self.choices)
+        kind = "a whole number" if isinstance(self.default, int) else "a number"
+        return f"{kind} from {self.minimum:g} to {self.maximum:g}"
+
+
+def complete(options: Sequence[Option], chosen: Mapping[str, Value]) -> dict[str, Any]:
+    """Every option's value: the chosen ones checked, the others by default. Raises ValueError for an unknown one."""
+    known = {option.name: option for option in options}
+    for name in chosen:
+        if name not in known:
+            raise ValueError(f"{name}: unknown option" + (f"; known are {', '.join(known)}" if known else "; there are none"))
+    return {name: option.checked(chosen.get(name, option.default)) for name, option in known.items()}
