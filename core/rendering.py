@@ -402,12 +402,11 @@ def _travelled_in_bands(stream: _Stream, times: Array, before: Array, change: Ar
     positions = times * stream.sample_rate
     first = math.floor(np.min(positions)) - ZERO_CROSSINGS
     rows = stream.rows(first, math.ceil(np.max(positions)) + ZERO_CROSSINGS + 1)
+    mixes = np.stack((before, change), axis=1) @ rows
     result = np.empty(times.shape)
-    for index, path in enumerate(positions):
-        near = math.floor(np.min(path)) - ZERO_CROSSINGS - first
-        far = math.ceil(np.max(path)) + ZERO_CROSSINGS + 1 - first
-        constant, rising = interpolate(np.stack((before[index], change[index])) @ rows[:, near:far], path - (first + near))
-        result[index] = constant + rising * ramp
+    for path, mix, position in zip(result, mixes, positions - first, strict=True):
+        constant, rising = interpolate(mix, position)
+        path[:] = constant + rising * ramp
     return result * (times >= stream.onset)
 
 

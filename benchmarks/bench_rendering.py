@@ -1,0 +1,110 @@
+"""How much faster than real time 10 listeners x 32 voices are rendered at 8 kHz on one core, frame by frame as live playback does it.
+
+    python -m benchmarks.bench_rendering [--voices 32] [--listeners 10] [--fps 30] [--seconds 20]
+
+Gains (and delays) of every path change in every frame. `ratio` is seconds of signal by seconds of CPU time of this one thread, the best
+of three runs; `median` and `worst` are the milliseconds of one frame.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+import argparse
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from haptic_tracing.core.bands import BAND_COUNT
+from haptic_tracing.core.mixing import MixingMethod
+from haptic_tracing.core.rendering import SAMPLE_RATE, ListenerMix, Renderer, Voice
+from haptic_tracing.core.signals import Adsr, Loop, Noise, Sampled, Signal, Sine, impact_template, ramp
+
+TARGET = 100.0
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """One row of the table: what every voice and listener does."""
+
+    name: str
+    signal: Callable[[int], Signal]
+    method: MixingMethod = "cumulative"
+    limiter: bool = False
+    bands: bool = False
+    delays: str = "none"
+
+
+def tone(number: int) -> Signal:
+    return Sine(40.0 + 3.0 * number)
+
+
+def rich(number: int) -> Signal:
+    return Sine(ramp(40.0, 200.0 + number, 5.0), 0.8) * Adsr() + Noise(0.2, seed=number)
+
+
+def recording(number: int) -> Signal:
+    return Loop(Sampled(np.random.default_rng(number).uniform(-1, 1, 4000)))
+
+
+LOADS = (
+    Load("steady tones", tone),
+    Load("steady tones, limiter", tone, limiter=True),
+    Load("steady tones, strongest", tone, method="strongest"),
+    Load("steady tones, power", tone, method="power"),
+    Load("sweep x envelope + noise", rich),
+    Load("looped recordings", recording),
+    Load("impacts, 1 s apart", lambda number: Loop(impact_template("stone", "metal"), crossfade=0.001 * (number % 3))),
+    Load("steady tones, 6 bands", tone, bands=True),
+    Load("steady tones, moving delays", tone, delays="moving"),
+    Load("steady tones, 6 bands, still delays", tone, bands=True, delays="still"),
+    Load("steady tones, 6 bands, moving delays", tone, bands=True, delays="moving"),
+)
+
+
+def frame_times(load: Load, voices: int, listeners: int, fps: float, seconds: float) -> tuple[float, np.ndarray]:
+    """Return the seconds of CPU time for all frames and the milliseconds of each."""
+    random = np.random.default_rng(0)
+    count = round(seconds * fps)
+    gains = random.uniform(0.0, 0.1, (64, voices, listeners, BAND_COUNT) if load.bands else (64, voices, listeners))
+    lags = random.uniform(0.0, 0.02, (voices, listeners)) + np.zeros((64, 1, 1))
+    if load.delays == "moving":
+        lags += random.uniform(0.0, 0.002, lags.shape)
+    signals = [load.signal(number) for number in range(voices)]
+    renderer = Renderer([ListenerMix(str(number), load.method, limiter=load.limiter) for number in range(listeners)], SAMPLE_RATE)
+    each = np.empty(count)
+    begun = time.process_time()
+    for frame in range(count):
+        entered = time.perf_counter()
+        playing = [
+            Voice(number, signals[number], gains[frame % 64, number], delays=None if load.delays == "none" else lags[frame % 64, number])
+            for number in range(voices)
+        ]
+        renderer.render_frame(frame / fps, (frame + 1) / fps, playing)
+        each[frame] = time.perf_counter() - entered
+    return time.process_time() - begun, 1000.0 * each
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--voices", type=int, default=32)
+    parser.add_argument("--listeners", type=int, default=10)
+    parser.add_argument("--fps", type=float, default=30.0)
+    parser.add_argument("--seconds", type=float, default=20.0)
+    options = parser.parse_args()
+    print(f"{options.listeners} listeners x {options.voices} voices, {SAMPLE_RATE:g} Hz, {options.fps:g} frames a second")
+    print(f"{'load':38} {'ratio':>8} {'median ms':>10} {'worst ms':>9}")
+    for load in LOADS:
+        seconds = options.seconds if load.delays == "none" else options.seconds / 10
+        runs = [frame_times(load, options.voices, options.listeners, options.fps, seconds) for _ in range(3)]
+        used, each = min(runs, key=lambda run: run[0])
+        print(f"{load.name:38} {seconds / used:8.1f} {np.median(each):10.3f} {each.max():9.3f}", flush=True)
+    print(f"target: steady tones at least {TARGET:g}")
+
+
+if __name__ == "__main__":
+    main()
