@@ -51,7 +51,7 @@ def installed(folder, environment) -> str:
     system = {"linux": "linux_x64", "win32": "windows_x64"}.get(sys.platform) or f"macos_{os.uname().machine.replace('x86_64', 'x64')}"
     (package,) = (folder / "dist").glob(f"*-{system}.zip")
     background, _ = commands()
-    quiet = "import bpy; bpy.context.preferences.view.show_splash = False; bpy.ops.wm.save_userpref()"
+    quiet = "import bpy; p = bpy.context.preferences; p.view.show_splash = p.use_preferences_save = False; bpy.ops.wm.save_userpref()"
     printed = ""
     for arguments in (["--python-expr", quiet], ["--command", "extension", "install-file", "-r", "user_default", "-e", str(package)]):
         answer = subprocess.run([*background, *arguments], env=environment, cwd=folder, capture_output=True, text=True, timeout=SECONDS)

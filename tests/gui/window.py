@@ -14,6 +14,7 @@ import sys
 import time
 import traceback
 from collections.abc import Iterator
+from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
@@ -38,9 +39,13 @@ class Window:
         self.mouse = (0, 0)
 
     @property
+    def window(self) -> bpy.types.Window:
+        return bpy.context.window_manager.windows[0]
+
+    @property
     def view(self) -> bpy.types.Area:
         """The largest 3D viewport."""
-        areas = [area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "VIEW_3D"]
+        areas = [area for area in self.window.screen.areas if area.type == "VIEW_3D"]
         return max(areas, key=lambda area: area.width * area.height)
 
     def region(self, kind: str = "WINDOW") -> bpy.types.Region:
@@ -48,11 +53,15 @@ class Window:
 
     def context(self, kind: str = "WINDOW"):
         """An override of the context: the pointer in a region of the viewport."""
-        return bpy.context.temp_override(window=bpy.context.window_manager.windows[0], area=self.view, region=self.region(kind))
+        return bpy.context.temp_override(window=self.window, area=self.view, region=self.region(kind))
+
+    def module(self, name: str) -> ModuleType:
+        """A module of the installed extension ("addon.session")."""
+        return import_module(f"{EXTENSION}.{name}")
 
     def event(self, kind: str, value: str, **keys: bool | str) -> None:
         x, y = self.mouse
-        bpy.context.window_manager.windows[0].event_simulate(type=kind, value=value, x=x, y=y, **keys)
+        self.window.event_simulate(type=kind, value=value, x=x, y=y, **keys)
 
     def point(self, x: int, y: int) -> None:
         """Move the mouse."""
@@ -68,30 +77,6 @@ class Window:
         self.event(key, "PRESS", **keys)
         self.event(key, "RELEASE", **keys)
         yield
-
-    def click(self, x: int, y: int) -> Steps:
-        self.point(x, y)
-        yield
-        yield from self.press("LEFTMOUSE")
-
-    def write(self, text: str) -> Steps:
-        """Type text, as into a search field."""
-        for letter in text:
-            key = {" ": "SPACE", ".": "PERIOD", "-": "MINUS"}.get(letter, letter.upper())
-            self.event(key, "PRESS", unicode=letter)
-            self.event(key, "RELEASE")
-            yield
-
-    def search(self, label: str) -> Steps:
-        """Run an operator as a user finds it: F3 over the viewport, its name, Return."""
-        self.point_at_view()
-        yield
-        yield from self.press("F3")
-        yield 0.5
-        yield from self.write(label)
-        yield 0.5
-        yield from self.press("RET")
-        yield 0.5
 
     def undo(self) -> Steps:
         self.point_at_view()
@@ -124,7 +109,7 @@ class Window:
         """Click the sidebar's button for an operator ("haptic.add_source") or a property ("haptics.kappa"), wherever it is."""
         region = self.region("UI")
         passed = set()
-        for fraction in (0.4, 0.8, 0.15):  # buttons may share a line
+        for fraction in (0.4, 0.82, 0.15):  # buttons may share a line
             for y in range(region.y + region.height - 4, region.y, -8):
                 self.point(region.x + int(fraction * region.width), y)
                 yield 0.02
@@ -147,7 +132,9 @@ class Window:
         yield 1.0
 
     def screenshot(self, name: str) -> Steps:
-        """A picture of the whole window, FOLDER/name.png."""
+        """A picture of the whole window, FOLDER/name.png, the mouse where nothing reacts to it."""
+        region = self.region()
+        self.point(region.x + region.width // 3, region.y + 20)
         yield 0.5
         self.save_picture(name)
         yield
@@ -160,10 +147,6 @@ class Window:
         else:
             with self.context():
                 bpy.ops.screen.screenshot(filepath=path, check_existing=False)
-
-    @property
-    def extension(self) -> ModuleType:
-        return sys.modules[EXTENSION]
 
 
 def play(scenario: ModuleType, window: Window) -> Steps:
@@ -195,7 +178,8 @@ def main(scenario_path: str, folder: str) -> None:
 
     def turn() -> float | None:
         try:
-            pause = next(steps)
+            with bpy.context.temp_override(window=window.window):
+                pause = next(steps)
         except StopIteration:
             return finish(None)
         except BaseException:
