@@ -1,1 +1,51 @@
+"""Scenes that show what haptic tracing can do, each built from nothing by a script.
 
+A sample is a module with ``build(scene)``, which fills an empty scene, the same way each time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from bpy.types import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """A sample scene: its name in commands, its title in menus, one sentence on what it shows."""
+
+    name: str
+    title: str
+    description: str
+
+    def build(self, scene: Scene) -> None:
+        """Fill the empty ``scene``."""
+        import_module(f".{self.name}", __name__).build(scene)
+
+
+SAMPLES: Mapping[str, Sample] = MappingProxyType(
+    {
+        sample.name: sample
+        for sample in (
+            Sample("jackhammer_bench", "Jackhammer and Bench", "A jackhammer is felt on a bench, through the ground, four feet and a seat"),
+        )
+    }
+)
+"""The samples by name."""
+
+
+def build_sample(name: str) -> Scene:
+    """Build a sample in a new scene, named after it. Raises ValueError that lists the known names."""
+    import bpy
+
+    if name not in SAMPLES:
+        raise ValueError(f"sample {name!r} is unknown: use one of {', '.join(SAMPLES)}")
+    sample = SAMPLES[name]
+    scene = bpy.data.scenes.new(sample.title)
+    sample.build(scene)
+    return scene

@@ -1,0 +1,231 @@
+"""An artist's mannequin as the user's avatar: sixteen haptic body parts that touch at their joints, and the ten default listeners.
+
+It faces -Y, so that its left is +X.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from bpy.types import Material, Object, Scene
+from mathutils import Matrix, Vector
+
+from ..core.body import BODY_PART, DEFAULT_LISTENERS
+from .geometry import Geometry, Point, along, joined, limb, sphere, superellipsoid
+from .materials import FLESH, surface
+from .staging import make_listener, make_moving, make_static, place, place_empty
+
+SIDES = ((1.0, "L"), (-1.0, "R"))
+
+BODY, JOINT = 0, 1  # materials
+
+UPPER_ARM, FOREARM = 0.285, 0.245
+HIPS = (0.33, 0.225, 0.19)
+THIGH_RADIUS, KNEE_RADIUS = 0.078, 0.055
+SHOULDER_RADIUS, ELBOW_RADIUS, WRIST_RADIUS, ANKLE_RADIUS = 0.052, 0.040, 0.028, 0.036
+FOOT_HEIGHT = 0.07
+HAND = (0.085, 0.155, 0.036)
+
+# Masses in kg of an adult of 75 kg, as shares of the body that anthropometry gives.
+MASS = {
+    "Head": 5.5,
+    "Chest": 16.0,
+    "Belly": 11.0,
+    "Hips": 10.5,
+    "Upper Arm": 2.0,
+    "Forearm": 1.2,
+    "Hand": 0.45,
+    "Upper Leg": 9.0,
+    "Lower Leg": 3.4,
+    "Foot": 1.1,
+}
+
+# How far apart, in metres, neighbouring parts overlap at a joint, so that they surely touch.
+OVERLAP = 0.004
+
+
+@dataclass(frozen=True, slots=True)
+class Posture:
+    """Where the left limbs bend and end, mirrored for the right unless ``right_hand`` says otherwise.
+
+    All in metres, relative to the avatar's origin. hips: centre of the hips. lean: how far the trunk leans back from upright, in radians.
+    hip_joint: where the thigh begins, relative to the hips. hand: centre of the palm's underside and direction of the fingers.
+    """
+
+    hips: Vector
+    lean: float
+    hip_joint: Vector
+    knee: Vector
+    ankle: Vector
+    hand: tuple[Vector, Vector]
+    right_hand: tuple[Vector, Vector] | None = None
+
+    def hand_of(self, side: float) -> tuple[Vector, Vector]:
+        """Palm and fingers of the left (1) or right (-1) hand."""
+        if side < 0 and self.right_hand is not None:
+            return self.right_hand
+        return _mirrored(self.hand[0], side), _mirrored(self.hand[1], side)
+
+
+@dataclass(frozen=True, slots=True)
+class Avatar:
+    """The root that carries all parts, the parts by name (``Hand.L``) and the listeners by body part (``hand.L``)."""
+
+    root: Object
+    parts: Mapping[str, Object] = field(default_factory=dict)
+    listeners: Mapping[str, Object] = field(default_factory=dict)
+
+
+def seated(seat: float, lean: float) -> Posture:
+    """Sitting on a seat at height ``seat``, the back against a rest that leans back by ``lean``, feet on the ground, hands on the thighs.
+
+    The origin is on the ground below the line where seat and rest meet.
+    """
+    hips = Vector((0.0, -0.125, seat + HIPS[2] / 2))
+    hip_joint = Vector((0.088, 0.008 - HIPS[1] / 2, THIGH_RADIUS - HIPS[2] / 2))
+    knee = hips + hip_joint + Vector((0.05, -0.42, KNEE_RADIUS - THIGH_RADIUS))
+    ankle_height = FOOT_HEIGHT + ANKLE_RADIUS - OVERLAP
+    ankle = Vector((knee.x, knee.y - 0.03, ankle_height))
+    palm = Vector((0.128, -0.40, seat + 2 * _thigh_radius(0.45) - 0.004))
+    return Posture(hips, lean, hip_joint, knee, ankle, (palm, Vector((-0.10, -1.0, -0.08))))
+
+
+def build_avatar(
+    scene: Scene,
+    posture: Posture,
+    location: Point = (0.0, 0.0, 0.0),
+    heading: float = 0.0,
+    *,
+    moving: bool = False,
+    name: str = "Avatar",
+    body: Material | None = None,
+    joint: Material | None = None,
+) -> Avatar:
+    """Put the avatar into ``scene``, its haptic parts under one empty, turned by ``heading`` about z.
+
+    ``moving``: that empty, or what carries it, will be animated.
+    """
+    root = place_empty(scene, name, location, kind="ARROWS", size=0.25)
+    root.rotation_euler = (0.0, 0.0, heading)
+    materials = (body or surface(f"{name} Body", "#e9e2d6", 0.45), joint or surface(f"{name} Joints", "#2f5d73", 0.4))
+    shapes = _trunk(posture)
+    anchors = _trunk_anchors(posture)
+    for side, letter in SIDES:
+        for shape in (_arm, _leg):
+            more, places = shape(posture, side, letter)
+            shapes |= more
+            anchors |= places
+    parts: dict[str, Object] = {}
+    for part, geometry in shapes.items():
+        obj = place(scene, f"{name} {part}", geometry, materials, parent=root)
+        if moving:
+            make_moving(scene, obj, FLESH, MASS[part.split(".")[0]])
+        else:
+            make_static(scene, obj, FLESH)
+        parts[part] = obj
+    listeners: dict[str, Object] = {}
+    for listener in DEFAULT_LISTENERS:
+        carrier, spot = anchors[listener]
+        empty = place_empty(scene, listener, spot - parts[carrier].location, parts[carrier], "SPHERE", BODY_PART[listener].radius)
+        listeners[listener] = make_listener(empty, listener, BODY_PART[listener].radius)
+    return Avatar(root, parts, listeners)
+
+
+def _trunk_frame(posture: Posture) -> Callable[[float, float, float], Vector]:
+    """Maps (left, forward, up) from the hips' centre, along the leaning trunk, to the avatar's frame."""
+    sine, cosine = math.sin(posture.lean), math.cos(posture.lean)
+
+    def point(left: float, forward: float, up: float) -> Vector:
+        return posture.hips + Vector((left, -forward * cosine + up * sine, forward * sine + up * cosine))
+
+    return point
+
+
+def _trunk(posture: Posture) -> dict[str, Geometry]:
+    point = _trunk_frame(posture)
+    turn = Matrix.Rotation(-posture.lean, 4, "X")
+
+    def set_at(geometry: Geometry, forward: float, up: float) -> Geometry:
+        return geometry.transformed(Matrix.Translation(point(0.0, forward, up)) @ turn)
+
+    neck = along(limb(0.10, 0.045, 0.042), Vector((0, 0, -0.165)), Vector((0, 0.012, -0.07))).painted(JOINT)
+    skull = joined((superellipsoid((0.165, 0.205, 0.245), 0.85), neck))
+    return {
+        "Hips": superellipsoid(HIPS, 0.55).moved(*posture.hips),
+        "Belly": set_at(superellipsoid((0.27, 0.20, 0.19), 0.6), 0.012, 0.182),
+        "Chest": set_at(superellipsoid((0.335, 0.225, 0.31), 0.62), 0.0, 0.425),
+        "Head": set_at(skull, 0.02, 0.74),
+    }
+
+
+def _trunk_anchors(posture: Posture) -> dict[str, tuple[str, Vector]]:
+    point = _trunk_frame(posture)
+    anchors: dict[str, tuple[str, Vector]] = {}
+    for side, letter in SIDES:
+        anchors[f"ear.{letter}"] = ("Head", point(side * 0.085, 0.015, 0.735))
+        anchors[f"upper_back.{letter}"] = ("Chest", point(side * 0.095, -0.105, 0.47))
+        anchors[f"middle_back.{letter}"] = ("Belly", point(side * 0.075, -0.08, 0.19))
+    return anchors
+
+
+def _arm(posture: Posture, side: float, letter: str) -> tuple[dict[str, Geometry], dict[str, tuple[str, Vector]]]:
+    shoulder = _trunk_frame(posture)(side * 0.212, 0.0, 0.515)
+    palm, fingers = posture.hand_of(side)
+    fingers = fingers.normalized()
+    up = (Vector((0, 0, 1)) - fingers * fingers.z).normalized()
+    centre = palm + up * HAND[2] / 2
+    wrist = centre - fingers * (HAND[1] / 2 + WRIST_RADIUS - OVERLAP)
+    elbow = _bend(shoulder, wrist, UPPER_ARM, FOREARM, Vector((side * 0.75, 1.0, -0.6)))
+    turn = Matrix((fingers.cross(up), fingers, up)).transposed().to_4x4()
+    shapes = {
+        f"Upper Arm.{letter}": _segment(shoulder, elbow, SHOULDER_RADIUS, ELBOW_RADIUS, 0.044, 0.036, ball_at_start=True),
+        f"Forearm.{letter}": _segment(elbow, wrist, ELBOW_RADIUS, WRIST_RADIUS, 0.037, 0.027),
+        f"Hand.{letter}": superellipsoid(HAND, 0.65).transformed(Matrix.Translation(centre) @ turn),
+    }
+    return shapes, {f"hand.{letter}": (f"Hand.{letter}", centre)}
+
+
+def _leg(posture: Posture, side: float, letter: str) -> tuple[dict[str, Geometry], dict[str, tuple[str, Vector]]]:
+    hip, knee, ankle = (_mirrored(joint, side) for joint in (posture.hips + posture.hip_joint, posture.knee, posture.ankle))
+    shapes = {
+        f"Upper Leg.{letter}": _segment(hip, knee, 0.0, KNEE_RADIUS, THIGH_RADIUS, 0.058),
+        f"Lower Leg.{letter}": _segment(knee, ankle, KNEE_RADIUS, ANKLE_RADIUS, 0.053, 0.036),
+        f"Foot.{letter}": superellipsoid((0.092, 0.25, FOOT_HEIGHT), 0.6)
+        .moved(ankle.x, ankle.y - 0.075, ankle.z - ANKLE_RADIUS - FOOT_HEIGHT / 2 + OVERLAP),
+    }
+    return shapes, {f"upper_leg.{letter}": (f"Upper Leg.{letter}", hip.lerp(knee, 0.45) - Vector((0, 0, _thigh_radius(0.45))))}
+
+
+def _segment(
+    start: Vector, end: Vector, start_ball: float, end_ball: float, start_radius: float, end_radius: float, ball_at_start: bool = False
+) -> Geometry:
+    """A limb between two joints: a taper that stops short of the balls, with the ball at its far end (and the near one) attached."""
+    direction = (end - start).normalized()
+    low = start + direction * max(start_ball - (OVERLAP if not ball_at_start else 0.6 * start_ball), 0.0)
+    high = end - direction * 0.6 * end_ball
+    parts = [along(limb((high - low).length, start_radius, end_radius), low, high), sphere(end_ball, 20, 10).moved(*end).painted(JOINT)]
+    if ball_at_start:
+        parts.append(sphere(start_ball, 20, 10).moved(*start).painted(JOINT))
+    return joined(parts)
+
+
+def _mirrored(vector: Vector, side: float) -> Vector:
+    return Vector((side * vector.x, vector.y, vector.z))
+
+
+def _thigh_radius(part: float) -> float:
+    return THIGH_RADIUS + (0.058 - THIGH_RADIUS) * part
+
+
+def _bend(start: Vector, end: Vector, first: float, second: float, towards: Vector) -> Vector:
+    """The joint of a limb of two bones from ``start`` to ``end``, bent ``towards`` a side. Where the limb is too short it is stretched."""
+    span = end - start
+    length = span.length
+    direction = span / length
+    if length >= first + second:
+        return start + direction * length * first / (first + second)
+    part = (first * first - second * second + length * length) / (2 * length)
+    side = (towards - direction * towards.dot(direction)).normalized()
+    return start + direction * part + side * math.sqrt(max(first * first - part * part, 0.0))

@@ -1,0 +1,103 @@
+"""What things look like (surfaces) and how they pass vibration on (substances)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+from bpy.types import Material, Node, NodeTree, Object, World
+
+
+@dataclass(frozen=True, slots=True)
+class Substance:
+    """How a kind of matter passes vibration on: the paper's κ and ρ, both in [0, 1]. What counts is K = (1 - κ) ρ."""
+
+    kappa: float
+    rho: float
+
+    @property
+    def k(self) -> float:
+        """The paper's factor per object and, down to ε, its attenuation per metre."""
+        return (1 - self.kappa) * self.rho
+
+
+STEEL = Substance(0.02, 0.98)
+STONE = Substance(0.15, 0.90)
+CONCRETE = Substance(0.30, 0.85)
+WOOD = Substance(0.20, 0.90)
+SOIL = Substance(0.55, 0.80)
+CLOTH = Substance(0.80, 0.30)
+FLESH = Substance(0.08, 0.95)
+AIR = Substance(0.60, 0.90)
+
+
+def tag(obj: Object, substance: Substance) -> Object:
+    """Make ``obj`` a haptic object of that substance."""
+    obj.haptics.enabled = True
+    obj.haptics.kappa = substance.kappa
+    obj.haptics.rho = substance.rho
+    return obj
+
+
+def node_tree(owner: Material | World) -> NodeTree:
+    """The shader nodes of a material or world, which has them from the start in newer versions only."""
+    if owner.node_tree is None:
+        owner.use_nodes = True
+    return owner.node_tree
+
+
+def linear_colour(code: str) -> tuple[float, float, float, float]:
+    """An sRGB colour such as ``#e0a030`` in the linear values that Blender computes with."""
+    channels = (int(code[k : k + 2], 16) / 255 for k in (1, 3, 5))
+    red, green, blue = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels)
+    return (red, green, blue, 1.0)
+
+
+def surface(
+    name: str,
+    colour: str,
+    roughness: float = 0.6,
+    metallic: float = 0.0,
+    *,
+    glow: float = 0.0,
+    mottle: float = 0.0,
+    mottle_scale: float = 6.0,
+) -> Material:
+    """A new material, which looks alike in the solid viewport.
+
+    colour: sRGB. glow: strength of the light it gives off. mottle: how far, in [0, 1], a noise of ``mottle_scale`` blotches per metre
+    darkens it.
+    """
+    material = bpy.data.materials.new(name)
+    material.diffuse_color = linear_colour(colour)
+    material.roughness = roughness
+    material.metallic = metallic
+    tree = node_tree(material)
+    shader = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeBsdfPrincipled")
+    shader.inputs["Base Color"].default_value = linear_colour(colour)
+    shader.inputs["Roughness"].default_value = roughness
+    shader.inputs["Metallic"].default_value = metallic
+    if glow > 0:
+        shader.inputs["Emission Color"].default_value = linear_colour(colour)
+        shader.inputs["Emission Strength"].default_value = glow
+    if mottle > 0:
+        _add_mottle(tree, shader, colour, mottle, mottle_scale)
+    return material
+
+
+def _add_mottle(tree: NodeTree, shader: Node, colour: str, amount: float, scale: float) -> None:
+    place = tree.nodes.new("ShaderNodeTexCoord")
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    noise.inputs["Scale"].default_value = scale
+    noise.inputs["Detail"].default_value = 6.0
+    ramp = tree.nodes.new("ShaderNodeValToRGB")
+    bright = linear_colour(colour)
+    ramp.color_ramp.elements[0].position = 0.35
+    ramp.color_ramp.elements[0].color = (*(channel * (1 - amount) for channel in bright[:3]), 1.0)
+    ramp.color_ramp.elements[1].position = 0.65
+    ramp.color_ramp.elements[1].color = bright
+    tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
+    tree.links.new(noise.outputs[0], ramp.inputs[0])
+    tree.links.new(ramp.outputs[0], shader.inputs["Base Color"])
+    for column, node in enumerate((place, noise, ramp)):
+        node.location = (-900 + 250 * column, 300)

@@ -1,0 +1,124 @@
+"""Puts things into a scene: objects, rigid bodies, haptic sources and listeners."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+from bpy.types import Material, Object, Scene
+from mathutils import Euler, Vector
+
+from .geometry import Geometry, Point, to_mesh
+from .materials import Substance, tag
+
+
+def place(
+    scene: Scene,
+    name: str,
+    geometry: Geometry,
+    materials: Sequence[Material],
+    location: Point | Vector = (0.0, 0.0, 0.0),
+    rotation: Point = (0.0, 0.0, 0.0),
+    parent: Object | None = None,
+) -> Object:
+    """A new mesh object in ``scene``: ``geometry`` turned by ``rotation`` (XYZ, radians) and moved by ``location``, relative to ``parent``.
+
+    Its origin is the centre of its bounding box, since that is where rigid bodies have the centre of their boxes, cylinders and cones.
+    """
+    centre = geometry.centre()
+    obj = bpy.data.objects.new(name, to_mesh(name, geometry.moved(*(-centre)), materials))
+    scene.collection.objects.link(obj)
+    obj.location = Vector(location) + Euler(rotation).to_matrix() @ centre
+    obj.rotation_euler = rotation
+    obj.parent = parent
+    return obj
+
+
+def place_empty(
+    scene: Scene,
+    name: str,
+    location: Point | Vector = (0.0, 0.0, 0.0),
+    parent: Object | None = None,
+    kind: str = "PLAIN_AXES",
+    size: float = 0.1,
+) -> Object:
+    """A new empty in ``scene``, relative to ``parent``."""
+    obj = bpy.data.objects.new(name, None)
+    scene.collection.objects.link(obj)
+    obj.empty_display_type = kind
+    obj.empty_display_size = size
+    obj.location = location
+    obj.parent = parent
+    return obj
+
+
+def add_rigid_body_world(scene: Scene, end: int) -> None:
+    """Give ``scene`` a rigid body world that simulates from its first frame to frame ``end``."""
+    with bpy.context.temp_override(scene=scene):
+        bpy.ops.rigidbody.world_add()
+    world = scene.rigidbody_world
+    world.collection = bpy.data.collections.new(f"{scene.name} Rigid Bodies")
+    world.constraints = bpy.data.collections.new(f"{scene.name} Rigid Body Constraints")
+    world.point_cache.frame_start = scene.frame_start
+    world.point_cache.frame_end = end
+
+
+def _rigid_body(scene: Scene, obj: Object, shape: str) -> bpy.types.RigidBodyObject:
+    scene.rigidbody_world.collection.objects.link(obj)
+    body = obj.rigid_body
+    body.collision_shape = shape
+    if shape == "MESH":
+        # A mesh alone is thickened by its margin, 4 cm by default.
+        body.use_margin = True
+        body.collision_margin = 0.0
+    return body
+
+
+def make_static(scene: Scene, obj: Object, substance: Substance, shape: str = "CONVEX_HULL", friction: float = 0.6) -> Object:
+    """A haptic object that stands still."""
+    body = _rigid_body(scene, obj, shape)
+    body.type = "PASSIVE"
+    body.friction = friction
+    body.restitution = 0.2
+    return tag(obj, substance)
+
+
+def make_moving(scene: Scene, obj: Object, substance: Substance, mass: float, shape: str = "CONVEX_HULL") -> Object:
+    """A haptic object that follows its animation, or that of its parent. ``mass`` in kg counts for the energy of its impacts."""
+    body = _rigid_body(scene, obj, shape)
+    body.type = "PASSIVE"
+    body.kinematic = True
+    body.mass = mass
+    body.friction = 0.6
+    return tag(obj, substance)
+
+
+def make_dynamic(
+    scene: Scene, obj: Object, substance: Substance, mass: float, shape: str = "BOX", friction: float = 0.6, restitution: float = 0.2
+) -> Object:
+    """A haptic object that falls and collides."""
+    body = _rigid_body(scene, obj, shape)
+    body.type = "ACTIVE"
+    body.mass = mass
+    body.friction = friction
+    body.restitution = restitution
+    return tag(obj, substance)
+
+
+def make_source(obj: Object, signal: str, frequency: float = 60.0, amplitude: float = 1.0) -> Object:
+    """A persistent source at the origin of ``obj``: signal is ``SINE``, ``PULSE`` or ``NOISE``, frequency in Hz, amplitude in [0, 1]."""
+    source = obj.haptics.source
+    source.enabled = True
+    source.signal = signal
+    source.frequency = frequency
+    source.amplitude = amplitude
+    return obj
+
+
+def make_listener(obj: Object, body_part: str, radius: float) -> Object:
+    """A listener at the origin of ``obj``, which stands for a body part with a bounding radius in metres."""
+    listener = obj.haptics.listener
+    listener.enabled = True
+    listener.body_part = body_part
+    listener.radius = radius
+    return obj
