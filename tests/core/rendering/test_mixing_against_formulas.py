@@ -112,6 +112,10 @@ def test_custom_method() -> None:
     assert seen == [[0.5, 1.0, 7.0]]
 
 
+def test_a_custom_method_is_not_asked_about_silence() -> None:
+    assert not Renderer([ListenerMix("hand", lambda signals, _: signals.max(axis=0))]).render_frame(0.0, 0.1, []).any()
+
+
 @pytest.mark.parametrize("bad", [lambda signals, _: signals, lambda signals, _: signals.sum(axis=0) * np.nan, lambda *_: "no"])
 def test_a_custom_method_that_fails_changes_nothing(bad: object) -> None:
     renderer = Renderer([ListenerMix("hand", bad)])  # type: ignore[arg-type]
