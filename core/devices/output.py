@@ -177,6 +177,7 @@ class DeviceOutput:
     def _run(self) -> None:
         try:
             hid = self._hid or hid_module()
+            _stop_at_exit()
             while not self._stopping:
                 opened = self._open(hid)
                 if opened is not None:
@@ -220,7 +221,8 @@ class DeviceOutput:
                 if pacing is not None and self._state == "open":
                     self._end(opened, pacing)
             finally:
-                opened.close()
+                if not _exiting.is_set():
+                    opened.close()
 
     def _follow(self, opened: Opened, pacing: Pacing) -> None:
         """Write what is due when it is due, until the device is to stop or is gone."""
@@ -284,10 +286,11 @@ class DeviceOutput:
         """Zero and release, keeping the device's pace."""
         for report in pacing.ending():
             time.sleep(max(self._wrote + pacing.interval - time.perf_counter(), 0.0))
-            if not self._write(opened, report):
+            if _exiting.is_set() or not self._write(opened, report):
                 return
 
 
+_exiting = threading.Event()
 _registry = threading.Lock()
 _running: set[DeviceOutput] = set()
 
@@ -313,4 +316,13 @@ def stop_all(timeout: float = _EXIT_SECONDS) -> bool:
     return all(done)
 
 
-atexit.register(stop_all)
+def _at_exit() -> None:
+    """Silence the devices; a thread whose write is still blocked then must not touch hidapi again when it goes on."""
+    stop_all()
+    _exiting.set()
+
+
+def _stop_at_exit() -> None:
+    """Silence the devices before hidapi's own exit handler runs, after which a write crashes: what is registered last runs first."""
+    atexit.unregister(_at_exit)
+    atexit.register(_at_exit)

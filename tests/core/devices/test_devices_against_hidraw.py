@@ -1,0 +1,232 @@
+"""End to end without hardware: the real ``hidraw`` module on devices that Debian's umockdev makes up, whose nodes keep the bytes."""
+
+import json
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+VECTORS = {vector["id"]: vector["hex"] for vector in json.loads((HERE / "hid_golden.json").read_text())["vectors"]}
+GAMEPAD = bytes.fromhex("05010905a101c0")
+KEYBOARD = bytes.fromhex("05010906a101c0")
+VENDOR = bytes.fromhex("0600ff0901a101c0")
+
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only")
+
+
+@dataclass
+class Fake:
+    """A HID device. bus: 3 USB, 5 Bluetooth. number: USB interface. features: feature reports the device answers."""
+
+    bus: int
+    vendor: int
+    product: int
+    name: str
+    number: int = -1
+    serial: str = ""
+    descriptor: bytes = GAMEPAD
+    features: list[str] = field(default_factory=list)
+
+
+DUALSENSE_USB = Fake(3, 0x054C, 0x0CE6, "DualSense Wireless Controller", number=3)
+DUALSENSE_BT = Fake(5, 0x054C, 0x0CE6, "DualSense Wireless Controller", serial="a0:ab:51:00:00:01")
+SWITCH_PRO_BT = Fake(5, 0x057E, 0x2009, "Pro Controller", serial="a0:ab:51:00:00:02")
+SWITCH_PRO_USB = Fake(3, 0x057E, 0x2009, "Pro Controller", number=0)
+XBOX_BT = Fake(5, 0x045E, 0x0B13, "Xbox Wireless Controller", serial="a0:ab:51:00:00:03")
+# 65 bytes of feature report are taken, whatever they are.
+DECK = Fake(3, 0x28DE, 0x1205, "Steam Deck Controller", number=2, descriptor=VENDOR, features=["HIDIOCSFEATURE 65 " + "00" * 65])
+STRANGER = Fake(3, 0x1234, 0xABCD, "Somebody's gamepad", number=0)
+
+
+def describe(folder, fakes):
+    """The files umockdev wants: sysfs and nodes in one, ioctls in one per node."""
+    lines, ioctls = [], []
+    for i, fake in enumerate(fakes):
+        hid = f"{fake.bus:04X}:{fake.vendor:04X}:{fake.product:04X}.{i + 1:04X}"
+        if fake.bus == 3:
+            parent = f"/devices/pci0000:00/usb1/1-{i + 1}/1-{i + 1}:1.{fake.number}"
+            lines += [f"P: {Path(parent).parent}", "E: SUBSYSTEM=usb", "E: DEVTYPE=usb_device"]
+            lines += [f"A: idVendor={fake.vendor:04x}", f"A: idProduct={fake.product:04x}", "A: bcdDevice=0100"]
+            lines += [f"A: manufacturer={fake.name.split()[0]}", f"A: product={fake.name}", f"A: serial={fake.serial}", ""]
+            lines += [f"P: {parent}", "E: SUBSYSTEM=usb", "E: DEVTYPE=usb_interface", f"A: bInterfaceNumber={fake.number:02x}", ""]
+        else:
+            parent = "/devices/virtual/misc/uhid"
+        lines += [f"P: {parent}/{hid}", "E: SUBSYSTEM=hid", f"E: HID_ID={fake.bus:04X}:{fake.vendor:08X}:{fake.product:08X}"]
+        lines += [f"E: HID_NAME={fake.name}", "E: HID_PHYS=fake", f"E: HID_UNIQ={fake.serial}"]
+        lines += [f"H: report_descriptor={fake.descriptor.hex()}", ""]
+        # A node with content is a plain file, which keeps what is written to it, in order.
+        lines += [f"P: {parent}/{hid}/hidraw/hidraw{i}", f"N: hidraw{i}=00", f"L: device=../../../{hid}"]
+        lines += [f"E: DEVNAME=/dev/hidraw{i}", "E: SUBSYSTEM=hidraw", "E: MAJOR=240", f"E: MINOR={i}", ""]
+        size = len(fake.descriptor).to_bytes(4, "little")
+        answers = [f"@DEV /dev/hidraw{i}", f"HIDIOCGRDESCSIZE 0 {size.hex()}"]
+        answers += [f"HIDIOCGRDESC 0 {(size + fake.descriptor.ljust(4096, bytes(1))).hex()}", *fake.features]
+        file = folder / f"{i}.ioctl"
+        file.write_text("\n".join(answers) + "\n")
+        ioctls += ["-i", f"/dev/hidraw{i}={file}"]
+    (folder / "devices.umockdev").write_text("\n".join(lines))
+    return ["-d", str(folder / "devices.umockdev"), *ioctls]
+
+
+@pytest.fixture
+def under_umockdev(tmp_path):
+    """Runs a command with the fakes connected and returns the finished process."""
+    if shutil.which("umockdev-run") is None:
+        pytest.fail("umockdev-run is not installed: on Debian and Ubuntu, apt-get install umockdev")
+
+    def run(command, *fakes):
+        return subprocess.run(
+            ["umockdev-run", *describe(tmp_path, fakes), "--", sys.executable, *command], capture_output=True, text=True, timeout=60
+        )
+
+    return run
+
+
+@pytest.fixture
+def scene(under_umockdev):
+    """Runs a scene of ``umockdev_scenes.py`` and returns its answer."""
+
+    def run(name, *arguments, fakes):
+        done = under_umockdev([str(HERE / "umockdev_scenes.py"), name, *arguments], *fakes)
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)
+
+    return run
+
+
+def split(captured, length):
+    data = bytes.fromhex(captured)
+    assert len(data) % length == 0
+    return [data[i : i + length].hex() for i in range(0, len(data), length)]
+
+
+def test_devices_are_found_with_their_transport_and_strangers_are_named(scene):
+    keyboard = Fake(3, 0x046D, 0xC31C, "Keyboard", number=0, descriptor=KEYBOARD)
+    found = scene("list", fakes=[DUALSENSE_USB, DUALSENSE_BT, SWITCH_PRO_BT, XBOX_BT, DECK, STRANGER, keyboard])
+    assert {(device["title"], device["transport"], *device["families"]) for device in found} == {
+        ("DualSense Wireless Controller", "usb", "dualsense"),
+        ("DualSense Wireless Controller", "bt", "dualsense", "dualsense-pcm"),
+        ("Pro Controller", "bt", "switch-pro"),
+        ("Xbox Wireless Controller", "bt", "xbox"),
+        ("Steam Deck Controller", "usb", "steam-deck"),
+        ("Somebody's gamepad", "usb"),
+    }
+
+
+@pytest.mark.parametrize(
+    ("fake", "name", "transport", "vectors"),
+    [
+        (DUALSENSE_USB, "dualsense", "usb", ["dualsense_usb_v2_l0_r0", "dualsense_usb_v2_l0.5_r0.25"]),
+        (DUALSENSE_BT, "dualsense", "bt", ["dualsense_bt_v2_seq0_l0_r0", "dualsense_bt_v2_seq0_l0.5_r0.25"]),
+        (XBOX_BT, "xbox", "bt", ["xbox_bt_l0_r0", "xbox_bt_failsafe_l0.5_r0.25"]),
+    ],
+)
+def test_reports_arrive_byte_exact(scene, fake, name, transport, vectors):
+    expected = [VECTORS[vector] for vector in vectors]
+    assert split(scene("write", name, transport, fakes=[fake]), len(expected[0]) // 2)[:2] == expected
+
+
+def test_playing_on_a_dualsense_over_usb(scene):
+    answer = scene("play", "dualsense", "200", fakes=[DUALSENSE_USB])
+    reports = split(answer["captured"], 48)
+    zero, driven, release = (VECTORS[f"dualsense_usb_{kind}"] for kind in ("v2_l0_r0", "v2_l0.5_r0.25", "release"))
+    assert reports[0] == zero and reports[-2:] == [zero, release]
+    assert driven in reports
+    assert reports.index(driven) <= 4, "the slew limit is passed within 50 ms"
+    assert answer["done"] and answer["state"] == "stopped" and answer["message"] == ""
+    assert answer["written"] == len(reports) and answer["failed_writes"] == answer["losses"] == 0
+
+
+def test_playing_on_a_dualsense_over_bluetooth_counts_reports_and_keeps_the_checksum(scene):
+    reports = split(scene("play", "dualsense", "200", fakes=[DUALSENSE_BT])["captured"], 78)
+    assert [int(report[2], 16) for report in reports] == [i % 16 for i in range(len(reports))]
+    assert reports[0] == VECTORS["dualsense_bt_v2_seq0_l0_r0"]
+    assert any(report[10:14] == "4080" for report in reports)
+    for report in reports:
+        register = 0xFFFFFFFF
+        for byte in b"\xa2" + bytes.fromhex(report)[:-4]:
+            register ^= byte
+            for _ in range(8):
+                register = register >> 1 ^ (0xEDB88320 if register & 1 else 0)
+        assert report[-8:] == (register ^ 0xFFFFFFFF).to_bytes(4, "little").hex()
+
+
+def test_an_old_dualsense_gets_the_reports_of_its_generation(scene):
+    version = bytearray(64)
+    version[0], version[44:46] = 0x20, (0x0210).to_bytes(2, "little")
+    old = Fake(3, 0x054C, 0x0CE6, "DualSense Wireless Controller", number=3, features=[f"HIDIOCGFEATURE 64 {version.hex()}"])
+    assert VECTORS["dualsense_usb_v1_l0.5_r0.25"] in split(scene("play", "dualsense", "200", fakes=[old])["captured"], 48)
+
+
+def test_playing_on_a_switch_pro_over_usb_and_bluetooth(scene):
+    words = VECTORS["switch_kernel_l0.5_r0.25"][4:]
+    neutral = VECTORS["switch_neutral_any"][4:]
+    for fake, length, startup in ((SWITCH_PRO_USB, 64, 5), (SWITCH_PRO_BT, 49, 1)):
+        answer = scene("play", "switch-pro", "160", "320", fakes=[fake])
+        reports = split(answer["captured"], length)
+        if fake is SWITCH_PRO_USB:
+            assert [report[:4] for report in reports[:4]] == ["8002", "8003", "8002", "8004"]
+            assert reports.pop()[:4] == "8005"
+        else:
+            assert reports[0] == VECTORS["switch_enable_vibration_bt"]
+        assert reports[startup - 1][:2] + reports[startup - 1][20:24] == "014801"
+        rumble = reports[startup:]
+        assert all(report[:2] == "10" for report in rumble)
+        assert [int(report[2:4], 16) for report in rumble] == [(startup + i) % 16 for i in range(len(rumble))]
+        assert rumble[-1][4:20] == neutral
+        assert words in [report[4:20] for report in rumble]
+        assert answer["written"] == len(reports) + (fake is SWITCH_PRO_USB)
+
+
+def test_playing_on_a_steam_deck_goes_through_feature_reports(scene):
+    keyboard = Fake(3, 0x28DE, 0x1205, "Steam Deck Controller", number=0, descriptor=KEYBOARD)
+    answer = scene("play", "steam-deck", "200", fakes=[DECK, keyboard])
+    features = [report for report, taken in answer["features"] if taken == 65]
+    assert len(features) == len(answer["features"]) == answer["written"]
+    silent = VECTORS["steamdeck_rumble_l0.5_r0.25"].replace("00800040", "00000000")
+    assert features[0] == features[-1] == silent
+    assert VECTORS["steamdeck_rumble_l0.5_r0.25"] in features
+
+
+def test_the_watchdog_silences_the_real_device(scene):
+    reports = split(scene("watchdog", "dualsense", fakes=[DUALSENSE_USB])["captured"], 48)
+    assert VECTORS["dualsense_usb_v2_l0.5_r0.25"] in reports
+    assert reports[-1] == VECTORS["dualsense_usb_v2_l0_r0"]
+
+
+def test_a_program_that_just_ends_leaves_the_device_silent_and_released(scene):
+    answer = scene("exit", "dualsense", fakes=[DUALSENSE_USB])
+    assert split(answer["captured"], 48)[-2:] == [VECTORS["dualsense_usb_v2_l0_r0"], VECTORS["dualsense_usb_release"]]
+
+
+def test_after_a_kill_a_dualsense_goes_on_as_documented(scene):
+    answer = scene("kill", "dualsense", fakes=[DUALSENSE_USB])
+    assert answer["code"] == answer["killed"]
+    assert bytes.fromhex(split(answer["captured"], 48)[-1])[4] > 0
+
+
+def test_after_a_kill_an_xbox_pad_stops_by_itself_as_its_last_report_says(scene):
+    last = bytes.fromhex(split(scene("kill", "xbox", fakes=[XBOX_BT])["captured"], 9)[-1])
+    assert max(last[4:6]) > 0
+    assert last[6] * 0.010 <= 0.25 and last[7:] == bytes(2), "sustain in units of 10 ms, no delay, no repeat"
+
+
+def test_an_unplugged_device_is_counted_searched_and_driven_again(scene):
+    answer = scene("unplug", "dualsense", fakes=[DUALSENSE_USB])
+    assert answer["lost"]["losses"] == 1 and answer["lost"]["failed_writes"] == 3
+    assert answer["after"]["state"] == "open" and answer["after"]["message"] == ""
+    assert answer["after"]["losses"] == 1 and answer["after"]["failed_writes"] == 3
+    assert answer["after"]["written"] > answer["lost"]["written"]
+    assert VECTORS["dualsense_usb_v2_l0.5_r0.25"] in split(answer["captured"], 48)
+    assert answer["done"]
+
+
+def test_missing_permission_comes_with_the_udev_rule_to_copy(scene):
+    usb = scene("no_permission", "dualsense", fakes=[DUALSENSE_USB])["error"]
+    assert "no permission for /dev/hidraw0" in usb and "\n" not in usb
+    assert usb.endswith('KERNEL=="hidraw*", ATTRS{idVendor}=="054c", ATTRS{idProduct}=="0ce6", MODE="0660", TAG+="uaccess"')
+    bluetooth = scene("no_permission", "dualsense", fakes=[DUALSENSE_BT])["error"]
+    assert bluetooth.endswith('KERNEL=="hidraw*", KERNELS=="*054C:0CE6*", MODE="0660", TAG+="uaccess"')

@@ -1,0 +1,186 @@
+"""What runs inside umockdev: the real ``hidraw`` module on devices that are made up. Prints one JSON object.
+
+Called as ``umockdev-run ... -- python umockdev_scenes.py SCENE [ARGUMENT ...]``.
+"""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from haptic_tracing.core.devices.connection import connected, hid_module, open_device
+from haptic_tracing.core.devices.output import DeviceOutput
+from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.registry import family, rumble_report
+
+RATE = 8000
+NODE = Path("/dev/hidraw0")
+
+
+class Recorder:
+    """hidraw, with a copy of every feature report: umockdev answers them but does not keep them."""
+
+    def __init__(self):
+        self.hid, self.features = hid_module(), []
+        self.enumerate = self.hid.enumerate
+
+    def device(self):
+        recorder, real = self, self.hid.device()
+
+        class Device:
+            def __getattr__(self, name):
+                return getattr(real, name)
+
+            def send_feature_report(self, data):
+                copy = bytes(bytearray(data))
+                sent = real.send_feature_report(data)
+                recorder.features.append([copy.hex(), sent])
+                return sent
+
+        return Device()
+
+
+def loud(device):
+    """The device with ceilings of 0.5 on its first actuator and 0.25 on its second: a loud signal then has exact levels."""
+    actuators = tuple(replace(actuator, safe_maximum=top) for actuator, top in zip(device.actuators, (0.5, 0.25), strict=True))
+    return replace(device, actuators=actuators)
+
+
+def play(output, seconds, rows, *frequencies):
+    """Blocks in real time, as a timeline at 50 frames per second sends them."""
+    count = round(seconds * 50)
+    for i in range(count):
+        times = (i * 160 + np.arange(160)) / RATE
+        output.send(np.tile(sum(np.sin(2 * np.pi * f * times) for f in frequencies), (rows, 1)))
+        time.sleep(0.02)
+
+
+def wait_until(condition, seconds=20.0):
+    end = time.perf_counter() + seconds
+    while not condition():
+        if time.perf_counter() > end:
+            raise TimeoutError(f"{condition} did not come true")
+        time.sleep(0.005)
+
+
+def status_of(output):
+    status = output.status
+    return {name: getattr(status, name) for name in status.__slots__}
+
+
+def scene_list():
+    return [
+        {
+            "title": device.title,
+            "serial": device.serial,
+            "transport": device.transport,
+            "families": [family.name for family in device.families],
+            "paths": [interface.path.decode() for interface in device.interfaces],
+        }
+        for device in connected(hid_module())
+    ]
+
+
+def scene_write(name, transport):
+    """The encoders' reports through the real module, and what the node kept of them."""
+    opened = open_device(hid_module(), family(name))
+    for left, right in ((0.0, 0.0), (0.5, 0.25), (1.0, 1.0)):
+        assert opened.hid.write(rumble_report(name, left, right, transport).data) >= 0
+    opened.close()
+    return NODE.read_bytes().hex()
+
+
+def scene_play(name, *frequencies):
+    recorder = Recorder()
+    output = DeviceOutput(loud(profile(name)), hid=recorder)
+    output.start()
+    wait_until(lambda: output.status.state == "open")
+    play(output, 0.6, 2, *map(float, frequencies))
+    done = output.stop()
+    return {"done": done, "captured": NODE.read_bytes().hex(), "features": recorder.features, **status_of(output)}
+
+
+def scene_watchdog(name):
+    output = DeviceOutput(loud(profile(name)))
+    output.start()
+    wait_until(lambda: output.status.state == "open")
+    play(output, 0.2, 2, 200.0)
+    time.sleep(0.6)
+    captured = NODE.read_bytes().hex()
+    output.stop()
+    return {"captured": captured}
+
+
+def scene_exit(name):
+    """A program that ends without stopping its output."""
+    program = f"""
+import time, sys
+from umockdev_scenes import *
+output = DeviceOutput(loud(profile({name!r})))
+output.start()
+wait_until(lambda: output.status.state == "open")
+play(output, 0.2, 2, 200.0)
+"""
+    done = subprocess.run([sys.executable, "-c", program], cwd=Path(__file__).parent, check=True)
+    return {"code": done.returncode, "captured": NODE.read_bytes().hex()}
+
+
+def scene_kill(name):
+    """A program that is killed while it plays."""
+    program = f"""
+from umockdev_scenes import *
+device = profile({name!r})
+output = DeviceOutput(device)
+output.start()
+wait_until(lambda: output.status.state == "open")
+play(output, 0.4, len(device.actuators), 200.0)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+    done = subprocess.run([sys.executable, "-c", program], cwd=Path(__file__).parent)
+    return {"code": done.returncode, "killed": -signal.SIGKILL, "captured": NODE.read_bytes().hex()}
+
+
+def scene_unplug(name):
+    """The kernel takes the open node away while it is played: the module's own write fails until the device is opened again."""
+    output = DeviceOutput(loud(profile(name)))
+    output.start()
+    wait_until(lambda: output.status.state == "open")
+    play(output, 0.2, 2, 200.0)
+    for link in Path("/proc/self/fd").iterdir():
+        # The listing's own descriptor is gone by now.
+        if link.exists() and str(link.readlink()).endswith("dev/hidraw0"):
+            os.close(int(link.name))
+    # Only a change is written, so only a change shows that the device is gone.
+    wait_until(lambda: (play(output, 0.02, 2, 200.0), output.silence(), time.sleep(0.02), output.status.losses == 1)[-1])
+    lost = status_of(output)
+    wait_until(lambda: output.status.state == "open")
+    play(output, 0.2, 2, 200.0)
+    after = status_of(output)
+    return {"lost": lost, "after": after, "done": output.stop(), "captured": NODE.read_bytes().hex()}
+
+
+def scene_no_permission(name):
+    """The node belongs to root and this user is somebody else."""
+    NODE.chmod(0)
+    if os.geteuid() == 0:
+        # umockdev's folder and socket are made for its user alone: let others in, so that only the permission of the node counts.
+        Path(os.environ["UMOCKDEV_DIR"]).chmod(0o755)
+        Path(os.environ["UMOCKDEV_DIR"], "ioctl", "dev", "hidraw0").chmod(0o777)
+        os.setgroups([])
+        os.setresgid(65534, 65534, 65534)
+        os.setresuid(65534, 65534, 65534)
+    try:
+        open_device(hid_module(), family(name))
+    except OSError as error:
+        return {"error": str(error)}
+    return {"error": None}
+
+
+if __name__ == "__main__":
+    # Standard output is for the answer alone.
+    print(json.dumps(globals()[f"scene_{sys.argv[1]}"](*sys.argv[2:])))
