@@ -173,6 +173,11 @@ class HapticGraph:
         """The nodes of object ``index``."""
         return slice(int(self.start[index]), int(self.start[index + 1]))
 
+    def node_distances(self, a: IntArray, b: IntArray) -> FloatArray:
+        """Distances in metres between nodes ``a[i]`` and ``b[i]``."""
+        x, y, z = self.node_position.T
+        return _lengths(x[a] - x[b], y[a] - y[b], z[a] - z[b])
+
     def intra_gain(self, index: int, node: int, others: slice | IntArray) -> FloatArray:
         """Gains of the intra-connections from ``node`` to other nodes of object ``index``."""
         return self.table.gain(index, distances(self.node_position[others], self.node_position[node]))
@@ -206,16 +211,21 @@ class HapticGraph:
 
 
 def distances(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Euclidean distances over the last axis. Scaled where squaring would overflow or vanish, so that 1e200 m and 1e-200 m are right."""
-    difference = np.abs(a - b)
-    squared = np.einsum("...i,...i->...", difference, difference)
-    largest = difference.max(axis=-1, initial=0.0)
-    extreme = (largest > 1e150) | ((largest < 1e-150) & (largest > 0))
-    if not np.any(extreme):
-        return np.asarray(np.sqrt(squared))
-    scale = np.where(largest > 0, largest, 1.0)
-    scaled = difference / scale[..., None]
-    return np.asarray(scale * np.sqrt(np.einsum("...i,...i->...", scaled, scaled)))
+    """Euclidean distances over the last axis, of length 3. Right also for 1e200 m and 1e-200 m, whose squares overflow or vanish. Element
+    by element: the distance of two points does not depend on what else is computed with them, nor on their order."""
+    return _lengths(a[..., 0] - b[..., 0], a[..., 1] - b[..., 1], a[..., 2] - b[..., 2])
+
+
+def _lengths(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+    with np.errstate(over="ignore", under="ignore"):
+        squared = np.asarray(x * x)
+        squared += y * y
+        squared += z * z
+        result = np.asarray(np.sqrt(squared))
+        if np.max(squared, initial=1.0) > 1e300 or np.min(squared, initial=1.0) < 1e-280:
+            extreme = (squared > 1e300) | (squared < 1e-280)
+            result[extreme] = np.hypot(np.hypot(x, y), z)[extreme]
+    return result
 
 
 def build_graph(table: ObjectTable, contacts: ContactSet, sources: Sequence[Source], listeners: Sequence[Listener]) -> HapticGraph:
@@ -271,7 +281,7 @@ def build_graph(table: ObjectTable, contacts: ContactSet, sources: Sequence[Sour
         start=np.concatenate([[0], np.cumsum(np.bincount(node_object, minlength=len(table.names)))]),
         node_object=node_object[order],
         node_kind=node_kind[order],
-        node_position=node_position[order],
+        node_position=np.asfortranarray(node_position[order]),  # each coordinate contiguous
         partner=partner,
         contact=contact,
         transmission=transmission,

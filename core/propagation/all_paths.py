@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..graph import HapticGraph
-from .best_path import ROUNDING, cost_of, path_tree
+from .connections import ROUNDING
+from .labels import label
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -22,7 +23,7 @@ def enumerate_paths(
     counts = np.zeros(len(listeners), dtype=np.int64)
     if not listeners:
         return sums, counts
-    ahead = np.exp(np.negative(np.min([path_tree(graph, node, math.inf).arrival for node in listeners], axis=0)))
+    ahead = np.exp(np.negative(label(graph, [listeners], np.array([math.inf]), complete=True).arrival[0]))
     by_object: dict[int, list[int]] = {}
     for number, node in enumerate(listeners):
         by_object.setdefault(int(graph.node_object[node]), []).append(number)
@@ -63,5 +64,3 @@ def patches(graph: HapticGraph) -> IntArray:
         patch[contact] = first.setdefault((int(graph.node_object[a]), int(graph.node_object[b])), contact)
     return patch
 
-
-__all__ = ["cost_of", "enumerate_paths"]

@@ -1,97 +1,183 @@
-"""The strongest path between sources and listeners, on the graph whose intra-connections are implied.
-
-Costs are ``-log(gain)``. A node has two labels: the cost of entering its object through it (by an inter-connection) and the cost of
-arriving at it inside its object (by an intra-connection); the second is left through the inter-connection only, which is the rule that no
-two intra-connections follow each other.
-
-Source: E. W. Dijkstra, "A note on two problems in connexion with graphs", Numerische Mathematik 1, 1959.
-"""
+"""`best_path`: the largest product of gains over all paths of a pair, and the path itself."""
 
 from __future__ import annotations
 
-import heapq
-import itertools
 import math
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..graph import HapticGraph
+from .connections import amplifying, cost_limit, intra_costs, path_costs
+from .labels import Labels, label
+from .layered import Layers, layers
+from .strongest_paths import StrongestPaths
 
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+Pair = tuple[int, int]
+Path = tuple[int, ...]
 
-ROUNDING = 1e-12
-"""Relative slack of every comparison with a threshold: one that is met exactly stays met whatever the rounding of the product."""
+SLACK = 1e-9
+"""Labels are rounded, so they are computed a little beyond the limit; the path found is then judged by its exactly rounded cost."""
 
+LABELS_AT_ONCE = 1 << 22
+"""Labels of so many root and node pairs are held at a time, a bound on memory."""
 
-def cost_of(gain: FloatArray) -> FloatArray:
-    """``-log(gain)``; infinite for gain 0."""
-    with np.errstate(divide="ignore"):
-        return np.asarray(-np.log(gain))
+LAYERS_UNLIMITED = 64
+"""Layers computed where gains exceed 1 and nothing limits the connections."""
 
-
-@dataclass(frozen=True, slots=True)
-class PathTree:
-    """Cheapest ways from one node. ``arrival`` (n,) cost of arriving at a node inside its object; ``entry`` (n,) the node through which
-    that object was entered (the root itself in its own object), -1 where nothing arrives."""
-
-    root: int
-    arrival: FloatArray
-    entry: IntArray
-
-    def path(self, graph: HapticGraph, target: int) -> tuple[int, ...]:
-        """The nodes from the root to ``target``, () where it is not reached."""
-        if self.entry[target] < 0:
-            return ()
-        nodes = [target]
-        node = target
-        while True:
-            node = int(self.entry[node])
-            nodes.append(node)
-            if node == self.root:
-                return tuple(reversed(nodes))
-            node = int(graph.partner[node])
-            nodes.append(node)
+ERROR_LIMIT = 1e300
+"""Bounds above this are reported as this: the sum or product may be larger than a number can say."""
 
 
-def path_tree(graph: HapticGraph, root: int, cost_limit: float) -> PathTree:
-    """Cheapest ways from ``root`` to every node within ``cost_limit``."""
-    count = graph.node_count
-    arrival = np.full(count, math.inf)
-    entry = np.full(count, -1, dtype=np.int64)
-    crossing = cost_of(graph.transmission)
-    settled = np.zeros(count, dtype=np.bool_)
-    queue = [(0.0, root)]
-    while queue:
-        cost, node = heapq.heappop(queue)
-        if settled[node]:
-            continue
-        settled[node] = True
-        index = int(graph.node_object[node])
-        nodes = graph.nodes_of(index)
-        candidate = cost + cost_of(graph.intra_gain(index, node, nodes))
-        candidate[node - nodes.start] = math.inf
-        better = np.flatnonzero((candidate < arrival[nodes]) & (candidate <= cost_limit)) + nodes.start
-        arrival[better] = candidate[better - nodes.start]
-        entry[better] = node
-        for other in better.tolist():
-            partner = int(graph.partner[other])
-            if partner >= 0:
-                total = float(arrival[other] + crossing[graph.contact[other]])
-                if total <= cost_limit and not settled[partner]:
-                    heapq.heappush(queue, (total, partner))
-    return PathTree(root, arrival, entry)
+@dataclass(slots=True)
+class BestPaths:
+    """Per pair (row of the source, column of the listener): the nodes of its best path, and its cost ``-log(gain)``. Pairs without a path
+    are left out. ``bound`` holds, where it is not certain that the path is the best, a cost that no path falls below."""
+
+    nodes: dict[Pair, Path] = field(default_factory=dict)
+    cost: dict[Pair, float] = field(default_factory=dict)
+    bound: dict[Pair, float] = field(default_factory=dict)
+    relaxed: int = 0
+    searched: int = 0
+    amplified: bool = False
 
 
-def path_gain(graph: HapticGraph, nodes: tuple[int, ...]) -> float:
-    """Gain of a path: the exponential of the exactly rounded sum of its costs, so that long chains lose no digits."""
-    costs = []
-    for a, b in itertools.pairwise(nodes):
-        if graph.partner[a] == b and graph.contact[a] >= 0:
-            costs.append(float(cost_of(graph.transmission[graph.contact[a]])))
-        else:
-            index = int(graph.node_object[a])
-            costs.append(float(cost_of(graph.intra_gain(index, a, np.array([b])))[0]))
-    return math.exp(-math.fsum(costs))
+def crossings_of(max_connections: int | None) -> float:
+    """Contacts that a path may cross: a path over k contacts has 2 k + 1 connections. -1 where not even one connection is allowed."""
+    return math.inf if max_connections is None else (max_connections - 1) // 2
+
+
+def crosses_twice(graph: HapticGraph, path: Path) -> bool:
+    """True for a walk that crosses a contact more than once."""
+    contacts = graph.contact[list(path[1:-1])]  # every contact stands here with both its nodes
+    return len(set(contacts.tolist())) * 2 != len(contacts)
+
+
+def best_paths(
+    graph: HapticGraph, pairs: Iterable[Pair], max_connections: int | None, threshold: float, budget: int
+) -> BestPaths:
+    """The best path of each pair. ``budget`` bounds the search that is needed where labels are not enough (in partial paths per pair)."""
+    result = BestPaths()
+    wanted = sorted(pairs)
+    crossings = crossings_of(max_connections)
+    if not wanted or crossings < 0:
+        return result
+    result.amplified = amplifying(graph)
+    limit = cost_limit(threshold)
+    if result.amplified:
+        left = wanted
+    else:
+        candidates = _label_paths(graph, wanted, limit, result)
+        judged = bool(graph.table.special)
+        left = [pair for pair, path in candidates.items() if len(path) > 2 * crossings + 2 or (judged and crosses_twice(graph, path))]
+        for pair in left:
+            del candidates[pair]
+        _accept(graph, candidates, limit, result)
+    for row in sorted({row for row, _ in left}):
+        _search_row(graph, row, [column for r, column in left if r == row], crossings, limit, budget, result)
+    return result
+
+
+def _accept(graph: HapticGraph, candidates: dict[Pair, Path], limit: float, result: BestPaths) -> None:
+    """Take over the paths that meet the threshold."""
+    for (pair, path), cost in zip(candidates.items(), path_costs(graph, list(candidates.values())), strict=True):
+        if cost <= limit and cost < math.inf:
+            result.nodes[pair], result.cost[pair] = path, cost
+
+
+def _label_paths(graph: HapticGraph, wanted: Sequence[Pair], limit: float, result: BestPaths) -> dict[Pair, Path]:
+    """Cheapest walks by labels, from the side that has fewer nodes."""
+    rows, columns = sorted({row for row, _ in wanted}), sorted({column for _, column in wanted})
+    listener_nodes = graph.listener_nodes.tolist()
+    forward = len(rows) <= len(columns)
+    ends = [graph.sources[row].nodes for row in rows], [(listener_nodes[column],) for column in columns]
+    roots, targets = ends if forward else (ends[1], ends[0])
+    target_nodes = np.array(sorted({node for nodes in targets for node in nodes}), dtype=np.int64)
+    at_once = max(1, LABELS_AT_ONCE // max(1, graph.node_count))
+    found: dict[Pair, Path] = {}
+    for first in range(0, len(roots), at_once):
+        part = roots[first : first + at_once]
+        labels = label(graph, part, np.full(len(part), limit + SLACK), target_nodes)
+        result.relaxed += labels.relaxed
+        for row, column in wanted:
+            root = (rows.index(row) if forward else columns.index(column)) - first
+            if 0 <= root < len(part):
+                path = _nearest(graph, labels, root, (listener_nodes[column],) if forward else graph.sources[row].nodes)
+                if path:
+                    found[row, column] = path if forward else path[::-1]
+    return found
+
+
+def _nearest(graph: HapticGraph, labels: Labels, root: int, targets: Sequence[int]) -> Path:
+    arrival = labels.arrival[root]
+    return labels.trace(graph, root, min(targets, key=lambda node: (arrival[node], node)))
+
+
+def _search_row(
+    graph: HapticGraph, row: int, columns: Sequence[int], crossings: float, limit: float, budget: int, result: BestPaths
+) -> None:
+    """Best paths of one source where labels don't do: by layers, and where their walk is no path, by search."""
+    roots = graph.sources[row].nodes
+    most = min(crossings, graph.contact_count)
+    count = int(min(most, LAYERS_UNLIMITED) if result.amplified and crossings == math.inf else most)
+    walks = layers(graph, roots, limit + SLACK, count)
+    result.relaxed += walks.relaxed
+    certain = walks.complete or count == most
+    for column in columns:
+        target = int(graph.listener_nodes[column])
+        path = walks.trace(graph, target)
+        if path and certain and not crosses_twice(graph, path):
+            _accept(graph, {(row, column): path}, limit, result)
+        elif path or not certain:
+            _search_pair(graph, (row, column), walks, crossings, limit, budget, certain, result)
+
+
+def _search_pair(
+    graph: HapticGraph, pair: Pair, walks: Layers, crossings: float, limit: float, budget: int, certain: bool, result: BestPaths
+) -> None:
+    target = int(graph.listener_nodes[pair[1]])
+    if certain:
+        back = layers(graph, (target,), math.inf, len(walks.changes) - 1, complete=True)
+        result.relaxed += back.relaxed
+        ahead = back.costs(graph.node_count)
+    else:
+        ahead = np.full((1, graph.node_count), -amplification(graph))
+    search = StrongestPaths(graph, graph.sources[pair[0]].nodes, target, ahead, crossings, limit + SLACK, budget)
+    found = next(search, None)
+    result.searched += search.expanded
+    if found is not None:
+        _accept(graph, {pair: found.nodes}, limit, result)
+    elif search.bound < math.inf:
+        simple = {path for k in range(len(walks.changes)) if (path := walks.trace(graph, target, k)) and not crosses_twice(graph, path)}
+        ranked = sorted(zip(path_costs(graph, sorted(simple)), sorted(simple), strict=True))
+        if ranked:
+            _accept(graph, {pair: ranked[0][1]}, limit, result)
+        result.bound[pair] = search.bound
+
+
+def amplification(graph: HapticGraph) -> float:
+    """Logarithm of a gain that no path exceeds: it crosses every contact at most once, and each one leads into one intra-connection."""
+    inside = np.zeros(len(graph.table.names))
+    for index in range(len(inside)):
+        nodes = np.arange(graph.start[index], graph.start[index + 1])
+        for node in nodes.tolist():
+            costs = intra_costs(graph, np.full(len(nodes), node), nodes)
+            inside[index] = max(inside[index], -float(np.min(costs[nodes != node], initial=0.0)))
+    crossed = np.flatnonzero(graph.partner >= 0)
+    beyond = np.zeros(graph.contact_count)
+    np.maximum.at(beyond, graph.contact[crossed], inside[graph.node_object[crossed]])
+    return float(np.max(inside, initial=0.0) + (beyond + np.maximum(0.0, -graph.transmission_loss)).sum())
+
+
+def gain_and_error(cost: float | None, bound: float | None) -> tuple[float, float]:
+    """Gain of a path of this cost (None: no path) and how far the best one may exceed it."""
+    gain = 0.0 if cost is None else bounded_exp(-cost)
+    return gain, 0.0 if bound is None else max(0.0, bounded_exp(-bound) - gain)
+
+
+def bounded_exp(x: float) -> float:
+    """``exp(x)``, at most `ERROR_LIMIT`."""
+    return math.exp(x) if x < math.log(ERROR_LIMIT) else ERROR_LIMIT

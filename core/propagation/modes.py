@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,8 +58,3 @@ def direct_gains(graph: HapticGraph, attenuated: bool) -> FloatArray:
     """Gains (s, l) of one straight connection from every source to every listener: over distance, or 1."""
     line = straight_distances(graph)
     return np.exp(-DISTANCE_ONLY.alpha * line) if attenuated else np.ones_like(line)
-
-
-def cost_limit(threshold: float) -> float:
-    """The largest cost that still meets the threshold (not yet allowing for rounding)."""
-    return math.inf if threshold == 0 else -math.log(threshold)

@@ -6,6 +6,7 @@ node and shows where the signal goes.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from dataclasses import dataclass
 
@@ -14,18 +15,25 @@ from numpy.typing import NDArray
 
 from ..graph import HapticGraph
 from ..scene import Settings
-from .best_path import PathTree, cost_of, path_tree
-from .modes import cost_limit
+from .best_path import SLACK, crossings_of
+from .connections import amplifying, cost_limit
+from .labels import label
+from .layered import layers
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+ROWS_AT_ONCE = 1 << 20
+"""Nodes of several sources are labelled together up to this number, a bound on memory."""
+LAYERS_UNLIMITED = 64
+"""Contacts crossed where gains exceed 1 and nothing limits the connections."""
 
 
 @dataclass(frozen=True, slots=True)
 class Spread:
     """``gain`` (n,): the largest product from any source to each node, the source's amplitude included, 0 where nothing arrives;
     a source's own node has its amplitude. ``predecessor`` (n,): the node that it came from, -1 at sources and where nothing arrives.
-    Following predecessors never comes back to a node, and never lowers the gain."""
+    Where no gain exceeds 1, following predecessors never lowers the gain."""
 
     gain: FloatArray
     predecessor: IntArray
@@ -34,55 +42,71 @@ class Spread:
 def spread(graph: HapticGraph, settings: Settings, sources: Collection[str] | None = None) -> Spread:
     """The spread from all sources of ``graph``, or from those named in ``sources``, within the two limits of ``settings``. The graph is
     taken as it is: a rendering that exchanges its functions does so before."""
-    gain = np.zeros(graph.node_count)
-    predecessor = np.full(graph.node_count, -1, dtype=np.int64)
-    roots = [
-        (source.amplitude, node)
-        for source in graph.sources
-        if source.amplitude > 0 and (sources is None or source.name in sources)
-        for node in source.nodes
-    ]
-    limit = cost_limit(settings.threshold) + 1e-9
-    for amplitude, root in roots:
-        reached, came_from = _arrivals(graph, path_tree(graph, root, limit), limit, settings.max_connections)
-        stronger = amplitude * reached > gain
-        gain[stronger] = amplitude * reached[stronger]
-        predecessor[stronger] = came_from[stronger]
-    return Spread(gain, predecessor)
+    result = Spread(np.zeros(graph.node_count), np.full(graph.node_count, -1, dtype=np.int64))
+    emitting = [s for s in graph.sources if s.amplitude > 0 and (sources is None or s.name in sources)]
+    at_once = max(1, ROWS_AT_ONCE // max(graph.node_count, 1))
+    for first in range(0, len(emitting), at_once):
+        part = emitting[first : first + at_once]
+        cost, came_from = _strongest(graph, [source.nodes for source in part], settings)
+        gain = np.array([source.amplitude for source in part])[:, None] * np.exp(-cost)
+        best = gain.argmax(axis=0)[None, :]
+        strongest = np.take_along_axis(gain, best, axis=0)[0]
+        stronger = strongest > result.gain
+        result.gain[stronger] = strongest[stronger]
+        result.predecessor[stronger] = np.take_along_axis(came_from, best, axis=0)[0][stronger]
+    return result
 
 
-def _arrivals(graph: HapticGraph, tree: PathTree, cost_limit: float, max_connections: int | None) -> tuple[FloatArray, IntArray]:
-    """Gain and predecessor of every node in one tree, by whichever connection brings more."""
+def _strongest(graph: HapticGraph, roots: list[tuple[int, ...]], settings: Settings) -> tuple[FloatArray, IntArray]:
+    """Cost and predecessor of every node (r, n) from each set of roots, by whichever connection costs less."""
+    limit = cost_limit(settings.threshold)
+    inside, entry, contacts = _arrivals(graph, roots, limit, crossings_of(settings.max_connections))
     crossed = graph.partner >= 0
     over = np.where(crossed, graph.partner, 0)
-    length = _connections(graph, tree)
-    inside = tree.arrival.copy()
-    across = np.full(graph.node_count, np.inf)
-    across[crossed] = tree.arrival[over[crossed]] + cost_of(graph.transmission)[graph.contact[crossed]]
-    across[across > cost_limit] = np.inf
-    if max_connections is not None:
-        inside[length > max_connections] = np.inf
-        across[length[over] + 1 > max_connections] = np.inf
+    across = np.full(inside.shape, math.inf)
+    across[:, crossed] = inside[:, over[crossed]] + graph.transmission_loss[graph.contact[crossed]]
+    across[across > limit] = math.inf
+    if settings.max_connections is not None:
+        across[2 * contacts[:, over] + 2 > settings.max_connections] = math.inf
     # Of equal ways the shorter one, so that following predecessors always comes closer to the source.
-    crosses = (across < inside) | ((across == inside) & (length[over] + 1 < length))
+    crosses = (across < inside) | ((across == inside) & (contacts[:, over] < contacts))
     cost = np.minimum(inside, across)
-    came_from = np.where(np.isinf(cost), -1, np.where(crosses, over, tree.entry))
-    cost[tree.root], came_from[tree.root] = 0.0, -1
-    return np.exp(-cost), came_from
+    came_from = np.where(np.isinf(cost), -1, np.where(crosses, over, entry))
+    for row, nodes in enumerate(roots):
+        cost[row, list(nodes)], came_from[row, list(nodes)] = 0.0, -1
+    return cost, came_from
 
 
-def _connections(graph: HapticGraph, tree: PathTree) -> IntArray:
-    """Number of connections on the tree's path to each node (arrived at inside its object); 0 where there is none."""
-    arrived = np.flatnonzero(tree.entry >= 0)
-    entry = tree.entry[arrived]
-    before = np.where(entry == tree.root, entry, graph.partner[entry])
-    length = np.zeros(graph.node_count, dtype=np.int64)
-    pending = np.ones(len(arrived), dtype=np.bool_)
-    known = np.zeros(graph.node_count, dtype=np.bool_)
-    direct = entry == tree.root
-    while pending.any():
-        ready = pending & (direct | known[before])
-        length[arrived[ready]] = np.where(direct[ready], 1, length[before[ready]] + 2)
-        known[arrived[ready]] = True
-        pending &= ~ready
-    return length
+def _arrivals(
+    graph: HapticGraph, roots: list[tuple[int, ...]], limit: float, crossings: float
+) -> tuple[FloatArray, IntArray, IntArray]:
+    """Cost of arriving at every node inside its object, the node through which that was entered, and the contacts crossed, each (r, n)."""
+    shape = len(roots), graph.node_count
+    if crossings < 0:
+        return np.full(shape, math.inf), np.full(shape, -1, dtype=np.int64), np.zeros(shape, dtype=np.int64)
+    if amplifying(graph):
+        rows = np.arange(len(roots))
+        arrival, entry, contacts = np.full(shape, math.inf), np.full(shape, -1, dtype=np.int64), np.zeros(shape, dtype=np.int64)
+    else:
+        labels = label(graph, roots, np.full(len(roots), limit + SLACK))
+        arrival, entry, contacts = labels.arrival, labels.entry, contacts_crossed(graph, labels.entry)
+        rows = np.flatnonzero((contacts > crossings).any(axis=1))
+    most = int(min(crossings, graph.contact_count, LAYERS_UNLIMITED if crossings == math.inf else math.inf))
+    for row in rows.tolist():
+        arrival[row], entry[row], contacts[row] = math.inf, -1, 0
+        for k, (nodes, cost, entered) in enumerate(layers(graph, roots[row], limit + SLACK, most).changes):
+            arrival[row, nodes], entry[row, nodes], contacts[row, nodes] = cost, entered, k
+    arrival[arrival > limit] = math.inf
+    return arrival, entry, contacts
+
+
+def contacts_crossed(graph: HapticGraph, entry: IntArray) -> IntArray:
+    """(r, n) number of contacts on the way to each node of trees given by ``entry`` (r, n), see `Labels`; 0 where there is no way."""
+    count = np.zeros(entry.shape, dtype=np.int64)
+    row, node = np.nonzero(entry >= 0)
+    before = graph.partner[entry[row, node]]
+    known = before < 0
+    while not known.all():
+        row, node, before = row[~known], node[~known], before[~known]
+        ...
+    return count

@@ -1,0 +1,123 @@
+"""Single connections along given nodes: their costs, band gains and delays, and which functions amplify."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..bands import BAND_COUNT
+from ..graph import HapticGraph, distances
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+ROUNDING = 1e-12
+"""Relative slack of comparisons with the threshold: one that is met exactly stays met, however its product was rounded."""
+
+PAIRS_EVALUATED = 1 << 18
+"""Up to so many intra-connections of one object are evaluated to see whether its function really exceeds 1 where its bounds allow it."""
+
+
+def cost_of(gain: FloatArray) -> FloatArray:
+    """``-log(gain)``; infinite for gain 0."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(-np.log(gain))
+
+
+def cost_limit(threshold: float) -> float:
+    """The largest cost that still meets the threshold, rounding allowed for."""
+    return math.inf if threshold == 0 else -math.log(threshold) + ROUNDING
+
+
+def _intra(graph: HapticGraph, a: IntArray, b: IntArray, distance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Cost of intra-connections in two terms, the constant one and that of the distance."""
+    index = graph.node_object[a]
+    constant, varying = graph.table.loss[index], graph.table.decay[index] * distance
+    for number in set(index.tolist()) & graph.table.special:
+        chosen = np.flatnonzero(index == number)
+        constant[chosen], varying[chosen] = 0.0, cost_of(graph.table.gain(number, distance[chosen]))
+    return constant, varying
+
+
+def intra_costs(graph: HapticGraph, a: IntArray, b: IntArray) -> FloatArray:
+    """Costs of the intra-connections between nodes ``a[i]`` and ``b[i]`` of one object each."""
+    constant, varying = _intra(graph, a, b, graph.node_distances(a, b))
+    constant += varying
+    return constant
+
+
+def path_costs(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> list[float]:
+    """The cost ``-log(gain)`` of each path, to the last digit: the exactly rounded sum of the costs of its connections."""
+    if not paths:
+        return []
+    nodes = np.fromiter(itertools.chain.from_iterable(paths), dtype=np.int64)
+    a, b = nodes[:-1], nodes[1:]
+    inter = graph.partner[a] == b
+    ends = np.cumsum([len(path) for path in paths])
+    same = ~inter & (graph.node_object[a] == graph.node_object[b])
+    same[ends[:-1] - 1] = False
+    inter[ends[:-1] - 1] = False
+    terms = np.zeros((len(a), 2))
+    terms[same] = np.column_stack(_intra(graph, a[same], b[same], graph.node_distances(a[same], b[same])))
+    terms[inter, 0] = graph.transmission_loss[graph.contact[a[inter]]]
+    values = terms.tolist()
+    starts = [0, *ends[:-1].tolist()]
+    return [
+        math.fsum(itertools.chain.from_iterable(values[first : last - 1])) if math.isfinite(terms[first : last - 1].sum()) else math.inf
+        for first, last in zip(starts, ends.tolist(), strict=True)
+    ]
+
+
+def path_bands(graph: HapticGraph, path: tuple[int, ...]) -> FloatArray:
+    """Gain of a path in each band relative to its plain gain, (bands,)."""
+    product = np.ones(BAND_COUNT)
+    for a, b in itertools.pairwise(path):
+        if graph.partner[a] == b:
+            if graph.contact_band_gains is not None:
+                product *= graph.contact_band_gains[graph.contact[a]]
+        else:
+            index = int(graph.node_object[a])
+            if graph.table.band_gains is not None:
+                product *= graph.table.band_gains[index]
+            if graph.table.band_decays is not None:
+                product *= np.exp(-graph.table.band_decays[index] * distances(graph.node_position[a], graph.node_position[b]))
+    return product
+
+
+def path_delay(graph: HapticGraph, path: tuple[int, ...]) -> float:
+    """Delay of a path in seconds: distance by wave speed inside the objects, and that of the contacts."""
+    delays = []
+    for a, b in itertools.pairwise(path):
+        if graph.partner[a] == b:
+            if graph.contact_delay is not None:
+                delays.append(float(graph.contact_delay[graph.contact[a]]))
+        elif graph.table.slowness is not None:
+            distance = float(distances(graph.node_position[a], graph.node_position[b]))
+            delays.append(float(graph.table.slowness[graph.node_object[a]]) * distance)
+    return math.fsum(delays)
+
+
+def amplifying(graph: HapticGraph) -> bool:
+    """True where some connection of the graph has a gain above 1, by the bounds of its function or, where these are not tight, by its
+    values."""
+    if np.any(graph.transmission > 1) or np.any(graph.table.loss < 0):
+        return True
+    for index in sorted(graph.table.special):
+        nodes = graph.nodes_of(index)
+        count = nodes.stop - nodes.start
+        if count < 2:
+            continue
+        positions = graph.node_position[nodes]
+        extent = float(distances(positions.min(axis=0), positions.max(axis=0)))
+        if graph.table.gain_bounds(index, extent)[1] <= 1:
+            continue
+        if count * (count - 1) // 2 > PAIRS_EVALUATED:
+            return True
+        first, second = np.triu_indices(count, 1)
+        if np.any(graph.table.gain(index, distances(positions[first], positions[second])) > 1):
+            return True
+    return False

@@ -1,0 +1,225 @@
+"""Cheapest ways from some nodes to all others, on the graph whose intra-connections are implied.
+
+Costs are ``-log(gain)``, none of them negative. A node has two labels: the cost of *entering* its object through it, by its
+inter-connection, and the cost of *arriving* at it inside its object, by an intra-connection. What arrives leaves through the
+inter-connection only: that is the rule that no two intra-connections follow each other, whatever the objects' functions are.
+
+An object is relaxed in one vectorised step, from many entries of many roots at once, the cheapest first (label correcting in batches:
+Bertsekas, *Network Optimization*, 1998, section 2.4). Where there is only a trickle of entries, as along a chain, a heap and scalars take
+over (Dijkstra, Numerische Mathematik 1, 1959).
+
+Why a hub of n contacts costs O(n): let the cost inside an object be ``a + b d`` with a, b >= 0 and d the distance, and let x have been
+reached inside it at the cost A(x) from an entry e. Entering through x at the cost E(x) >= A(x) - a is useless: for every node y of the
+object, ``E(x) + a + b d(x, y) >= A(x) + b d(x, y) = E(e) + a + b (d(e, x) + d(x, y)) >= E(e) + a + b d(e, y)``, by the triangle
+inequality. So once a cheap entry has been relaxed, the others of the same object drop out one comparison each. Only y = e is left out
+of this: no path to anything else needs to go back to where it came in, but whoever wants to know the way from e to a root that does not
+lead back through e's own contact (`complete`) has that one connection relaxed as well.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..graph import HapticGraph
+from .connections import intra_costs
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+BATCH = 1 << 15
+"""Connections relaxed in one vectorised step: enough to hide its overhead, few enough that later entries profit from earlier ones."""
+
+TRICKLE_ROUNDS, TRICKLE = 32, 300
+"""After so many steps that relaxed fewer connections each on average, scalars are faster."""
+
+LARGE = 48
+"""From this many nodes on, an object is relaxed as an array even when everything else is scalar."""
+
+
+@dataclass(frozen=True, slots=True)
+class Labels:
+    """Per root set (row) and node: ``arrival`` (r, n) the cost of arriving inside the object, infinite where nothing does, and ``entry``
+    (r, n) the node through which that object was entered (a root in its own object) or -1. ``relaxed`` counts the connections looked at."""
+
+    arrival: FloatArray
+    entry: IntArray
+    relaxed: int
+
+    def trace(self, graph: HapticGraph, row: int, target: int) -> tuple[int, ...]:
+        """The nodes from a root of the row to ``target``, () where nothing arrives."""
+        entry, partner = self.entry[row].data, graph.partner.data
+        if entry[target] < 0:
+            return ()
+        nodes = [target]
+        node = target
+        while True:
+            node = entry[node]
+            nodes.append(node)
+            node = partner[node]
+            if node < 0:
+                return tuple(reversed(nodes))
+            nodes.append(node)
+
+
+class _Work:
+    """Arrays that every step needs."""
+
+    def __init__(self, graph: HapticGraph, rows: int, limits: FloatArray, complete: bool) -> None:
+        self.graph = graph
+        self.count = graph.node_count
+        self.arrival = np.full((rows, self.count), math.inf)
+        self.entry = np.full((rows, self.count), -1, dtype=np.int64)
+        self.limits = limits
+        self.complete = complete
+        self.size = np.diff(graph.start)
+        self.special = np.zeros(len(self.size), dtype=np.bool_)
+        self.special[list(graph.table.special)] = True
+        crossing = np.maximum(0.0, np.append(graph.transmission_loss, math.inf))
+        self.crossing = crossing[graph.contact]  # per node: cost of its inter-connection; contact -1 takes the appended infinity
+        self.relaxed = 0
+
+
+def label(
+    graph: HapticGraph, roots: Sequence[Sequence[int]], limits: FloatArray, targets: IntArray | None = None, complete: bool = False
+) -> Labels:
+    """Labels of each set of roots (source or listener nodes) up to ``limits`` (r,) in cost.
+
+    With ``targets`` (nodes), a row is only as complete as they need: it stops where no target can get cheaper. With ``complete``, labels
+    are right also for the nodes through which an object is entered. Gains above 1 count as 1 here.
+    """
+    work = _Work(graph, len(roots), np.array(limits, dtype=np.float64), complete)
+    row = np.array([r for r, nodes in enumerate(roots) for _ in nodes], dtype=np.int64)
+    node = np.array([n for nodes in roots for n in nodes], dtype=np.int64)
+    pending = row, node, np.zeros(len(node))
+    rounds = 0
+    while len(pending[0]):
+        pending = _step(work, *pending)
+        rounds += 1
+        if targets is not None and len(targets):
+            np.minimum(work.limits, work.arrival[:, targets].max(axis=1), out=work.limits)
+        if rounds >= TRICKLE_ROUNDS and work.relaxed < TRICKLE * rounds:
+            _finish_with_heap(work, *pending, targets)
+            break
+    return Labels(work.arrival, work.entry, work.relaxed)
+
+
+def _step(work: _Work, row: IntArray, node: IntArray, cost: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+    """Relax the cheapest pending entries; the pending ones afterwards."""
+    graph = work.graph
+    index = graph.node_object[node]
+    within = cost <= work.limits[row]
+    useful = within & (work.special[index] | (work.arrival[row, node] > cost + graph.table.loss[index]))
+    batches = []
+    if work.complete:
+        back = np.flatnonzero(within & ~useful)
+        back = back[graph.partner[work.entry[row[back], node[back]]] >= 0]
+        if len(back):
+            other = work.entry[row[back], node[back]]
+            batches.append(_improve(work, row[back], node[back], cost[back], np.arange(len(back)), other))
+    if not useful.all():
+        row, node, cost, index = row[useful], node[useful], cost[useful], index[useful]
+    if len(row):
+        size = work.size[index]
+        if size.sum() > BATCH:
+            order = np.lexsort((node, row, cost))
+            now = max(1, int(np.searchsorted(np.cumsum(size[order]), BATCH, side="right")))
+            later, order = order[now:], order[:now]
+            batches.append((row[later], node[later], cost[later]))
+            row, node, cost, index, size = row[order], node[order], cost[order], index[order], size[order]
+        which = np.repeat(np.arange(len(row)), size)
+        other = np.arange(len(which)) + (graph.start[index] - np.cumsum(size) + size)[which]
+        batches.append(_improve(work, row, node, cost, which, other))
+    if len(batches) == 1:
+        return batches[0]
+    if not batches:
+        return row, node, cost
+    rows, nodes, costs = zip(*batches, strict=True)
+    return np.concatenate(rows), np.concatenate(nodes), np.concatenate(costs)
+
+
+def _improve(
+    work: _Work, row: IntArray, node: IntArray, cost: FloatArray, which: IntArray, other: IntArray
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """Relax the connections from entries ``node[which]`` to nodes ``other`` of the same objects; the entries that follow from it."""
+    graph = work.graph
+    work.relaxed += len(other)
+    candidate = cost[which] + np.maximum(0.0, intra_costs(graph, node[which], other))
+    place = row[which] * work.count + other
+    arrival, entry = work.arrival.reshape(-1), work.entry.reshape(-1)
+    better = np.flatnonzero((candidate < arrival[place]) & (candidate <= work.limits[row][which]) & (other != node[which]))
+    place, candidate, other, which = place[better], candidate[better], other[better], which[better]
+    if len(row) > 1:  # of several ways to one node the cheapest, of equal ones the first entry
+        order = np.lexsort((node[which], candidate, place))
+        first = np.ones(len(order), dtype=np.bool_)
+        first[1:] = place[order[1:]] != place[order[:-1]]
+        chosen = order[first]
+        place, candidate, other, which = place[chosen], candidate[chosen], other[chosen], which[chosen]
+    arrival[place] = candidate
+    entry[place] = node[which]
+    onwards = candidate + work.crossing[other]
+    go = np.flatnonzero((onwards <= work.limits[row[which]]) & (onwards < math.inf))
+    return row[which[go]], graph.partner[other[go]], onwards[go]
+
+
+def _finish_with_heap(work: _Work, row: IntArray, node: IntArray, cost: FloatArray, targets: IntArray | None) -> None:
+    for number in np.unique(row).tolist():
+        mine = row == number
+        _heap_row(work, number, list(zip(cost[mine].tolist(), node[mine].tolist(), strict=True)), targets)
+
+
+def _heap_row(work: _Work, row: int, queue: list[tuple[float, int]], targets: IntArray | None) -> None:
+    """Dijkstra's algorithm from the pending entries of one row on."""
+    graph = work.graph
+    heapq.heapify(queue)
+    limit = float(work.limits[row])
+    arrival, entry = work.arrival[row], work.entry[row]
+    arrives, enters = arrival.data, entry.data
+    objects, partner, crossing, start = graph.node_object.data, graph.partner.data, work.crossing.data, graph.start.data
+    loss, decay, special = graph.table.loss.data, graph.table.decay.data, work.special.data
+    x, y, z = (np.ascontiguousarray(axis).data for axis in graph.node_position.T)
+    settled: set[int] = set()
+    open_targets = set() if targets is None else set(targets.tolist())
+    seeking = bool(open_targets)
+    while queue:
+        cost, node = heapq.heappop(queue)
+        if cost > limit:
+            break
+        if node in settled:
+            continue
+        settled.add(node)
+        index = objects[node]
+        first, last = start[index], start[index + 1]
+        if not special[index] and arrives[node] <= cost + loss[index]:
+            first = enters[node]
+            if not work.complete or partner[first] < 0:
+                continue
+            last = first + 1
+        if special[index] or last - first >= LARGE:
+            nodes = np.arange(first, last)
+            candidate = cost + np.maximum(0.0, intra_costs(graph, np.full(last - first, node), nodes))
+            better = np.flatnonzero((candidate < arrival[first:last]) & (candidate <= limit) & (nodes != node)).tolist()
+            costs = candidate.tolist()
+        else:
+            base, rate = cost + max(0.0, loss[index]), decay[index]
+            here = x[node], y[node], z[node]
+            costs = [base + rate * math.dist(here, (x[k], y[k], z[k])) for k in range(first, last)]
+            better = [k for k, value in enumerate(costs) if value < arrives[first + k] and value <= limit and first + k != node]
+        work.relaxed += last - first
+        for k in better:
+            other = first + k
+            arrives[other] = costs[k]
+            enters[other] = node
+            through = partner[other]
+            if through >= 0:
+                total = costs[k] + crossing[other]
+                if total <= limit and total < math.inf:
+                    heapq.heappush(queue, (total, through))
+        if seeking:  # stop where no target can get cheaper
+            limit = min(limit, max(arrives[k] for k in open_targets))

@@ -1,0 +1,119 @@
+"""Paths in the order of their gain, the strongest first: best-first search over partial paths.
+
+A partial path is ranked by its cost plus a lower bound of what is left (the cheapest walk to the target, which may cross contacts that the
+path has crossed already). So the first path that is complete is the cheapest one, the second the next, and so on: Hart, Nilsson, Raphael,
+"A formal basis for the heuristic determination of minimum cost paths", IEEE Transactions on Systems Science and Cybernetics 4, 1968. Unlike
+labels this needs no assumption on the objects' functions; its price is that it may have to look at many partial paths, hence the budget.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..graph import HapticGraph
+from .connections import intra_costs
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class FoundPath:
+    """A path and its cost ``-log(gain)``."""
+
+    cost: float
+    nodes: tuple[int, ...]
+
+
+@dataclass(slots=True)
+class _Partial:
+    """A partial path that has just entered an object through ``node``, and its continuations, the most promising first."""
+
+    node: int
+    cost: float
+    crossed: frozenset[int]
+    trail: tuple[int, ...]
+    ends: IntArray
+    bounds: FloatArray
+    costs: FloatArray
+
+
+class StrongestPaths(Iterator[FoundPath]):
+    """Iterates over the paths from any of ``roots`` to ``target``, the strongest first.
+
+    ``ahead`` (k, n): lower bounds of the cost from entering at a node to the target with at most 0, 1, ... contacts more to cross; the
+    last row holds for any larger number. ``crossings`` bounds the contacts of a path, ``limit`` the cost of every beginning of it. After
+    ``budget`` partial paths the iteration stops; `bound` then is a lower bound of the cost of all paths not returned.
+    """
+
+    def __init__(
+        self, graph: HapticGraph, roots: Sequence[int], target: int, ahead: FloatArray, crossings: float, limit: float, budget: int
+    ) -> None:
+        self._graph = graph
+        self._target = target
+        self._ahead = ahead
+        self._crossings = crossings
+        self._limit = limit
+        self._budget = budget
+        self._crossing = np.append(graph.transmission_loss, math.inf)[graph.contact]
+        self._queue: list[tuple[float, int, _Partial, int]] = []
+        self._numbers = itertools.count()
+        self.expanded = 0
+        for root in roots:
+            self._expand(root, 0.0, frozenset(), (root,))
+
+    @property
+    def bound(self) -> float:
+        """No path that has not been returned costs less."""
+        return self._queue[0][0] if self._queue else math.inf
+
+    def __next__(self) -> FoundPath:
+        while self._queue:
+            if self.expanded >= self._budget:
+                raise StopIteration
+            _, _, partial, place = heapq.heappop(self._queue)
+            self._push(partial, place + 1)
+            end = int(partial.ends[place])
+            cost = float(partial.costs[place])
+            if end == self._target:
+                return FoundPath(cost, (*partial.trail, end))
+            through = int(self._graph.partner[end])
+            self._expand(through, cost, partial.crossed | {int(self._graph.contact[end])}, (*partial.trail, end, through))
+        raise StopIteration
+
+    def _expand(self, node: int, cost: float, crossed: frozenset[int], trail: tuple[int, ...]) -> None:
+        """Find the continuations of a partial path that has just entered an object through ``node``."""
+        self.expanded += 1
+        graph = self._graph
+        nodes = graph.nodes_of(int(graph.node_object[node]))
+        others = np.arange(nodes.start, nodes.stop)
+        inside = cost + intra_costs(graph, np.full(len(others), node), others)
+        costs = inside + self._crossing[others]
+        left = self._crossings - len(crossed) - 1
+        if left >= 0:
+            row = self._ahead[int(min(left, len(self._ahead) - 1))]
+            bounds = costs + row[graph.partner[others]]  # partner -1 only where the crossing costs infinity
+            taken = np.fromiter(crossed, dtype=np.int64, count=len(crossed))
+            bounds[np.isin(graph.contact[others], taken) & (graph.contact[others] >= 0)] = math.inf
+        else:
+            bounds = np.full(len(others), math.inf)
+        bounds[others == node] = math.inf
+        bounds[costs > self._limit] = math.inf
+        target = self._target - nodes.start
+        if 0 <= target < len(others) and self._target != node:
+            bounds[target] = costs[target] = inside[target]
+        bounds[(inside > self._limit) | (bounds > self._limit)] = math.inf
+        useful = np.flatnonzero(bounds < math.inf)
+        order = useful[np.lexsort((useful, bounds[useful]))]
+        self._push(_Partial(node, cost, crossed, trail, others[order], bounds[order], costs[order]), 0)
+
+    def _push(self, partial: _Partial, place: int) -> None:
+        if place < len(partial.ends):
+            heapq.heappush(self._queue, (float(partial.bounds[place]), next(self._numbers), partial, place))
