@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...core.frame_result import FrameResult
 from .. import compatibility, scene_reader
-from . import draw, geometry
+from . import draw
 from .png import write_png
 from .render_data import Options
 
@@ -30,35 +30,45 @@ def draw_picture(scene: Scene, result: FrameResult, path: str | Path, size: tupl
     """
     if scene.camera is None:
         raise ValueError(f"scene {scene.name!r} has no camera to draw a picture from")
-    pixels = (
-        viewport_picture(scene, result, size) if compatibility.can_draw_off_screen() else geometry.rendered_picture(scene, result, size)
-    )
+    if starts_gpu():
+        pixels = viewport_picture(scene, result, size)
+    else:
+        from .rendering import rendered_picture
+
+        pixels = rendered_picture(scene, result, size)
     write_png(path, pixels)
 
 
+def starts_gpu() -> bool:
+    """True where things can be drawn off-screen: in a window, and from Blender 5.2 on without one where OpenGL or Vulkan is there."""
+    if not bpy.app.background:
+        return True
+    if not compatibility.can_draw_off_screen():
+        return False
+    import gpu
+
+    try:
+        gpu.init()
+    except (RuntimeError, SystemError):
+        return False
+    return True
+
+
 def viewport_picture(scene: Scene, result: FrameResult, size: tuple[int, int]) -> NDArray[np.uint8]:
-    """Pixels (height, width, 3), top row first: the 3D viewport from the scene's camera with the graph over it. Blender 5.2 on."""
+    """Pixels (height, width, 3), top row first: the 3D viewport from the scene's camera with the graph over it."""
     import gpu
     from gpu.types import GPUOffScreen
 
-    if bpy.app.background:
-        gpu.init()
-    haptics = scene.haptics
-    options = Options(haptics.show_intra, haptics.show_best_paths, haptics.show_labels)
-    drawing = draw.drawing_of(0, result, scene_reader.read_settings(scene), options)
+    drawing = draw.drawing_of(0, result, scene_reader.read_settings(scene), shown_options(scene))
     width, height = (SMOOTHING * side for side in size)
     scale = SMOOTHING * picture_scale(size)
-    view_layer = scene.view_layers[0]
-    view_layer.update()
-    camera = scene.camera.evaluated_get(view_layer.depsgraph)
-    view = camera.matrix_world.normalized().inverted()
-    projection = camera.calc_matrix_camera(view_layer.depsgraph, x=width, y=height)
+    view, projection = camera_view(scene, (width, height))
     off_screen = GPUOffScreen(width, height)
     try:
         with _plain_viewport(scene) as (space, region):
-            off_screen.draw_view3d(scene, view_layer, space, region, view, projection, do_color_management=True)
+            off_screen.draw_view3d(scene, scene.view_layers[0], space, region, view, projection, do_color_management=True)
         with off_screen.bind():
-            draw.draw_graph(drawing, projection, view, (width, height), scale, xray=haptics.xray, flow=None)
+            draw.draw_graph(drawing, projection, view, (width, height), scale, xray=scene.haptics.xray, flow=None)
             with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
                 gpu.matrix.load_matrix(Matrix.Identity(4))
                 gpu.matrix.load_projection_matrix(draw.pixels_to_clip((width, height)))
@@ -70,6 +80,21 @@ def viewport_picture(scene: Scene, result: FrameResult, size: tuple[int, int]) -
     buffer.dimensions = width * height * 4
     pixels = np.array(buffer, dtype=np.uint8).reshape(height, width, 4)[::-1, :, :3]
     return averaged(pixels, SMOOTHING)
+
+
+def camera_view(scene: Scene, size: tuple[int, int]) -> tuple[Matrix, Matrix]:
+    """World to camera, and camera to clip space, of the scene's camera as it stands now, for a picture of ``size`` pixels."""
+    view_layer = scene.view_layers[0]
+    view_layer.update()
+    camera = scene.camera.evaluated_get(view_layer.depsgraph)
+    view = camera.matrix_world.normalized().inverted()
+    return view, camera.calc_matrix_camera(view_layer.depsgraph, x=size[0], y=size[1])
+
+
+def shown_options(scene: Scene) -> Options:
+    """The scene's choices, with nothing selected: a picture shows everything."""
+    haptics = scene.haptics
+    return Options(haptics.show_intra, haptics.show_best_paths, haptics.show_labels)
 
 
 def picture_scale(size: tuple[int, int]) -> float:

@@ -77,9 +77,7 @@ def _strongest(graph: HapticGraph, roots: list[tuple[int, ...]], settings: Setti
     return cost, came_from
 
 
-def _arrivals(
-    graph: HapticGraph, roots: list[tuple[int, ...]], limit: float, crossings: float
-) -> tuple[FloatArray, IntArray, IntArray]:
+def _arrivals(graph: HapticGraph, roots: list[tuple[int, ...]], limit: float, crossings: float) -> tuple[FloatArray, IntArray, IntArray]:
     """Cost of arriving at every node inside its object, the node through which that was entered, and the contacts crossed, each (r, n)."""
     shape = len(roots), graph.node_count
     if crossings < 0:
@@ -102,11 +100,15 @@ def _arrivals(
 
 def contacts_crossed(graph: HapticGraph, entry: IntArray) -> IntArray:
     """(r, n) number of contacts on the way to each node of trees given by ``entry`` (r, n), see `Labels`; 0 where there is no way."""
-    count = np.zeros(entry.shape, dtype=np.int64)
-    row, node = np.nonzero(entry >= 0)
-    before = graph.partner[entry[row, node]]
-    known = before < 0
-    while not known.all():
-        row, node, before = row[~known], node[~known], before[~known]
-        ...
-    return count
+    rows, nodes = entry.shape
+    before = np.where(entry >= 0, graph.partner[entry], -1) if nodes else entry
+    # Pointer doubling: each node adds up its way back to a node whose sum is already known, twice as far in every round.
+    pointer = np.where(before >= 0, before + nodes * np.arange(rows)[:, None], -1).reshape(-1)
+    count = (pointer >= 0).astype(np.int64)
+    pending = np.flatnonzero(pointer >= 0)
+    while len(pending):
+        back = pointer[pending]
+        count[pending] += count[back]
+        pointer[pending] = pointer[back]
+        pending = pending[pointer[pending] >= 0]
+    return count.reshape(entry.shape)

@@ -1,0 +1,152 @@
+"""The picture where no GPU can draw: scene and graph rendered by Cycles, labels and legend painted over them."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.types import Scene
+from numpy.typing import NDArray
+
+from ...core.frame_result import FrameResult
+from .. import scene_reader
+from ..suspension import suspended
+from .colour_map import FloatArray
+from .draw import text_width
+from .furniture import furniture
+from .geometry import add_graph
+from .picture import camera_view, picture_scale, shown_options
+from .raster import paint
+from .render_data import HALO_COLOUR, render_data
+from .solids import Solid, seen_unit, solid_graph
+
+SAMPLES = 24
+_RIM = 2.5  # points of dark rim around the graph where it is drawn in front
+
+
+def rendered_picture(scene: Scene, result: FrameResult, size: tuple[int, int]) -> NDArray[np.uint8]:
+    """Pixels (height, width, 3), top row first. The scene is left as it was."""
+    data = render_data(result, scene_reader.read_settings(scene), shown_options(scene))
+    scale = picture_scale(size)
+    view, projection = (np.array(matrix, dtype=np.float64) for matrix in camera_view(scene, size))
+    solid = solid_graph(data, seen_unit(data, projection, view, size[1] / scale))
+    with suspended():
+        if scene.haptics.xray:
+            canvas = _in_front(_rendered(scene, size)[..., :3], _rendered_alone(scene, solid, size), _RIM * scale)
+        else:
+            canvas = _rendered_among(scene, solid, size)[..., :3]
+    items = furniture(data, projection @ view, size, scale, (0.0, 0.0), text_width)
+    paint(canvas, items, scale)
+    return np.rint(np.clip(canvas[::-1], 0, 1) * 255).astype(np.uint8)
+
+
+def _in_front(below: FloatArray, graph: FloatArray, rim: float) -> FloatArray:
+    """``graph`` (height, width, 4) over ``below`` (height, width, 3), with a dark rim of ``rim`` pixels."""
+    opacity = graph[..., 3]
+    dark = 0.75 * _grown(opacity, rim)[..., None]
+    canvas = below + dark * (HALO_COLOUR - below)
+    return canvas + opacity[..., None] * (graph[..., :3] - canvas)
+
+
+def _grown(opacity: FloatArray, radius: float) -> FloatArray:
+    """The largest opacity within ``radius`` pixels."""
+    reach = int(np.ceil(radius))
+    height, width = opacity.shape
+    padded = np.pad(opacity, reach)
+    grown = opacity.copy()
+    for down in range(-reach, reach + 1):
+        for right in range(-reach, reach + 1):
+            near = np.clip(radius + 0.5 - np.hypot(down, right), 0, 1)
+            if near > 0:
+                shifted = padded[reach + down : reach + down + height, reach + right : reach + right + width]
+                np.maximum(grown, near * shifted, out=grown)
+    return grown
+
+
+def _rendered_alone(scene: Scene, solid: Solid, size: tuple[int, int]) -> FloatArray:
+    """The graph before nothing, in its own scene with a copy of the camera."""
+    alone = bpy.data.scenes.new("Haptic Graph picture")
+    camera = bpy.data.objects.new("Haptic Graph camera", scene.camera.data)
+    camera.matrix_world = scene.camera.evaluated_get(scene.view_layers[0].depsgraph).matrix_world.copy()
+    graph = add_graph(alone.collection, solid)
+    alone.collection.objects.link(camera)
+    alone.camera = camera
+    alone.render.film_transparent = True
+    alone.view_settings.view_transform = "Standard"
+    try:
+        return _rendered(alone, size)
+    finally:
+        mesh = graph.data
+        bpy.data.scenes.remove(alone)
+        for obj in (graph, camera):
+            bpy.data.objects.remove(obj)
+        bpy.data.meshes.remove(mesh)
+
+
+def _rendered_among(scene: Scene, solid: Solid, size: tuple[int, int]) -> FloatArray:
+    """The scene with the graph in it, which objects may hide."""
+    graph = add_graph(scene.collection, solid)
+    try:
+        return _rendered(scene, size)
+    finally:
+        mesh = graph.data
+        bpy.data.objects.remove(graph)
+        bpy.data.meshes.remove(mesh)
+
+
+def _rendered(scene: Scene, size: tuple[int, int]) -> FloatArray:
+    """Display values (height, width, 4), bottom row first, as Cycles renders the scene on the CPU."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "picture.png"
+        with _render_settings(scene, size, path):
+            bpy.ops.render.render(write_still=True, scene=scene.name)
+        image = bpy.data.images.load(str(path))
+        try:
+            values = np.empty(4 * size[0] * size[1], dtype=np.float32)
+            image.pixels.foreach_get(values)
+        finally:
+            bpy.data.images.remove(image)
+    return values.reshape(size[1], size[0], 4).astype(np.float64)
+
+
+@contextmanager
+def _render_settings(scene: Scene, size: tuple[int, int], path: Path) -> Iterator[None]:
+    render = scene.render
+    wanted: list[tuple[Any, dict[str, Any]]] = [
+        (
+            render,
+            {
+                "engine": "CYCLES",
+                "resolution_x": size[0],
+                "resolution_y": size[1],
+                "resolution_percentage": 100,
+                "use_border": False,
+                "use_compositing": False,
+                "use_sequencer": False,
+                "filepath": str(path),
+                "use_file_extension": False,
+            },
+        ),
+        (scene.cycles, {"device": "CPU", "samples": SAMPLES, "use_adaptive_sampling": True, "use_denoising": True}),
+    ]
+    if hasattr(render.image_settings, "media_type"):
+        wanted.append((render.image_settings, {"media_type": "IMAGE"}))
+    wanted.append((render.image_settings, {"file_format": "PNG", "color_mode": "RGBA", "color_depth": "8"}))
+    before = [(owner, {key: getattr(owner, key) for key in values}) for owner, values in wanted]
+    try:
+        for owner, values in wanted:
+            _set(owner, values)
+        yield
+    finally:
+        for owner, values in before:
+            _set(owner, values)
+
+
+def _set(owner: Any, values: dict[str, Any]) -> None:
+    for key, value in values.items():
+        setattr(owner, key, value)

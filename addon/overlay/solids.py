@@ -1,0 +1,186 @@
+"""The drawn graph as triangles in space: tubes, spheres, rings, diamonds and spiked balls, coloured like the overlay. No Blender."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .colour_map import FloatArray
+from .render_data import Lines, Points, RenderData, Shape
+
+Triangles = NDArray[np.int64]
+WHITE = np.array([0.97, 0.97, 0.97])
+_SIDES = 10
+_FINE_SPHERES = 300  # more contacts than that are coarser
+
+
+@dataclass(frozen=True, slots=True)
+class Solid:
+    """``vertices`` (n, 3) [m], ``colours`` (n, 3) display values, ``triangles`` (m, 3), ``smooth`` (m,)."""
+
+    vertices: FloatArray
+    colours: FloatArray
+    triangles: Triangles
+    smooth: NDArray[np.bool_]
+
+
+def solid_graph(data: RenderData, unit: float) -> Solid:
+    """Everything that is drawn of a frame but its labels. ``unit``: metres per point of the overlay."""
+    contacts, listeners, sources, impacts = (
+        _chosen(data.points, shape) for shape in (Shape.CONTACT, Shape.LISTENER, Shape.SOURCE, Shape.IMPACT)
+    )
+    return joined(
+        [
+            tubes(data.tree, unit),
+            tubes(data.paths, unit),
+            _copies(sphere(2 if len(contacts.size) <= _FINE_SPHERES else 1), contacts, unit, smooth=True),
+            _listeners(listeners, unit),
+            _copies(sphere(3), sources, 0.62 * unit, smooth=True),
+            _copies(three_rings(0.92, 0.08), sources, unit, smooth=True),
+            _copies(spiked_ball(), impacts, unit, smooth=False),
+        ]
+    )
+
+
+def seen_unit(data: RenderData, projection: FloatArray, view: FloatArray, height: float) -> float:
+    """Metres per point at which the graph looks as thick as the overlay in a picture of ``height`` points, at the middle of its depth."""
+    position = np.column_stack([data.points.position, np.ones(len(data.points.size))])
+    depth = (position @ (projection @ view).T)[:, 3]
+    seen = depth[depth > 0]
+    return 2 * float(np.median(seen) if len(seen) else 1.0) / (projection[1, 1] * height)
+
+
+def extent_unit(data: RenderData) -> float:
+    """Metres per point at which the graph looks about as in a viewport that it fills."""
+    position = data.points.position
+    diagonal = float(np.linalg.norm(np.ptp(position, axis=0))) if len(position) else 0.0
+    return max(diagonal, 0.1) / 900
+
+
+def joined(solids: list[Solid]) -> Solid:
+    """Several solids as one."""
+    offsets = np.cumsum([0, *(len(solid.vertices) for solid in solids)])
+    return Solid(
+        np.concatenate([solid.vertices for solid in solids]),
+        np.concatenate([solid.colours for solid in solids]),
+        np.concatenate([solid.triangles + offset for solid, offset in zip(solids, offsets[:-1], strict=True)]),
+        np.concatenate([solid.smooth for solid in solids]),
+    )
+
+
+def tubes(lines: Lines, unit: float) -> Solid:
+    """Lines as open tubes; fainter lines are thinner."""
+    position = lines.position.astype(np.float64)
+    radius = lines.width * unit / 2 * lines.colour[:, :, 3].mean(axis=1)
+    along = position[:, 1] - position[:, 0]
+    across, upward = _perpendicular(along)
+    angle = np.linspace(0, 2 * np.pi, _SIDES, endpoint=False)
+    ring = np.cos(angle)[:, None] * across[:, None, :] + np.sin(angle)[:, None] * upward[:, None, :]
+    vertices = position[:, :, None, :] + (radius[:, None, None] * ring)[:, None, :, :]
+    near = np.arange(_SIDES)
+    far = (near + 1) % _SIDES
+    faces = np.concatenate([np.stack([near, far, far + _SIDES], axis=1), np.stack([near, far + _SIDES, near + _SIDES], axis=1)])
+    triangles = (2 * _SIDES * np.arange(len(position))[:, None, None] + faces).reshape(-1, 3)
+    colours = np.repeat(lines.colour[:, :, :3], _SIDES, axis=1).reshape(-1, 3).astype(np.float64)
+    return Solid(vertices.reshape(-1, 3), colours, triangles, np.ones(len(triangles), dtype=np.bool_))
+
+
+def _perpendicular(along: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two unit vectors (n, 3) across ``along`` (n, 3) and each other."""
+    length = np.linalg.norm(along, axis=1, keepdims=True)
+    along = np.where(length > 0, along / np.where(length > 0, length, 1.0), (0.0, 0.0, 1.0))
+    other = np.where(np.abs(along[:, 2:]) < 0.9, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
+    across = np.cross(along, other)
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    return across, np.cross(along, across)
+
+
+def _chosen(points: Points, shape: Shape) -> Points:
+    chosen = points.shape == shape
+    return Points(points.position[chosen], points.colour[chosen], points.size[chosen], points.shape[chosen])
+
+
+def _copies(form: tuple[FloatArray, Triangles], points: Points, unit: float, *, smooth: bool) -> Solid:
+    """``form`` of radius 1 at every point."""
+    vertices, triangles = form
+    count = len(points.size)
+    placed = points.position[:, None, :] + (points.size * unit / 2)[:, None, None] * vertices
+    numbered = (len(vertices) * np.arange(count)[:, None, None] + triangles).reshape(-1, 3)
+    colours = np.repeat(points.colour[:, :3].astype(np.float64), len(vertices), axis=0)
+    return Solid(placed.reshape(-1, 3), colours, numbered, np.full(len(numbered), smooth))
+
+
+def _listeners(points: Points, unit: float) -> Solid:
+    """Diamonds with white edges."""
+    vertices, triangles = octahedron()
+    edges = np.array(sorted({tuple(sorted((int(t[i]), int(t[i - 1])))) for t in triangles for i in range(3)}))
+    corners = points.position[:, None, :] + (points.size * unit / 2)[:, None, None] * vertices
+    position = corners[:, edges].reshape(-1, 2, 3)
+    count = len(position)
+    bars = Lines(
+        position,
+        np.broadcast_to(np.array([*WHITE, 1.0]), (count, 2, 4)),
+        np.repeat(points.size * 0.11, len(edges)),
+        np.zeros((count, 2)),
+        np.zeros(count),
+    )
+    joints = Points(corners.reshape(-1, 3), np.tile([*WHITE, 1.0], (corners.size // 3, 1)), np.repeat(points.size * 0.11, 6), np.zeros(0))
+    return joined(
+        [_copies((vertices, triangles), points, unit, smooth=False), tubes(bars, unit), _copies(sphere(1), joints, unit, smooth=True)]
+    )
+
+
+def octahedron() -> tuple[FloatArray, Triangles]:
+    """Six corners at distance 1."""
+    vertices = np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)], dtype=np.float64)
+    faces = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
+    return vertices, np.array(faces, dtype=np.int64)
+
+
+def sphere(subdivisions: int) -> tuple[FloatArray, Triangles]:
+    """An octahedron whose faces are split in four ``subdivisions`` times, its corners at distance 1."""
+    vertices, triangles = octahedron()
+    for _ in range(subdivisions):
+        edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
+        unique, number = np.unique(edges, axis=0, return_inverse=True)
+        middle = vertices[unique].sum(axis=1)
+        middle /= np.linalg.norm(middle, axis=1, keepdims=True)
+        a, b, c = triangles.T
+        ab, bc, ca = (number.reshape(-1, 3) + len(vertices)).T
+        triangles = np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+        vertices = np.concatenate([vertices, middle])
+    return vertices, triangles
+
+
+def torus(radius: float, thickness: float) -> tuple[FloatArray, Triangles]:
+    """A ring around z: its circle has ``radius``, its tube the radius ``thickness``."""
+    around, over = 40, 12
+    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, around, endpoint=False), np.linspace(0, 2 * np.pi, over, endpoint=False), indexing="ij")
+    away = radius + thickness * np.cos(v)
+    vertices = np.stack([away * np.cos(u), away * np.sin(u), thickness * np.sin(v)], axis=2).reshape(-1, 3)
+    i, j = (index.reshape(-1) for index in np.meshgrid(np.arange(around), np.arange(over), indexing="ij"))
+    next_i, next_j = (i + 1) % around, (j + 1) % over
+    a, b, c, d = i * over + j, next_i * over + j, next_i * over + next_j, i * over + next_j
+    return vertices, np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+
+
+def three_rings(radius: float, thickness: float) -> tuple[FloatArray, Triangles]:
+    """Rings around x, y and z: a circle from wherever one looks."""
+    vertices, triangles = torus(radius, thickness)
+    return (
+        np.concatenate([np.roll(vertices, turn, axis=1) for turn in range(3)]),
+        np.concatenate([triangles + turn * len(vertices) for turn in range(3)]),
+    )
+
+
+def spiked_ball() -> tuple[FloatArray, Triangles]:
+    """A ball with a spike on each of its 32 faces."""
+    vertices, triangles = sphere(1)
+    tips = vertices[triangles].sum(axis=1)
+    tips /= np.linalg.norm(tips, axis=1, keepdims=True)
+    numbers = len(vertices) + np.arange(len(tips))
+    a, b, c = triangles.T
+    faces = np.concatenate([np.stack([a, b, numbers], axis=1), np.stack([b, c, numbers], axis=1), np.stack([c, a, numbers], axis=1)])
+    return np.concatenate([0.5 * vertices, tips]), faces
