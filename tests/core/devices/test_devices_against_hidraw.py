@@ -4,7 +4,7 @@ import json
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pytest
@@ -20,7 +20,9 @@ pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="um
 
 @dataclass
 class Fake:
-    """A HID device. bus: 3 USB, 5 Bluetooth. number: USB interface. features: feature reports the device answers."""
+    """A HID device. bus: 3 USB, 5 Bluetooth. number: USB interface. features: feature reports the device answers.
+    keeps: the node keeps what is written, in order; otherwise it is a terminal, which blocks when its buffer is full.
+    """
 
     bus: int
     vendor: int
@@ -30,6 +32,7 @@ class Fake:
     serial: str = ""
     descriptor: bytes = GAMEPAD
     features: list[str] = field(default_factory=list)
+    keeps: bool = True
 
 
 DUALSENSE_USB = Fake(3, 0x054C, 0x0CE6, "DualSense Wireless Controller", number=3)
@@ -58,8 +61,8 @@ def describe(folder, fakes):
         lines += [f"P: {parent}/{hid}", "E: SUBSYSTEM=hid", f"E: HID_ID={fake.bus:04X}:{fake.vendor:08X}:{fake.product:08X}"]
         lines += [f"E: HID_NAME={fake.name}", "E: HID_PHYS=fake", f"E: HID_UNIQ={fake.serial}"]
         lines += [f"H: report_descriptor={fake.descriptor.hex()}", ""]
-        # A node with content is a plain file, which keeps what is written to it, in order.
-        lines += [f"P: {parent}/{hid}/hidraw/hidraw{i}", f"N: hidraw{i}=00", f"L: device=../../../{hid}"]
+        # A node with content is a plain file.
+        lines += [f"P: {parent}/{hid}/hidraw/hidraw{i}", f"N: hidraw{i}" + "=00" * fake.keeps, f"L: device=../../../{hid}"]
         lines += [f"E: DEVNAME=/dev/hidraw{i}", "E: SUBSYSTEM=hidraw", "E: MAJOR=240", f"E: MINOR={i}", ""]
         size = len(fake.descriptor).to_bytes(4, "little")
         answers = [f"@DEV /dev/hidraw{i}", f"HIDIOCGRDESCSIZE 0 {size.hex()}"]
@@ -224,9 +227,66 @@ def test_an_unplugged_device_is_counted_searched_and_driven_again(scene):
     assert answer["done"]
 
 
+def test_a_program_ends_in_time_and_without_a_crash_while_a_write_is_blocked(scene):
+    stuck = replace(DUALSENSE_BT, keeps=False)
+    answer = scene("stuck", "dualsense", fakes=[stuck])
+    done, state, writing_for = answer["stopped"]
+    assert not done and state == "open" and writing_for > 0.3
+    assert answer["code"] == 0 and answer["errors"] == ""
+
+
 def test_missing_permission_comes_with_the_udev_rule_to_copy(scene):
     usb = scene("no_permission", "dualsense", fakes=[DUALSENSE_USB])["error"]
     assert "no permission for /dev/hidraw0" in usb and "\n" not in usb
     assert usb.endswith('KERNEL=="hidraw*", ATTRS{idVendor}=="054c", ATTRS{idProduct}=="0ce6", MODE="0660", TAG+="uaccess"')
     bluetooth = scene("no_permission", "dualsense", fakes=[DUALSENSE_BT])["error"]
     assert bluetooth.endswith('KERNEL=="hidraw*", KERNELS=="*054C:0CE6*", MODE="0660", TAG+="uaccess"')
+
+
+COMMAND = ["-c", "import sys; from haptic_tracing.command_line import main; sys.exit(main())", "devices"]
+
+
+def test_the_command_lists_devices_and_names_what_it_can_not_drive(under_umockdev):
+    done = under_umockdev(COMMAND, DUALSENSE_BT, SWITCH_PRO_USB, STRANGER)
+    assert done.returncode == 0 and done.stderr == ""
+    assert sorted(done.stdout.splitlines()) == [
+        "dualsense, dualsense-pcm\tDualSense Wireless Controller\tbt\t054c:0ce6\ta0:ab:51:00:00:01",
+        "not supported\tSomebody's gamepad\tusb\t1234:abcd",
+        "switch-pro\tPro Controller\tusb\t057e:2009",
+    ]
+    assert under_umockdev(COMMAND).stdout == "no haptic device is connected\n"
+
+
+def test_the_command_plays_a_sweep_on_one_actuator_after_the_other(under_umockdev):
+    program = "import sys; from haptic_tracing.command_line import main; main(); print(open('/dev/hidraw0', 'rb').read().hex())"
+    done = under_umockdev(["-c", program, "devices", "test", "dualsense", "--seconds", "0.8"], DUALSENSE_USB)
+    summary, captured = done.stdout.splitlines()
+    reports = [bytes.fromhex(report) for report in split(captured, 48)]
+    assert summary.startswith(f"dualsense: {len(reports)} reports written, the last is release")
+    assert [reports[-2].hex(), reports[-1].hex()] == [VECTORS["dualsense_usb_v2_l0_r0"], VECTORS["dualsense_usb_release"]]
+    left, right = ([i for i, report in enumerate(reports) if report[place] > 0x60] for place in (4, 3))
+    assert left and right and max(left) < max(right) and min(left) < min(right)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["test", "toaster"], "device 'toaster' is unknown"),
+        (["test", "dualsense", "--seconds", "nan"], "seconds nan is not in [0.1, 60]"),
+        (["test", "xbox"], "Xbox Wireless Controller (Bluetooth) is not connected"),
+        (["--profiles", "/nowhere"], "/nowhere: is not a folder"),
+    ],
+)
+def test_the_command_says_in_one_line_what_is_wrong(under_umockdev, arguments, message):
+    done = under_umockdev([*COMMAND, *arguments], DUALSENSE_USB)
+    assert done.returncode == 2 and done.stdout == ""
+    assert message in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_a_broken_profile_of_the_users_is_named_and_the_others_are_used(under_umockdev, tmp_path):
+    folder = tmp_path / "profiles"
+    folder.mkdir()
+    (folder / "mine.json").write_text('{"format": "haptic-device"}')
+    done = under_umockdev([*COMMAND, "--profiles", str(folder)], DUALSENSE_USB)
+    assert done.returncode == 0 and done.stdout.startswith("dualsense\t")
+    assert done.stderr.startswith(f"{folder / 'mine.json'}: /: must contain") and done.stderr.count("\n") == 1

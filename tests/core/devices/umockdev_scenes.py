@@ -145,6 +145,22 @@ os.kill(os.getpid(), signal.SIGKILL)
     return {"code": done.returncode, "killed": -signal.SIGKILL, "captured": NODE.read_bytes().hex()}
 
 
+def scene_stuck(name):
+    """A device that takes no more reports: a terminal that nobody reads, whose buffer fills up. The program ends while a write blocks."""
+    program = f"""
+from umockdev_scenes import *
+output = DeviceOutput(profile({name!r}))
+output.start()
+wait_until(lambda: output.status.state == "open")
+# Every step of noise has another level, so that every one is a report.
+noise = np.random.default_rng(1)
+wait_until(lambda: (output.send(noise.normal(0.0, 0.2, (2, 400))), time.sleep(0.05), output.status.writing_for > 0.3)[-1])
+print(json.dumps([output.stop(0.1), output.status.state, output.status.writing_for]))
+"""
+    done = subprocess.run([sys.executable, "-c", program], cwd=Path(__file__).parent, capture_output=True, text=True)
+    return {"code": done.returncode, "errors": done.stderr, "stopped": json.loads(done.stdout)}
+
+
 def scene_unplug(name):
     """The kernel takes the open node away while it is played: the module's own write fails until the device is opened again."""
     output = DeviceOutput(loud(profile(name)))

@@ -1,0 +1,140 @@
+"""Which listener is felt through which actuator, and what gets lost on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..body import body_part
+from .family import RumbleFamily
+from .profiles import Actuator, Profile
+
+Array = NDArray[np.float64]
+
+LATEST = 0.050
+"""Seconds by which touch may lag behind the picture unnoticed (Di Luca and Mahnan, 2019)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """An actuator of a device."""
+
+    device: str
+    actuator: str
+
+
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """Something of a listener that is not felt.
+
+    kind: ``actuator`` there is none; ``band`` frequencies the actuator can't play; ``frequency`` only strength is played;
+    ``side`` it shares its actuator with other listeners; ``time`` touch comes noticeably late.
+    text: one line for people.
+    """
+
+    listener: str
+    kind: Literal["actuator", "band", "frequency", "side", "time"]
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class ActuatorMapping:
+    """How samples of listeners become blocks of devices.
+
+    listeners: names, in the order of the samples' rows. weights: for each device an array (actuators, listeners) of 0 and 1.
+    """
+
+    listeners: tuple[str, ...]
+    weights: Mapping[str, Array]
+    losses: tuple[Loss, ...]
+
+    def blocks(self, samples: Array) -> dict[str, Array]:
+        """For each device the sum of its listeners, (actuators, n). samples: (listeners, n)."""
+        if samples.ndim != 2 or samples.shape[0] != len(self.listeners):
+            raise ValueError(f"samples has the shape {samples.shape}, not ({len(self.listeners)}, n)")
+        return {device: weights @ samples for device, weights in self.weights.items()}
+
+
+def map_listeners(
+    listeners: Mapping[str, str],
+    devices: Mapping[str, Profile],
+    *,
+    chosen: Mapping[str, Sequence[Place]] | None = None,
+    bands: Mapping[str, tuple[float, float]] | None = None,
+) -> ActuatorMapping:
+    """Give each listener the actuators that are felt at its body part.
+
+    listeners: name to body part, or to an empty text where it has none. devices: a name for each connected device, to its profile.
+    chosen: listeners whose actuators the user picked instead; none at all means muted, and is no loss.
+    bands: the frequencies (low, high) in Hz that a listener's signal has, where known.
+    Raises ValueError for an unknown body part, listener, device or actuator.
+    """
+    chosen, bands = dict(chosen or {}), dict(bands or {})
+    for name, given in (("chosen", chosen), ("bands", bands)):
+        unknown = sorted(set(given) - set(listeners))
+        if unknown:
+            raise ValueError(f"{name} names an unknown listener: {unknown[0]!r}")
+    names = tuple(listeners)
+    weights = {device: np.zeros((len(profile.actuators), len(names))) for device, profile in devices.items()}
+    losses: list[Loss] = []
+    for row, (listener, part) in enumerate(listeners.items()):
+        places = chosen[listener] if listener in chosen else _places_at(part, devices)
+        if not places and listener not in chosen:
+            where = f"at {part}" if part else "for a listener without a body part"
+            losses.append(Loss(listener, "actuator", f"{listener} is not felt: no device has an actuator {where}"))
+        for place in places:
+            if place.device not in devices:
+                raise ValueError(f"device {place.device!r} is not connected")
+            weights[place.device][_index(devices[place.device], place), row] = 1.0
+    for device, profile in devices.items():
+        losses += _losses(profile, weights[device], names, bands)
+    return ActuatorMapping(names, weights, tuple(losses))
+
+
+def _places_at(part: str, devices: Mapping[str, Profile]) -> list[Place]:
+    if not part:
+        return []
+    name = body_part(part).name
+    return [
+        Place(device, actuator.name) for device, profile in devices.items() for actuator in profile.actuators if name in actuator.body_parts
+    ]
+
+
+def _index(profile: Profile, place: Place) -> int:
+    for index, actuator in enumerate(profile.actuators):
+        if actuator.name == place.actuator:
+            return index
+    raise ValueError(f"{place.device} has no actuator {place.actuator!r}: use one of {', '.join(a.name for a in profile.actuators)}")
+
+
+def _losses(profile: Profile, weights: Array, names: tuple[str, ...], bands: Mapping[str, tuple[float, float]]) -> list[Loss]:
+    """What the device can't do, for each listener that it has."""
+    losses: list[Loss] = []
+    for actuator, felt in zip(profile.actuators, weights, strict=True):
+        sharing = [names[row] for row in np.flatnonzero(felt)]
+        for listener in sharing:
+            where = f"{actuator.name} of {profile.title}"
+            others = [name for name in sharing if name != listener]
+            if others:
+                losses.append(Loss(listener, "side", f"{listener} is felt together with {', '.join(others)}: they share the {where}"))
+            if listener in bands:
+                losses += _band_losses(listener, bands[listener], actuator, where)
+            if isinstance(profile.family, RumbleFamily) and not profile.family.has_tones:
+                losses.append(Loss(listener, "frequency", f"{listener}: the {where} plays strength, not frequency"))
+            if actuator.latency > LATEST:
+                late = round(1000 * actuator.latency)
+                losses.append(Loss(listener, "time", f"{listener}: the {where} answers after {late} ms; more than 50 ms is noticed"))
+    return losses
+
+
+def _band_losses(listener: str, band: tuple[float, float], actuator: Actuator, where: str) -> list[Loss]:
+    low, high = actuator.band
+    if low <= band[0] and band[1] <= high:
+        return []
+    extent = "is outside" if band[1] < low or band[0] > high else "is partly outside"
+    text = f"{listener}: its signal ({band[0]:g} to {band[1]:g} Hz) {extent} what the {where} can play ({low:g} to {high:g} Hz)"
+    return [Loss(listener, "band", text)]

@@ -1,0 +1,102 @@
+"""Listeners to actuators: by body part, by choice, and every loss named."""
+
+import numpy as np
+import pytest
+from haptic_tracing.core.body import BODY_PARTS, DEFAULT_LISTENERS
+from haptic_tracing.core.devices.mapping import Place, map_listeners
+from haptic_tracing.core.devices.profiles import load_profiles, profile
+from hypothesis import given
+from hypothesis import strategies as st
+
+PROFILES = load_profiles()[0]
+DEFAULT = {part: part for part in DEFAULT_LISTENERS}
+
+
+def kinds(mapping, listener):
+    return sorted(loss.kind for loss in mapping.losses if loss.listener == listener)
+
+
+def test_the_ten_default_listeners_on_a_dualsense():
+    mapping = map_listeners(DEFAULT, {"pad": profile("dualsense")})
+    weights = mapping.weights["pad"]
+    assert weights[:, mapping.listeners.index("hand.L")].tolist() == [1.0, 0.0]
+    assert weights[:, mapping.listeners.index("hand.R")].tolist() == [0.0, 1.0]
+    assert weights.sum() == 2.0
+    lost = {loss.listener for loss in mapping.losses if loss.kind == "actuator"}
+    assert lost == set(DEFAULT) - {"hand.L", "hand.R"}
+    assert "ear.L is not felt: no device has an actuator at ear.L" in {loss.text for loss in mapping.losses}
+
+
+def test_what_each_kind_of_device_loses():
+    hand = {"hand.L": "hand.L"}
+    assert kinds(map_listeners(hand, {"a": profile("switch-pro")}), "hand.L") == []
+    assert kinds(map_listeners(hand, {"a": profile("steam-controller-pcm")}), "hand.L") == []
+    assert kinds(map_listeners(hand, {"a": profile("dualsense")}), "hand.L") == ["frequency"]
+    both = {"hand.L": "hand.L", "hand.R": "hand.R"}
+    assert kinds(map_listeners(both, {"a": profile("xbox")}), "hand.L") == ["frequency", "side", "time"]
+
+
+@pytest.mark.parametrize(
+    ("band", "words"),
+    [
+        ((150, 300), None),
+        ((160, 200), None),
+        ((100, 200), "is partly outside"),
+        ((200, 400), "is partly outside"),
+        ((20, 80), "is outside"),
+    ],
+)
+def test_frequencies_that_an_actuator_can_not_play_are_named(band, words):
+    mapping = map_listeners({"seat": "hand.L"}, {"deck": profile("steam-deck")}, bands={"seat": band})
+    texts = [loss.text for loss in mapping.losses if loss.kind == "band"]
+    assert len(texts) == (words is not None)
+    assert words is None or (words in texts[0] and "left trackpad of Steam Deck can play (150 to 300 Hz)" in texts[0])
+
+
+def test_a_choice_overrides_the_body_part_and_no_choice_mutes():
+    devices = {"one": profile("dualsense"), "two": profile("joycon-left")}
+    chosen = {"seat": [Place("one", "right grip"), Place("two", "actuator")], "hand.L": []}
+    mapping = map_listeners({"seat": "", "hand.L": "hand.L", "hand.R": "hand.R", "lost": ""}, devices, chosen=chosen)
+    assert mapping.weights["one"].tolist() == [[0, 0, 0, 0], [1, 0, 1, 0]]
+    assert mapping.weights["two"].tolist() == [[1, 0, 0, 0]]
+    assert [loss.listener for loss in mapping.losses if loss.kind == "actuator"] == ["lost"]
+    assert {loss.listener for loss in mapping.losses if loss.kind == "side"} == {"seat", "hand.R"}
+
+
+@given(
+    parts=st.lists(st.sampled_from([part.name for part in BODY_PARTS]), min_size=1, max_size=25, unique=True),
+    names=st.lists(st.sampled_from(sorted(PROFILES)), max_size=4),
+)
+def test_every_listener_is_felt_or_reported_lost_and_blocks_are_sums(parts, names):
+    devices = {f"device {i}": PROFILES[name] for i, name in enumerate(names)}
+    mapping = map_listeners({part: part for part in parts}, devices)
+    felt = {part for row, part in enumerate(parts) if any(weights[:, row].any() for weights in mapping.weights.values())}
+    lost = {loss.listener for loss in mapping.losses if loss.kind == "actuator"}
+    assert felt | lost == set(parts) and not felt & lost
+    samples = np.random.default_rng(0).normal(size=(len(parts), 7))
+    for device, block in mapping.blocks(samples).items():
+        for actuator, row in zip(devices[device].actuators, block, strict=True):
+            expected = sum((samples[parts.index(part)] for part in actuator.body_parts if part in parts), np.zeros(7))
+            assert np.allclose(row, expected, atol=1e-12)
+    assert all("\n" not in loss.text for loss in mapping.losses)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (({"a": "tail"}, {"pad": profile("dualsense")}), "body part 'tail' is unknown"),
+        (({"a": ""}, {}, {"b": []}), "chosen names an unknown listener: 'b'"),
+        (({"a": ""}, {}, {}, {"b": (1, 2)}), "bands names an unknown listener: 'b'"),
+        (({"a": ""}, {}, {"a": [Place("pad", "left grip")]}), "device 'pad' is not connected"),
+        (({"a": ""}, {"pad": profile("dualsense")}, {"a": [Place("pad", "wing")]}), "pad has no actuator 'wing': use one of left grip"),
+    ],
+)
+def test_unknown_names_are_refused(arguments, message):
+    listeners, devices, *rest = arguments
+    with pytest.raises(ValueError, match=message):
+        map_listeners(listeners, devices, **dict(zip(("chosen", "bands"), rest, strict=False)))
+
+
+def test_samples_of_another_shape_are_refused():
+    with pytest.raises(ValueError, match="samples has the shape"):
+        map_listeners({"a": ""}, {}).blocks(np.zeros((2, 3)))

@@ -1,0 +1,413 @@
+"""Writer threads with devices that are slow, fail or vanish. Waits are on events, never on a length of time that has to suffice."""
+
+import os
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from haptic_tracing.core.devices.connection import DeviceError, connected, hid_module, open_device
+from haptic_tracing.core.devices.output import DeviceOutput, silence_all, stop_all
+from haptic_tracing.core.devices.profiles import Calibration, profile
+from haptic_tracing.core.devices.registry import family, rumble_report
+
+RATE = 8000
+ZERO = rumble_report("dualsense", 0.0, 0.0, "usb").data
+RELEASE = bytes([2]) + bytes(47)
+
+
+class FakePad:
+    """One connected device. Its writes block while ``gate`` is clear, and the next ``failing`` of them fail."""
+
+    def __init__(self, path=b"/dev/fake0", vendor=0x054C, product=0x0CE6, number=3, serial="", usage=(0x01, 0x05), bus=1):
+        self.path, self.serial = path, serial
+        self.entry = {
+            "path": path,
+            "vendor_id": vendor,
+            "product_id": product,
+            "serial_number": serial,
+            "product_string": "Fake pad",
+            "usage_page": usage[0],
+            "usage": usage[1],
+            "interface_number": number,
+            "bus_type": bus,
+        }
+        self.written = []
+        self.failing = 0
+        self.gate = threading.Event()
+        self.gate.set()
+        self.in_write = threading.Event()
+        self.opened = self.closed = 0
+        self.input = []
+        self.writers = set()
+        self.open_error = None
+
+
+class FakeHid:
+    """The module. ``pads`` is what is plugged in."""
+
+    def __init__(self, *pads):
+        self.pads = list(pads)
+        self.enumerations = 0
+
+    def enumerate(self, vendor_id=0, product_id=0):
+        self.enumerations += 1
+        return [pad.entry for pad in self.pads]
+
+    def device(self):
+        return FakeDevice(self)
+
+
+class FakeDevice:
+    """An open device: like hidapi's, it reports a failed write by -1 and knows nothing of other threads."""
+
+    def __init__(self, hid):
+        self.hid, self.pad = hid, None
+
+    def open_path(self, path):
+        for pad in self.hid.pads:
+            if pad.path == path and pad.open_error is None:
+                self.pad = pad
+                pad.opened += 1
+                return
+        raise OSError("open failed")
+
+    def write(self, data):
+        pad = self.pad
+        assert pad is not None, "write to a closed device"
+        pad.writers.add(threading.get_ident())
+        pad.in_write.set()
+        pad.gate.wait()
+        assert self.pad is not None, "closed during a write: hidapi would crash"
+        if pad not in self.hid.pads:
+            return -1
+        if pad.failing:
+            pad.failing -= 1
+            return -1
+        pad.written.append(bytes(data))
+        return len(data)
+
+    def send_feature_report(self, data):
+        return self.write(data)
+
+    def get_feature_report(self, report, length):
+        raise OSError("read error")
+
+    def read(self, length, timeout_ms):
+        return self.pad.input
+
+    def error(self):
+        return "No such device"
+
+    def close(self):
+        self.pad.closed += 1
+        self.pad = None
+
+
+def quick(name="dualsense"):
+    """A profile whose device takes reports as fast as they come, so that tests do not wait for its pace."""
+    device = profile(name)
+    pace = dict.fromkeys(device.family.transports, 1e-4)
+    return replace(device, family=replace(device.family, minimum_interval=pace))
+
+
+def wave(seconds=0.05, amplitude=1.0, rows=2):
+    return np.tile(amplitude * np.sin(2 * np.pi * 200.0 * np.arange(round(seconds * RATE)) / RATE), (rows, 1))
+
+
+def until(condition):
+    end = time.perf_counter() + 30.0
+    while not condition():
+        assert time.perf_counter() < end, "did not happen"
+        time.sleep(0.001)
+
+
+def sounding(pad):
+    return any(data[3] or data[4] for data in pad.written)
+
+
+def playing(output):
+    """Send until the device sounds."""
+
+    def sends():
+        output.send(wave())
+        return output.status.delay is not None
+
+    until(sends)
+
+
+@pytest.fixture
+def started():
+    outputs = []
+
+    def start(hid, device=None, **options):
+        output = DeviceOutput(device or quick(), hid=hid, **options)
+        outputs.append(output)
+        output.start()
+        return output
+
+    yield start
+    ended = [output.stop(5.0) for output in outputs]
+    assert all(ended), "every thread"
+
+
+def test_playing_and_stopping_leaves_the_device_silent_released_and_closed(started):
+    pad = FakePad()
+    output = started(FakeHid(pad))
+    until(lambda: pad.written == [ZERO])
+    playing(output)
+    until(lambda: sounding(pad))
+    assert output.status.state == "open" and output.status.failed_writes == 0
+    assert output.status.lag == pytest.approx(output.status.delay + 0.010)
+    assert output.stop()
+    assert pad.written[-2:] == [ZERO, RELEASE]
+    assert (pad.opened, pad.closed) == (1, 1) and output.status.state == "stopped"
+    assert len(pad.writers) == 1
+
+
+def test_the_latest_block_wins_and_dropped_ones_are_counted(started):
+    pad = FakePad()
+    pad.gate.clear()
+    output = started(FakeHid(pad))
+    pad.in_write.wait()
+    for amplitude in (1.0, 0.5, 0.0):
+        output.send(wave(amplitude=amplitude))
+    pad.gate.set()
+    output.send(np.zeros((2, 80)))
+    output.stop()
+    assert not sounding(pad)
+    assert output.status.dropped_blocks >= 2
+
+
+def test_a_write_that_blocks_blocks_nobody_else_and_the_device_is_silenced_when_it_returns(started):
+    stuck, free = FakePad(b"/dev/stuck", serial="stuck"), FakePad(b"/dev/free", serial="free")
+    hid = FakeHid(stuck, free)
+    blocked, other = started(hid, serial="stuck"), started(hid, serial="free")
+    playing(blocked)
+    playing(other)
+    stuck.gate.clear()
+    stuck.in_write.clear()
+    silence_all()
+    stuck.in_write.wait()
+    for _ in range(1000):
+        blocked.send(wave(0.01))
+    free.written.clear()
+    playing(other)
+    until(lambda: sounding(free))
+    until(lambda: blocked.status.writing_for > 0.0)
+    assert blocked.stop(timeout=0.05) is False
+    assert blocked.status.state == "open", "still inside the system"
+    assert other.stop()
+    assert stuck.closed == 0
+    stuck.gate.set()
+    assert blocked.stop(5.0) is True
+    assert stuck.written[-2:] == [ZERO, RELEASE] and stuck.closed == 1
+
+
+def test_a_device_that_vanishes_is_searched_and_played_again_when_it_is_back(started):
+    pad = FakePad()
+    hid = FakeHid(pad)
+    output = started(hid)
+    playing(output)
+    hid.pads.clear()
+
+    def lost():
+        output.send(wave(amplitude=0.3))
+        output.silence()
+        return output.status.losses == 1
+
+    until(lost)
+    assert output.status.failed_writes == 3
+    until(lambda: output.status.message == "DualSense is not connected")
+    assert output.status.state == "searching" and pad.closed == 1
+    pad.written.clear()
+    hid.pads.append(pad)
+    until(lambda: output.status.state == "open")
+    until(lambda: ZERO in pad.written)
+    playing(output)
+    until(lambda: sounding(pad))
+    assert output.status.message == ""
+    assert output.stop() and pad.written[-2:] == [ZERO, RELEASE] and pad.opened == pad.closed == 2
+
+
+def test_a_failed_write_is_counted_and_repeated_and_not_fatal(started):
+    pad = FakePad()
+    output = started(FakeHid(pad))
+    until(lambda: pad.written == [ZERO])
+    pad.failing = 2
+    until(lambda: (output.send(wave()), output.status.failed_writes == 2)[-1])
+    playing(output)
+    until(lambda: sounding(pad))
+    assert output.status.state == "open" and output.status.losses == 0 and pad.opened == 1
+    assert output.status.message == "DualSense: write failed: No such device"
+
+
+def test_a_zero_that_failed_is_repeated_until_it_arrives(started):
+    pad = FakePad()
+    output = started(FakeHid(pad))
+    playing(output)
+    until(lambda: sounding(pad))
+    pad.failing = 2
+    output.silence()
+    until(lambda: pad.written[-1] == ZERO)
+    assert pad.failing == 0
+
+
+def test_eight_devices_at_once_and_all_stop_together(started):
+    pads = [FakePad(f"/dev/fake{i}".encode(), serial=str(i)) for i in range(8)]
+    hid = FakeHid(*pads)
+    outputs = [started(hid) for _ in pads]
+    until(lambda: all(output.status.state == "open" for output in outputs))
+    for output in outputs:
+        playing(output)
+    until(lambda: all(sounding(pad) for pad in pads))
+    assert stop_all(10.0)
+    assert all(pad.written[-2:] == [ZERO, RELEASE] and pad.opened == pad.closed == 1 for pad in pads)
+    assert len(set().union(*(pad.writers for pad in pads))) == 8
+
+
+def test_a_thousand_starts_and_stops_leave_nothing_behind():
+    pad = FakePad()
+    hid = FakeHid(pad)
+    threads = threading.active_count()
+    for i in range(1000):
+        output = DeviceOutput(quick(), hid=hid)
+        output.start()
+        if i % 3 == 0:
+            output.send(wave(0.01))
+        if i % 5 == 0:
+            until(lambda: output.status.state == "open")  # noqa: B023
+        assert output.stop(5.0)
+        assert pad.opened == pad.closed
+    assert threading.active_count() == threads
+    assert pad.written[-2:] == [ZERO, RELEASE]
+
+
+def test_silence_all_silences_what_plays_and_blocks_play_again(started):
+    pad = FakePad()
+    output = started(FakeHid(pad))
+    playing(output)
+    until(lambda: sounding(pad))
+    silence_all()
+    until(lambda: pad.written[-1] == ZERO)
+    pad.written.clear()
+    playing(output)
+    until(lambda: sounding(pad))
+
+
+def test_the_watchdog_needs_nobody(started):
+    pad = FakePad()
+    output = started(FakeHid(pad))
+    playing(output)
+    until(lambda: sounding(pad))
+    until(lambda: pad.written[-1] == ZERO)
+
+
+def test_an_error_in_the_thread_still_silences_the_device(started):
+    pad = FakePad()
+    device = quick()
+    broken = replace(device.family, release=lambda transport, sequence: (), encode=Once(device.family.encode))
+    output = started(FakeHid(pad), replace(device, family=broken))
+    until(lambda: (output.send(wave()), output.status.state == "failed")[-1])
+    assert output.status.message == "ZeroDivisionError: an error of the program"
+    assert pad.written[-1] == ZERO and pad.closed == 1
+
+
+class Once:
+    """An encoder that fails the first time it is to drive something."""
+
+    def __init__(self, encode):
+        self.encode, self.failed = encode, False
+
+    def __call__(self, drive, transport, sequence):
+        if any(drive.amplitudes) and not self.failed:
+            self.failed = True
+            raise ZeroDivisionError("an error of the program")
+        return self.encode(drive, transport, sequence)
+
+
+def test_a_device_held_by_another_program_is_named_and_taken_when_it_is_free(started, tmp_path):
+    node = tmp_path / "hidraw0"
+    node.write_bytes(b"")
+    pad = FakePad(str(node).encode())
+    pad.open_error = "held"
+    output = started(FakeHid(pad))
+    until(lambda: "another program" in output.status.message)
+    pad.open_error = None
+    until(lambda: output.status.state == "open")
+
+
+def test_two_outputs_share_two_devices_and_a_third_is_told(started):
+    hid = FakeHid(FakePad(b"/dev/a"), FakePad(b"/dev/b"))
+    first, second = started(hid), started(hid)
+    until(lambda: first.status.state == second.status.state == "open")
+    third = started(hid)
+    until(lambda: third.status.message == "DualSense is already in use here")
+
+
+def test_of_interfaces_alike_the_one_that_emits_input_is_opened():
+    pads = [FakePad(f"/dev/{i}".encode(), vendor=0x28DE, product=0x1205, number=i, usage=(0xFF00, 1)) for i in range(3)]
+    pads[1].input = [1, 2, 3]
+    hid = FakeHid(*pads)
+    assert len(connected(hid)) == 1 and len(connected(hid)[0].interfaces) == 3
+    opened = open_device(hid, family("steam-deck"))
+    assert opened.interface.path == b"/dev/1"
+    opened.close()
+    assert all(pad.opened == pad.closed for pad in pads)
+
+
+def test_the_grips_two_interfaces_are_two_joycons():
+    left, right = (FakePad(f"/dev/{side}".encode(), 0x057E, 0x200E, number) for side, number in (("left", 1), ("right", 0)))
+    hid = FakeHid(left, right)
+    for name, path in (("joycon-left", b"/dev/left"), ("joycon-right", b"/dev/right")):
+        opened = open_device(hid, family(name))
+        assert opened.interface.path == path
+        opened.close()
+    assert {device.families[0].name for device in connected(hid)} == {"joycon-left", "joycon-right"}
+
+
+def test_a_module_of_the_same_name_from_another_package_is_refused(tmp_path):
+    """The package ``hid`` has a class ``Device`` and no function ``device``."""
+    name = "hidraw" if sys.platform.startswith("linux") else "hid"
+    (tmp_path / f"{name}.py").write_text("class Device: ...\ndef enumerate(vid=0, pid=0): return []\n")
+    program = "from haptic_tracing.core.devices.connection import hid_module\nhid_module()"
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
+    assert f"the Python module {name} is not that of the package hidapi" in done.stderr.splitlines()[-1]
+
+
+def test_the_real_module_is_the_one_that_sees_bluetooth():
+    assert hid_module().__name__ in ("hidraw", "hid")
+
+
+def test_nothing_connected_is_said_in_one_line():
+    with pytest.raises(DeviceError, match=r"^DualSense is not connected$"):
+        open_device(FakeHid(), family("dualsense"))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"rate": 0}, "rate 0"),
+        ({"delay": -0.1}, "delay -0.1"),
+        ({"delay": 5.0}, "delay 5.0"),
+        ({"calibrations": {"left wing": Calibration()}}, "unknown actuator: 'left wing'"),
+    ],
+)
+def test_options_out_of_range_are_refused(options, message):
+    with pytest.raises(ValueError, match=message):
+        DeviceOutput(profile("dualsense"), **options)
+
+
+def test_a_block_of_another_shape_is_refused_by_send():
+    output = DeviceOutput(profile("dualsense"), hid=FakeHid())
+    with pytest.raises(ValueError, match="block has the shape"):
+        output.send(np.zeros((3, 10)))
+
+
+def test_stopping_what_never_started_is_fine():
+    output = DeviceOutput(profile("dualsense"), hid=FakeHid())
+    assert output.stop() and output.status.state == "stopped"
