@@ -3,6 +3,7 @@
 
 import json
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -27,6 +28,8 @@ def commands() -> tuple[list[str], list[str]]:
         return [REAL_BLENDER, "run", "--background"], [REAL_BLENDER, "gui"]
     screen = []
     if sys.platform == "linux" and not os.environ.get("DISPLAY") and not os.environ.get("WAYLAND_DISPLAY"):
+        if shutil.which("xvfb-run") is None:
+            raise pytest.UsageError("there is no display, and no xvfb-run to make one: install xvfb")
         screen = ["xvfb-run", "--auto-servernum", "--server-args", "-screen 0 {}x{}x24".format(*SIZE)]
     return [BLENDER, "--background"], [*screen, BLENDER, "--window-geometry", "0", "0", *map(str, SIZE)]
 
@@ -41,19 +44,22 @@ def folder():
 
 @pytest.fixture(scope="session")
 def environment(folder) -> dict[str, str]:
-    return os.environ | {"BLENDER_USER_RESOURCES": str(folder / "resources"), "LIBGL_ALWAYS_SOFTWARE": "1", "LIMIT": str(SECONDS)}
+    resources = folder / "resources"
+    (resources / "config").mkdir(parents=True)  # Blender uses only folders that are there
+    return os.environ | {"BLENDER_USER_RESOURCES": str(resources), "LIBGL_ALWAYS_SOFTWARE": "1", "LIMIT": str(SECONDS)}
 
 
 @pytest.fixture(scope="session")
 def installed(folder, environment) -> str:
     """The extension built and installed from its zip, no splash screen; what Blender printed on the way."""
     subprocess.run([sys.executable, ROOT / "packaging" / "build.py", folder / "dist"], check=True, stdout=subprocess.PIPE)
-    system = {"linux": "linux_x64", "win32": "windows_x64"}.get(sys.platform) or f"macos_{os.uname().machine.replace('x86_64', 'x64')}"
-    (package,) = (folder / "dist").glob(f"*-{system}.zip")
+    system = {"linux": "linux", "win32": "windows"}.get(sys.platform, "macos")
+    (package,) = (folder / "dist").glob(f"*-{system}_{'arm64' if platform.machine() == 'arm64' else 'x64'}.zip")
     background, _ = commands()
     quiet = "import bpy; p = bpy.context.preferences; p.view.show_splash = p.use_preferences_save = False; bpy.ops.wm.save_userpref()"
     printed = ""
-    for arguments in (["--python-expr", quiet], ["--command", "extension", "install-file", "-r", "user_default", "-e", str(package)]):
+    validate, install = ["validate", str(package)], ["install-file", "-r", "user_default", "-e", str(package)]
+    for arguments in (["--python-expr", quiet], ["--command", "extension", *validate], ["--command", "extension", *install]):
         answer = subprocess.run([*background, *arguments], env=environment, cwd=folder, capture_output=True, text=True, timeout=SECONDS)
         printed += answer.stdout + answer.stderr
         assert answer.returncode == 0, printed

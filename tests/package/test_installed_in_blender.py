@@ -1,5 +1,6 @@
 import json
 import os
+import platform
 import subprocess
 import sys
 import sysconfig
@@ -9,7 +10,6 @@ import pytest
 
 HERE = Path(__file__).parent
 CARRIED = {"networkx", "fcl", "python_fcl", "hid", "hidraw", "hidapi", "fastjsonschema", "__editable__"}
-PLATFORM = {"linux": "linux_x64", "win32": "windows_x64"}
 
 
 @pytest.fixture(scope="module")
@@ -23,14 +23,13 @@ def blender_only(tmp_path_factory) -> Path:
     return folder
 
 
-@pytest.fixture(scope="module")
-def platform() -> str:
-    machine = "macos_arm64" if os.uname().machine == "arm64" else "macos_x64"
-    return PLATFORM.get(sys.platform, machine)
+def this_platform() -> str:
+    system = {"linux": "linux", "win32": "windows"}.get(sys.platform, "macos")
+    return f"{system}_{'arm64' if platform.machine() == 'arm64' else 'x64'}"
 
 
 @pytest.fixture(scope="module")
-def run(zips, platform, blender_only, tmp_path_factory) -> tuple[dict, str, Path]:
+def run(zips, blender_only, tmp_path_factory) -> tuple[dict, str, Path]:
     """What the installed extension reported, what Blender printed, and Blender's user folder."""
     resources = tmp_path_factory.mktemp("resources")
     report = resources / "report.json"
@@ -40,7 +39,7 @@ def run(zips, platform, blender_only, tmp_path_factory) -> tuple[dict, str, Path
         "https_proxy": "http://127.0.0.1:9",
         "http_proxy": "http://127.0.0.1:9",
     }
-    command = [sys.executable, "-S", str(HERE / "installed_extension.py"), str(zips[platform]), str(report)]
+    command = [sys.executable, "-S", str(HERE / "installed_extension.py"), str(zips[this_platform()]), str(report)]
     answer = subprocess.run(command, env=environment, cwd=resources, capture_output=True, text=True)
     printed = answer.stdout + answer.stderr
     assert answer.returncode == 0, printed
