@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .hull import convex_hull, shrunk_hull
+from .hull import Hull, convex_hull, shrunk_hull
 from .shapes import Box, Capsule, Cone, ConvexHull, Cylinder, Mesh, Shape, Sphere, points_array
 
 FloatArray = NDArray[np.float64]
@@ -42,7 +42,7 @@ def shape_from_bounding_box(
         case "CAPSULE":
             return Capsule(round_radius * sy, max(0.0, 2 * (z - round_radius)) * sz)
         case "CYLINDER":
-            return Cylinder(round_radius * sx, 2 * z * sz, rounding=rounding)
+            return Cylinder(max(round_radius * sx, rounding), max(2 * z * sz, 2 * rounding), rounding=rounding)
         case "CONE":
             return Cone(round_radius * sx, 2 * z * sz, margin)
     raise ValueError(f"kind: expected BOX, SPHERE, CAPSULE, CYLINDER or CONE, got {kind!r}")
@@ -57,18 +57,24 @@ def convex_hull_shape(
     hull = convex_hull(vertices)
     if use_margin:
         return ConvexHull(hull.points * factor, margin)
-    inner = shrunk_hull(hull, DEFAULT_MARGIN) if len(hull.triangles) and np.min(np.ptp(vertices, axis=0)) > 0 else None
+    inner = shrunk_hull(hull, DEFAULT_MARGIN)
     if inner is None:
         return ConvexHull(hull.points * factor)
-    return ConvexHull(inner.points * factor, DEFAULT_MARGIN)
+    rounding = DEFAULT_MARGIN * float(np.min(factor))
+    if np.ptp(factor) <= 1e-6 * np.max(factor):
+        return ConvexHull(hull.points * factor, rounding=rounding)
+    # Moved in before it is scaled and grown afterwards: under an uneven scale Bullet's hull is not the object's.
+    outer = shrunk_hull(Hull(inner.points * factor, inner.triangles), -rounding)
+    return ConvexHull(inner.points * factor, rounding) if outer is None else ConvexHull(outer.points, rounding=rounding)
 
 
 def mesh_shape(
     points: ArrayLike, triangles: ArrayLike, scale: Sequence[float] = (1.0, 1.0, 1.0), margin: float = DEFAULT_MARGIN
 ) -> Mesh:
-    """MESH of an object's vertices (n, 3) and triangles (t, 3) in its own space; its margin always lies outside. Raises ValueError for bad
+    """MESH of an object's vertices (n, 3) and triangles (t, 3) in its own space. Its margin, used or not, lies outside, but a sphere meets
+    the triangles themselves. Raises ValueError for bad
     arrays or a scale that is not positive."""
-    return Mesh(points_array("points", points) * np.array(_scale(scale)), np.asarray(triangles), margin)
+    return Mesh(points_array("points", points) * np.array(_scale(scale)), np.asarray(triangles), margin, sphere_margin=0.0)
 
 
 def _scale(scale: Sequence[float]) -> tuple[float, float, float]:

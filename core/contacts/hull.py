@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-MAX_HULL_POINTS = 4096
+MAX_HULL_POINTS = 2048
 """Most points a hull is computed from exactly; more are first reduced to the extreme ones in as many directions."""
 
 
@@ -225,9 +225,11 @@ class _Quickhull:
 
 
 def shrunk_hull(hull: Hull, depth: float) -> Hull | None:
-    """The hull with every face moved inwards by ``depth`` metres, or None where nothing is left of it."""
+    """The hull with every face moved inwards by ``depth`` metres (outwards where it is negative), or None where nothing is left of it."""
     if depth == 0:
         return hull
+    if not _is_solid(hull):
+        return None
     normals, offsets = hull.planes()
     offsets = offsets - depth
     centre = _deep_point(normals, offsets, hull.points.mean(axis=0))
@@ -239,6 +241,11 @@ def shrunk_hull(hull: Hull, depth: float) -> Hull | None:
     dual = convex_hull(normals / slack[:, None])
     dual_normals, dual_offsets = dual.planes()
     return convex_hull(centre + dual_normals / dual_offsets[:, None])
+
+
+def _is_solid(hull: Hull) -> bool:
+    """Whether it has an inside: a flat hull has two faces in opposite directions at the same place."""
+    return len(hull.triangles) > 0 and len(hull.planes()[0]) > 3
 
 
 def _deep_point(normals: FloatArray, offsets: FloatArray, start: FloatArray) -> FloatArray:

@@ -1,131 +1,453 @@
-"""Narrow phase: signed distance and contact patch of pairs of shapes."""
+"""Narrow phase: signed distance and contact patch of pairs of bodies, many pairs at a time.
+
+Spheres, capsules and boxes, among themselves and against triangles, have closed forms or separating axes in NumPy; what else there is goes
+to FCL pair by pair.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .hull import convex_hull, hull_2d
-from .shapes import Box, Capsule, Cone, ConvexHull, Cylinder, Mesh, Part, Shape, Sphere, parts_of, transformed_bounds
+from .closed_forms import (
+    Separation,
+    between,
+    dot,
+    point_to_box,
+    point_to_cone,
+    point_to_cylinder,
+    point_to_triangle,
+    segment_to_box,
+    segment_to_segment,
+    segment_to_triangle,
+    turned,
+    turned_back,
+)
+from .convex import Convex, ConvexDistances, Size, separations
+from .cores import CoreTable, Kind
+from .features import FEW, Features, triangle_polygons
+from .hull import hull_2d
+from .mesh_index import MeshIndex
+from .patch import PATCH_GAP, Patches, contact_plane, patches
+from .separating_axes import AxisSeparation, box_to_box, box_to_triangle
+from .shapes import Shape
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+_CERTAIN = 1e-4
+"""Metres by which a lower bound on a distance may be below an upper bound and still pass for it."""
+
+MAX_PATCH_POINTS = 8
 
 
 @dataclass(frozen=True, slots=True)
-class Patch:
-    """What two bodies have between them: signed ``distance`` [m], ``normal`` from first to second, the ``points`` (k, 3) of the patch in
-    the middle between the surfaces [m, world] and the ``area`` of their hull in the contact plane [m^2]."""
+class PairPatches:
+    """Per pair of bodies: signed ``distance`` [m] (at least a lower bound where it is beyond the reach asked for), unit ``normal`` (p, 3)
+    from first to second, ``centre`` (p, 3) of the patch, midway between the surfaces [m, world], ``area`` (p,) [m^2], and if asked for the
+    ``corners`` of the patch."""
 
-    distance: float
+    distance: FloatArray
     normal: FloatArray
-    points: FloatArray
-    area: float
+    centre: FloatArray
+    area: FloatArray
+    corners: tuple[FloatArray, ...] = ()
+
+
+@dataclass(slots=True)
+class _Rows:
+    """Pairs of convex cores, placed in the world: ``owner`` (n,) the pair of bodies, ``flipped`` (n,) whether its first body is the second
+    here, numbers of the cores, ``radius_a`` and ``radius_b`` by which they are grown. ``triangle_a`` and ``triangle_b`` (n,) say which
+    triangle stands in where a core is a mesh."""
+
+    owner: IntArray
+    flipped: BoolArray
+    first: IntArray
+    second: IntArray
+    rotation_a: FloatArray
+    centre_a: FloatArray
+    rotation_b: FloatArray
+    centre_b: FloatArray
+    radius_a: FloatArray
+    radius_b: FloatArray
+    triangle_a: IntArray | None = None
+    triangle_b: IntArray | None = None
+
+    def __len__(self) -> int:
+        return len(self.owner)
+
+    def chosen(self, rows: IntArray | BoolArray) -> _Rows:
+        """Some of the rows."""
+        values: list[Any] = [getattr(self, f.name) for f in fields(self)]
+        picked: list[Any] = [None if value is None else value[rows] for value in values]
+        return _Rows(*picked)
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """Touching rows and what they have: distance with radii, normal, middle of the patch, ``weight`` (area in square metres, that of a line
+    tiny but in proportion), reported ``area``, corners."""
+
+    owner: IntArray
+    distance: FloatArray
+    normal: FloatArray
+    centre: FloatArray
+    weight: FloatArray
+    area: FloatArray
+    corners: list[FloatArray] | None
 
 
 class NarrowPhase:
-    """Queries between bodies given by index. Collision objects are made once per body."""
+    """Queries between bodies given by number. ``solid`` says which bodies are volumes: their meshes count as hulls."""
 
-    def __init__(self, shapes: Sequence[Shape]) -> None:
-        self._parts = [parts_of(shape) for shape in shapes]
-        self._objects: list[list[Any] | None] = [None] * len(self._parts)
+    def __init__(self, shapes: Sequence[Shape], solid: Sequence[bool] | None = None) -> None:
+        self._table = CoreTable.of(shapes, solid or [False] * len(shapes))
+        self._convex = ConvexDistances(self._table)
+        self._features = Features(self._table)
+        self._meshes: dict[int, MeshIndex] = {}
 
-    def patch(self, first: int, second: int, a: FloatArray, b: FloatArray, tolerance: float) -> Patch | None:
-        """The patch of two bodies under world matrices ``a`` and ``b`` (4, 4), or None where they are more than ``tolerance`` apart."""
-        found = []
-        for part_a, object_a in self._placed(first, a, 0):
-            for part_b, object_b in self._placed(second, b, 1):
-                patch = _part_patch(part_a, object_a, part_b, object_b, tolerance)
-                if patch is not None:
-                    found.append(patch)
-        if not found:
-            return None
-        nearest = min(found, key=lambda p: p.distance)
-        if len(found) == 1:
-            return nearest
-        points = np.concatenate([p.points for p in found])
-        return Patch(nearest.distance, nearest.normal, points, patch_area(points, nearest.normal))
+    def query(self, pairs: IntArray, a: FloatArray, b: FloatArray, reach: FloatArray | float, corners: bool = False) -> PairPatches:
+        """Distances and patches of ``pairs`` (p, 2) of bodies under world matrices ``a`` and ``b`` (p, 4, 4).
 
-    def _placed(self, body: int, matrix: FloatArray, side: int) -> list[tuple[Part, Any]]:
-        import fcl
+        Distances up to ``reach`` (p,) metres are exact; beyond, they are lower bounds. ``corners``: give the points of the patches, too.
+        """
+        count = len(pairs)
+        distance = np.full(count, np.inf)
+        limit = np.broadcast_to(np.asarray(reach, dtype=np.float64), (count,))
+        found: list[_Found] = []
+        for rows in self._rows(pairs, a, b, limit):
+            separated = self._separated(rows)
+            self._finish(rows, separated, limit, distance, found, corners)
+        return _reduced(count, distance, found, corners)
 
-        made = self._objects[body]
+    def _rows(self, pairs: IntArray, a: FloatArray, b: FloatArray, reach: FloatArray) -> Iterator[_Rows]:
+        """All pairs of cores of all pairs of bodies, in groups of the same kinds, the simpler kind first, meshes as their triangles."""
+        table = self._table
+        owner, first, second = _products(table.start, pairs)
+        flipped = table.kind[first] > table.kind[second]
+        first, second = np.where(flipped, second, first), np.where(flipped, first, second)
+        matrix_a = np.where(flipped[:, None, None], b[owner], a[owner])
+        matrix_b = np.where(flipped[:, None, None], a[owner], b[owner])
+        rotation_a, centre_a = self._world(first, matrix_a)
+        rotation_b, centre_b = self._world(second, matrix_b)
+        kinds = table.kind[first] * len(Kind) + table.kind[second]
+        radius_a, radius_b = table.radius[first], table.radius[second]
+        everything = _Rows(owner, flipped, first, second, rotation_a, centre_a, rotation_b, centre_b, radius_a, radius_b)
+        for value in np.unique(kinds).tolist():
+            rows = everything.chosen(np.flatnonzero(kinds == value)) if np.any(kinds != value) else everything
+            kind_a, kind_b = Kind(value // len(Kind)), Kind(value % len(Kind))
+            if kind_a is Kind.MESH:
+                yield from self._meshes_on_meshes(rows, reach)
+            elif kind_b is Kind.MESH:
+                yield self._on_triangles(rows, kind_a, reach)
+            else:
+                yield rows
+
+    def _world(self, core: IntArray, matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
+        rotation, centre = matrix[:, :3, :3], matrix[:, :3, 3]
+        if not self._table.placed:
+            return rotation, centre
+        return rotation @ self._table.rotation[core], centre + turned(rotation, self._table.offset[core])
+
+    def _mesh(self, core: int) -> MeshIndex:
+        made = self._meshes.get(core)
         if made is None:
-            made = [fcl.CollisionObject(_geometry(part.shape)) for part in self._parts[body]]
-            self._objects[body] = made
-        for part, item in zip(self._parts[body], made, strict=True):
-            world = matrix @ part.matrix
-            item.setRotation(np.ascontiguousarray(world[:3, :3]))
-            item.setTranslation(np.ascontiguousarray(world[:3, 3]))
-        return list(zip(self._parts[body], made, strict=True))
+            mesh = self._table.cores[core].mesh
+            assert mesh is not None
+            made = self._meshes[core] = MeshIndex.of(mesh)
+        return made
+
+    def _on_triangles(self, rows: _Rows, kind: Kind, reach: FloatArray) -> _Rows:
+        """Convex cores against those triangles of their meshes that are near."""
+        table = self._table
+        if kind is Kind.BOX:
+            rows.radius_a = table.thick_radius[rows.first]
+        if kind is Kind.POINT:
+            rows.radius_b = np.array([table.cores[core].mesh_radius_to_points for core in rows.second.tolist()])
+        relative = np.einsum("nji,njk->nik", rows.rotation_b, rows.rotation_a)
+        middle = turned_back(rows.rotation_b, rows.centre_a + turned(rows.rotation_a, table.bound_centre[rows.first]) - rows.centre_b)
+        half = np.einsum("nij,nj->ni", np.abs(relative), table.bound_half[rows.first])
+        half += (rows.radius_a + rows.radius_b + np.maximum(reach[rows.owner], 0.0))[:, None]
+        bounds = np.stack([middle - half, middle + half], axis=1)
+        row, triangle = [], []
+        for core in np.unique(rows.second).tolist():
+            mine = np.flatnonzero(rows.second == core)
+            box, near = self._mesh(core).near(bounds[mine])
+            row.append(mine[box])
+            triangle.append(near)
+        expanded = rows.chosen(np.concatenate(row))
+        expanded.triangle_b = np.concatenate(triangle)
+        return expanded
+
+    def _meshes_on_meshes(self, rows: _Rows, reach: FloatArray) -> Iterator[_Rows]:
+        """Pairs of near triangles of two meshes, one pair of meshes at a time."""
+        table = self._table
+        for k in range(len(rows)):
+            row = rows.chosen(np.array([k]))
+            first, second = self._mesh(int(row.first[0])), self._mesh(int(row.second[0]))
+            grown = float(row.radius_a[0] + row.radius_b[0] + max(reach[row.owner[0]], 0.0))
+            turn, shift = row.rotation_b[0].T @ row.rotation_a[0], row.rotation_b[0].T @ (row.centre_a[0] - row.centre_b[0])
+            middle, half = table.bound_centre[row.second[0]], table.bound_half[row.second[0]] + grown
+            back = turn.T @ (middle - shift)
+            extent = np.abs(turn.T) @ half
+            _, near = first.near(np.array([[back - extent, back + extent]]))
+            corners = first.corners[near] @ turn.T + shift
+            bounds = np.stack([corners.min(axis=1) - grown, corners.max(axis=1) + grown], axis=1)
+            mine, theirs = second.near(bounds)
+            expanded = row.chosen(np.zeros(len(mine), dtype=np.int64))
+            expanded.triangle_a, expanded.triangle_b = near[mine], theirs
+            yield expanded
+
+    def _corners(self, mesh: IntArray, triangle: IntArray, rotation: FloatArray, centre: FloatArray) -> FloatArray:
+        """World corners (n, 3, 3) of triangles of meshes."""
+        local = np.empty((len(mesh), 3, 3))
+        for core in np.unique(mesh).tolist():
+            mine = mesh == core
+            local[mine] = self._mesh(core).corners[triangle[mine]]
+        return turned(rotation[:, None], local) + centre[:, None]
+
+    def _separated(self, rows: _Rows) -> AxisSeparation:
+        """Separations of the cores of one group."""
+        count = len(rows)
+        if count == 0:
+            empty = np.zeros((0, 3))
+            return AxisSeparation(Separation(np.zeros(0), empty, empty, empty), np.ones(0, dtype=np.bool_))
+        table = self._table
+        half_a, half_b = table.half[rows.first], table.half[rows.second]
+        kinds = Kind(int(table.kind[rows.first[0]])), Kind(int(table.kind[rows.second[0]]))
+        match kinds:
+            case (Kind.POINT, Kind.POINT):
+                return _exact(between(rows.centre_a, rows.centre_b))
+            case (Kind.POINT, Kind.SEGMENT):
+                start, end = _ends(rows.rotation_b, rows.centre_b, half_b)
+                return _exact(segment_to_segment(rows.centre_a, rows.centre_a, start, end))
+            case (Kind.SEGMENT, Kind.SEGMENT):
+                ends = (*_ends(rows.rotation_a, rows.centre_a, half_a), *_ends(rows.rotation_b, rows.centre_b, half_b))
+                return _exact(segment_to_segment(*ends))
+            case (Kind.POINT, Kind.BOX):
+                return _exact(point_to_box(rows.centre_a, rows.rotation_b, rows.centre_b, half_b))
+            case (Kind.POINT, Kind.CYLINDER):
+                return _exact(point_to_cylinder(rows.centre_a, rows.rotation_b, rows.centre_b, half_b))
+            case (Kind.POINT, Kind.CONE):
+                return _exact(point_to_cone(rows.centre_a, rows.rotation_b, rows.centre_b, half_b))
+            case (Kind.SEGMENT, Kind.BOX):
+                return _segment_and_box(rows, half_a, half_b)
+            case (Kind.BOX, Kind.BOX):
+                sharp = self._sharp(rows)
+                half_a = np.where(sharp[:, None], table.sharp_half[rows.first], half_a)
+                half_b = np.where(sharp[:, None], table.sharp_half[rows.second], half_b)
+                rows.radius_a = np.where(sharp, table.sharp_radius[rows.first], rows.radius_a)
+                rows.radius_b = np.where(sharp, table.sharp_radius[rows.second], rows.radius_b)
+                return box_to_box(rows.rotation_a, rows.centre_a, half_a, rows.rotation_b, rows.centre_b, half_b)
+            case (_, Kind.MESH):
+                return self._separated_from_triangles(rows, kinds[0])
+        return _exact(self._by_fcl(rows))
+
+    def _separated_from_triangles(self, rows: _Rows, kind: Kind) -> AxisSeparation:
+        assert rows.triangle_b is not None
+        if kind in (Kind.POINT, Kind.SEGMENT, Kind.BOX):
+            corners = self._corners(rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b)
+            if kind is Kind.POINT:
+                return _exact(point_to_triangle(rows.centre_a, corners))
+            if kind is Kind.SEGMENT:
+                return _exact(segment_to_triangle(*_ends(rows.rotation_a, rows.centre_a, self._table.half[rows.first]), corners))
+            return box_to_triangle(rows.rotation_a, rows.centre_a, self._table.thick_half[rows.first], corners)
+        return _exact(self._by_fcl(rows))
+
+    def _sharp(self, rows: _Rows) -> BoolArray:
+        """Which rows are of two boxes that meet with sharp edges."""
+        table = self._table
+        return np.asarray(table.is_box[rows.first] & table.is_box[rows.second] & (table.kind[rows.second] == Kind.BOX))
+
+    def _by_fcl(self, rows: _Rows) -> Separation:
+        sharp = self._sharp(rows).tolist()
+        thick = rows.triangle_b is not None
+        objects = []
+        for k, (first, second) in enumerate(zip(rows.first.tolist(), rows.second.tolist(), strict=True)):
+            size = Size.SHARP if sharp[k] else Size.THICK if thick else Size.CORE
+            a = self._convex.core(first, size) if rows.triangle_a is None else self._triangle_object(first, int(rows.triangle_a[k]))
+            b = self._convex.core(second, size) if rows.triangle_b is None else self._triangle_object(second, int(rows.triangle_b[k]))
+            objects.append((a, b))
+        return separations(objects, rows.rotation_a, rows.centre_a, rows.rotation_b, rows.centre_b)
+
+    def _triangle_object(self, core: int, number: int) -> Convex:
+        return self._convex.triangle(core, number, self._mesh(core).corners[number])
+
+    def _finish(
+        self, rows: _Rows, separated: AxisSeparation, reach: FloatArray, distance: FloatArray, found: list[_Found], corners: bool
+    ) -> None:
+        """Add the patches of rows within reach to ``found`` and lower bounds on the others to ``distance``."""
+        gap = separated.separation.distance - rows.radius_a - rows.radius_b
+        near = gap <= reach[rows.owner]
+        np.minimum.at(distance, rows.owner[~near], gap[~near])
+        if not near.any():
+            return
+        chosen = np.flatnonzero(near)
+        rows = rows.chosen(chosen)
+        separation, exact = _chosen(separated.separation, chosen), separated.exact[chosen]
+        patch = self._patches(rows, separation)
+        unsure = ~exact & (patch.gap > _CERTAIN)
+        if unsure.any():
+            again = rows.chosen(unsure)
+            measured = self._by_fcl(again)
+            self._finish(again, _exact(measured), reach, distance, found, corners)
+            rows, separation, exact, patch = rows.chosen(~unsure), _chosen(separation, ~unsure), exact[~unsure], _chosen(patch, ~unsure)
+        if len(rows):
+            gap = separation.distance - rows.radius_a - rows.radius_b + np.where(exact, 0.0, patch.gap)
+            found.append(_found(rows, separation.normal, gap, patch, corners))
+
+    def _patches(self, rows: _Rows, separation: Separation) -> Patches:
+        """Patches of rows of one group, their centres and corners in the world."""
+        normal = separation.normal
+        middle = (separation.first + normal * rows.radius_a[:, None] + separation.second - normal * rows.radius_b[:, None]) / 2
+        count = len(rows)
+        if self._table.kind[rows.first[0]] == Kind.POINT:
+            none = np.zeros(count, dtype=np.bool_)
+            return Patches(middle, np.zeros(count), none, np.zeros(count), middle[:, None], none[:, None], none)
+        first, many_a, wide_a = self._polygons(rows.first, rows.triangle_a, rows.rotation_a, rows.centre_a, normal)
+        second, many_b, wide_b = self._polygons(rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b, -normal)
+        first -= middle[:, None]
+        second -= middle[:, None]
+        many = many_a | many_b
+        if not many.any():
+            result = patches(first[:, :FEW], second[:, :FEW], normal)
+        elif many.all():
+            result = patches(first, second, normal)
+        else:
+            of_few = patches(first[~many, :FEW], second[~many, :FEW], normal[~many])
+            result = _merged(many, patches(first[many], second[many], normal[many]), of_few)
+        return Patches(
+            middle + result.centre, result.area, result.found, result.gap, middle[:, None] + result.corners, result.used, wide_a & wide_b
+        )
+
+    def _polygons(
+        self, core: IntArray, triangle: IntArray | None, rotation: FloatArray, centre: FloatArray, direction: FloatArray
+    ) -> tuple[FloatArray, BoolArray, BoolArray]:
+        if triangle is None:
+            return self._features.polygons(core, rotation, centre, direction)
+        count = len(core)
+        corners = self._corners(core, triangle, rotation, centre)
+        return triangle_polygons(corners), np.zeros(count, dtype=np.bool_), np.ones(count, dtype=np.bool_)
 
 
-def _geometry(shape: Shape) -> Any:
-    import fcl
-
-    match shape:
-        case Box(size=(x, y, z)):
-            return fcl.Box(x, y, z)
-        case Sphere(radius=radius):
-            return fcl.Sphere(radius)
-        case Capsule(radius=radius, height=height):
-            return fcl.Capsule(radius, height)
-        case Cylinder(radius=radius, height=height):
-            return fcl.Cylinder(radius, height)
-        case Cone(radius=radius, height=height):
-            return fcl.Cone(radius, height)
-        case ConvexHull(points=points):
-            hull = convex_hull(points)
-            faces = np.concatenate([np.full((len(hull.triangles), 1), 3), hull.triangles], axis=1).ravel()
-            return fcl.Convex(hull.points, len(hull.triangles), faces)
-        case Mesh(points=points, triangles=triangles):
-            model = fcl.BVHModel()
-            model.beginModel(len(triangles), len(points))
-            model.addSubModel(points, triangles)
-            model.endModel()
-            return model
-    raise TypeError(f"no geometry for {shape!r}")
+def _products(start: IntArray, pairs: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Every core of each pair's first body with every core of its second: number of the pair, of either core."""
+    count = np.diff(start)[pairs]
+    many = count[:, 0] * count[:, 1]
+    owner = np.repeat(np.arange(len(pairs)), many)
+    within = np.arange(len(owner)) - np.repeat(np.cumsum(many) - many, many)
+    return owner, start[pairs[owner, 0]] + within // count[owner, 1], start[pairs[owner, 1]] + within % count[owner, 1]
 
 
-def _part_patch(part_a: Part, object_a: Any, part_b: Part, object_b: Any, tolerance: float) -> Patch | None:
-    import fcl
-
-    margin = part_a.radius + part_b.radius
-    result = fcl.DistanceResult()
-    distance = fcl.distance(object_a, object_b, fcl.DistanceRequest(True, True), result)
-    if distance > 0:
-        if distance - margin > tolerance:
-            return None
-        start, end = (np.asarray(p, dtype=np.float64) for p in result.nearest_points)
-        normal = (end - start) / np.linalg.norm(end - start)
-        middle = (start + normal * part_a.radius + end - normal * part_b.radius) / 2
-        return Patch(float(distance - margin), normal, middle[None], 0.0)
-    contacts = fcl.CollisionResult()
-    fcl.collide(object_a, object_b, fcl.CollisionRequest(num_max_contacts=32, enable_contact=True), contacts)
-    if not contacts.contacts:
-        return None
-    deepest = max(contacts.contacts, key=lambda c: float(c.penetration_depth))
-    normal = np.asarray(deepest.normal, dtype=np.float64)
-    points = np.array([c.pos for c in contacts.contacts], dtype=np.float64)
-    return Patch(-float(deepest.penetration_depth) - margin, normal, points, patch_area(points, normal))
+def _exact(separation: Separation) -> AxisSeparation:
+    return AxisSeparation(separation, np.ones(len(separation.distance), dtype=np.bool_))
 
 
-def patch_area(points: FloatArray, normal: FloatArray) -> float:
-    """Area in square metres of the convex hull of ``points`` (k, 3) seen along ``normal``."""
-    if len(points) < 3:
-        return 0.0
-    u = np.cross(normal, [1.0, 0.0, 0.0] if abs(normal[0]) < 0.7 else [0.0, 1.0, 0.0])
-    u /= np.linalg.norm(u)
-    flat = np.stack([points @ u, points @ np.cross(normal, u)], axis=1)
-    x, y = flat[hull_2d(flat)].T
-    return float(abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2)
+def _ends(rotation: FloatArray, centre: FloatArray, half: FloatArray) -> tuple[FloatArray, FloatArray]:
+    along = rotation[:, :, 2] * half[:, 2:]
+    return centre - along, centre + along
 
 
-def world_bounds(shapes: Sequence[Shape], transforms: FloatArray) -> FloatArray:
-    """Bounding boxes (n, 2, 3) of shapes under rigid ``transforms`` (n, 4, 4), margins included."""
-    local = np.array([shape.local_bounds() for shape in shapes], dtype=np.float64).reshape(-1, 2, 3)
-    return transformed_bounds(local, transforms)
+def _segment_and_box(rows: _Rows, half_a: FloatArray, half_b: FloatArray) -> AxisSeparation:
+    """Exact where they are apart; a segment through a box is a box without width and height."""
+    start, end = _ends(rows.rotation_a, rows.centre_a, half_a)
+    separation = segment_to_box(start, end, rows.rotation_b, rows.centre_b, half_b)
+    through = np.flatnonzero(separation.distance < 1e-9)
+    if len(through):
+        sides = (rows.rotation_a, rows.centre_a, half_a, rows.rotation_b, rows.centre_b, half_b)
+        deep = box_to_box(*(side[through] for side in sides)).separation
+        for name in ("distance", "normal", "first", "second"):
+            getattr(separation, name)[through] = getattr(deep, name)
+    return _exact(separation)
+
+
+def _chosen(values: Any, rows: Any) -> Any:
+    """Rows of a dataclass of arrays."""
+    return type(values)(*(getattr(values, f.name)[rows] for f in fields(values)))
+
+
+def _merged(many: BoolArray, of_many: Patches, of_few: Patches) -> Patches:
+    """Results of two calls put together, the shorter rows of corners filled up."""
+    merged = []
+    for field in fields(Patches):
+        a, b = getattr(of_many, field.name), getattr(of_few, field.name)
+        values = np.zeros((len(many), *a.shape[1:]), dtype=a.dtype)
+        values[many] = a
+        values[~many] = b if a.shape[1:] == b.shape[1:] else np.pad(b, [(0, 0), (0, a.shape[1] - b.shape[1]), *[(0, 0)] * (b.ndim - 2)])
+        merged.append(values)
+    return Patches(*merged)
+
+
+def _found(rows: _Rows, normal: FloatArray, distance: FloatArray, patch: Patches, corners: bool) -> _Found:
+    """With normals from the first body of the pair to the second."""
+    points = None
+    if corners:
+        points = [c[u] if u.any() else m[None] for c, u, m in zip(patch.corners, patch.used, patch.centre, strict=True)]
+    outward = np.where(rows.flipped[:, None], -normal, normal)
+    return _Found(rows.owner, distance, outward, patch.centre, patch.area, np.where(patch.wide, patch.area, 0.0), points)
+
+
+def _reduced(count: int, distance: FloatArray, found: list[_Found], corners: bool) -> PairPatches:
+    """One patch per pair of bodies from those of its cores and triangles: those that are nearest, or as near within the gap of a patch if
+    they have an extent, weighted by it."""
+    normal = np.tile([0.0, 0.0, 1.0], (count, 1))
+    centre, area = np.zeros((count, 3)), np.zeros(count)
+    if not found:
+        return PairPatches(distance, normal, centre, area, tuple(np.zeros((0, 3)) for _ in range(count)) if corners else ())
+    owner, each, normals, centres, weights, areas = (
+        np.concatenate([getattr(f, name) for f in found]) for name in ("owner", "distance", "normal", "centre", "weight", "area")
+    )
+    if len(np.unique(owner)) == len(owner):
+        distance[owner] = np.minimum(distance[owner], each)
+        normal[owner], centre[owner], area[owner] = normals, centres, areas
+        kept = np.ones(len(owner), dtype=np.bool_)
+    else:
+        np.minimum.at(distance, owner, each)
+        above = each - distance[owner]
+        nearest = above <= 1e-6
+        extent = np.zeros(count)
+        np.add.at(extent, owner, np.where(nearest, weights, 0.0))
+        flat = extent[owner] > 0
+        weights = np.where(flat, np.where(above <= PATCH_GAP, weights, 0.0), np.where(nearest, 1.0, 0.0))
+        kept = weights > 0
+        total = np.zeros(count)
+        np.add.at(total, owner, weights)
+        total = np.where(total > 0, total, 1.0)
+        np.add.at(centre, owner, centres * weights[:, None])
+        centre /= total[:, None]
+        np.add.at(area, owner, np.where(kept, areas, 0.0))
+        mean = np.zeros((count, 3))
+        np.add.at(mean, owner, normals * weights[:, None])
+        length = np.sqrt(dot(mean, mean))
+        # Normals that cancel, as those of a body in a narrow gap do: the nearest one stands.
+        order = np.argsort(-above, kind="stable")
+        normal[owner[order]] = normals[order]
+        whole = length > 0.1 * total
+        normal[whole] = mean[whole] / length[whole, None]
+    if not corners:
+        return PairPatches(distance, normal, centre, area)
+    points: list[list[FloatArray]] = [[] for _ in range(count)]
+    flat_points = [c for f in found for c in (f.corners or [])]
+    for k in np.flatnonzero(kept).tolist():
+        points[owner[k]].append(flat_points[k])
+    return PairPatches(distance, normal, centre, area, tuple(_outline(p, normal[k]) for k, p in enumerate(points)))
+
+
+def _outline(points: list[FloatArray], normal: FloatArray) -> FloatArray:
+    """Corners of the convex hull of a patch in its plane, at most ``MAX_PATCH_POINTS`` of them."""
+    if not points:
+        return np.zeros((0, 3))
+    every = np.concatenate(points)
+    u, v = (axis[0] for axis in contact_plane(normal[None]))
+    flat = np.stack([every @ u, every @ v], axis=1)
+    _, first = np.unique(np.round(flat, 5), axis=0, return_index=True)
+    chosen = np.sort(first)
+    chosen = chosen[hull_2d(flat[chosen])]
+    if len(chosen) > MAX_PATCH_POINTS:
+        chosen = chosen[np.linspace(0, len(chosen), MAX_PATCH_POINTS, endpoint=False).astype(int)]
+    return every[chosen]

@@ -105,8 +105,9 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class Box(Shape):
-    """``size`` (x, y, z) in metres. ``rounding`` is the radius of its edges within that size: Bullet sees a box so wherever the other shape
-    is not a box (its embedded margin); two boxes meet with sharp edges."""
+    """``size`` (x, y, z) in metres. ``rounding`` is the radius of its edges within that size (Bullet's embedded margin): where the other
+    shape is not a box, too, Bullet sees it so; two boxes meet with sharp edges. A box thinner than twice its rounding is a thin sharp one,
+    but counts as so thick against a mesh."""
 
     type: ClassVar[str] = "box"
     size: Vector
@@ -120,10 +121,10 @@ class Box(Shape):
             raise ValueError(f"size: expected three lengths, got {self.size!r}") from None
         object.__setattr__(self, "size", (_positive("size", x), _positive("size", y), _positive("size", z)))
         object.__setattr__(self, "margin", _length("margin", self.margin))
-        object.__setattr__(self, "rounding", min(_length("rounding", self.rounding), min(self.size) / 2))
+        object.__setattr__(self, "rounding", _length("rounding", self.rounding))
 
     def core_bounds(self) -> FloatArray:
-        half = np.array(self.size) / 2
+        half = np.maximum(np.array(self.size) / 2, self.rounding)
         return np.array([-half, half])
 
     def to_dict(self) -> dict[str, Any]:
@@ -222,11 +223,13 @@ class Cone(Shape):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConvexHull(Shape):
-    """The convex hull of ``points`` (n, 3) in metres, which may lie in one plane or on one line, but not all in one place."""
+    """The convex hull of ``points`` (n, 3) in metres, which may lie in one plane or on one line, but not all in one place. ``rounding`` is
+    the radius of its edges within that hull (Bullet's embedded margin); where it is thinner than that, it stays sharp."""
 
     type: ClassVar[str] = "convex_hull"
     points: FloatArray
     margin: float = 0.0
+    rounding: float = 0.0
 
     def __post_init__(self) -> None:
         points = points_array("points", self.points)
@@ -234,28 +237,34 @@ class ConvexHull(Shape):
             raise ValueError("points: they all lie in one place")
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "margin", _length("margin", self.margin))
+        object.__setattr__(self, "rounding", _length("rounding", self.rounding))
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, ConvexHull) and self.margin == other.margin and np.array_equal(self.points, other.points)
+        if not isinstance(other, ConvexHull):
+            return NotImplemented
+        return (self.margin, self.rounding) == (other.margin, other.rounding) and np.array_equal(self.points, other.points)
 
     def __hash__(self) -> int:
-        return hash((self.type, self.margin, self.points.tobytes()))
+        return hash((self.type, self.margin, self.rounding, self.points.tobytes()))
 
     def core_bounds(self) -> FloatArray:
         return np.array([self.points.min(axis=0), self.points.max(axis=0)])
 
     def to_dict(self) -> dict[str, Any]:
-        return {"type": self.type, "points": self.points.tolist(), **self._margin_form()}
+        rounding = {"rounding": self.rounding} if self.rounding else {}
+        return {"type": self.type, "points": self.points.tolist(), **self._margin_form(), **rounding}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mesh(Shape):
-    """A surface of ``triangles`` (t, 3), indices into ``points`` (n, 3) in metres. It has no inside: what touches it touches a triangle."""
+    """A surface of ``triangles`` (t, 3), indices into ``points`` (n, 3) in metres. It has no inside: what touches it touches a triangle.
+    ``sphere_margin`` is its margin where the other shape is a sphere (0 in Bullet), None the same as for all."""
 
     type: ClassVar[str] = "mesh"
     points: FloatArray
     triangles: IntArray
     margin: float = 0.0
+    sphere_margin: float | None = None
 
     def __post_init__(self) -> None:
         points = points_array("points", self.points)
@@ -274,24 +283,28 @@ class Mesh(Shape):
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "triangles", triangles)
         object.__setattr__(self, "margin", _length("margin", self.margin))
+        if self.sphere_margin is not None:
+            object.__setattr__(self, "sphere_margin", _length("sphere_margin", self.sphere_margin))
 
     def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Mesh):
+            return NotImplemented
         return (
-            isinstance(other, Mesh)
-            and self.margin == other.margin
+            (self.margin, self.sphere_margin) == (other.margin, other.sphere_margin)
             and np.array_equal(self.points, other.points)
             and np.array_equal(self.triangles, other.triangles)
         )
 
     def __hash__(self) -> int:
-        return hash((self.type, self.margin, self.points.tobytes(), self.triangles.tobytes()))
+        return hash((self.type, self.margin, self.sphere_margin, self.points.tobytes(), self.triangles.tobytes()))
 
     def core_bounds(self) -> FloatArray:
         used = self.points[self.triangles.reshape(-1)]
         return np.array([used.min(axis=0), used.max(axis=0)])
 
     def to_dict(self) -> dict[str, Any]:
-        return {"type": self.type, "points": self.points.tolist(), "triangles": self.triangles.tolist(), **self._margin_form()}
+        spheres = {} if self.sphere_margin is None else {"sphere_margin": self.sphere_margin}
+        return {"type": self.type, "points": self.points.tolist(), "triangles": self.triangles.tolist(), **self._margin_form(), **spheres}
 
 
 @dataclass(frozen=True, slots=True)
@@ -338,8 +351,8 @@ _KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "capsule": (("radius", "height"), ("margin",)),
     "cylinder": (("radius", "height"), ("margin", "rounding")),
     "cone": (("radius", "height"), ("margin",)),
-    "convex_hull": (("points",), ("margin",)),
-    "mesh": (("points", "triangles"), ("margin",)),
+    "convex_hull": (("points",), ("margin", "rounding")),
+    "mesh": (("points", "triangles"), ("margin", "sphere_margin")),
     "compound": (("children",), ("margin",)),
 }
 

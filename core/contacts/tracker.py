@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .broad_phase import overlapping_pairs
 from .contact_set import ContactSet
-from .narrow_phase import NarrowPhase, Patch
+from .narrow_phase import NarrowPhase, PairPatches
 from .shapes import Shape, transformed_bounds
 
 FloatArray = NDArray[np.float64]
@@ -118,7 +118,7 @@ class ContactTracker:
         self.settings = settings or ContactSettings()
         self._moving = np.array([b.motion is not Motion.STATIC for b in self.bodies], dtype=np.bool_)
         self._bounds = np.array([b.shape.local_bounds() for b in self.bodies], dtype=np.float64).reshape(-1, 2, 3)
-        self._narrow = NarrowPhase([b.shape for b in self.bodies])
+        self._narrow = NarrowPhase([b.shape for b in self.bodies], [b.medium for b in self.bodies])
         self._mass = np.array([0.0 if b.mass is None else b.mass for b in self.bodies])
         self.reset()
 
@@ -145,22 +145,23 @@ class ContactTracker:
         candidates = overlapping_pairs(bounds, None)
         if wanted is not None:
             candidates = candidates[wanted[candidates].any(axis=1)]
-        found: list[tuple[tuple[int, int], Patch]] = []
         before = self._touching or frozenset()
-        for a, b in candidates.tolist():
-            limit = self.settings.tolerance + (self.settings.slack if (a, b) in before else 0.0)
-            patch = self._narrow.patch(a, b, transforms[a], transforms[b], limit)
-            if patch is not None:
-                found.append(((a, b), patch))
-        touching = frozenset(pair for pair, _ in found)
+        touched = np.array([tuple(pair) in before for pair in candidates.tolist()], dtype=np.bool_)
+        limit = self.settings.tolerance + np.where(touched, self.settings.slack, 0.0)
+        first, second = candidates.T
+        patches = self._narrow.query(candidates, transforms[first], transforms[second], limit, self.settings.patch_points)
+        near = patches.distance <= limit
+        found = contact_set(candidates[near], patches, np.flatnonzero(near), self.settings.patch_points)
+        touching = frozenset((a, b) for a, b in candidates[near].tolist())
         known = self._touching is not None
         began = sorted(touching - before) if known else []
         ended = sorted(before - touching)
         self._history = [*self._history[-2:], (time, transforms.copy())]
-        impacts = self._impacts(dict(found), began)
+        rows = {(a, b): k for k, (a, b) in enumerate(candidates.tolist())}
+        impacts = self._impacts(rows, patches, began)
         self._touching = touching
         return FrameContacts(
-            contacts=contact_set(found, self.settings.patch_points),
+            contacts=found,
             began=np.array(began, dtype=np.int64).reshape(-1, 2),
             ended=np.array(ended, dtype=np.int64).reshape(-1, 2),
             impacts=impacts,
@@ -168,7 +169,9 @@ class ContactTracker:
             warnings=(),
         )
 
-    def _impacts(self, patches: dict[tuple[int, int], Patch], began: Sequence[tuple[int, int]]) -> tuple[Impact, ...]:
+    def _impacts(
+        self, rows: dict[tuple[int, int], int], patches: PairPatches, began: Sequence[tuple[int, int]]
+    ) -> tuple[Impact, ...]:
         if len(self._history) < 3:
             return ()
         (t0, m0), (t1, m1), (t2, _) = self._history
@@ -177,45 +180,41 @@ class ContactTracker:
         for pair in began:
             a, b = pair
             va, vb = velocity[a], velocity[b]
-            patch = patches[pair]
+            row = rows[pair]
             if self.settings.energy is ImpactEnergy.KINETIC:
                 energy = float(0.5 * self._mass[a] * va @ va + 0.5 * self._mass[b] * vb @ vb)
             else:
                 ma, mb = self._mass[pair,]
                 reduced = ma * mb / (ma + mb) if ma and mb else max(ma, mb)
-                energy = float(0.5 * reduced * ((vb - va) @ patch.normal) ** 2)
+                energy = float(0.5 * reduced * ((vb - va) @ patches.normal[row]) ** 2)
             if energy < self.settings.least_energy or t2 - self._last_impact.get(pair, -math.inf) < self.settings.refractory:
                 continue
             self._last_impact[pair] = t2
-            x, y, z = patch.points.mean(axis=0).tolist()
-            nx, ny, nz = patch.normal.tolist()
+            x, y, z = patches.centre[row].tolist()
+            nx, ny, nz = patches.normal[row].tolist()
             impacts.append(
                 Impact(pair, t2, ((x, y, z), (x, y, z)), (nx, ny, nz), energy, min(energy / self.settings.full_energy, 1.0))
             )
         return tuple(impacts)
 
 
-def contact_set(found: Sequence[tuple[tuple[int, int], Patch]], patch_points: bool) -> ContactSet:
-    """Contacts of touching pairs and their patches: one each at the centre, or one per point."""
-    pairs, positions, normals, distances, areas, shares = [], [], [], [], [], []
-    for pair, patch in found:
-        points = patch.points if patch_points else patch.points.mean(axis=0)[None]
-        gap = patch.normal * patch.distance / 2
-        for point in points:
-            pairs.append(pair)
-            positions.append((point - gap, point + gap))
-            normals.append(patch.normal)
-            distances.append(patch.distance)
-            areas.append(patch.area / len(points))
-            shares.append(1.0 / len(points))
-    distance = np.array(distances, dtype=np.float64)
+def contact_set(pairs: IntArray, patches: PairPatches, rows: IntArray, patch_points: bool) -> ContactSet:
+    """Contacts of touching ``pairs`` (n, 2), whose patches are ``rows`` (n,): one each at the centre, or one per point of the patch."""
+    repeats = np.ones(len(rows), dtype=np.int64)
+    if patch_points:
+        repeats = np.array([len(patches.corners[row]) for row in rows.tolist()], dtype=np.int64)
+    row = np.repeat(rows, repeats)
+    points = np.concatenate([patches.corners[k] for k in rows.tolist()] or [np.zeros((0, 3))]) if patch_points else patches.centre[row]
+    normal, distance = patches.normal[row], patches.distance[row]
+    gap = normal * (distance / 2)[:, None]
+    share = 1.0 / np.repeat(repeats, repeats)
     return ContactSet(
-        pairs=np.array(pairs, dtype=np.int64).reshape(-1, 2),
-        positions=np.array(positions, dtype=np.float64).reshape(-1, 2, 3),
-        normal=np.array(normals, dtype=np.float64).reshape(-1, 3),
+        pairs=np.repeat(pairs, repeats, axis=0),
+        positions=np.stack([points - gap, points + gap], axis=1),
+        normal=normal,
         depth=np.maximum(-distance, 0.0),
         distance=distance,
-        area=np.array(areas, dtype=np.float64),
-        share=np.array(shares, dtype=np.float64),
-        transmission=np.zeros(len(distance), dtype=np.int64),
+        area=patches.area[row] * share,
+        share=share,
+        transmission=np.zeros(len(row), dtype=np.int64),
     )

@@ -1,0 +1,281 @@
+"""Distances between simple cores in closed form, many pairs at a time.
+
+All functions take arrays with one row per pair, in world space and metres, and return ``Separation``. Points, segments and triangles have
+no inside; a point in a box, cylinder or cone has a negative distance, down to its nearest face.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Separation:
+    """Signed ``distance`` (n,), unit ``normal`` (n, 3) from first to second, nearest points ``first`` and ``second`` (n, 3) on the
+    cores."""
+
+    distance: FloatArray
+    normal: FloatArray
+    first: FloatArray
+    second: FloatArray
+
+    def swapped(self) -> Separation:
+        """The same with the two sides exchanged."""
+        return Separation(self.distance, -self.normal, self.second, self.first)
+
+
+def dot(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Row by row."""
+    return np.asarray(np.einsum("...i,...i->...", a, b))
+
+
+def turned(rotation: FloatArray, vector: FloatArray) -> FloatArray:
+    """``rotation @ vector`` row by row."""
+    return np.asarray(np.einsum("...ij,...j->...i", rotation, vector))
+
+
+def turned_back(rotation: FloatArray, vector: FloatArray) -> FloatArray:
+    """``rotation.T @ vector`` row by row."""
+    return np.asarray(np.einsum("...ji,...j->...i", rotation, vector))
+
+
+def between(first: FloatArray, second: FloatArray, otherwise: FloatArray | None = None) -> Separation:
+    """From nearest points. Where they coincide the normal is ``otherwise`` (default: up)."""
+    way = second - first
+    distance = np.sqrt(dot(way, way))
+    apart = distance > 1e-12
+    normal = way / np.where(apart, distance, 1.0)[:, None]
+    if not apart.all():
+        fallback = np.broadcast_to(np.array([0.0, 0.0, 1.0]), way.shape) if otherwise is None else otherwise
+        normal = np.where(apart[:, None], normal, fallback)
+    return Separation(distance, normal, first, second)
+
+
+def point_to_box(point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray) -> Separation:
+    """Points (n, 3) and boxes."""
+    local = turned_back(rotation, point - centre)
+    nearest = np.clip(local, -half, half)
+    outside = between(local, nearest)
+    room = half - np.abs(local)
+    axis = room.argmin(axis=1)
+    row = np.arange(len(local))
+    depth = room[row, axis]
+    inside = (room > 0).all(axis=1)
+    side = np.where(local[row, axis] < 0, -1.0, 1.0)
+    out = np.zeros_like(local)
+    out[row, axis] = side
+    face = local.copy()
+    face[row, axis] = side * half[row, axis]
+    return _placed(outside, inside, -depth, -out, local, face, rotation, centre)
+
+
+def _placed(
+    outside: Separation,
+    inside: BoolArray,
+    depth: FloatArray,
+    normal: FloatArray,
+    first: FloatArray,
+    second: FloatArray,
+    rotation: FloatArray,
+    centre: FloatArray,
+) -> Separation:
+    """World separation from local ones, those ``inside`` replaced."""
+    mask = inside[:, None]
+    return Separation(
+        np.where(inside, depth, outside.distance),
+        turned(rotation, np.where(mask, normal, outside.normal)),
+        turned(rotation, np.where(mask, first, outside.first)) + centre,
+        turned(rotation, np.where(mask, second, outside.second)) + centre,
+    )
+
+
+def _radial(local: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Distance from the local z axis and the unit direction away from it (x on the axis)."""
+    radius = np.hypot(local[:, 0], local[:, 1])
+    off = radius > 1e-12
+    direction = np.zeros_like(local)
+    direction[:, 0] = np.where(off, local[:, 0] / np.where(off, radius, 1.0), 1.0)
+    direction[:, 1] = np.where(off, local[:, 1] / np.where(off, radius, 1.0), 0.0)
+    return radius, direction
+
+
+def point_to_cylinder(point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray) -> Separation:
+    """Points and cylinders along local z; ``half`` (n, 3) is (radius, radius, half height)."""
+    local = turned_back(rotation, point - centre)
+    radius, direction = _radial(local)
+    up = np.array([0.0, 0.0, 1.0])
+    nearest = direction * np.minimum(radius, half[:, 0])[:, None] + up * np.clip(local[:, 2], -half[:, 2], half[:, 2])[:, None]
+    outside = between(local, nearest)
+    to_side = half[:, 0] - radius
+    to_end = half[:, 2] - np.abs(local[:, 2])
+    inside = (to_side > 0) & (to_end > 0)
+    by_side = to_side <= to_end
+    end = np.where(local[:, 2] < 0, -1.0, 1.0)
+    out = np.where(by_side[:, None], direction, up * end[:, None])
+    depth = np.minimum(to_side, to_end)
+    return _placed(outside, inside, -depth, -out, local, local + out * depth[:, None], rotation, centre)
+
+
+def point_to_cone(point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray) -> Separation:
+    """Points and cones along local z, base at -half height; ``half`` (n, 3) is (radius of the base, the same, half height)."""
+    local = turned_back(rotation, point - centre)
+    radius, direction = _radial(local)
+    z, base, height = local[:, 2], half[:, 0], half[:, 2]
+    up = np.array([0.0, 0.0, 1.0])
+    # In the half plane (distance from the axis, z): the slant from the rim (base, -height) to the tip (0, height).
+    slant = np.hypot(base, 2 * height)
+    along = np.clip(((radius - base) * -base + (z + height) * 2 * height) / slant**2, 0.0, 1.0)
+    slant_radius, slant_z = base * (1 - along), height * (2 * along - 1)
+    floor_radius = np.minimum(radius, base)
+    above_slant = ((radius - base) * 2 * height + (z + height) * base) / slant
+    to_floor = np.hypot(radius - floor_radius, z + height)
+    to_slant = np.hypot(radius - slant_radius, z - slant_z)
+    inside = (above_slant < 0) & (z > -height)
+    by_floor = to_floor < to_slant
+    nearest = (
+        direction * np.where(by_floor, floor_radius, slant_radius)[:, None] + up * np.where(by_floor, -height, slant_z)[:, None]
+    )
+    outside = between(local, nearest)
+    return _placed(
+        outside, inside, -outside.distance, -outside.normal, local, nearest, rotation, centre
+    )
+
+
+def nearest_on_segment(point: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
+    """Point (n, 3) of each segment nearest to each point."""
+    way = end - start
+    squared = dot(way, way)
+    t = np.clip(dot(point - start, way) / np.where(squared > 0, squared, 1.0), 0.0, 1.0)
+    return np.asarray(start + way * t[:, None])
+
+
+def segment_to_segment(a0: FloatArray, a1: FloatArray, b0: FloatArray, b1: FloatArray) -> Separation:
+    """Two segments given by their ends. The nearest points of two lines, moved into the segments one after the other."""
+    u, v, w = a1 - a0, b1 - b0, a0 - b0
+    uu, vv, uv, uw, vw = dot(u, u), dot(v, v), dot(u, v), dot(u, w), dot(v, w)
+    uu1, vv1 = np.where(uu > 0, uu, 1.0), np.where(vv > 0, vv, 1.0)
+    area = uu * vv - uv * uv
+    crossing = area > 1e-12 * uu * vv
+    s = np.where(crossing, np.clip((uv * vw - vv * uw) / np.where(crossing, area, 1.0), 0.0, 1.0), 0.5)
+    t = np.clip((uv * s + vw) / vv1, 0.0, 1.0)
+    s = np.clip((uv * t - uw) / uu1, 0.0, 1.0)
+    t = np.clip((uv * s + vw) / vv1, 0.0, 1.0)
+    first, second = a0 + u * s[:, None], b0 + v * t[:, None]
+    return between(first, second, _perpendicular(np.cross(u, v), u))
+
+
+def _perpendicular(vector: FloatArray, along: FloatArray) -> FloatArray:
+    """Unit vectors of ``vector`` (n, 3), or any unit vector square to ``along`` where it vanishes."""
+    length = np.sqrt(dot(vector, vector))
+    extent = np.sqrt(dot(along, along))[:, None]
+    other = np.cross(along, np.where(np.abs(along[:, :1]) < 0.7 * extent, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]))
+    size = np.sqrt(dot(other, other))
+    other = np.where(size[:, None] > 0, other / np.where(size > 0, size, 1.0)[:, None], np.array([0.0, 0.0, 1.0]))
+    good = length > 1e-9 * np.maximum(1e-300, dot(along, along))
+    return np.where(good[:, None], vector / np.where(good, length, 1.0)[:, None], other)
+
+
+def segment_to_box(start: FloatArray, end: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray) -> Separation:
+    """Segments and boxes; a segment that passes through the box has distance 0.
+
+    The squared distance to a box is convex and piecewise quadratic along the segment, its pieces ending where the segment crosses a plane
+    of a face: its derivative, piecewise linear, is taken there and its zero found in between.
+    """
+    a = turned_back(rotation, start - centre)
+    way = turned_back(rotation, end - centre) - a
+    moving = np.abs(way) > 1e-300
+    divisor = np.where(moving, way, 1.0)
+    crossings = np.concatenate([(side * half - a) / divisor for side in (-1.0, 1.0)], axis=1)
+    crossings = np.where(np.concatenate([moving, moving], axis=1), np.clip(crossings, 0.0, 1.0), 0.0)
+    times = np.sort(np.concatenate([np.zeros((len(a), 1)), crossings, np.ones((len(a), 1))], axis=1), axis=1)
+    points = a[:, None, :] + way[:, None, :] * times[:, :, None]
+    excess = points - np.clip(points, -half[:, None, :], half[:, None, :])
+    slope = np.einsum("nkj,nj->nk", excess, way)
+    # The first piece at whose end the derivative is no longer negative holds the minimum.
+    row = np.arange(len(a))
+    late = np.argmax(slope >= 0, axis=1)
+    late = np.where((slope >= 0).any(axis=1), late, times.shape[1] - 1)
+    early = np.maximum(late - 1, 0)
+    low, high = slope[row, early], slope[row, late]
+    falling = high - low
+    share = np.where(falling > 0, -low / np.where(falling > 0, falling, 1.0), 1.0)
+    t = times[row, early] + np.clip(share, 0.0, 1.0) * (times[row, late] - times[row, early])
+    first = a + way * t[:, None]
+    second = np.clip(first, -half, half)
+    local = between(first, second)
+    return Separation(local.distance, turned(rotation, local.normal), turned(rotation, first) + centre, turned(rotation, second) + centre)
+
+
+def nearest_on_triangle(point: FloatArray, corners: FloatArray) -> FloatArray:
+    """Point (n, 3) of each triangle (n, 3, 3) nearest to each point."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    normal = np.cross(b - a, c - a)
+    squared = dot(normal, normal)
+    solid = squared > 0
+    height = dot(point - a, normal) / np.where(solid, squared, 1.0)
+    foot = point - normal * height[:, None]
+    inside = solid.copy()
+    for start, end in ((a, b), (b, c), (c, a)):
+        inside &= dot(np.cross(end - start, foot - start), normal) >= 0
+    best = foot
+    least = np.where(inside, 0.0, np.inf)
+    for start, end in ((a, b), (b, c), (c, a)):
+        candidate = nearest_on_segment(point, start, end)
+        away = candidate - point
+        distance = np.where(inside, np.inf, dot(away, away))
+        closer = distance < least
+        best = np.where(closer[:, None], candidate, best)
+        least = np.where(closer, distance, least)
+    return best
+
+
+def point_to_triangle(point: FloatArray, corners: FloatArray) -> Separation:
+    """Points and triangles (n, 3, 3)."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return between(point, nearest_on_triangle(point, corners), -_perpendicular(normal, corners[:, 1] - corners[:, 0]))
+
+
+def segment_to_triangle(start: FloatArray, end: FloatArray, corners: FloatArray) -> Separation:
+    """Segments and triangles (n, 3, 3). A segment through the triangle is as deep as its shorter part behind it."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    best = between(start, nearest_on_triangle(start, corners))
+    others = [between(end, nearest_on_triangle(end, corners))]
+    others += [segment_to_segment(start, end, p, q) for p, q in ((a, b), (b, c), (c, a))]
+    for other in others:
+        closer = other.distance < best.distance - 1e-12
+        mask = closer[:, None]
+        best = Separation(
+            np.where(closer, other.distance, best.distance),
+            np.where(mask, other.normal, best.normal),
+            np.where(mask, other.first, best.first),
+            np.where(mask, other.second, best.second),
+        )
+    normal = _perpendicular(np.cross(b - a, c - a), b - a)
+    h0, h1 = dot(start - a, normal), dot(end - a, normal)
+    span = h0 - h1
+    t = h0 / np.where(np.abs(span) > 0, span, 1.0)
+    crossing = start + (end - start) * t[:, None]
+    through = (h0 * h1 < 0)
+    for p, q in ((a, b), (b, c), (c, a)):
+        through &= dot(np.cross(q - p, crossing - p), normal) > 0
+    if not through.any():
+        return best
+    shorter_start = np.abs(h0) < np.abs(h1)
+    depth = np.minimum(np.abs(h0), np.abs(h1))
+    deep = np.where(shorter_start[:, None], start, end)
+    side = np.sign(np.where(shorter_start, h0, h1))
+    # The normal points from the segment to the triangle: the way the short part has gone.
+    inward = normal * side[:, None]
+    mask = through[:, None]
+    return Separation(
+        np.where(through, -depth, best.distance),
+        np.where(mask, inward, best.normal),
+        np.where(mask, deep, best.first),
+        np.where(mask, deep - inward * depth[:, None], best.second),
+    )

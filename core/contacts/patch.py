@@ -1,0 +1,170 @@
+"""Contact patches: where the facing features of two touching cores lie on each other, many pairs at a time.
+
+Each core shows its flattest feature towards the other: a face of a box, hull or triangle, the end of a cylinder, a line along the side of a
+round core. Both are projected onto the contact plane and intersected, as far as the gap between them is within ``PATCH_GAP`` of the least.
+A face on a face gives their common area, an edge a strip along it, a corner next to nothing: centre and area change smoothly as a body
+tips.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .closed_forms import dot
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+PATCH_GAP = 0.0005
+"""Metres by which two surfaces may be further apart than where they are nearest and still belong to the patch."""
+
+@dataclass(frozen=True, slots=True)
+class Patches:
+    """Per pair: ``centre`` (n, 3) in the contact plane through the origin, ``area`` (n,) [m^2], ``found`` (n,) False where the features do
+    not face each other, ``gap`` (n,) by which the nearest corner of the patch is further apart than the distance along the normal (infinite
+    where there is none), ``corners`` (n, k, 3) of the patch, which of them are ``used`` (n, k), and ``wide`` (n,) False for a line."""
+
+    centre: FloatArray
+    area: FloatArray
+    found: BoolArray
+    gap: FloatArray
+    corners: FloatArray
+    used: BoolArray
+    wide: BoolArray
+
+
+def contact_plane(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two unit vectors (n, 3) that make a right-handed frame with each unit normal."""
+    # Duff et al. 2017, "Building an orthonormal basis, revisited".
+    x, y, z = normal[:, 0], normal[:, 1], normal[:, 2]
+    sign = np.where(z < 0, -1.0, 1.0)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    u = np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], axis=1)
+    v = np.stack([b, sign + y * y * a, -y], axis=1)
+    return u, v
+
+
+def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patches:
+    """Patches of features given as convex polygons ``first`` (n, k, 3) and ``second`` (n, m, 3) around any origin, in either sense,
+    repeated corners allowed; ``normal`` (n, 3) from first to second.
+
+    The area and its centre are integrals along the boundary of the intersection (Green's theorem), which consists of the parts of each
+    polygon's edges that lie inside everything else and need not be put in order.
+    """
+    u, v = contact_plane(normal)
+    frame = np.stack([u, v, normal], axis=1)
+    a = np.einsum("nij,nkj->nki", frame, first)
+    b = np.einsum("nij,nkj->nki", frame, second)
+    # The gap between the two as a linear function over the plane, counted from the least that their farthest corners would leave.
+    slope_a, level_a = _plane(a)
+    slope_b, level_b = _plane(b)
+    slope = slope_b - slope_a
+    level = (level_b - b[:, :, 2].min(axis=1)) + (a[:, :, 2].max(axis=1) - level_a)
+    low = np.maximum(a[:, :, :2].min(axis=1), b[:, :, :2].min(axis=1))
+    high = np.minimum(a[:, :, :2].max(axis=1), b[:, :, :2].max(axis=1))
+    origin = (low + high) / 2
+    level = level + dot(slope, origin)
+    a = _counter_clockwise(a[:, :, :2] - origin[:, None])
+    b = _counter_clockwise(b[:, :, :2] - origin[:, None])
+    size = np.maximum(np.abs(a).max(axis=(1, 2)), np.abs(b).max(axis=(1, 2)))
+    slack = 1e-9 * size[:, None]
+    gap_line = np.concatenate([-slope, (PATCH_GAP - level)[:, None]], axis=1)[:, None]
+    lines_a, lines_b = _lines(a), _lines(b)
+    # Boundary of the first inside the second, of the second strictly inside the first (a shared edge counts once), and of the gap.
+    pieces = [
+        _clipped(a, np.roll(a, -1, axis=1), np.concatenate([_moved(lines_b, slack), gap_line], axis=1)),
+        _clipped(b, np.roll(b, -1, axis=1), np.concatenate([_moved(lines_a, -slack), gap_line], axis=1)),
+        _clipped(*_gap_edge(slope, level, size), np.concatenate([_moved(lines_a, slack), _moved(lines_b, slack)], axis=1)),
+    ]
+    start, end, used = (np.concatenate([piece[k] for piece in pieces], axis=1) for k in range(3))
+    cross = np.where(used, start[..., 0] * end[..., 1] - start[..., 1] * end[..., 0], 0.0)
+    area = cross.sum(axis=1) / 2
+    moment = np.einsum("nki,nk->ni", start + end, cross) / 6
+    found = (used.sum(axis=1) >= 2) & (area > 0)
+    # Cancellation could throw the centre of a sliver anywhere: keep it among the corners.
+    mask = used[..., None]
+    least = np.where(mask, np.minimum(start, end), np.inf).min(axis=1)
+    most = np.where(mask, np.maximum(start, end), -np.inf).max(axis=1)
+    centre = np.clip(moment / np.where(found, area, 1.0)[:, None], least, most)
+    centre = np.where(found[:, None], centre + origin, 0.0)
+    gap = np.where(used, level[:, None] + np.einsum("nki,ni->nk", start, slope), np.inf).min(axis=1)
+    corners = start + origin[:, None]
+    return Patches(
+        centre=u * centre[:, :1] + v * centre[:, 1:],
+        area=np.where(found, area, 0.0),
+        found=found,
+        gap=np.where(found, np.maximum(gap, 0.0), np.inf),
+        corners=u[:, None] * corners[..., :1] + v[:, None] * corners[..., 1:],
+        used=used & found[:, None],
+        wide=found,
+    )
+
+
+def _plane(polygon: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Slope (n, 2) and value at the origin (n,) of the plane z(x, y) of each polygon (n, k, 3)."""
+    rays = polygon[:, 1:] - polygon[:, :1]
+    normal = np.cross(rays[:, :-1], rays[:, 1:]).sum(axis=1)
+    steep = 1e-6 * np.sqrt(dot(normal, normal)) + 1e-300
+    upright = np.where(np.abs(normal[:, 2]) > steep, normal[:, 2], np.copysign(steep, normal[:, 2]))
+    slope = -normal[:, :2] / upright[:, None]
+    return slope, polygon[:, 0, 2] - dot(slope, polygon[:, 0, :2])
+
+
+def _counter_clockwise(polygon: FloatArray) -> FloatArray:
+    """Polygons (n, k, 2) with those turned round that run clockwise."""
+    following = np.roll(polygon, -1, axis=1)
+    area = (polygon[..., 0] * following[..., 1] - polygon[..., 1] * following[..., 0]).sum(axis=1)
+    return np.where(area[:, None, None] < 0, polygon[:, ::-1], polygon)
+
+
+def _lines(polygon: FloatArray) -> FloatArray:
+    """The edges of polygons as half-planes (n, k, 3): ``l[0] x + l[1] y + l[2] >= 0`` inside, in metres. One without length holds
+    everywhere."""
+    way = np.roll(polygon, -1, axis=1) - polygon
+    length = np.sqrt(dot(way, way))
+    real = length > 0
+    lines = np.empty((*polygon.shape[:2], 3))
+    lines[..., 0] = -way[..., 1]
+    lines[..., 1] = way[..., 0]
+    lines[..., :2] /= np.where(real, length, 1.0)[..., None]
+    lines[..., 2] = np.where(real, -dot(lines[..., :2], polygon), 1e30)
+    return lines
+
+
+def _moved(lines: FloatArray, outwards: FloatArray) -> FloatArray:
+    moved = lines.copy()
+    moved[..., 2] += outwards
+    return moved
+
+
+def _gap_edge(slope: FloatArray, level: FloatArray, size: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The line where the gap reaches its limit, as one edge (n, 1, 2) each that has the patch on its left; no length where there is
+    none."""
+    steepness = np.sqrt(dot(slope, slope))
+    tilted = steepness > 1e-12
+    unit = slope / np.where(tilted, steepness, 1.0)[:, None]
+    away = (PATCH_GAP - level) / np.where(tilted, steepness, 1.0)
+    met = tilted & (np.abs(away) < 2 * size)
+    middle = unit * np.where(met, away, 0.0)[:, None]
+    along = np.stack([-unit[:, 1], unit[:, 0]], axis=1) * np.where(met, 4 * size, 0.0)[:, None]
+    return (middle - along)[:, None], (middle + along)[:, None]
+
+
+def _clipped(start: FloatArray, end: FloatArray, lines: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """The part of each segment (n, k, 2) that satisfies all lines (n, m, 3), and whether there is one."""
+    f0 = np.einsum("nki,nmi->nkm", start, lines[..., :2]) + lines[:, None, :, 2]
+    f1 = np.einsum("nki,nmi->nkm", end, lines[..., :2]) + lines[:, None, :, 2]
+    out0, out1 = f0 < 0, f1 < 0
+    crossing = out0 != out1
+    t = np.divide(f0, f0 - f1, out=np.zeros_like(f0), where=crossing)
+    begin = np.where(out0 & crossing, t, 0.0).max(axis=2)
+    finish = np.where(out1 & crossing, t, 1.0).min(axis=2)
+    used = (begin < finish) & ~(out0 & out1).any(axis=2)
+    way = end - start
+    used &= (way != 0).any(axis=2)
+    return start + way * begin[..., None], start + way * finish[..., None], used
