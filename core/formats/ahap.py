@@ -25,6 +25,7 @@ from .strict_json import read_json
 from .tracks import ListenerTrack
 
 FloatArray = NDArray[np.float64]
+Keys = tuple[FloatArray, FloatArray]
 
 LABEL = "Apple Core Haptics (AHAP)"
 SUFFIX = ".ahap"
@@ -149,7 +150,7 @@ def read(path: Path) -> Reading:
     return Reading((Channel(path.stem, end, tuple(carriers)),), tuple(losses))
 
 
-def _control(pattern: list[Mapping[str, Any]], name: str, default: float) -> tuple[FloatArray, FloatArray]:
+def _control(pattern: list[Mapping[str, Any]], name: str, default: float) -> Keys:
     """Times and values of all curves of one parameter; before the first it has its default, which changes nothing."""
     keys = [
         (curve["Time"] + point["Time"], point["ParameterValue"])
@@ -164,10 +165,8 @@ def _control(pattern: list[Mapping[str, Any]], name: str, default: float) -> tup
     return np.append(times[0], times), np.append(default, values)
 
 
-def _carrier(
-    start: float, length: float, level: float, pitch: float, intensity: tuple[FloatArray, FloatArray], sharpness: tuple[FloatArray, FloatArray]
-) -> Carrier:
-    def within(keys: tuple[FloatArray, FloatArray]) -> tuple[FloatArray, FloatArray]:
+def _carrier(start: float, length: float, level: float, pitch: float, intensity: Keys, sharpness: Keys) -> Carrier:
+    def within(keys: Keys) -> Keys:
         inside = (keys[0] > start) & (keys[0] < start + length)
         times = np.concatenate([[start], keys[0][inside], [start + length]])
         return times - start, np.concatenate([np.interp([start], *keys), keys[1][inside], np.interp([start + length], *keys)])

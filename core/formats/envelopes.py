@@ -91,4 +91,4 @@ def coarse_envelope(samples: NDArray[np.floating], sample_rate: int, step: float
 
 def _block_sums(values: FloatArray, borders: NDArray[np.int64]) -> FloatArray:
     sums = np.concatenate([[0.0], np.cumsum(values)])
-    return np.maximum(sums[borders[1:]] - sums[borders[:-1]], 0.0)
+    return np.asarray(np.maximum(sums[borders[1:]] - sums[borders[:-1]], 0.0))

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from datetime import date
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,10 @@ from ..scene import HapticScene
 from .atomic import atomic_file
 from .names import file_stems
 from .tracks import ListenerTrack, Tracks
+
+if TYPE_CHECKING:
+    from .devices import DeviceMapping
+    from .recording import Recording
 
 EDITOR = "Haptic Tracing"
 
@@ -32,6 +36,8 @@ class Export:
     name: str
     scene: HapticScene | None = None
     tracks: Tracks | None = None
+    recording: Recording | None = None
+    devices: tuple[DeviceMapping, ...] = ()
     date: str = field(default_factory=_today)
 
     def need_tracks(self) -> Tracks:
@@ -53,9 +59,10 @@ def body_part_of(listener: ListenerTrack) -> BodyPart | None:
 
 
 def listener_files(export: Export, folder: Path, suffix: str) -> list[Path]:
-    """A path per listener: ``<scene>.<listener><suffix>``."""
-    stems = file_stems(f"{export.name}.{listener.name}" for listener in export.need_tracks().listeners)
-    return [folder / f"{stem}{suffix}" for stem in stems]
+    """A path per listener: ``<scene>.<listener><suffix>``, or ``<scene><suffix>`` for the only one."""
+    listeners = export.need_tracks().listeners
+    names = [export.name] if len(listeners) == 1 else [f"{export.name}.{listener.name}" for listener in listeners]
+    return [folder / f"{stem}{suffix}" for stem in file_stems(names)]
 
 
 def scene_file(export: Export, folder: Path, suffix: str) -> Path:
@@ -93,4 +100,4 @@ def common_losses(tracks: Tracks, *, body: bool) -> Iterator[str]:
 
 def clipped(samples: NDArray[np.floating]) -> NDArray[np.floating]:
     """Samples kept within ±1."""
-    return np.clip(samples, -1.0, 1.0)
+    return np.asarray(np.clip(samples, -1.0, 1.0))

@@ -1,7 +1,7 @@
 """From samples to keyframes: as few as an error allows.
 
-The spectrum is cut into bands that overlap and add up to one. Within a band the analytic signal has one amplitude and one phase; a stretch of
-it is replaced by an amplitude that goes in a straight line and a frequency that goes in two, so that the phase is right at both ends.
+The spectrum is cut into bands that overlap and add up to one. Within a band the analytic signal has one amplitude and one phase; a stretch
+of it is replaced by an amplitude that goes in a straight line and a frequency that goes in two, so that the phase is right at both ends.
 Stretches are halved until the power of the error in each is within its share of the signal's power there.
 """
 
@@ -114,7 +114,7 @@ def _weight(frequencies: FloatArray, band: Band) -> FloatArray:
         return np.asarray((1 - np.cos(math.pi * position)) / 2)
 
     rising = rise(band.low) if band.low > 0 else (frequencies > 0).astype(np.float64)
-    return rising * (1 - rise(band.high))
+    return np.asarray(rising * (1 - rise(band.high)))
 
 
 def _allowed(
@@ -138,7 +138,7 @@ def _moving_mean(values: FloatArray, rate: int, times: FloatArray) -> FloatArray
     half = max(POWER_WINDOW / 2, 1 / rate)
     low = np.clip(np.floor((times - half) * rate).astype(np.int64), 0, len(values))
     high = np.clip(np.ceil((times + half) * rate).astype(np.int64) + 1, 0, len(values))
-    return np.maximum(sums[high] - sums[low], 0.0) / np.maximum(high - low, 1)
+    return np.asarray(np.maximum(sums[high] - sums[low], 0.0) / np.maximum(high - low, 1))
 
 
 def _runs(active: BoolArray, rest: int) -> Iterator[tuple[int, int]]:

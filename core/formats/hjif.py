@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..body import BODY_PARTS
 from .carrier import Carrier, ramp_integral
 from .error import FormatError
 from .export import Export, body_part_of, clipped, common_losses, compact, scene_file, write_text
@@ -107,14 +109,13 @@ def _reference_devices(tracks: Tracks) -> list[dict[str, Any]]:
 def _channel(
     number: int, listener: ListenerTrack, tracks: Tracks, devices: list[dict[str, Any]], options: Mapping[str, Any]
 ) -> dict[str, Any]:
-    samples = clipped(tracks.samples[number].astype(np.float64))
+    samples = clipped(tracks.samples[number]).astype(np.float64)
     transients = np.zeros((0, 2))
     if options["transients"]:
         samples, transients = without_transients(samples, tracks.sample_rate, listener.impacts, 1 / TIMESCALE)
     fit = Fit(error=options["error"], lowest=1, highest=HIGHEST, frequency_step=1, time_step=1 / TIMESCALE, signed=True)
-    bands = [
-        _wave_band(band, carriers) for band, carriers in zip(BANDS, fit_bands(samples, tracks.sample_rate, BANDS, fit), strict=True) if carriers
-    ]
+    fitted = zip(BANDS, fit_bands(samples, tracks.sample_rate, BANDS, fit), strict=True)
+    bands = [_wave_band(band, carriers) for band, carriers in fitted if carriers]
     if len(transients):
         bands.append(_transient_band(transients))
     part = body_part_of(listener)
@@ -133,8 +134,8 @@ def _channel(
 
 def _wave_band(band: Band, carriers: list[Carrier]) -> dict[str, Any]:
     effects = [effect for carrier in carriers for piece in _pieces(carrier) if (effect := _effect(piece))]
-    lowest = min(float(carrier.frequencies.min()) for carrier in carriers)
-    highest = max(float(carrier.frequencies.max()) for carrier in carriers)
+    lowest = min(float(np.min(carrier.frequencies)) for carrier in carriers)
+    highest = max(float(np.max(carrier.frequencies)) for carrier in carriers)
     return {
         "band_type": "VectorialWave",
         "lower_frequency_limit": math.floor(min(band.low * (1 - OVERLAP), lowest)),
@@ -233,8 +234,14 @@ def read(path: Path) -> Reading:
             end = max((carrier.end for carrier in carriers), default=0.0)
             rate = form.get("frequency_sampling", 0)
             duration = max(end, min(form.get("sample_count", 0) / rate, 1e5)) if rate else end
-            channels.append(Channel(form["description"], duration, tuple(carriers)))
+            channels.append(Channel(form["description"], duration, tuple(carriers), body_part=_body_part(form)))
     return Reading(tuple(channels), tuple(losses))
+
+
+def _body_part(channel: Mapping[str, Any]) -> str:
+    """The part that we would write so, or none."""
+    place = channel["body_part_mask"], tuple(channel.get("body_part_target", ()))
+    return next((part.name for part in BODY_PARTS if (part.mpeg_mask, part.mpeg_target) == place), "")
 
 
 class _BandReader:
@@ -260,7 +267,7 @@ class _BandReader:
                 continue
             keyframes = effect.get("keyframes", [])
             positions = [keyframe.get("relative_position", 0) for keyframe in keyframes]
-            if any(later < earlier for earlier, later in zip(positions, positions[1:], strict=False)):
+            if any(later < earlier for earlier, later in pairwise(positions)):
                 raise FormatError(self.path, f"{place}/effects/{e}/keyframes", "relative positions must not decrease")
             yield from self._carriers(kind, effect, keyframes, gain)
 

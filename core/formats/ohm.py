@@ -32,7 +32,7 @@ def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path
     path, recording = scene_file(export, folder, SUFFIX), scene_file(export, folder, wav.SUFFIX)
     if len(tracks.listeners) > 32767 or len(recording.name.encode()) > 64:
         raise ValueError(f"{path}: more listeners, or a longer name, than an OHM file can hold")
-    wav.write_wav(recording, tracks, _ENCODING)
+    wav.write_wav(tracks, recording, _ENCODING)
     head = b"OHM " + struct.pack(">hh", 1, 1) + _text(export.name, 32)
     element = _text(recording.name, 64) + _text(export.name, 32) + struct.pack(">h", len(tracks.listeners))
     write_bytes(path, head + element + b"".join(_channels(tracks.listeners)))

@@ -58,7 +58,7 @@ def scene_from_dict(document: Any, file: str | Path) -> HapticScene:
     """The scene of a parsed document; ``file`` names it in errors. Raises FormatError."""
     document = current_document(document, file)
     validate(document, "haptic-scene-1.0", file)
-    read = _Reader(file)
+    read = SceneReader(file)
     _check_names(document, file)
     return HapticScene(
         objects=tuple(read.object(form, ("objects", i)) for i, form in enumerate(document["objects"])),
@@ -109,7 +109,7 @@ def _check_names(document: Mapping[str, Any], file: str | Path) -> None:
                     raise FormatError(file, f"/{key}/{i}/{reference}", f"there is no object {form[reference]!r}")
 
 
-class _Reader:
+class SceneReader:
     """Makes values from validated forms; an error of theirs is reported with its place."""
 
     def __init__(self, file: str | Path) -> None:
@@ -177,17 +177,18 @@ def scene_to_dict(scene: HapticScene) -> dict[str, Any]:
         "format": FORMAT,
         "version": VERSION,
         "settings": {key.name: _plain(getattr(scene.settings, key.name)) for key in fields(Settings)},
-        "objects": [_item(item) for item in scene.objects],
-        "contacts": [_item(item) for item in scene.contacts],
-        "sources": [_item(item) for item in scene.sources],
-        "listeners": [_item(item) for item in scene.listeners],
+        "objects": [item_to_dict(item) for item in scene.objects],
+        "contacts": [item_to_dict(item) for item in scene.contacts],
+        "sources": [item_to_dict(item) for item in scene.sources],
+        "listeners": [item_to_dict(item) for item in scene.listeners],
     }
     if scene.extras:
         document["extras"] = _plain(scene.extras)
     return document
 
 
-def _item(item: HapticObject | Contact | Source | Listener) -> dict[str, Any]:
+def item_to_dict(item: HapticObject | Contact | Source | Listener) -> dict[str, Any]:
+    """As the file has it, without what has its default."""
     form: dict[str, Any] = {}
     for key in fields(item):
         value = getattr(item, key.name)
@@ -221,21 +222,21 @@ def _plain(value: Any) -> Any:
 
 
 def _lines(document: Mapping[str, Any]) -> Iterator[str]:
-    """The text of a document: its lists with one item a line."""
+    """The text of a document: its lists, which may be made while they are written, with one item a line."""
     separator = "{\n"
     for key, value in document.items():
         yield f"{separator} {_text(key)}: "
         separator = ",\n"
-        if isinstance(value, list) and value:
-            opening = "[\n"
+        if isinstance(value, list | Iterator):
+            opening = "["
             for item in value:
-                yield f"{opening}  {_text(item)}"
-                opening = ",\n"
-            yield "\n ]"
+                yield f"{opening}\n  {_text(item)}"
+                opening = ","
+            yield "[]" if opening == "[" else "\n ]"
         else:
             yield _text(value)
     yield "\n}\n"
 
 
 def _text(value: Any) -> str:
-    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))

@@ -67,4 +67,5 @@ def _lines(tracks: Tracks, first: int, block: NDArray[np.int16]) -> bytes:
 @cache
 def _texts() -> NDArray[np.uint8]:
     """The text of each 16 bit value, in one width."""
-    return np.frombuffer("".join(f"{value / 32768:{_WIDTH}.5f}" for value in range(-32768, 32768)).encode(), dtype=np.uint8).reshape(-1, _WIDTH)
+    text = "".join(f"{value / 32768:{_WIDTH}.5f}" for value in range(-32768, 32768))
+    return np.frombuffer(text.encode(), dtype=np.uint8).reshape(-1, _WIDTH)

@@ -21,8 +21,8 @@ def _no_impacts() -> FloatArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ListenerTrack:
-    """Whose track it is. ``impacts`` (k, 2): time in seconds from the tracks' beginning, ascending, and strength, the peak that the impact's
-    signal reaches at this listener, in [0, 1]. Their vibration is part of the samples."""
+    """Whose track it is. ``impacts`` (k, 2): time in seconds from the tracks' beginning, ascending, and strength, the peak that the
+    impact's signal reaches at this listener, in [0, 1]. Their vibration is part of the samples."""
 
     name: str
     body_part: str = ""

@@ -18,7 +18,7 @@ from .export import Export, body_part_of, common_losses, scene_file, write_json
 from .options import Option
 from .reading import Channel, Reading
 from .strict_json import read_bytes, read_json
-from .tracks import MAX_SAMPLE_RATE, Tracks
+from .tracks import MAX_SAMPLE_RATE, ListenerTrack, Tracks
 
 LABEL = "WAV, a channel per listener"
 SUFFIX = ".wav"
@@ -50,7 +50,7 @@ def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path
     """Write ``<scene>.wav`` and ``<scene>.wav.json``."""
     tracks = at_rate(export.need_tracks(), options["sample_rate"])
     path = scene_file(export, folder, SUFFIX)
-    write_wav(path, tracks, options["encoding"])
+    write_wav(tracks, path, options["encoding"])
     sidecar = path.with_name(path.name.removesuffix(SUFFIX) + SIDECAR_SUFFIX)
     return [path, write_json(sidecar, {"format": "haptic-tracks", "version": "1.0", "file": path.name, **described(tracks)})]
 
@@ -65,12 +65,17 @@ def described(tracks: Tracks) -> dict[str, Any]:
             {
                 "name": listener.name,
                 "body_part": listener.body_part,
-                **({} if (part := body_part_of(listener)) is None else {"mpeg_mask": part.mpeg_mask, "mpeg_target": list(part.mpeg_target)}),
+                **_mpeg(listener),
                 "impacts": listener.impacts.tolist(),
             }
             for listener in tracks.listeners
         ],
     }
+
+
+def _mpeg(listener: ListenerTrack) -> dict[str, Any]:
+    part = body_part_of(listener)
+    return {} if part is None else {"mpeg_mask": part.mpeg_mask, "mpeg_target": list(part.mpeg_target)}
 
 
 def at_rate(tracks: Tracks, sample_rate: int) -> Tracks:
@@ -81,8 +86,8 @@ def at_rate(tracks: Tracks, sample_rate: int) -> Tracks:
     return Tracks(tracks.listeners, sample_rate, samples, tracks.start)
 
 
-def write_wav(path: Path, tracks: Tracks, encoding: str) -> None:
-    """Write the samples, a piece at a time. Raises ValueError where a WAV file can't hold them."""
+def write_wav(tracks: Tracks, path: Path, encoding: str = "pcm16") -> None:
+    """Write the samples as ``pcm16`` or ``float32``, a piece at a time. Raises ValueError where a WAV file can't hold them."""
     channels, width = len(tracks.listeners), _BYTES[encoding]
     size = channels * tracks.count * width
     header = _header(channels, tracks.sample_rate, width, _CODES[encoding], tracks.count, size)

@@ -62,7 +62,7 @@ def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path
     stems = file_stems(f"{export.name}.{listener.name}" for listener in tracks.listeners)
     files = []
     for listener, samples, stem in zip(tracks.listeners, tracks.samples, stems, strict=True):
-        clip = _clip(clipped(samples.astype(np.float64)), tracks.sample_rate, listener, options)
+        clip = _clip(clipped(samples).astype(np.float64), tracks.sample_rate, listener, options)
         files.append(write_text(inside / f"{stem}{SUFFIX}", [compact(clip), "\n"]))
     events = [
         {
@@ -88,7 +88,7 @@ def _clip(samples: FloatArray, sample_rate: int, listener: ListenerTrack, option
         samples, transients = without_transients(samples, sample_rate, listener.impacts, 1e-6)
     fit = Fit(error=options["error"], lowest=1, highest=BANDS[-1].high)
     melodies = [[_burst(time, strength) for time, strength in transients.tolist()]]
-    melodies += [[_note(note) for carrier in carriers if (note := from_zero_phase(carrier))] for carriers in fit_bands(samples, sample_rate, BANDS, fit)]
+    melodies += [_notes(carriers) for carriers in fit_bands(samples, sample_rate, BANDS, fit)]
     return {
         "m_version": "5",
         "m_description": listener.name,
@@ -114,6 +114,10 @@ def _burst(time: float, strength: float) -> dict[str, Any]:
         "m_gain": strength,
         "m_hapticEffect": {"m_type": 0},
     }
+
+
+def _notes(carriers: Sequence[Carrier]) -> list[dict[str, Any]]:
+    return [_note(note) for carrier in carriers if (note := from_zero_phase(carrier))]
 
 
 def from_zero_phase(carrier: Carrier) -> Carrier | None:

@@ -1,0 +1,79 @@
+"""``haptic-tracing convert IN OUT``: a vibration, or a haptic scene, from one format to another, told by the endings."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from .export import add_option_argument, chosen_options, print_written
+
+SAMPLE_RATE = 8000
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the command to the program's."""
+    parser = subparsers.add_parser("convert", help="convert between file formats", description=__doc__)
+    parser.add_argument("source", metavar="IN", type=Path, help=".wav, .hjif, .haptic, .ahap, .haps, or a haptic scene: .json, .json.gz")
+    parser.add_argument("target", metavar="OUT", type=Path, help="its ending tells the format; a channel each may make a file each")
+    add_option_argument(parser)
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Read, write, print. Exit code 0."""
+    from ..core.formats import haptic_scene, registry
+
+    folder = args.target.parent
+    if is_scene(args.source):
+        if not is_scene(args.target):
+            raise ValueError(f"{args.target}: a haptic scene becomes a haptic scene; to render it, use export")
+        export = haptic_scene.read_export(args.source)
+        tracks = "none" if export.tracks is None else "inline"
+        files = haptic_scene.write_export(export, args.target, tracks=tracks, encoding="float32")
+        print_written({"scene": registry.Written(tuple(files), ())})
+        return 0
+    names = {registry.suffix(name): name for name in registry.FORMATS if name != "scene"}
+    if args.target.suffix.lower() not in names:
+        raise ValueError(f"{args.target}: can't be written: the ending must be one of {', '.join(names)}")
+    name = names[args.target.suffix.lower()]
+    reading = registry.read(args.source)
+    written = registry.write(name, _export(args.target.stem, reading), folder, chosen_options(args.options, [name])[name])
+    lost = tuple(f"{args.source.name}: {loss}" for loss in reading.losses)
+    print_written({name: registry.Written(written.files, (*lost, *written.losses))})
+    return 0
+
+
+def is_scene(path: Path) -> bool:
+    """Whether the ending is that of a haptic scene."""
+    return path.name.lower().endswith((".json", ".json.gz"))
+
+
+def _export(name: str, reading: Any) -> Any:
+    """The channels of a file as tracks, all as long as the longest."""
+    import numpy as np
+
+    from ..core.formats.export import Export
+    from ..core.formats.tracks import Tracks
+
+    rate = max((round(channel.sample_rate) for channel in reading.channels), default=0) or SAMPLE_RATE
+    rows = [channel.at_rate(rate) for channel in reading.channels]
+    count = max(map(len, rows), default=0)
+    if not count:
+        raise ValueError(f"{name}: there is no vibration to convert")
+    samples = np.zeros((len(rows), count), dtype=np.float32)
+    for target, row in zip(samples, rows, strict=True):
+        target[: len(row)] = row
+    return Export(name, tracks=Tracks(tuple(_listeners(reading)), rate, samples))
+
+
+def _listeners(reading: Any) -> list[Any]:
+    from ..core.formats.tracks import ListenerTrack
+
+    listeners: dict[str, Any] = {}
+    for channel in reading.channels:
+        name, number = channel.name, 2
+        while name in listeners:
+            name, number = f"{channel.name} {number}", number + 1
+        listeners[name] = ListenerTrack(name, channel.body_part)
+    return list(listeners.values())
