@@ -46,7 +46,7 @@ class Status:
     written, failed_writes: reports. losses: times the device went away while it was open. dropped_blocks: replaced before they were taken.
     writing_for: seconds that the write in progress has been blocking, else 0.
     delay: median seconds from ``send`` to the report written, over the last blocks; None before the first.
-    lag: ``delay`` and the actuators' latency: how long after the picture touch is felt.
+    lag: ``delay``, what a stream waits, the delay asked for and the actuators' latency: how long after the picture touch is felt.
     """
 
     state: State
@@ -106,7 +106,7 @@ class DeviceOutput:
         self._message = ""
         self._written = self._failed = self._losses = 0
         self._writing_since: float | None = None
-        self._wrote = 0.0
+        self._wrote = self._lead = 0.0
         self._delays: deque[float] = deque(maxlen=_MEASURED_BLOCKS)
         self._thread = threading.Thread(target=self._run, name=f"haptics {profile.name}", daemon=True)
 
@@ -169,7 +169,7 @@ class DeviceOutput:
             dropped_blocks=self._dropped,
             writing_for=0.0 if since is None else time.perf_counter() - since,
             delay=delay,
-            lag=None if delay is None else delay + self._delay + self.profile.latency,
+            lag=None if delay is None else delay + self._lead + self._delay + self.profile.latency,
         )
 
     # From here on: the thread.
@@ -214,6 +214,7 @@ class DeviceOutput:
                 family = family.variant(opened.hid, opened.interface) or family
             actuation = actuation_of(self.profile, family, self._rate, self._calibrations)
             pacing = pacing_of(self.profile, family, opened.interface.transport, actuation, self._delay)
+            self._lead = pacing.lead
             self._state = "open"
             self._follow(opened, pacing)
         finally:

@@ -374,7 +374,7 @@ def test_a_module_of_the_same_name_from_another_package_is_refused(tmp_path):
     name = "hidraw" if sys.platform.startswith("linux") else "hid"
     (tmp_path / f"{name}.py").write_text("class Device: ...\ndef enumerate(vid=0, pid=0): return []\n")
     program = "from haptic_tracing.core.devices.connection import hid_module\nhid_module()"
-    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])}
     done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
     assert f"the Python module {name} is not that of the package hidapi" in done.stderr.splitlines()[-1]
 
