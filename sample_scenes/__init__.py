@@ -40,12 +40,13 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
 
 
 def build_sample(name: str) -> Scene:
-    """Build a sample in a new scene, named after it. Raises ValueError that lists the known names."""
+    """Build a sample in a new scene, which the window then shows. Raises ValueError that lists the known names."""
     import bpy
 
     if name not in SAMPLES:
         raise ValueError(f"sample {name!r} is unknown: use one of {', '.join(SAMPLES)}")
-    sample = SAMPLES[name]
-    scene = bpy.data.scenes.new(sample.title)
-    sample.build(scene)
+    scene = bpy.data.scenes.new(SAMPLES[name].title)
+    SAMPLES[name].build(scene)
+    if bpy.context.window is not None:
+        bpy.context.window.scene = scene
     return scene

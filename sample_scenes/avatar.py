@@ -13,7 +13,7 @@ from bpy.types import Material, Object, Scene
 from mathutils import Matrix, Vector
 
 from ..core.body import BODY_PART, DEFAULT_LISTENERS
-from .geometry import Geometry, Point, along, joined, limb, sphere, superellipsoid
+from .geometry import SUNK, Geometry, Point, along, joined, limb, sphere, superellipsoid
 from .materials import FLESH, surface
 from .staging import make_listener, make_moving, make_static, place, place_empty
 
@@ -44,6 +44,8 @@ MASS = {
 
 # How far apart, in metres, neighbouring parts overlap at a joint, so that they surely touch.
 OVERLAP = 0.004
+
+ANKLE_HEIGHT = FOOT_HEIGHT + ANKLE_RADIUS - OVERLAP - SUNK
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,13 +85,12 @@ def seated(seat: float, lean: float) -> Posture:
 
     The origin is on the ground below the line where seat and rest meet.
     """
-    hips = Vector((0.0, -0.125, seat + HIPS[2] / 2))
+    hips = Vector((0.0, -0.098, seat + HIPS[2] / 2 - SUNK))
     hip_joint = Vector((0.088, 0.008 - HIPS[1] / 2, THIGH_RADIUS - HIPS[2] / 2))
     knee = hips + hip_joint + Vector((0.05, -0.42, KNEE_RADIUS - THIGH_RADIUS))
-    ankle_height = FOOT_HEIGHT + ANKLE_RADIUS - OVERLAP
-    ankle = Vector((knee.x, knee.y - 0.03, ankle_height))
-    palm = Vector((0.128, -0.40, seat + 2 * _thigh_radius(0.45) - 0.004))
-    return Posture(hips, lean, hip_joint, knee, ankle, (palm, Vector((-0.10, -1.0, -0.08))))
+    ankle = Vector((knee.x, knee.y - 0.03, ANKLE_HEIGHT))
+    palm = Vector((0.128, -0.42, seat + 2 * _thigh_radius(0.5) - 0.004))
+    return Posture(hips, lean, hip_joint, knee, ankle, (palm, Vector((-0.10, -1.0, -0.20))))
 
 
 def build_avatar(
@@ -150,7 +151,7 @@ def _trunk(posture: Posture) -> dict[str, Geometry]:
     def set_at(geometry: Geometry, forward: float, up: float) -> Geometry:
         return geometry.transformed(Matrix.Translation(point(0.0, forward, up)) @ turn)
 
-    neck = along(limb(0.10, 0.045, 0.042), Vector((0, 0, -0.165)), Vector((0, 0.012, -0.07))).painted(JOINT)
+    neck = along(limb(0.12, 0.052, 0.047), Vector((0, 0.01, -0.165)), Vector((0, 0.012, -0.06))).painted(JOINT)
     skull = joined((superellipsoid((0.165, 0.205, 0.245), 0.85), neck))
     return {
         "Hips": superellipsoid(HIPS, 0.55).moved(*posture.hips),
@@ -171,7 +172,7 @@ def _trunk_anchors(posture: Posture) -> dict[str, tuple[str, Vector]]:
 
 
 def _arm(posture: Posture, side: float, letter: str) -> tuple[dict[str, Geometry], dict[str, tuple[str, Vector]]]:
-    shoulder = _trunk_frame(posture)(side * 0.212, 0.0, 0.515)
+    shoulder = _trunk_frame(posture)(side * 0.220, 0.0, 0.515)
     palm, fingers = posture.hand_of(side)
     fingers = fingers.normalized()
     up = (Vector((0, 0, 1)) - fingers * fingers.z).normalized()
@@ -180,8 +181,8 @@ def _arm(posture: Posture, side: float, letter: str) -> tuple[dict[str, Geometry
     elbow = _bend(shoulder, wrist, UPPER_ARM, FOREARM, Vector((side * 0.75, 1.0, -0.6)))
     turn = Matrix((fingers.cross(up), fingers, up)).transposed().to_4x4()
     shapes = {
-        f"Upper Arm.{letter}": _segment(shoulder, elbow, SHOULDER_RADIUS, ELBOW_RADIUS, 0.044, 0.036, ball_at_start=True),
-        f"Forearm.{letter}": _segment(elbow, wrist, ELBOW_RADIUS, WRIST_RADIUS, 0.037, 0.027),
+        f"Upper Arm.{letter}": _segment(shoulder, elbow, SHOULDER_RADIUS, ELBOW_RADIUS, 0.048, 0.039, ball_at_start=True),
+        f"Forearm.{letter}": _segment(elbow, wrist, ELBOW_RADIUS, WRIST_RADIUS, 0.040, 0.028),
         f"Hand.{letter}": superellipsoid(HAND, 0.65).transformed(Matrix.Translation(centre) @ turn),
     }
     return shapes, {f"hand.{letter}": (f"Hand.{letter}", centre)}

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from bpy.types import Material, Object, Scene
 from mathutils import Matrix, Vector
 
-from .geometry import Geometry, Point, box, joined
+from .geometry import SUNK, Geometry, Point, box, joined
 from .materials import STEEL, WOOD
 from .staging import make_static, place
 
 SEAT_THICKNESS = 0.045
 BACK_THICKNESS = 0.035
+BACK_HEIGHT = 0.58
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,21 +33,21 @@ def add_bench(
 
     It faces -Y. ``location`` is on the ground below the line where the front of the back meets the top of the seat.
     """
-    origin = Vector(location)
+    origin = Vector(location) - Vector((0.0, 0.0, SUNK))
     behind = 0.06  # the seat reaches under the back
     seat = joined(_slats(width, depth + behind, SEAT_THICKNESS, 4).values())
-    middle = origin + Vector((0.0, (behind - depth) / 2, height - SEAT_THICKNESS / 2))
+    middle = origin + Vector((0.0, (behind - depth) / 2, height + SUNK - SEAT_THICKNESS / 2))
     parts = {"Bench Seat": make_static(scene, place(scene, "Bench Seat", seat, (wood, metal), middle), WOOD, "BOX")}
     for x, across in ((0.5 * width - 0.14, "L"), (0.14 - 0.5 * width, "R")):
         for y, along in ((0.09 - depth, "Front"), (behind - 0.07, "Back")):
             name = f"Bench Foot {along}.{across}"
-            foot = _foot(height - SEAT_THICKNESS)
+            foot = _foot(height - SEAT_THICKNESS + 2 * SUNK)
             parts[name] = make_static(scene, place(scene, name, foot, (metal,), origin + Vector((x, y, 0.0))), STEEL)
-    back = _back(width, 0.50)
+    back = _back(width, BACK_HEIGHT)
     turn = Matrix.Rotation(-lean, 4, "X")
     # The lower edge of the tilted board stands on the seat.
     rise = BACK_THICKNESS * math.sin(lean)
-    place_of_back = origin + Vector((0.0, 0.0, height)) + turn @ Vector((0.0, BACK_THICKNESS / 2, 0.25)) + Vector((0.0, 0.0, rise))
+    place_of_back = origin + Vector((0.0, 0.0, height + rise)) + turn @ Vector((0.0, BACK_THICKNESS / 2, BACK_HEIGHT / 2))
     board = place(scene, "Bench Back", back, (wood, metal), place_of_back, (-lean, 0.0, 0.0))
     parts["Bench Back"] = make_static(scene, board, WOOD, "BOX")
     return Seat(parts)
@@ -67,9 +68,7 @@ def _back(width: float, height: float) -> Geometry:
     """Three boards along x on two posts; it fills the box width x BACK_THICKNESS x height about the origin."""
     post = 0.012
     board = 0.11
-    boards = [
-        box((width, BACK_THICKNESS - post, board), 0.006).moved(0.0, -post / 2, z) for z in (height / 2 - 0.055, 0.055, -0.09)
-    ]
+    boards = [box((width, BACK_THICKNESS - post, board), 0.006).moved(0.0, -post / 2, height / 2 - down) for down in (0.055, 0.20, 0.345)]
     posts = [box((0.05, post, height)).moved(x, (BACK_THICKNESS - post) / 2, 0.0).painted(1) for x in (0.14 - width / 2, width / 2 - 0.14)]
     return joined(boards + posts)
 

@@ -15,6 +15,9 @@ Point = tuple[float, float, float]
 
 SHARP_ANGLE = math.radians(38.0)
 
+SUNK = 0.002
+"""How deep things stand in what carries them, so that they surely touch."""
+
 
 @dataclass(frozen=True, slots=True)
 class Geometry:

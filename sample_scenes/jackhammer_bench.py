@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from random import Random
 
 from bpy.types import Material, Object, Scene
 
 from .avatar import build_avatar, seated
 from .furniture import add_bench
-from .geometry import Geometry, Point, box, cylinder, joined, lathe, rod
+from .geometry import Geometry, Point, box, cylinder, joined, lathe, prism, rod, superellipsoid
 from .lighting import add_backdrop, add_camera, add_three_point_light, add_world, set_picture
 from .materials import CONCRETE, STEEL, WOOD, surface
 from .staging import add_rigid_body_world, make_dynamic, make_source, make_static, place
@@ -18,7 +19,7 @@ SEAT_HEIGHT = 0.45
 LEAN = math.radians(10)
 GROUND = (5.5, 3.3, 0.22)
 BENCH: Point = (0.30, 0.60, 0.0)
-JACKHAMMER: Point = (-1.70, -0.30, 0.0)
+JACKHAMMER: Point = (-1.70, -0.30, -0.006)
 
 # Edge (m), height of fall (m), mass (kg), place (x, y), turn about z (degrees): 20 to 200 J, on the ground between frames 12 and 40.
 CRATES = (
@@ -42,6 +43,8 @@ def build(scene: Scene) -> None:
     build_avatar(scene, seated(SEAT_HEIGHT, LEAN), BENCH)
     _add_crates(scene)
     _add_cones(scene)
+    _add_barrier(scene)
+    _add_rubble(scene)
     _add_surroundings(scene)
 
 
@@ -59,9 +62,9 @@ def _add_ground(scene: Scene) -> Object:
         for j in range(rows)
     ]
     materials = (
-        surface("Paver", "#a9a49b", 0.85, mottle=0.18),
-        surface("Concrete", "#77736c", 0.9, mottle=0.25),
-        surface("Paver Dark", "#968f85", 0.85, mottle=0.2),
+        surface("Paver", "#8d8a85", 0.85, mottle=0.18),
+        surface("Concrete", "#5f5c58", 0.9, mottle=0.25),
+        surface("Paver Dark", "#7b7771", 0.85, mottle=0.2),
     )
     ground = place(scene, "Ground", joined([body, *tiles]), materials)
     return make_static(scene, ground, CONCRETE, "BOX")
@@ -94,7 +97,7 @@ def _add_crates(scene: Scene) -> None:
     for number, (edge, height, mass, (x, y), turn) in enumerate(CRATES, 1):
         location = (x, y, height + edge / 2)
         crate = place(scene, f"Crate {number}", _crate(edge), materials, location, (0.0, 0.0, math.radians(turn)))
-        make_dynamic(scene, crate, WOOD, mass, "BOX", restitution=0.25)
+        make_dynamic(scene, crate, WOOD, mass, "BOX", restitution=0.0)
 
 
 def _crate(edge: float) -> Geometry:
@@ -128,8 +131,43 @@ def _add_cones(scene: Scene) -> None:
         place(scene, f"Traffic Cone {number}", cone, materials, (x, y, 0.0), (0.0, 0.0, math.radians(turn)))
 
 
+def _add_barrier(scene: Scene) -> None:
+    """A striped barrier behind the jackhammer: nothing haptic."""
+    red, white, grey = 0, 1, 2
+    width, height, stripes = 1.5, 0.24, 8
+    slant, step = 0.12, width / 8
+    planks = []
+    for k in range(stripes):
+        low, high = k * step - width / 2, (k + 1) * step - width / 2
+        lean_low, lean_high = (0.0 if k == 0 else slant), (0.0 if k == stripes - 1 else slant)
+        outline = ((low, 0.0), (high, 0.0), (high + lean_high, height), (low + lean_low, height))
+        planks.append(prism(outline, 0.03).turned(math.pi / 2, "X").moved(z=0.70).painted(red if k % 2 else white))
+    legs = [rod((x, 0.02, 0.0), (x, 0.02, 0.96), 0.022).painted(grey) for x in (-0.6, 0.6)]
+    feet = [box((0.09, 0.55, 0.05), 0.012).moved(x, 0.0, 0.025).painted(grey) for x in (-0.6, 0.6)]
+    materials = (
+        surface("Barrier Red", "#c8281e", 0.45),
+        surface("Barrier White", "#efeee9", 0.45),
+        surface("Barrier Grey", "#6c7074", 0.5, 0.6),
+    )
+    place(scene, "Barrier", joined([*planks, *legs, *feet]), materials, (-1.85, 0.85, 0.0), (0.0, 0.0, math.radians(9)))
+
+
+def _add_rubble(scene: Scene) -> None:
+    """What the chisel broke out of the pavers: nothing haptic."""
+    draw = Random(7)
+    chunks = []
+    for _ in range(34):
+        turn, reach, size = draw.uniform(0, 2 * math.pi), abs(draw.gauss(0.0, 0.13)) + 0.05, draw.uniform(0.02, 0.065)
+        chunk = superellipsoid((size, size * draw.uniform(0.6, 1.0), size * draw.uniform(0.4, 0.7)), 0.5, 6, 4)
+        chunks.append(
+            chunk.turned(draw.uniform(0, 6), "Z").moved(reach * math.cos(turn), reach * math.sin(turn), 0.008).painted(draw.randrange(2))
+        )
+    materials = (surface("Rubble Light", "#a19d96", 0.95), surface("Rubble Dark", "#5b5853", 0.95))
+    place(scene, "Rubble", joined(chunks), materials, (JACKHAMMER[0], JACKHAMMER[1], 0.0))
+
+
 def _add_surroundings(scene: Scene) -> None:
     add_backdrop(scene, surface("Backdrop", "#5f6f7d", 0.9), 40.0, -12.0, 9.0, -GROUND[2], 8.0)
     add_world(scene, "#aebccb", 0.35)
     add_three_point_light(scene, (0.0, 0.0, 0.5), 4.5)
-    add_camera(scene, (-1.9, -6.9, 3.0), (0.0, 0.0, 0.40), 42.0)
+    add_camera(scene, (-1.7, -7.0, 3.1), (0.06, 0.0, 0.42), 41.0)

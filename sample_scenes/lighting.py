@@ -77,7 +77,7 @@ def add_three_point_light(scene: Scene, centre: Point, size: float, warm: str = 
     """Key light from the upper left in front, fill from the right, rim from behind, for a set of ``size`` metres seen from -Y."""
     c = Vector(centre)
     key, fill, rim = (c + Vector(offset) * size for offset in ((-0.8, -0.9, 1.2), (1.3, -0.8, 0.6), (0.5, 1.3, 1.1)))
-    power = 60.0 * size * size
+    power = 42.0 * size * size
     add_area_light(scene, "Key Light", tuple(key), centre, power, 0.5 * size, warm)
     add_area_light(scene, "Fill Light", tuple(fill), centre, 0.3 * power, 1.0 * size, cool)
     add_area_light(scene, "Rim Light", tuple(rim), centre, 0.7 * power, 0.5 * size, cool)

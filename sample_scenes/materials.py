@@ -69,7 +69,8 @@ def surface(
     darkens it.
     """
     material = bpy.data.materials.new(name)
-    material.diffuse_color = linear_colour(colour)
+    # The viewport's studio light is dimmer than the scenes' own.
+    material.diffuse_color = tuple(channel**0.8 for channel in linear_colour(colour))
     material.roughness = roughness
     material.metallic = metallic
     tree = node_tree(material)

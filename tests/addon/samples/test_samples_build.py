@@ -1,0 +1,86 @@
+"""Every sample: built from nothing, twice the same, with all that it needs; its frames play."""
+
+import re
+
+import bpy
+import pytest
+
+from haptic_tracing.addon import session
+from haptic_tracing.addon.suspension import suspended
+from haptic_tracing.core.body import DEFAULT_LISTENERS
+from haptic_tracing.sample_scenes import SAMPLES, build_sample
+
+FRAMES = 4
+
+
+def fresh(name):
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with suspended():
+        return build_sample(name)
+
+
+def described(scene):
+    """What a sample is, as plain values."""
+    found = []
+    for obj in sorted(scene.objects, key=lambda o: o.name):
+        body, haptics = obj.rigid_body, obj.haptics
+        mesh = obj.data if obj.type == "MESH" else None
+        found.append(
+            (
+                obj.name,
+                obj.type,
+                [round(value, 6) for row in obj.matrix_world for value in row],
+                obj.parent.name if obj.parent else None,
+                [tuple(v.co) for v in mesh.vertices] if mesh else None,
+                [(tuple(p.vertices), p.material_index) for p in mesh.polygons] if mesh else None,
+                [slot.material.name for slot in obj.material_slots],
+                (body.type, body.collision_shape, body.mass, body.kinematic, body.friction, body.restitution) if body else None,
+                (haptics.enabled, haptics.kappa, haptics.rho, haptics.function, haptics.medium),
+                (haptics.source.enabled, haptics.source.signal, haptics.source.frequency, haptics.source.amplitude),
+                (haptics.listener.enabled, haptics.listener.body_part, haptics.listener.radius),
+            )
+        )
+    return found
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_built_twice_is_identical_and_names_are_unique(name):
+    scene = fresh(name)
+    first = described(scene)
+    second = described(fresh(name))
+    assert first == second
+    names = [row[0] for row in first]
+    assert len(set(names)) == len(names)
+    assert [n for n in names if re.search(r"\.\d{3}$", n)] == []
+    assert [m.name for m in bpy.data.materials if re.search(r"\.\d{3}$", m.name)] == []
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_has_what_tracing_and_a_picture_need(name):
+    scene = fresh(name)
+    haptic = [obj for obj in scene.objects if obj.haptics.enabled]
+    listeners = {obj.haptics.listener.body_part: obj for obj in scene.objects if obj.haptics.listener.enabled}
+    assert set(listeners) == set(DEFAULT_LISTENERS)
+    assert all(obj.type == "EMPTY" and obj.parent in haptic for obj in listeners.values())
+    assert scene.camera is not None
+    assert {obj.type for obj in scene.objects} >= {"MESH", "EMPTY", "CAMERA", "LIGHT"}
+    assert scene.rigidbody_world is not None
+    assert all(obj.rigid_body is not None or obj.haptics.medium for obj in haptic)
+    assert all(obj.scale == obj.scale.__class__((1, 1, 1)) for obj in haptic)
+    assert all(slot.material is not None for obj in scene.objects for slot in obj.material_slots)
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_first_frames_are_traced_without_a_problem(name):
+    scene = fresh(name)
+    for frame in range(scene.frame_start, scene.frame_start + FRAMES):
+        scene.frame_set(frame)
+        result = session.result_of(scene)
+        assert result.number == frame
+        assert session.problems_of(scene) == ()
+    assert len(result.listeners) == len(DEFAULT_LISTENERS)
+
+
+def test_unknown_sample_is_named_with_the_known_ones():
+    with pytest.raises(ValueError, match=r"'pyramid' is unknown: use one of jackhammer_bench"):
+        build_sample("pyramid")
