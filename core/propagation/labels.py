@@ -12,8 +12,9 @@ Why a hub of n contacts costs O(n): let the cost inside an object be ``a + b d``
 reached inside it at the cost A(x) from an entry e. Entering through x at the cost E(x) >= A(x) - a is useless: for every node y of the
 object, ``E(x) + a + b d(x, y) >= A(x) + b d(x, y) = E(e) + a + b (d(e, x) + d(x, y)) >= E(e) + a + b d(e, y)``, by the triangle
 inequality. So once a cheap entry has been relaxed, the others of the same object drop out one comparison each. Only y = e is left out
-of this: no path to anything else needs to go back to where it came in, but whoever wants to know the way from e to a root that does not
-lead back through e's own contact (`complete`) has that one connection relaxed as well.
+of this, and that one connection is relaxed where it matters (`complete`): to know the way from e to a root that does not lead back through
+e's own contact, and where the object on the other side of that contact has a function of another form. Elsewhere no cheapest path goes
+back to where a cheaper one came in.
 """
 
 from __future__ import annotations
@@ -77,7 +78,7 @@ class _Work:
         self.arrival = np.full((rows, self.count), math.inf)
         self.entry = np.full((rows, self.count), -1, dtype=np.int64)
         self.limits = limits
-        self.complete = complete
+        self.complete = complete or bool(graph.table.special)
         self.size = np.diff(graph.start)
         self.special = np.zeros(len(self.size), dtype=np.bool_)
         self.special[list(graph.table.special)] = True

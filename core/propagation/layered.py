@@ -67,6 +67,7 @@ def layers(graph: HapticGraph, roots: Sequence[int], limit: float, crossings: in
     metric = graph.table.loss >= 0  # False for functions of another form, whose loss is not a number
     node, cost = np.array(roots, dtype=np.int64), np.zeros(len(roots))
     changes: list[tuple[IntArray, FloatArray, IntArray]] = []
+    complete = complete or bool(graph.table.special)
     origin = np.full(count, -1, dtype=np.int64)
     relaxed = 0
     for _ in range(crossings + 1):
