@@ -20,22 +20,26 @@ from ..tracer import Frame, Tracer
 
 FloatArray = NDArray[np.float64]
 Pair = tuple[str, str]
+PoseRow = tuple[float, float, float, float, float, float, float]
 
-DIGITS = 7
-"""Decimals that are kept of lengths and directions: a tenth of a micrometre changes no gain that anyone could measure."""
+DIGITS = 6
+"""Decimals that are kept of what gains depend on: a micrometre changes none that anyone could measure."""
+POSE_DIGITS = 5
+"""Decimals of poses, which are there to be looked at: the contacts that they make are kept as well."""
 
 
 @dataclass(frozen=True, slots=True)
 class RecordedFrame:
     """What differs from the frame before; the first one differs from the scene itself.
 
-    poses: by object. properties: (kappa, rho) by object. amplitudes and source_positions: by source; a source of two objects has a position
-    on each. listener_positions: by listener. contacts: all those of every pair of objects that began to touch, or touch otherwise than
-    before. parted: pairs that touch no longer. sources: those that begin; a temporary one ends by itself when its signal is over.
+    poses: by object, position x, y, z and rotation w, x, y, z. properties: (kappa, rho) by object. amplitudes and source_positions: by
+    source; a source of two objects has a position on each. listener_positions: by listener. contacts: all those of every pair of objects
+    that began to touch, or touch otherwise than before. parted: pairs that touch no longer. sources: those that begin; a temporary one ends
+    by itself when its signal is over.
     """
 
     number: int
-    poses: Mapping[str, Pose] = field(default_factory=dict)
+    poses: Mapping[str, PoseRow] = field(default_factory=dict)
     properties: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     amplitudes: Mapping[str, float] = field(default_factory=dict)
     source_positions: Mapping[str, tuple[Vector, ...]] = field(default_factory=dict)
@@ -112,8 +116,8 @@ def _apply(
     listeners: dict[str, Listener],
     contacts: dict[Pair, tuple[Contact, ...]],
 ) -> None:
-    for name, pose in change.poses.items():
-        objects[name] = replace(objects[name], pose=pose)
+    for name, (x, y, z, qw, qx, qy, qz) in change.poses.items():
+        objects[name] = replace(objects[name], pose=Pose((x, y, z), (qw, qx, qy, qz)))
     for name, (kappa, rho) in change.properties.items():
         objects[name] = replace(objects[name], kappa=kappa, rho=rho)
     sources.update((source.name, source) for source in change.sources)
@@ -160,7 +164,7 @@ class Recorder:
         self._rate, self._start = frame_rate, frame_start
         self._settings = settings or Settings()
         self._first_objects: dict[str, HapticObject] = {}
-        self._objects: dict[str, HapticObject] = {}
+        self._objects: dict[str, tuple[float, float, PoseRow | None]] = {}
         self._sources: dict[str, Source] = {}
         self._first_sources: tuple[Source, ...] = ()
         self._first_listeners: dict[str, Listener] = {}
@@ -219,18 +223,19 @@ class Recorder:
         """What has changed since."""
         return Recording(self._rate, self._start, tuple(self._frames))
 
-    def _changed_objects(self, objects: Sequence[HapticObject]) -> tuple[dict[str, Pose], dict[str, tuple[float, float]]]:
-        poses, properties = {}, {}
+    def _changed_objects(self, objects: Sequence[HapticObject]) -> tuple[dict[str, PoseRow], dict[str, tuple[float, float]]]:
+        poses: dict[str, PoseRow] = {}
+        properties: dict[str, tuple[float, float]] = {}
         for item in objects:
-            rounded = item if item.pose is None else replace(item, pose=_rounded_pose(item.pose))
+            row = None if item.pose is None else _pose_row(item.pose)
             before = self._objects.get(item.name)
-            self._objects[item.name] = rounded
+            self._objects[item.name] = (item.kappa, item.rho, row)
             if before is None:
-                self._first_objects[item.name] = rounded
+                self._first_objects[item.name] = item
                 continue
-            if rounded.pose is not None and rounded.pose != before.pose:
-                poses[item.name] = rounded.pose
-            if (item.kappa, item.rho) != (before.kappa, before.rho):
+            if row is not None and row != before[2]:
+                poses[item.name] = row
+            if (item.kappa, item.rho) != before[:2]:
                 properties[item.name] = (item.kappa, item.rho)
         return poses, properties
 
@@ -277,17 +282,16 @@ def _rounded(vector: Sequence[float]) -> Vector:
     return x, y, z
 
 
-def _rounded_pose(pose: Pose) -> Pose:
-    w, x, y, z = (round(component, DIGITS) for component in pose.rotation)
-    return Pose(_rounded(pose.position), (w, x, y, z))
+def _pose_row(pose: Pose) -> PoseRow:
+    a, b, c, d, e, f, g = (round(component, POSE_DIGITS) for component in (*pose.position, *pose.rotation))
+    return a, b, c, d, e, f, g
 
 
 def _rows(contacts: ContactSet, numbers: FloatArray) -> FloatArray:
     """One row per contact: positions, normal, distance, area, share, all rounded, and the number of its transmission function."""
     parts = (contacts.positions.reshape(-1, 6), contacts.normal, contacts.distance, contacts.area, contacts.share)
-    columns = [part.reshape(len(contacts), -1) for part in parts]
     # Adding 0 turns -0 into 0.
-    return np.column_stack([np.round(np.column_stack(columns), DIGITS) + 0.0, numbers[contacts.transmission]])
+    return np.column_stack([np.round(np.column_stack(parts), DIGITS) + 0.0, numbers[contacts.transmission]])
 
 
 def _touching(contacts: ContactSet, rows: FloatArray, names: Sequence[str]) -> dict[Pair, bytes]:

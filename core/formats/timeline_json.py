@@ -32,7 +32,7 @@ def frame_to_dict(frame: RecordedFrame) -> dict[str, Any]:
     """A frame as the file has it, without what did not change."""
     form: dict[str, Any] = {
         "frame": frame.number,
-        "poses": {name: [*pose.position, *pose.rotation] for name, pose in frame.poses.items()},
+        "poses": {name: list(row) for name, row in frame.poses.items()},
         "properties": {name: list(pair) for name, pair in frame.properties.items()},
         "amplitudes": dict(frame.amplitudes),
         "source_positions": {name: [list(position) for position in positions] for name, positions in frame.source_positions.items()},
@@ -91,10 +91,8 @@ class _FrameReader:
         ):
             for name in form.get(key, {}):
                 self._known(name, known, kind, f"{place}/{key}/{_escaped(name)}")
-        poses = {
-            name: self.values.made(Pose, {"position": row[:3], "rotation": row[3:]}, (*parts, "poses", name))
-            for name, row in form.get("poses", {}).items()
-        }
+        for name, row in form.get("poses", {}).items():
+            self.values.made(Pose, {"position": row[:3], "rotation": row[3:]}, (*parts, "poses", name))
         contacts = tuple(self.values.contact(contact, (*parts, "contacts", i)) for i, contact in enumerate(form.get("contacts", [])))
         for i, contact in enumerate(contacts):
             for k, name in enumerate(contact.objects):
@@ -107,7 +105,7 @@ class _FrameReader:
         self.touching.update(pair_of(contact) for contact in contacts)
         return RecordedFrame(
             number=number,
-            poses=poses,
+            poses={name: tuple(row) for name, row in form.get("poses", {}).items()},
             properties={name: (row[0], row[1]) for name, row in form.get("properties", {}).items()},
             amplitudes=form.get("amplitudes", {}),
             source_positions={
@@ -190,7 +188,7 @@ def _inline(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
         except (binascii.Error, ValueError):
             raise FormatError(file, f"/tracks/listeners/{i}/samples", "is not base64") from None
         if len(data) % kind.itemsize or (rows and len(data) != rows[0].nbytes):
-            raise FormatError(file, f"/tracks/listeners/{i}/samples", f"{len(data)} bytes are no whole samples, or not as many as the others")
+            raise FormatError(file, f"/tracks/listeners/{i}/samples", f"{len(data)} bytes are no whole samples or not as many as others")
         rows.append(np.frombuffer(data, dtype=kind))
     return np.array(rows) / np.float32(_FULL_SCALE[form["encoding"]])
 
