@@ -45,6 +45,9 @@ MASS = {
 # How far apart, in metres, neighbouring parts overlap at a joint, so that they surely touch.
 OVERLAP = 0.004
 
+# How much further back the trunk is than the hips, so that a backrest carries the shoulders and not the hips.
+BACK_OUT = 0.034
+
 ANKLE_HEIGHT = FOOT_HEIGHT + ANKLE_RADIUS - OVERLAP - SUNK
 
 
@@ -85,12 +88,12 @@ def seated(seat: float, lean: float) -> Posture:
 
     The origin is on the ground below the line where seat and rest meet.
     """
-    hips = Vector((0.0, -0.098, seat + HIPS[2] / 2 - SUNK))
+    hips = Vector((0.0, -0.132, seat + HIPS[2] / 2 - SUNK))
     hip_joint = Vector((0.088, 0.008 - HIPS[1] / 2, THIGH_RADIUS - HIPS[2] / 2))
     knee = hips + hip_joint + Vector((0.05, -0.42, KNEE_RADIUS - THIGH_RADIUS))
     ankle = Vector((knee.x, knee.y - 0.03, ANKLE_HEIGHT))
-    palm = Vector((0.128, -0.42, seat + 2 * _thigh_radius(0.5) - 0.004))
-    return Posture(hips, lean, hip_joint, knee, ankle, (palm, Vector((-0.10, -1.0, -0.20))))
+    palm = Vector((0.130, -0.45, seat + 2 * _thigh_radius(0.5) + 0.001))
+    return Posture(hips, lean, hip_joint, knee, ankle, (palm, Vector((-0.10, -1.0, -0.30))))
 
 
 def build_avatar(
@@ -139,6 +142,7 @@ def _trunk_frame(posture: Posture) -> Callable[[float, float, float], Vector]:
     sine, cosine = math.sin(posture.lean), math.cos(posture.lean)
 
     def point(left: float, forward: float, up: float) -> Vector:
+        forward -= BACK_OUT
         return posture.hips + Vector((left, -forward * cosine + up * sine, forward * sine + up * cosine))
 
     return point
@@ -155,7 +159,7 @@ def _trunk(posture: Posture) -> dict[str, Geometry]:
     skull = joined((superellipsoid((0.165, 0.205, 0.245), 0.85), neck))
     return {
         "Hips": superellipsoid(HIPS, 0.55).moved(*posture.hips),
-        "Belly": set_at(superellipsoid((0.27, 0.20, 0.19), 0.6), 0.012, 0.182),
+        "Belly": set_at(superellipsoid((0.27, 0.20, 0.19), 0.6), 0.012, 0.186),
         "Chest": set_at(superellipsoid((0.335, 0.225, 0.31), 0.62), 0.0, 0.425),
         "Head": set_at(skull, 0.02, 0.74),
     }

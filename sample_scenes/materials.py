@@ -21,14 +21,15 @@ class Substance:
         return (1 - self.kappa) * self.rho
 
 
-STEEL = Substance(0.02, 0.98)
-STONE = Substance(0.15, 0.90)
-CONCRETE = Substance(0.30, 0.85)
-WOOD = Substance(0.20, 0.90)
-SOIL = Substance(0.55, 0.80)
-CLOTH = Substance(0.80, 0.30)
-FLESH = Substance(0.08, 0.95)
-AIR = Substance(0.60, 0.90)
+STEEL = Substance(0.10, 0.90)
+STONE = Substance(0.30, 0.85)
+CONCRETE = Substance(0.40, 0.75)
+WOOD = Substance(0.30, 0.75)
+SOIL = Substance(0.60, 0.70)
+RUBBER = Substance(0.80, 0.60)
+CLOTH = Substance(0.85, 0.40)
+FLESH = Substance(0.25, 0.85)
+AIR = Substance(0.70, 0.60)
 
 
 def tag(obj: Object, substance: Substance) -> Object:

@@ -67,10 +67,9 @@ def _rigid_body(scene: Scene, obj: Object, shape: str) -> bpy.types.RigidBodyObj
     scene.rigidbody_world.collection.objects.link(obj)
     body = obj.rigid_body
     body.collision_shape = shape
-    if shape == "MESH":
-        # A mesh alone is thickened by its margin, 4 cm by default.
-        body.use_margin = True
-        body.collision_margin = 0.0
+    # By default every shape has a margin of 4 cm, which thickens thin boards.
+    body.use_margin = True
+    body.collision_margin = 0.0
     return body
 
 
