@@ -10,8 +10,7 @@ import numpy as np
 
 from ..frame_result import FrameResult
 from ..scene import Listener, SourceKind
-from ..signals import DEFAULT_IMPACT
-from .tracks import ListenerTrack, Tracks
+from .tracks import ListenerTrack, Tracks, sorted_impacts, strengths
 
 
 class Take:
@@ -33,8 +32,7 @@ class Take:
             raise ValueError(f"listeners: they change in frame {result.number}")
         for row, source in enumerate(result.sources):
             if source.kind is SourceKind.TEMPORARY and source.name not in self._impacts:
-                peak = min((source.signal or DEFAULT_IMPACT).peak, 1.0)
-                self._impacts[source.name] = (source.onset, np.minimum(result.gains[row] * peak, 1.0).tolist())
+                self._impacts[source.name] = (source.onset, strengths(source, result.gains[row]))
         if result.block is None or not result.block.shape[1]:
             return
         if not self._count:
@@ -47,24 +45,19 @@ class Take:
     def tracks(self) -> Tracks:
         """All that was taken."""
         start = self._first / (self._sample_rate or 1)
+        felt = tuple(self._impacts.values())
         shape = (self._count, len(self._listeners))
         self._file.flush()
         samples = np.memmap(self._file, dtype="<f4", mode="r", shape=shape) if self._count and shape[1] else np.zeros(shape, dtype="<f4")
         return Tracks(
             listeners=tuple(
-                ListenerTrack(item.name, item.body_part, self._impacts_at(number, start)) for number, item in enumerate(self._listeners)
+                ListenerTrack(item.name, item.body_part, sorted_impacts((time - start, row[number]) for time, row in felt))
+                for number, item in enumerate(self._listeners)
             ),
             sample_rate=self._sample_rate or 1,
             samples=samples.T,
             start=start,
         )
-
-    def _impacts_at(self, listener: int, start: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-        """Times from the first sample and strengths of the impacts that reach a listener."""
-        felt = sorted(
-            (time - start, strengths[listener]) for time, strengths in self._impacts.values() if strengths[listener] > 0 and time >= start
-        )
-        return np.array(felt, dtype=np.float64).reshape(-1, 2)
 
 
 def tracks_of(results: Iterable[FrameResult]) -> Tracks:

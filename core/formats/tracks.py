@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..scene import Source
+from ..signals import DEFAULT_IMPACT
 
 FloatArray = NDArray[np.float64]
 
@@ -17,6 +21,44 @@ MAX_SAMPLE_RATE = 192_000
 
 def _no_impacts() -> FloatArray:
     return np.zeros((0, 2))
+
+
+class Felt(Protocol):
+    """An impact, and the gains of its source at the listeners, amplitude included."""
+
+    @property
+    def source(self) -> Source: ...
+    @property
+    def gains(self) -> FloatArray: ...
+
+
+class Played(Protocol):
+    """What playing a range of frames gave."""
+
+    @property
+    def listeners(self) -> Sequence[str]: ...
+    @property
+    def body_parts(self) -> Sequence[str]: ...
+    @property
+    def samples(self) -> NDArray[np.floating]: ...
+    @property
+    def sample_rate(self) -> float: ...
+    @property
+    def start(self) -> float: ...
+    @property
+    def impacts(self) -> Sequence[Felt]: ...
+
+
+def strengths(source: Source, gains: FloatArray) -> list[float]:
+    """The peak that an impact's vibration reaches at each listener, at most 1."""
+    peak = min((source.signal or DEFAULT_IMPACT).peak, 1.0)
+    result: list[float] = np.minimum(gains * peak, 1.0).tolist()
+    return result
+
+
+def sorted_impacts(impacts: Iterable[tuple[float, float]]) -> FloatArray:
+    """Those that are felt, (k, 2), in the order of time; one from before the first sample is left out."""
+    return np.array(sorted((time, strength) for time, strength in impacts if time >= 0 and strength > 0), dtype=np.float64).reshape(-1, 2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,6 +105,16 @@ class Tracks:
         for _, block in self.blocks():
             if not np.isfinite(block).all():
                 raise ValueError("samples: must be finite")
+
+    @classmethod
+    def of(cls, played: Played) -> Tracks:
+        """The tracks of what was played."""
+        felt = [(impact.source.onset - played.start, strengths(impact.source, impact.gains)) for impact in played.impacts]
+        listeners = (
+            ListenerTrack(name, body_part, sorted_impacts((time, row[number]) for time, row in felt))
+            for number, (name, body_part) in enumerate(zip(played.listeners, played.body_parts, strict=True))
+        )
+        return cls(tuple(listeners), round(played.sample_rate), played.samples, played.start)
 
     @property
     def count(self) -> int:
