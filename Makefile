@@ -3,7 +3,7 @@
 PYTHON := .venv/bin/python
 MATRIX := 4.2.23 4.5.15 5.0.1 5.2.3
 
-.PHONY: packages-for-demo packages-for-test help demo test lint test-matrix $(MATRIX:%=test-%) test-gui package wheels bench clean
+.PHONY: packages-for-demo packages-for-test help demo test lint test-matrix $(MATRIX:%=test-%) test-gui package wheels bench samples clean
 .DELETE_ON_ERROR:
 
 help:
@@ -13,6 +13,7 @@ help:
 	@echo "make test-gui BLENDER=path/to/blender   the suite in Blender's own window"
 	@echo "make package      the extension, one zip per platform in dist/"
 	@echo "make bench        measurements, printed as tables"
+	@echo "make samples      the sample scenes as .blend files in out/samples"
 	@echo "make clean        remove everything made, the virtual environments included"
 
 demo: packages-for-demo .venv/complete
@@ -43,6 +44,11 @@ wheels: .venv/complete
 bench: .venv/complete
 	$(PYTHON) -m pip install --quiet --quiet --disable-pip-version-check --editable ".[benchmark]"
 	$(PYTHON) benchmarks
+
+samples: packages-for-demo .venv/complete
+	@mkdir -p out/samples
+	@for name in $$($(PYTHON) -c "from haptic_tracing.sample_scenes import SAMPLES; print(*SAMPLES)"); do \
+		$(PYTHON) -m haptic_tracing sample $$name --output out/samples/$$name.blend || exit 1; done
 
 clean:
 	rm -rf .venv .venv-* build dist out wheels *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
