@@ -94,7 +94,7 @@ class GainScale:
         return colour_table()[np.rint(self.place(gain) * (STEPS - 1)).astype(np.int64)]
 
     def ticks(self) -> tuple[int, ...]:
-        """Round values in dB for a legend, 4 to 7 of them, ascending to 0."""
+        """Round values in dB for a legend, 3 to 7 of them, ascending to 0."""
         step = next(s for s in (2, 5, 10, 20) if -self.floor / s < 6.5)
         return tuple(range(-step * int(-self.floor // step), 1, step))
 

@@ -22,6 +22,7 @@ from .furniture import Furniture, furniture
 from .quads import quads, quads_of
 from .render_data import Options, RenderData, render_data
 
+HIDDEN = 0.15  # opacity of what objects hide, where the graph is not drawn in front
 PULSE_LENGTH = 0.8  # metres between two pulses of the signal flow
 PULSE_SPEED = 1.6  # metres per second of the timeline
 
@@ -86,18 +87,21 @@ def draw_graph(
 
     if drawing.batch is None:
         return
+    passes = (("NONE", 1.0),) if xray else (("GREATER", HIDDEN), ("LESS_EQUAL", 1.0))
     gpu.state.blend_set("ALPHA_PREMULT")
     gpu.state.depth_mask_set(False)
-    gpu.state.depth_test_set("NONE" if xray else "LESS_EQUAL")
     try:
-        shader.draw(
-            drawing.batch,
-            projection @ view,
-            size,
-            pixels_per_point=scale,
-            bias=depth_bias(projection),
-            flow=(0.0, 0.0) if flow is None else (flow * PULSE_SPEED / PULSE_LENGTH, PULSE_LENGTH),
-        )
+        for test, opacity in passes:
+            gpu.state.depth_test_set(test)
+            shader.draw(
+                drawing.batch,
+                projection @ view,
+                size,
+                pixels_per_point=scale,
+                bias=depth_bias(projection),
+                flow=(0.0, 0.0) if flow is None else (flow * PULSE_SPEED / PULSE_LENGTH, PULSE_LENGTH),
+                opacity=opacity,
+            )
     finally:
         gpu.state.depth_test_set("NONE")
         gpu.state.blend_set("NONE")

@@ -12,13 +12,14 @@ import numpy as np
 from bpy.types import VectorFont
 from numpy.typing import NDArray
 
+from . import draw
 from .colour_map import FloatArray
-from .draw import text_width
 from .furniture import Furniture, Text
 from .render_data import HALO_COLOUR, Shape
 
 _LIGHT = (0.97, 0.97, 0.97)
 _FINE = 4  # each pixel of a text is 4 x 4 samples
+_WEIGHT = 0.75  # thin strokes as strong as Blender's own, which are fitted to the pixels
 _STEPS = 4  # lines per piece of a curve
 
 Canvas = NDArray[np.float64]
@@ -136,8 +137,13 @@ def _paint_text(canvas: Canvas, text: Text) -> None:
     high = np.ceil(placed.max(axis=(0, 1))).astype(int) + 1
     part = canvas[low[1] : high[1], low[0] : high[0]]
     inside = _wound((placed - low) * _FINE, (part.shape[0] * _FINE, part.shape[1] * _FINE))
-    cover = inside.reshape(part.shape[0], _FINE, part.shape[1], _FINE).mean(axis=(1, 3))[..., None]
+    cover = inside.reshape(part.shape[0], _FINE, part.shape[1], _FINE).mean(axis=(1, 3))[..., None] ** _WEIGHT
     part += cover * (np.array(text.colour) - part)
+
+
+def text_width(words: str, size: float) -> float:
+    """Width of a text in pixels, not rounded to whole ones as on screen."""
+    return draw.text_width(words, 64.0) * size / 64.0
 
 
 def _wound(edges: FloatArray, shape: tuple[int, int]) -> NDArray[np.bool_]:
@@ -161,9 +167,9 @@ def _wound(edges: FloatArray, shape: tuple[int, int]) -> NDArray[np.bool_]:
 @cache
 def _outline(words: str) -> tuple[FloatArray, float]:
     """Directed edges (n, 2, 2) of a text set from its origin, and its width, in the units of its outlines."""
-    font = _font()
+    known = set(bpy.data.fonts)
     curve = bpy.data.curves.new("Haptic text", "FONT")
-    curve.body, curve.font = words, font
+    curve.body, curve.font = words, _font()
     obj = bpy.data.objects.new("Haptic text", curve)
     try:
         outlines = obj.to_curve(bpy.context.evaluated_depsgraph_get())
@@ -172,7 +178,7 @@ def _outline(words: str) -> tuple[FloatArray, float]:
         obj.to_curve_clear()
         bpy.data.objects.remove(obj)
         bpy.data.curves.remove(curve)
-        if font.users == 0:
+        for font in set(bpy.data.fonts) - known:
             bpy.data.fonts.remove(font)
     if not rings:
         return np.zeros((0, 2, 2)), 1.0

@@ -17,11 +17,10 @@ from ...core.frame_result import FrameResult
 from .. import scene_reader
 from ..suspension import suspended
 from .colour_map import FloatArray
-from .draw import text_width
 from .furniture import furniture
 from .geometry import add_graph
 from .picture import camera_view, picture_scale, shown_options
-from .raster import paint
+from .raster import paint, text_width
 from .render_data import HALO_COLOUR, render_data
 from .solids import Solid, seen_unit, solid_graph
 

@@ -1,0 +1,84 @@
+"""Handlers, and what is kept between redraws."""
+
+import dataclasses
+
+import bpy
+import pytest
+from haptic_tracing.addon import overlay, properties
+from haptic_tracing.addon.overlay import draw, shader
+from haptic_tracing.addon.overlay.render_data import Options
+
+from .conftest import BRIDGE
+
+
+@pytest.fixture
+def uploads(monkeypatch):
+    """Counts what goes to the GPU, which this test needs none of."""
+    counted = []
+    monkeypatch.setattr(shader, "upload", lambda quads: counted.append(quads.count) or object())
+    draw.forget()
+    yield counted
+    draw.forget()
+
+
+def test_nothing_is_built_while_nothing_changed(uploads, bridge):
+    first = draw.drawing_of(7, bridge, BRIDGE.settings, Options())
+    assert draw.drawing_of(7, bridge, BRIDGE.settings, Options()) is first
+    assert len(uploads) == 1
+    assert uploads[0] == len(first.data.tree.width) + 2 * len(first.data.paths.width) + len(first.data.points.size)
+
+
+def test_whatever_changes_is_drawn_anew(uploads, bridge):
+    again = dataclasses.replace(bridge)
+    louder = dataclasses.replace(BRIDGE.settings, threshold=0.1)
+    chosen = Options(listeners=frozenset({"driver"}))
+    drawings = [
+        draw.drawing_of(7, *what)
+        for what in (
+            (bridge, BRIDGE.settings, Options()),
+            (again, BRIDGE.settings, Options()),
+            (again, louder, Options()),
+            (again, louder, chosen),
+        )
+    ]
+    assert len({id(drawing) for drawing in drawings}) == len(uploads) == 4
+
+
+def test_selection_is_read_from_the_scene(scene, bridge, add_empty):
+    names = [item.name for item in (*BRIDGE.sources, *BRIDGE.listeners)]
+    objects = {name: add_empty(name) for name in names}
+    bpy.context.view_layer.update()
+    for obj in objects.values():
+        obj.select_set(False)
+    assert draw.options_of(scene, bridge) == Options()
+    objects["truck"].select_set(True)
+    objects["walker"].select_set(True)
+    assert draw.options_of(scene, bridge) == Options(sources=frozenset({"truck"}), listeners=frozenset({"walker"}))
+    scene.haptics.show_labels = False
+    assert not draw.options_of(scene, bridge).show_labels
+
+
+def test_handlers_come_and_go_any_number_of_times():
+    for _ in range(3):
+        overlay.unregister()
+        assert not draw._handlers
+        draw.unregister()
+        overlay.register()
+        draw.register()
+        assert len(draw._handlers) == 2
+
+
+def test_redraw_without_a_3d_viewport_does_nothing(scene):
+    for area in bpy.context.window.screen.areas:
+        area.type = "TEXT_EDITOR"
+    draw.redraw()
+
+
+def test_draw_callbacks_outside_a_viewport_draw_nothing(scene):
+    draw._draw_view()
+    draw._draw_pixels()
+
+
+def test_overlay_properties_have_tooltips():
+    for name in ("show_overlay", "show_intra", "show_best_paths", "show_labels", "show_flow", "xray"):
+        assert properties.HapticSceneProperties.bl_rna.properties[name].description

@@ -1,0 +1,96 @@
+"""Labels stay in sight, beside their places and off each other; projection against Blender's own."""
+
+import bpy
+import numpy as np
+import pytest
+from bpy_extras.object_utils import world_to_camera_view
+from haptic_tracing.addon.overlay.draw import text_width
+from haptic_tracing.addon.overlay.furniture import furniture
+from haptic_tracing.addon.overlay.labels import place_labels, project
+from haptic_tracing.addon.overlay.render_data import Options, Shape, render_data
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from mathutils import Vector
+
+from .conftest import BRIDGE
+
+SIZE = (400.0, 300.0)
+
+
+def _perspective(scene, camera, size=SIZE):
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    return np.array(camera.calc_matrix_camera(depsgraph, x=int(size[0]), y=int(size[1])) @ camera.matrix_world.inverted())
+
+
+def test_project_against_blender(scene, camera):
+    scene.render.resolution_x, scene.render.resolution_y = map(int, SIZE)
+    random = np.random.default_rng(1)
+    position = random.uniform(-3, 3, (200, 3))
+    pixels = project(position, _perspective(scene, camera), SIZE)
+    for place, pixel in zip(position, pixels, strict=True):
+        x, y, depth = world_to_camera_view(scene, camera, Vector(place))
+        if 0 < x < 1 and 0 < y < 1 and camera.data.clip_start < depth < camera.data.clip_end:
+            assert pixel == pytest.approx((x * SIZE[0], y * SIZE[1]), abs=1e-3)
+        else:
+            assert np.isnan(pixel).all()
+
+
+def _overlap(a, b):
+    return (a[:2] < b[2:]).all() and (b[:2] < a[2:]).all()
+
+
+@settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.integers(0, 2**32 - 1), st.integers(0, 40))
+def test_labels_never_overlap(seed, count):
+    random = np.random.default_rng(seed)
+    anchor = random.uniform(-50, SIZE, (count, 2))
+    anchor[(anchor < 0).any(axis=1)] = np.nan
+    extent = random.uniform((30, 10), (120, 20), (count, 2))
+    taken = np.array([[300.0, 0.0, 400.0, 60.0]])
+    corner = place_labels(anchor, extent, np.full(count, 8.0), random.uniform(0, 1, count), SIZE, taken, random.uniform(0, SIZE, (200, 2)))
+    placed = np.column_stack([corner, corner + extent])[~np.isnan(corner[:, 0])]
+    assert np.isnan(corner[np.isnan(anchor[:, 0])]).all()
+    assert (placed >= -1e-9).all()
+    assert (placed[:, 2:] <= np.array(SIZE) + 1e-9).all()
+    for k, rectangle in enumerate(placed):
+        assert not _overlap(rectangle, taken[0])
+        assert not any(_overlap(rectangle, other) for other in placed[:k])
+    if count and not np.isnan(anchor).all():
+        assert len(placed)
+
+
+def test_a_free_label_stands_at_the_right_of_its_place():
+    corner = place_labels(
+        np.array([[100.0, 100.0]]), np.array([[60.0, 20.0]]), np.array([10.0]), np.ones(1), SIZE, np.zeros((0, 4)), np.zeros((0, 2))
+    )
+    assert corner[0] == pytest.approx((115, 90))
+
+
+def test_a_label_leaves_paths_free():
+    path = np.column_stack([np.linspace(105, 190, 40), np.full(40, 100.0)])
+    corner = place_labels(np.array([[100.0, 100.0]]), np.array([[60.0, 20.0]]), np.array([10.0]), np.ones(1), SIZE, np.zeros((0, 4)), path)
+    assert corner[0] == pytest.approx((25, 90))  # at the left
+
+
+def test_furniture_names_what_is_there_and_keeps_out_of_the_margin(scene, camera, bridge):
+    data = render_data(bridge, BRIDGE.settings, Options())
+    size, margin = (900.0, 700.0), (210.0, 30.0)
+    items = furniture(data, _perspective(scene, camera, size), size, 1.0, margin, text_width)
+    words = [text.words for text in items.texts]
+    assert {"Source", "Listener", "Contact", "truck", "driver", "walker", "hermit", "0 dB", "−40"} <= set(words)
+    assert "Impact" not in words
+    assert set(items.points.shape.astype(int)) == {Shape.SOURCE, Shape.LISTENER, Shape.CONTACT}
+    legend = items.lines.position[0]
+    assert legend[1, 0] <= size[0] - margin[0]
+    assert legend[0, 1] >= margin[1]
+    for text in items.texts:
+        assert 0 <= text.position[0] <= size[0] - text_width(text.words, text.size)
+        assert 0 <= text.position[1] <= size[1]
+
+
+def test_legend_scales_with_the_user_interface(scene, camera, bridge):
+    data = render_data(bridge, BRIDGE.settings, Options(show_labels=False))
+    one, two = (furniture(data, _perspective(scene, camera), (800.0, 600.0), scale, (0.0, 0.0), text_width) for scale in (1.0, 2.0))
+    extents = [np.ptp(items.lines.position[0], axis=0)[:2] for items in (one, two)]
+    assert extents[1] == pytest.approx(2 * extents[0], rel=0.02)
+    assert [text.size * 2 for text in one.texts] == pytest.approx([text.size for text in two.texts])
