@@ -13,7 +13,7 @@ from .fitting import Band, Fit, fit_bands, needed_keys
 
 FloatArray = NDArray[np.float64]
 
-WHOLE = Band(0, 500, 1200)
+WHOLE = Band(5, 1000, 2.5, 150, 2400)
 """All that skin feels, as one oscillation."""
 SETTLING = 0.05
 """Seconds in which a carrier that follows another at once gets into phase."""

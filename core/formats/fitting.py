@@ -25,11 +25,9 @@ BLOCK = 32
 """Seconds that are transformed at once."""
 MARGIN = 1
 """Seconds by which blocks overlap on either side."""
-OVERLAP = 0.15
-"""Bands fade into each other over this share of the frequency between them, on either side."""
 POWER_RATE = 125
 """Points a second at which the signal's power is taken."""
-POWER_WINDOW = 0.032
+POWER_WINDOW = 0.064
 """Seconds over which it is averaged."""
 LONGEST_STRETCH = 0.5
 """Seconds between keys at most, before what is redundant goes."""
@@ -41,12 +39,20 @@ LONGEST_REST = 0.03
 
 @dataclass(frozen=True, slots=True)
 class Band:
-    """A part of the spectrum (hertz) whose keys lie on a grid of ``grid_rate`` points a second, at least twice its width with both fades.
-    A low edge of 0 does not fade."""
+    """A part of the spectrum from ``low`` to ``high`` hertz. It fades in and out over ``low_fade`` and ``high_fade`` hertz on either side
+    of its edges. Keys lie on a grid of ``grid_rate`` points a second, at least twice the width with both
+    fades."""
 
     low: float
     high: float
-    grid_rate: int
+    low_fade: float
+    high_fade: float
+    grid_rate: float
+
+    @property
+    def centre(self) -> float:
+        """The frequency (hertz) that the band's analytic signal is shifted down by: whole cycles in every block."""
+        return float(round((self.low - self.low_fade + self.high + self.high_fade) / 2))
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,11 +65,11 @@ class Fit:
     """
 
     error: float = 0.03
-    floor: float = 0.002
+    floor: float = 0.0005
     lowest: float = 1.0
     highest: float = 1000.0
     frequency_step: float = 0.1
-    amplitude_step: float = 1e-4
+    amplitude_step: float = 1e-5
     time_step: float = 0.0
     signed: bool = False
 
@@ -79,16 +85,10 @@ def fit_bands(samples: NDArray[np.floating], sample_rate: int, bands: Sequence[B
     return [_fit_band(z, band, budget, count / sample_rate, fit) for z, band, budget in zip(parts, bands, allowed, strict=True)]
 
 
-def _centre(band: Band) -> float:
-    """The frequency (hertz) that the band's analytic signal is shifted down by: whole cycles in every block."""
-    return float(round((band.low * (1 - OVERLAP) + band.high * (1 + OVERLAP)) / 2))
-
-
 def _analytic_blocks(samples: NDArray[np.floating], sample_rate: int, bands: Sequence[Band]) -> Iterator[list[ComplexArray]]:
     """Block by block, each band's complex amplitude on its grid: the band is ``Re(z exp(2πi centre t))``."""
     length = BLOCK + 2 * MARGIN
-    frequencies = np.arange(length * sample_rate // 2 + 1) / length
-    weights = [_weight(frequencies, band) for band in bands]
+    weights = [_weights(band, length, sample_rate) for band in bands]
     for start in range(0, len(samples) + 1, BLOCK * sample_rate):
         window = np.zeros(length * sample_rate)
         first, last = max(start - MARGIN * sample_rate, 0), min(start + (BLOCK + MARGIN) * sample_rate, len(samples))
@@ -96,43 +96,56 @@ def _analytic_blocks(samples: NDArray[np.floating], sample_rate: int, bands: Seq
         window[begin : begin + last - first] = samples[first:last]
         spectrum = np.fft.rfft(window)
         pieces = []
-        for band, weight in zip(bands, weights, strict=True):
-            count = length * band.grid_rate
-            bins = np.flatnonzero(weight)
+        for band, (bins, weight) in zip(bands, weights, strict=True):
+            count = round(length * band.grid_rate)
             shifted = np.zeros(count, dtype=np.complex128)
-            shifted[(bins - round(_centre(band) * length)) % count] = spectrum[bins] * weight[bins]
+            shifted[(bins - round(band.centre * length)) % count] = spectrum[bins] * weight
             z = np.fft.ifft(shifted) * (2 * count / len(window))
-            pieces.append(z[MARGIN * band.grid_rate : (MARGIN + BLOCK) * band.grid_rate])
+            pieces.append(z[round(MARGIN * band.grid_rate) : round((MARGIN + BLOCK) * band.grid_rate)])
         yield pieces
 
 
-def _weight(frequencies: FloatArray, band: Band) -> FloatArray:
-    """How much of each frequency belongs to the band: fades are a raised cosine, so that neighbours add up to one."""
+def _weights(band: Band, length: int, sample_rate: int) -> tuple[IntArray, FloatArray]:
+    """The frequencies of ``length`` seconds that belong to the band, and how much of each: fades are a raised cosine, so that neighbours
+    add up to one."""
+    first = max(math.ceil((band.low - band.low_fade) * length), 1)
+    last = min(math.floor((band.high + band.high_fade) * length), length * sample_rate // 2)
+    bins = np.arange(first, last + 1)
+    frequencies = bins / length
 
-    def rise(edge: float) -> FloatArray:
-        position = np.clip((frequencies - edge) / (2 * OVERLAP * edge) + 0.5, 0.0, 1.0)
+    def rise(edge: float, fade: float) -> FloatArray:
+        position = np.clip((frequencies - edge) / (2 * fade) + 0.5, 0.0, 1.0)
         return np.asarray((1 - np.cos(math.pi * position)) / 2)
 
-    rising = rise(band.low) if band.low > 0 else (frequencies > 0).astype(np.float64)
-    return np.asarray(rising * (1 - rise(band.high)))
+    return bins, rise(band.low, band.low_fade) * (1 - rise(band.high, band.high_fade))
 
 
 def _allowed(
     samples: NDArray[np.floating], sample_rate: int, bands: Sequence[Band], parts: Sequence[ComplexArray], fit: Fit
 ) -> list[FloatArray]:
-    """The error (squared magnitude) allowed to each band at each point of its grid: the signal's share, split between the bands that
-    matter at that moment."""
+    """The error (squared magnitude) allowed to each band at each point of its grid.
+
+    Around each moment, up to half of what is allowed goes for leaving out the weakest bands; those that remain share the rest.
+    """
     count = math.ceil(len(samples) / sample_rate * POWER_RATE) + 1
     times = np.arange(count) / POWER_RATE
     total = 2 * _moving_mean(samples.astype(np.float64) ** 2, sample_rate, times)
-    powers = [_moving_mean(np.abs(z) ** 2, band.grid_rate, times) for z, band in zip(parts, bands, strict=True)]
-    least = fit.error / len(bands) * total
-    matter = np.maximum(np.sum([power > np.maximum(least, fit.floor**2) for power in powers], axis=0), 1)
-    budget = np.maximum(fit.error * total, fit.floor**2) / matter
-    return [np.interp(np.arange(len(z)) / band.grid_rate, times, budget) for z, band in zip(parts, bands, strict=True)]
+    budget = np.maximum(fit.error * total, fit.floor**2)
+    powers = np.array([_moving_mean(np.abs(z) ** 2, band.grid_rate, times) for z, band in zip(parts, bands, strict=True)])
+    order = np.argsort(powers, axis=0, kind="stable")
+    weakest = np.cumsum(np.take_along_axis(powers, order, axis=0), axis=0)
+    left_out = weakest <= budget / 2
+    number = np.count_nonzero(left_out, axis=0)
+    spent = np.where(number > 0, np.take_along_axis(weakest, np.maximum(number - 1, 0)[None], axis=0)[0], 0.0)
+    share = (budget - spent) / np.maximum(len(bands) - number, 1)
+    allowed = np.empty_like(powers)
+    np.put_along_axis(allowed, order, np.where(left_out, np.inf, share), axis=0)
+    # What is left out may be off by all it has; a finite number can be interpolated.
+    allowed = np.minimum(allowed, 4 * np.maximum(total, budget))
+    return [np.interp(np.arange(len(z)) / band.grid_rate, times, row) for z, band, row in zip(parts, bands, allowed, strict=True)]
 
 
-def _moving_mean(values: FloatArray, rate: int, times: FloatArray) -> FloatArray:
+def _moving_mean(values: FloatArray, rate: float, times: FloatArray) -> FloatArray:
     """Mean of ``values`` (``rate`` a second) over the power window around each of ``times``."""
     sums = np.concatenate([[0.0], np.cumsum(values)])
     half = max(POWER_WINDOW / 2, 1 / rate)
@@ -153,7 +166,7 @@ def _runs(active: BoolArray, rest: int) -> Iterator[tuple[int, int]]:
 
 
 def _fit_band(z: ComplexArray, band: Band, allowed: FloatArray, duration: float, fit: Fit) -> list[Carrier]:
-    rate, centre = band.grid_rate, _centre(band)
+    rate, centre = band.grid_rate, band.centre
     strength = _moving_mean(np.abs(z) ** 2, rate, np.arange(len(z)) / rate)
     # One point more on either side: the straight lines begin and end where there is next to nothing left.
     runs = [(max(first - 1, 0), min(last + 1, len(z) - 1)) for first, last in _runs(strength > allowed, round(LONGEST_REST * rate))]
@@ -166,7 +179,7 @@ def _fit_band(z: ComplexArray, band: Band, allowed: FloatArray, duration: float,
     return [carrier for keys in grid.keys(runs) if (carrier := grid.carrier(keys, duration)) is not None]
 
 
-def _slope(z: ComplexArray, rate: int, signed: bool) -> FloatArray:
+def _slope(z: ComplexArray, rate: float, signed: bool) -> FloatArray:
     """Frequency (hertz) around each point from the turns to and from its neighbours, each with the weight of its magnitude."""
     turns = z[1:] * z[:-1].conj()
     if signed:
@@ -185,7 +198,7 @@ def _stepped(values: FloatArray, step: float) -> FloatArray:
 class _Grid:
     """A band on its grid: ``phase`` and frequency ``offset`` in relation to the ``centre``."""
 
-    rate: int
+    rate: float
     phase: FloatArray
     amplitude: FloatArray
     offset: FloatArray

@@ -6,6 +6,7 @@ Times are in milliseconds: the reference renderer counts phases in them whatever
 from __future__ import annotations
 
 import math
+from bisect import bisect
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
@@ -15,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..body import BODY_PARTS
+from .bands import bands_for
 from .carrier import Carrier, ramp_integral
 from .error import FormatError
 from .export import Export, body_part_of, clipped, common_losses, compact, scene_file, write_text
-from .fitting import OVERLAP, Band, Fit, fit_bands
+from .fitting import Fit, fit_bands
 from .options import Option
 from .reading import Channel, Reading
 from .schema import validate
@@ -32,7 +34,7 @@ LABEL = "MPEG haptics (HJIF)"
 SUFFIX = ".hjif"
 OPTIONS = (
     Option("profile", "Main", "Profile", "Main, or Simple Parametric, which more players take", ("Main", "Simple Parametric")),
-    Option("error", 0.04, "Error", "Power of the error in relation to the signal's that a keyframe may be left out for", (), 0.001, 0.5),
+    Option("error", 0.03, "Error", "Power of the error in relation to the signal's that a keyframe may be left out for", (), 0.001, 0.5),
     Option("transients", True, "Transients", "Impacts as transients, which devices may render as clicks"),
 )
 
@@ -42,8 +44,8 @@ LONGEST_EFFECT = 65_535
 CHANNELS_OF_LEVEL_1 = 127
 HIGHEST = 1000
 """Hertz."""
-BANDS = (Band(0, 40, 125), Band(40, 80, 125), Band(80, 160, 250), Band(160, 320, 500), Band(320, 640, 1000), Band(640, 860, 1000))
-"""With the transients, as many as level 1 allows a channel."""
+EDGES = (5, 40, 80, 160, 320, 640, 860)
+"""Of the bands, in hertz. With that of the transients they are as many as level 1 allows a channel."""
 
 _DEVICES = {
     "Head": "Razer Kraken V4 Pro",
@@ -59,7 +61,7 @@ def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
     tracks = export.need_tracks()
     return (
         *common_losses(tracks, body=True),
-        f"what lies above {BANDS[-1].high:.0f} Hz",
+        f"what lies below {EDGES[0]} and above {EDGES[-1]} Hz",
         f"up to {options['error']:.1%} of the vibration's power, and the order of what is less than a millisecond apart",
     )
 
@@ -114,8 +116,11 @@ def _channel(
     if options["transients"]:
         samples, transients = without_transients(samples, tracks.sample_rate, listener.impacts, 1 / TIMESCALE)
     fit = Fit(error=options["error"], lowest=1, highest=HIGHEST, frequency_step=1, time_step=1 / TIMESCALE, signed=True)
-    fitted = zip(BANDS, fit_bands(samples, tracks.sample_rate, BANDS, fit), strict=True)
-    bands = [_wave_band(band, carriers) for band, carriers in fitted if carriers]
+    narrow = bands_for(samples, tracks.sample_rate, EDGES)
+    grouped: dict[int, list[Carrier]] = {}
+    for band, carriers in zip(narrow, fit_bands(samples, tracks.sample_rate, narrow, fit), strict=True):
+        grouped.setdefault(min(bisect(EDGES, band.centre), len(EDGES) - 1), []).extend(carriers)
+    bands = [_wave_band(EDGES[k - 1], EDGES[k], carriers) for k, carriers in sorted(grouped.items()) if carriers]
     if len(transients):
         bands.append(_transient_band(transients))
     part = body_part_of(listener)
@@ -132,14 +137,16 @@ def _channel(
     return {**channel, "frequency_sampling": tracks.sample_rate, "sample_count": tracks.count, "bands": bands}
 
 
-def _wave_band(band: Band, carriers: list[Carrier]) -> dict[str, Any]:
-    effects = [effect for carrier in carriers for piece in _pieces(carrier) if (effect := _effect(piece))]
+def _wave_band(low: float, high: float, carriers: list[Carrier]) -> dict[str, Any]:
+    """Carriers that sound at the same time are effects that overlap: players add them up."""
+    effects = [_effect(piece) for carrier in carriers for piece in _pieces(carrier)]
+    effects.sort(key=lambda effect: effect["position"])
     lowest = min(float(np.min(carrier.frequencies)) for carrier in carriers)
     highest = max(float(np.max(carrier.frequencies)) for carrier in carriers)
     return {
         "band_type": "VectorialWave",
-        "lower_frequency_limit": math.floor(min(band.low * (1 - OVERLAP), lowest)),
-        "upper_frequency_limit": math.ceil(max(band.high * (1 + OVERLAP), highest)),
+        "lower_frequency_limit": math.floor(min(low, lowest)),
+        "upper_frequency_limit": math.ceil(max(high, highest)),
         "effects": effects,
     }
 
@@ -185,7 +192,7 @@ def _effect(carrier: Carrier) -> dict[str, Any]:
         inside = positions < length
         ends = np.interp([0.0, length / TIMESCALE], times, values)
         for position, value in ((0, ends[0]), *zip(positions[inside].tolist(), values[inside].tolist(), strict=True), (length, ends[1])):
-            number = round(value) if name == "frequency_modulation" else round(float(value), 4)
+            number = round(value) if name == "frequency_modulation" else round(float(value), 5)
             keyframes.setdefault(position, {"relative_position": position})[name] = number
 
     key("amplitude_modulation", carrier.amplitude_times, carrier.amplitudes)

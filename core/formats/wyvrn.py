@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .bands import wide_bands
 from .carrier import Carrier, ramp_integral
 from .error import FormatError
 from .export import Export, body_part_of, clipped, common_losses, compact, write_json, write_text
-from .fitting import Band, Fit, fit_bands
+from .fitting import Fit, fit_bands
 from .hjif import part_of, transient
 from .names import file_stem, file_stems
 from .options import Option
@@ -32,7 +33,7 @@ OPTIONS = (
     Option("transients", True, "Transients", "Impacts as transients"),
 )
 
-BANDS = (Band(0, 90, 250), Band(90, 430, 1000))
+BANDS = wide_bands((5, 90, 430))
 """As melodies: the published clips have at most three, and frequencies up to 366 Hz."""
 CONFIGURATION = "haptic.config"
 

@@ -1,0 +1,83 @@
+"""How the spectrum is cut for keyframes: narrow around what sounds steadily, where few keys then last long, wide elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .fitting import Band
+
+FloatArray = NDArray[np.float64]
+
+GRID_RATES = (62.5, 125.0, 250.0, 500.0, 1000.0, 2000.0)
+"""Points a second that keys may lie on: whole milliseconds."""
+FADE = 0.15
+"""Wide bands fade into each other over this share of the frequency between them, on either side."""
+HIGHEST_FADE = 40.0
+"""Hertz on either side of the last edge, and half of the first: all that lies beyond is left out."""
+HALF_TONE = 10.0
+"""Hertz on either side of a tone that belong to it, or half way to the next one."""
+MOST_TONES = 50
+
+_WINDOW = 1.0  # seconds of which the spectrum is averaged
+_LOUDEST_SHARE = 1e-4
+_CONTRAST = 20.0
+_NEIGHBOURS = 12
+
+
+def wide_bands(edges: Sequence[float]) -> tuple[Band, ...]:
+    """Bands between ascending ``edges`` (hertz)."""
+    return _chain(list(edges), [edges[0] / 2, *(FADE * edge for edge in edges[1:-1]), HIGHEST_FADE])
+
+
+def bands_for(samples: NDArray[np.floating], sample_rate: int, edges: Sequence[float]) -> tuple[Band, ...]:
+    """Bands between the first and the last of the ascending ``edges`` (hertz): narrow ones around the tones of ``samples`` (n,), the rest
+    cut at the edges in between."""
+    lowest, highest = edges[0], edges[-1]
+    cuts: dict[float, float] = {lowest: lowest / 2, highest: HIGHEST_FADE}
+    tones = [tone for tone in _tones(samples, sample_rate) if 2 * lowest <= tone <= highest - HIGHEST_FADE - 2 * HALF_TONE]
+    if tones and tones[0] > 3 * HALF_TONE:
+        cuts[tones[0] - HALF_TONE] = HALF_TONE / 2
+    for tone, after in pairwise([*tones, highest]):
+        if after < highest and after - tone <= 3 * HALF_TONE:
+            cuts[(tone + after) / 2] = (after - tone) / 4
+        else:
+            cuts[tone + HALF_TONE] = HALF_TONE / 2
+            if after < highest:
+                cuts[after - HALF_TONE] = HALF_TONE / 2
+    for edge in edges[1:-1]:
+        if min(abs(edge - cut) - fade for cut, fade in cuts.items()) > FADE * edge:
+            cuts[edge] = FADE * edge
+    ordered = sorted(cuts)
+    return _chain(ordered, [cuts[cut] for cut in ordered])
+
+
+def _chain(edges: Sequence[float], fades: Sequence[float]) -> tuple[Band, ...]:
+    parts = zip(edges[:-1], edges[1:], fades[:-1], fades[1:], strict=True)
+    return tuple(Band(low, high, first, last, _grid_rate(high + last - low + first)) for low, high, first, last in parts)
+
+
+def _grid_rate(width: float) -> float:
+    return next((rate for rate in GRID_RATES if rate >= 2 * width), GRID_RATES[-1])
+
+
+def _tones(samples: NDArray[np.floating], sample_rate: int) -> list[float]:
+    """Frequencies (hertz, ascending) that stand out of the average spectrum for as long as the samples last."""
+    size = round(_WINDOW * sample_rate)
+    if len(samples) < 2 * size:
+        return []
+    window = np.hanning(size)
+    starts = range(0, len(samples) - size + 1, size // 2)
+    power = np.zeros(size // 2 + 1)
+    for start in starts:
+        power += np.abs(np.fft.rfft(samples[start : start + size] * window)) ** 2
+    views = np.lib.stride_tricks.sliding_window_view(np.pad(power, _NEIGHBOURS, mode="edge"), 2 * _NEIGHBOURS + 1)
+    floor = np.median(views, axis=1)
+    near = np.lib.stride_tricks.sliding_window_view(np.pad(power, 4), 9)
+    standing_out = (power >= np.amax(near, axis=1)) & (power > _CONTRAST * floor) & (power > _LOUDEST_SHARE * np.amax(power))
+    tones = np.flatnonzero(standing_out)
+    loudest = np.sort(tones[np.argsort(power[tones], kind="stable")[::-1][:MOST_TONES]])
+    return [float(tone) / _WINDOW for tone in loudest.tolist()]
