@@ -33,6 +33,9 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
         sample.name: sample
         for sample in (
             Sample("jackhammer_bench", "Jackhammer and Bench", "A jackhammer is felt on a bench, through the ground, four feet and a seat"),
+            Sample("hammer_nail", "Hammer and Nail", "A blow makes a temporary source, which the hammer passes on to the hand"),
+            Sample("fireplace", "Fireplace", "A fire is felt in an armchair through the air: a persistent source with a slow signal"),
+            Sample("dishwasher_kitchen", "Dishwasher in the Kitchen", "A dishwasher is felt at the table: cupboard, floor, chair"),
         )
     }
 )

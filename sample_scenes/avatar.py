@@ -45,55 +45,76 @@ MASS = {
 # How far apart, in metres, neighbouring parts overlap at a joint, so that they surely touch.
 OVERLAP = 0.004
 
-# How much further back the trunk is than the hips, so that a backrest carries the shoulders and not the hips.
-BACK_OUT = 0.034
-
 ANKLE_HEIGHT = FOOT_HEIGHT + ANKLE_RADIUS - OVERLAP - SUNK
 
 
 @dataclass(frozen=True, slots=True)
+class Hand:
+    """Where a hand is: the middle of the palm's surface, the direction of the fingers and that of the back of the hand."""
+
+    palm: Vector
+    fingers: Vector
+    back: Vector = field(default_factory=lambda: Vector((0.0, 0.0, 1.0)))
+
+    def mirrored(self) -> Hand:
+        """The same on the other side."""
+        return Hand(*(_sided(vector, -1.0) for vector in (self.palm, self.fingers, self.back)))
+
+
+@dataclass(frozen=True, slots=True)
 class Posture:
-    """Where the left limbs bend and end, mirrored for the right unless ``right_hand`` says otherwise.
+    """Where the limbs bend and end: those of the left, mirrored for the right unless ``right_hand`` says otherwise.
 
     All in metres, relative to the avatar's origin. hips: centre of the hips. lean: how far the trunk leans back from upright, in radians.
-    hip_joint: where the thigh begins, relative to the hips. hand: centre of the palm's underside and direction of the fingers.
+    hip_joint: where the thigh begins, relative to the hips. slump: how much further back the trunk is than the hips.
     """
 
     hips: Vector
-    lean: float
     hip_joint: Vector
     knee: Vector
     ankle: Vector
-    hand: tuple[Vector, Vector]
-    right_hand: tuple[Vector, Vector] | None = None
+    hand: Hand
+    right_hand: Hand | None = None
+    lean: float = 0.0
+    slump: float = 0.0
 
-    def hand_of(self, side: float) -> tuple[Vector, Vector]:
-        """Palm and fingers of the left (1) or right (-1) hand."""
-        if side < 0 and self.right_hand is not None:
-            return self.right_hand
-        return _mirrored(self.hand[0], side), _mirrored(self.hand[1], side)
+    def hand_of(self, side: float) -> Hand:
+        """The left (1) or right (-1) hand."""
+        return self.hand if side > 0 else (self.right_hand or self.hand.mirrored())
 
 
 @dataclass(frozen=True, slots=True)
 class Avatar:
-    """The root that carries all parts, the parts by name (``Hand.L``) and the listeners by body part (``hand.L``)."""
+    """The root that carries all parts, the parts by name (``Hand.L``), the listeners by body part (``hand.L``), the joints (``elbow.L``)
+    relative to the root."""
 
     root: Object
-    parts: Mapping[str, Object] = field(default_factory=dict)
-    listeners: Mapping[str, Object] = field(default_factory=dict)
+    parts: Mapping[str, Object]
+    listeners: Mapping[str, Object]
+    joints: Mapping[str, Vector]
 
 
-def seated(seat: float, lean: float) -> Posture:
+def seated(seat: float, lean: float, hand: Hand | None = None) -> Posture:
     """Sitting on a seat at height ``seat``, the back against a rest that leans back by ``lean``, feet on the ground, hands on the thighs.
 
-    The origin is on the ground below the line where seat and rest meet.
+    The origin is on the ground below the line where seat and rest meet. ``hand``: the left hand, where it is elsewhere.
     """
+    # The backrest carries the shoulders and leaves the hips free.
     hips = Vector((0.0, -0.132, seat + HIPS[2] / 2 - SUNK))
     hip_joint = Vector((0.088, 0.008 - HIPS[1] / 2, THIGH_RADIUS - HIPS[2] / 2))
     knee = hips + hip_joint + Vector((0.05, -0.42, KNEE_RADIUS - THIGH_RADIUS))
     ankle = Vector((knee.x, knee.y - 0.03, ANKLE_HEIGHT))
-    palm = Vector((0.130, -0.45, seat + 2 * _thigh_radius(0.5) + 0.001))
-    return Posture(hips, lean, hip_joint, knee, ankle, (palm, Vector((-0.10, -1.0, -0.30))))
+    on_thigh = Hand(Vector((0.130, -0.45, seat + 2 * _thigh_radius(0.5) + 0.001)), Vector((-0.10, -1.0, -0.30)))
+    return Posture(hips, hip_joint, knee, ankle, hand or on_thigh, lean=lean, slump=0.034)
+
+
+def standing(hand: Hand, right_hand: Hand | None = None) -> Posture:
+    """Standing upright above the origin; the feet point to -Y."""
+    ankle = Vector((0.10, 0.0, ANKLE_HEIGHT))
+    knee = Vector((0.096, -0.012, ANKLE_HEIGHT + 0.385))
+    hip_joint = Vector((0.088, 0.0, 0.006 - HIPS[2] / 2))
+    hips = Vector((0.0, 0.0, knee.z + 0.405)) - Vector((0.0, 0.0, hip_joint.z))
+    return Posture(hips, hip_joint, knee, ankle, hand, right_hand)
 
 
 def build_avatar(
@@ -111,16 +132,13 @@ def build_avatar(
 
     ``moving``: that empty, or what carries it, will be animated.
     """
-    root = place_empty(scene, name, location, kind="ARROWS", size=0.25)
-    root.rotation_euler = (0.0, 0.0, heading)
+    root = place_empty(scene, name, location, kind="ARROWS", size=0.25, heading=heading)
     materials = (body or surface(f"{name} Body", "#e9e2d6", 0.45), joint or surface(f"{name} Joints", "#2f5d73", 0.4))
+    joints = _joints(posture)
     shapes = _trunk(posture)
-    anchors = _trunk_anchors(posture)
     for side, letter in SIDES:
-        for shape in (_arm, _leg):
-            more, places = shape(posture, side, letter)
-            shapes |= more
-            anchors |= places
+        shapes |= _arm(posture, joints, side, letter) | _leg(joints, letter)
+    anchors = _anchors(posture, joints)
     parts: dict[str, Object] = {}
     for part, geometry in shapes.items():
         obj = place(scene, f"{name} {part}", geometry, materials, parent=root)
@@ -134,7 +152,7 @@ def build_avatar(
         carrier, spot = anchors[listener]
         empty = place_empty(scene, listener, spot - parts[carrier].location, parts[carrier], "SPHERE", BODY_PART[listener].radius)
         listeners[listener] = make_listener(empty, listener, BODY_PART[listener].radius)
-    return Avatar(root, parts, listeners)
+    return Avatar(root, parts, listeners, joints)
 
 
 def _trunk_frame(posture: Posture) -> Callable[[float, float, float], Vector]:
@@ -142,7 +160,7 @@ def _trunk_frame(posture: Posture) -> Callable[[float, float, float], Vector]:
     sine, cosine = math.sin(posture.lean), math.cos(posture.lean)
 
     def point(left: float, forward: float, up: float) -> Vector:
-        forward -= BACK_OUT
+        forward -= posture.slump
         return posture.hips + Vector((left, -forward * cosine + up * sine, forward * sine + up * cosine))
 
     return point
@@ -165,42 +183,71 @@ def _trunk(posture: Posture) -> dict[str, Geometry]:
     }
 
 
-def _trunk_anchors(posture: Posture) -> dict[str, tuple[str, Vector]]:
+def _joints(posture: Posture) -> dict[str, Vector]:
+    """Centres of the joints of both sides."""
+    joints: dict[str, Vector] = {}
+    for side, letter in SIDES:
+        hand = posture.hand_of(side)
+        fingers, back = _hand_axes(hand)
+        shoulder = _trunk_frame(posture)(side * 0.217, 0.0, 0.515)
+        wrist = hand.palm + back * HAND[2] / 2 - fingers * (HAND[1] / 2 + WRIST_RADIUS - OVERLAP)
+        joints[f"shoulder.{letter}"] = shoulder
+        joints[f"elbow.{letter}"] = _bend(shoulder, wrist, UPPER_ARM, FOREARM, Vector((side * 0.75, 1.0, -0.6)))
+        joints[f"wrist.{letter}"] = wrist
+        joints[f"hip.{letter}"] = _sided(posture.hips + posture.hip_joint, side)
+        joints[f"knee.{letter}"] = _sided(posture.knee, side)
+        joints[f"ankle.{letter}"] = _sided(posture.ankle, side)
+    return joints
+
+
+def _hand_axes(hand: Hand) -> tuple[Vector, Vector]:
+    """Unit vectors along the fingers and out of the back of the hand, at right angles."""
+    fingers = hand.fingers.normalized()
+    return fingers, (hand.back - fingers * hand.back.dot(fingers)).normalized()
+
+
+def _anchors(posture: Posture, joints: Mapping[str, Vector]) -> dict[str, tuple[str, Vector]]:
+    """The part that carries each default listener, and where."""
     point = _trunk_frame(posture)
     anchors: dict[str, tuple[str, Vector]] = {}
     for side, letter in SIDES:
+        hand = posture.hand_of(side)
+        thigh = joints[f"hip.{letter}"].lerp(joints[f"knee.{letter}"], 0.45)
         anchors[f"ear.{letter}"] = ("Head", point(side * 0.085, 0.015, 0.735))
         anchors[f"upper_back.{letter}"] = ("Chest", point(side * 0.095, -0.105, 0.47))
         anchors[f"middle_back.{letter}"] = ("Belly", point(side * 0.075, -0.08, 0.19))
+        anchors[f"hand.{letter}"] = (f"Hand.{letter}", hand.palm + _hand_axes(hand)[1] * HAND[2] / 2)
+        anchors[f"upper_leg.{letter}"] = (f"Upper Leg.{letter}", thigh - _thigh_front(joints, letter) * _thigh_radius(0.45))
     return anchors
 
 
-def _arm(posture: Posture, side: float, letter: str) -> tuple[dict[str, Geometry], dict[str, tuple[str, Vector]]]:
-    shoulder = _trunk_frame(posture)(side * 0.220, 0.0, 0.515)
-    palm, fingers = posture.hand_of(side)
-    fingers = fingers.normalized()
-    up = (Vector((0, 0, 1)) - fingers * fingers.z).normalized()
-    centre = palm + up * HAND[2] / 2
-    wrist = centre - fingers * (HAND[1] / 2 + WRIST_RADIUS - OVERLAP)
-    elbow = _bend(shoulder, wrist, UPPER_ARM, FOREARM, Vector((side * 0.75, 1.0, -0.6)))
-    turn = Matrix((fingers.cross(up), fingers, up)).transposed().to_4x4()
-    shapes = {
+def _thigh_front(joints: Mapping[str, Vector], letter: str) -> Vector:
+    """Unit vector from the middle of the thigh out of its front: up when sitting, forward when standing."""
+    along_thigh = (joints[f"knee.{letter}"] - joints[f"hip.{letter}"]).normalized()
+    return (Vector((0.0, -1.0, 1.0)) - along_thigh * along_thigh.dot(Vector((0.0, -1.0, 1.0)))).normalized()
+
+
+def _arm(posture: Posture, joints: Mapping[str, Vector], side: float, letter: str) -> dict[str, Geometry]:
+    shoulder, elbow, wrist = (joints[f"{joint}.{letter}"] for joint in ("shoulder", "elbow", "wrist"))
+    hand = posture.hand_of(side)
+    fingers, back = _hand_axes(hand)
+    turn = Matrix((fingers.cross(back), fingers, back)).transposed().to_4x4()
+    centre = hand.palm + back * HAND[2] / 2
+    return {
         f"Upper Arm.{letter}": _segment(shoulder, elbow, SHOULDER_RADIUS, ELBOW_RADIUS, 0.048, 0.039, ball_at_start=True),
         f"Forearm.{letter}": _segment(elbow, wrist, ELBOW_RADIUS, WRIST_RADIUS, 0.040, 0.028),
         f"Hand.{letter}": superellipsoid(HAND, 0.65).transformed(Matrix.Translation(centre) @ turn),
     }
-    return shapes, {f"hand.{letter}": (f"Hand.{letter}", centre)}
 
 
-def _leg(posture: Posture, side: float, letter: str) -> tuple[dict[str, Geometry], dict[str, tuple[str, Vector]]]:
-    hip, knee, ankle = (_mirrored(joint, side) for joint in (posture.hips + posture.hip_joint, posture.knee, posture.ankle))
-    shapes = {
+def _leg(joints: Mapping[str, Vector], letter: str) -> dict[str, Geometry]:
+    hip, knee, ankle = (joints[f"{joint}.{letter}"] for joint in ("hip", "knee", "ankle"))
+    sole = ankle.z - ANKLE_RADIUS - FOOT_HEIGHT + OVERLAP
+    return {
         f"Upper Leg.{letter}": _segment(hip, knee, 0.0, KNEE_RADIUS, THIGH_RADIUS, 0.058),
         f"Lower Leg.{letter}": _segment(knee, ankle, KNEE_RADIUS, ANKLE_RADIUS, 0.053, 0.036),
-        f"Foot.{letter}": superellipsoid((0.092, 0.25, FOOT_HEIGHT), 0.6)
-        .moved(ankle.x, ankle.y - 0.075, ankle.z - ANKLE_RADIUS - FOOT_HEIGHT / 2 + OVERLAP),
+        f"Foot.{letter}": superellipsoid((0.092, 0.25, FOOT_HEIGHT), 0.6).moved(ankle.x, ankle.y - 0.075, sole + FOOT_HEIGHT / 2),
     }
-    return shapes, {f"upper_leg.{letter}": (f"Upper Leg.{letter}", hip.lerp(knee, 0.45) - Vector((0, 0, _thigh_radius(0.45))))}
 
 
 def _segment(
@@ -216,7 +263,7 @@ def _segment(
     return joined(parts)
 
 
-def _mirrored(vector: Vector, side: float) -> Vector:
+def _sided(vector: Vector, side: float) -> Vector:
     return Vector((side * vector.x, vector.y, vector.z))
 
 

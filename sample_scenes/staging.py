@@ -41,13 +41,15 @@ def place_empty(
     parent: Object | None = None,
     kind: str = "PLAIN_AXES",
     size: float = 0.1,
+    heading: float = 0.0,
 ) -> Object:
-    """A new empty in ``scene``, relative to ``parent``."""
+    """A new empty in ``scene``, relative to ``parent``, turned by ``heading`` about z."""
     obj = bpy.data.objects.new(name, None)
     scene.collection.objects.link(obj)
     obj.empty_display_type = kind
     obj.empty_display_size = size
     obj.location = location
+    obj.rotation_euler = (0.0, 0.0, heading)
     obj.parent = parent
     return obj
 
@@ -102,6 +104,23 @@ def make_dynamic(
     body.friction = friction
     body.restitution = restitution
     return tag(obj, substance)
+
+
+def make_medium(obj: Object, alpha: float) -> Object:
+    """A volume, drawn as wires, that touches what it overlaps and fades signals by ``alpha`` per metre."""
+    obj.display_type = "WIRE"
+    obj.hide_render = True
+    obj.visible_shadow = False
+    haptics = obj.haptics
+    haptics.enabled = haptics.medium = True
+    return fade_exponentially(obj, alpha)
+
+
+def fade_exponentially(obj: Object, alpha: float) -> Object:
+    """Let signals fade with distance alone inside ``obj``: e^(-alpha d)."""
+    obj.haptics.function = "exponential"
+    obj.haptics.alpha = alpha
+    return obj
 
 
 def make_source(obj: Object, signal: str, frequency: float = 60.0, amplitude: float = 1.0) -> Object:
