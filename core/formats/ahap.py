@@ -118,8 +118,8 @@ def _curves(name: str, times: FloatArray, values: FloatArray) -> Iterator[dict[s
     for first in range(0, max(len(times) - 1, 1), MOST_POINTS - 1):
         part = slice(first, first + MOST_POINTS)
         points = [
-            {"Time": round(time - float(times[first]), 6), "ParameterValue": round(value, 4)}
-            for time, value in zip(times[part].tolist(), values[part].tolist(), strict=True)
+            {"Time": time, "ParameterValue": value}
+            for time, value in zip((times[part] - times[first]).round(6).tolist(), values[part].round(4).tolist(), strict=True)
         ]
         yield {"ParameterCurve": {"ParameterID": name, "Time": round(float(times[first]), 6), "ParameterCurveControlPoints": points}}
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import date
 from pathlib import Path
@@ -73,6 +73,12 @@ def scene_file(export: Export, folder: Path, suffix: str) -> Path:
 def compact(value: Any) -> str:
     """JSON without spaces. Raises ValueError for NaN and infinity."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+
+
+def table(keys: Sequence[str], *columns: Sequence[float]) -> str:
+    """JSON of a list of objects that all have the same keys, from a list of finite numbers for each key."""
+    form = "{" + ",".join(f'"{key}":%r' for key in keys) + "}"
+    return "[" + ",".join([form % row for row in zip(*columns, strict=True)]) + "]"
 
 
 def write_json(path: Path, value: Any) -> Path:

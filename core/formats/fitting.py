@@ -61,7 +61,7 @@ class Fit:
 
     error: power of the error allowed in relation to the signal's power around each moment. floor: amplitude below which nothing is felt.
     lowest, highest: frequency of a key in hertz. frequency_step (hertz), amplitude_step and time_step (seconds, 0: any): keys are
-    multiples of them. signed: amplitudes may be negative.
+    multiples of them. shortest: seconds between keys at least, whatever that costs. signed: amplitudes may be negative.
     """
 
     error: float = 0.03
@@ -71,6 +71,7 @@ class Fit:
     frequency_step: float = 0.1
     amplitude_step: float = 1e-5
     time_step: float = 0.0
+    shortest: float = 0.0
     signed: bool = False
 
 
@@ -212,10 +213,10 @@ class _Grid:
         borders = [np.append(np.arange(first, last, longest), last) for first, last in runs]
         start = np.concatenate([border[:-1] for border in borders]).astype(np.int64)
         end = np.concatenate([border[1:] for border in borders]).astype(np.int64)
-        shortest = max(1, round(2 * self.fit.time_step * self.rate))
+        shortest = max(1, round(max(2 * self.fit.time_step, self.fit.shortest) * self.rate))
         accepted = [np.array([first for first, _ in runs], dtype=np.int64)]
         while len(start):
-            good = (self._error(start, end) <= 0) | (end - start <= shortest)
+            good = (self._error(start, end) <= 0) | (end - start < 2 * shortest)
             accepted.append(end[good])
             start, end = start[~good], end[~good]
             middle = (start + end) // 2

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .carrier import Carrier
 from .envelopes import single_carrier
 from .error import FormatError
-from .export import EDITOR, Export, clipped, common_losses, compact, listener_files, write_json, write_text
+from .export import EDITOR, Export, clipped, common_losses, compact, listener_files, table, write_json, write_text
 from .fitting import Fit
 from .options import Option
 from .reading import Channel, Reading
@@ -25,7 +25,7 @@ FloatArray = NDArray[np.float64]
 LABEL = "Meta Haptics (.haptic)"
 SUFFIX = ".haptic"
 OPTIONS = (
-    Option("error", 0.04, "Error", "Power of the error in relation to the signal's that a breakpoint may be left out for", (), 0.001, 0.5),
+    Option("error", 0.1, "Error", "Power of the error in relation to the signal's that a breakpoint may be left out for", (), 0.001, 0.5),
     Option("frequency_min", 5.0, "Lowest frequency", "Hertz that the actuator plays for 0", (), 1.0, 500.0),
     Option("frequency_max", 500.0, "Highest frequency", "Hertz that the actuator plays for 1", (), 2.0, 1000.0),
     Option("emphasis", True, "Emphasis", "Impacts as emphasised breakpoints"),
@@ -56,7 +56,7 @@ def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path
     files = []
     for listener, samples, path in zip(tracks.listeners, tracks.samples, listener_files(export, folder, SUFFIX), strict=True):
         carrier = single_carrier(clipped(samples), tracks.sample_rate, fit)
-        files.append(write_text(path, [compact(_document(export, listener, carrier, low, high, options["emphasis"])), "\n"]))
+        files.append(write_text(path, _document(export, listener, carrier, low, high, options["emphasis"])))
         files.append(write_json(path.with_suffix(".acf"), _configuration(export, listener, low, high)))
     return files
 
@@ -68,45 +68,46 @@ def _range(options: Mapping[str, Any]) -> tuple[float, float]:
     return low, high
 
 
-def _document(export: Export, listener: ListenerTrack, carrier: Carrier, low: float, high: float, emphasis: bool) -> dict[str, Any]:
-    times, amplitudes = carrier.amplitude_times, carrier.amplitudes
-    if len(times) < 2:
-        times, amplitudes = np.array([0.0, max(carrier.end, 1e-3)]), np.zeros(2)
-    emphases = _emphases(listener, carrier) if emphasis else {}
-    extra = np.array(sorted(set(emphases) - set(times.tolist())))
-    breakpoints = np.concatenate([times, extra])
-    order = np.argsort(breakpoints, kind="stable")
-    levels = np.concatenate([amplitudes, np.interp(extra, times, amplitudes)])[order]
-    normalised = np.clip((carrier.frequencies - low) / (high - low), 0.0, 1.0)
-    points = []
-    for time, level in zip(breakpoints[order].tolist(), levels.tolist(), strict=True):
-        point: dict[str, Any] = {"time": round(time, 6), "amplitude": round(level, 4)}
-        if time in emphases:
-            strength, frequency = emphases[time]
-            sharpness = min(max((frequency - low) / (high - low), 0.0), 1.0)
-            point["emphasis"] = {"amplitude": max(round(strength, 4), point["amplitude"]), "frequency": round(sharpness, 4)}
-        points.append(point)
-    return {
-        "version": {"major": 1, "minor": 0, "patch": 0},
-        "metadata": {
-            "editor": EDITOR,
-            "source": export.name,
-            "project": export.name,
-            "tags": [listener.body_part] if listener.body_part else [],
-            "description": listener.name,
-        },
-        "signals": {
-            "continuous": {
-                "envelopes": {
-                    "amplitude": points,
-                    "frequency": [
-                        {"time": round(time, 6), "frequency": round(value, 6)}
-                        for time, value in zip(carrier.frequency_times.tolist(), normalised.tolist(), strict=True)
-                    ],
-                }
-            }
-        },
+def _document(
+    export: Export, listener: ListenerTrack, carrier: Carrier, low: float, high: float, emphasis: bool
+) -> Iterator[str]:
+    metadata = {
+        "editor": EDITOR,
+        "source": export.name,
+        "project": export.name,
+        "tags": [listener.body_part] if listener.body_part else [],
+        "description": listener.name,
     }
+    yield compact({"version": {"major": 1, "minor": 0, "patch": 0}, "metadata": metadata})[:-1]
+    yield ',"signals":{"continuous":{"envelopes":{"amplitude":'
+    yield _amplitude_points(listener, carrier, low, high, emphasis)
+    shares = np.clip((carrier.frequencies - low) / (high - low), 0.0, 1.0)
+    yield ',"frequency":'
+    yield table(("time", "frequency"), carrier.frequency_times.round(6).tolist(), shares.round(6).tolist())
+    yield "}}}}\n"
+
+
+def _amplitude_points(listener: ListenerTrack, carrier: Carrier, low: float, high: float, emphasis: bool) -> str:
+    times, levels = carrier.amplitude_times, carrier.amplitudes
+    if len(times) < 2:
+        times, levels = np.array([0.0, max(carrier.end, 1e-3)]), np.zeros(2)
+    emphases = _emphases(listener, carrier) if emphasis else {}
+    extra = np.array(sorted(emphases))
+    every = np.unique(np.concatenate([times, extra]))
+    every_level = np.interp(every, times, levels).round(5)
+    keys = ("time", "amplitude")
+    pieces = []
+    done = 0
+    for time, number in zip(extra.tolist(), np.searchsorted(every, extra).tolist(), strict=True):
+        pieces.append(table(keys, every[done:number].round(6).tolist(), every_level[done:number].tolist())[1:-1])
+        strength, frequency = emphases[time]
+        sharpness = min(max((frequency - low) / (high - low), 0.0), 1.0)
+        level = float(every_level[number])
+        emphasised = {"amplitude": max(round(strength, 5), level), "frequency": round(sharpness, 4)}
+        pieces.append(compact({"time": round(time, 6), "amplitude": level, "emphasis": emphasised}))
+        done = number + 1
+    pieces.append(table(keys, every[done:].round(6).tolist(), every_level[done:].tolist())[1:-1])
+    return "[" + ",".join(piece for piece in pieces if piece) + "]"
 
 
 def _emphases(listener: ListenerTrack, carrier: Carrier) -> dict[float, tuple[float, float]]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .bands import wide_bands
 from .carrier import Carrier, ramp_integral
 from .error import FormatError
-from .export import Export, body_part_of, clipped, common_losses, compact, write_json, write_text
+from .export import Export, body_part_of, clipped, common_losses, compact, table, write_json, write_text
 from .fitting import Fit, fit_bands
 from .hjif import part_of, transient
 from .names import file_stem, file_stems
@@ -29,12 +29,14 @@ FloatArray = NDArray[np.float64]
 LABEL = "Razer Sensa / WYVRN (folder)"
 SUFFIX = ".haps"
 OPTIONS = (
-    Option("error", 0.05, "Error", "Power of the error in relation to the signal's that a keyframe may be left out for", (), 0.001, 0.5),
+    Option("error", 0.1, "Error", "Power of the error in relation to the signal's that a keyframe may be left out for", (), 0.001, 0.5),
     Option("transients", True, "Transients", "Impacts as transients"),
 )
 
 BANDS = wide_bands((5, 90, 430))
 """As melodies: the published clips have at most three, and frequencies up to 366 Hz."""
+SHORTEST = 0.01
+"""Seconds between keys: the densest of the published clips has 169 a second."""
 CONFIGURATION = "haptic.config"
 
 
@@ -46,7 +48,8 @@ def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
         shared.setdefault(_target(listener), []).append(listener.name)
     return (
         *common_losses(tracks, body=True),
-        f"what lies above {BANDS[-1].high:.0f} Hz, and more than two oscillations at a time",
+        f"what lies below {BANDS[0].low:.0f} and above {BANDS[-1].high:.0f} Hz, and more than two oscillations at a time",
+        f"changes within {SHORTEST * 1000:g} ms",
         *(
             f"that {', '.join(names)} are different places: {target}, {side} is one target"
             for (target, side), names in shared.items()
@@ -64,7 +67,7 @@ def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path
     files = []
     for listener, samples, stem in zip(tracks.listeners, tracks.samples, stems, strict=True):
         clip = _clip(clipped(samples).astype(np.float64), tracks.sample_rate, listener, options)
-        files.append(write_text(inside / f"{stem}{SUFFIX}", [compact(clip), "\n"]))
+        files.append(write_text(inside / f"{stem}{SUFFIX}", clip))
     events = [
         {
             "Haptic_Effect": stem,
@@ -83,41 +86,40 @@ def _target(listener: ListenerTrack) -> tuple[str, str]:
     return ("All", "Global") if part is None else (part.wyvrn_target, part.wyvrn_side)
 
 
-def _clip(samples: FloatArray, sample_rate: int, listener: ListenerTrack, options: Mapping[str, Any]) -> dict[str, Any]:
+def _clip(samples: FloatArray, sample_rate: int, listener: ListenerTrack, options: Mapping[str, Any]) -> Iterator[str]:
     transients = np.zeros((0, 2))
     if options["transients"]:
         samples, transients = without_transients(samples, sample_rate, listener.impacts, 1e-6)
-    fit = Fit(error=options["error"], lowest=1, highest=BANDS[-1].high)
+    fit = Fit(error=options["error"], lowest=BANDS[0].low, highest=BANDS[-1].high, shortest=SHORTEST)
     melodies = [[_burst(time, strength) for time, strength in transients.tolist()]]
     melodies += [_notes(carriers) for carriers in fit_bands(samples, sample_rate, BANDS, fit)]
-    return {
+    head = {
         "m_version": "5",
         "m_description": listener.name,
         "m_HDFlag": 0,
         "m_time_unit": 0,
         "m_length_unit": 7,
         "m_gain": 1.0,
-        "m_stiffness": _melodies([]),
-        "m_texture": _melodies([]),
-        "m_vibration": _melodies([{"m_mute": 0, "m_gain": 1.0, "m_notes": notes} for notes in melodies]),
+        "m_stiffness": {**_MELODIES, "m_melodies": []},
+        "m_texture": {**_MELODIES, "m_melodies": []},
     }
+    yield compact(head)[:-1] + ',"m_vibration":' + compact(_MELODIES)[:-1] + ',"m_melodies":['
+    for number, notes in enumerate(melodies):
+        yield ("," if number else "") + '{"m_mute":0,"m_gain":1.0,"m_notes":['
+        yield ",".join(notes)
+        yield "]}"
+    yield "]}}\n"
 
 
-def _melodies(melodies: list[dict[str, Any]]) -> dict[str, Any]:
-    return {"m_loop": 0, "m_maximum": 1.0, "m_gain": 1.0, "m_signalEvaluationMethod": 3, "m_melodies": melodies}
+_MELODIES = {"m_loop": 0, "m_maximum": 1.0, "m_gain": 1.0, "m_signalEvaluationMethod": 3}
 
 
-def _burst(time: float, strength: float) -> dict[str, Any]:
-    return {
-        "m_startingPoint": round(time, 6),
-        "m_length": TRANSIENT_SECONDS,
-        "m_priority": 0,
-        "m_gain": strength,
-        "m_hapticEffect": {"m_type": 0},
-    }
+def _burst(time: float, strength: float) -> str:
+    note = {"m_startingPoint": round(time, 6), "m_length": TRANSIENT_SECONDS, "m_priority": 0, "m_gain": strength}
+    return compact({**note, "m_hapticEffect": {"m_type": 0}})
 
 
-def _notes(carriers: Sequence[Carrier]) -> list[dict[str, Any]]:
+def _notes(carriers: Sequence[Carrier]) -> list[str]:
     return [_note(note) for carrier in carriers if (note := from_zero_phase(carrier))]
 
 
@@ -132,28 +134,21 @@ def from_zero_phase(carrier: Carrier) -> Carrier | None:
     return part_of(carrier, begin, carrier.end - carrier.start) if cycles[-1] > missing else None
 
 
-def _note(carrier: Carrier) -> dict[str, Any]:
+def _note(carrier: Carrier) -> str:
     length = round(carrier.end - carrier.start, 6)
 
-    def modulation(times: FloatArray, values: FloatArray, digits: int) -> dict[str, Any]:
-        keys = [(0.0, values[0])] if times[0] > 0 else []
-        keys += [(time, value) for time, value in zip(times.tolist(), values.tolist(), strict=True) if time < length]
-        keys.append((length, float(np.interp(length, times, values))))
-        return {
-            "m_extrapolationStrategy": 0,
-            "m_keyframes": [{"m_time": round(time, 6), "m_value": round(float(value), digits)} for time, value in keys],
-        }
+    def modulation(times: FloatArray, values: FloatArray, digits: int) -> str:
+        inside = times < length
+        first = times[:1] > 0
+        every = np.concatenate([np.zeros(1)[first], times[inside], [length]])
+        levels = np.concatenate([values[:1][first], values[inside], [np.interp(length, times, values)]])
+        keys = table(("m_time", "m_value"), every.round(6).tolist(), levels.round(digits).tolist())
+        return '{"m_extrapolationStrategy":0,"m_keyframes":' + keys + "}"
 
-    return {
-        "m_startingPoint": round(carrier.start, 6),
-        "m_length": length,
-        "m_priority": 1,
-        "m_gain": 1.0,
-        "m_hapticEffect": {
-            "m_amplitudeModulation": modulation(carrier.amplitude_times, carrier.amplitudes, 4),
-            "m_frequencyModulation": modulation(carrier.frequency_times, carrier.frequencies, 3),
-        },
-    }
+    head = compact({"m_startingPoint": round(carrier.start, 6), "m_length": length, "m_priority": 1, "m_gain": 1.0})[:-1]
+    amplitude = modulation(carrier.amplitude_times, carrier.amplitudes, 5)
+    frequency = modulation(carrier.frequency_times, carrier.frequencies, 3)
+    return f'{head},"m_hapticEffect":{{"m_amplitudeModulation":{amplitude},"m_frequencyModulation":{frequency}}}}}'
 
 
 def read(path: Path) -> Reading:
