@@ -36,6 +36,7 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
             Sample("hammer_nail", "Hammer and Nail", "A blow makes a temporary source, which the hammer passes on to the hand"),
             Sample("fireplace", "Fireplace", "A fire is felt in an armchair through the air: a persistent source with a slow signal"),
             Sample("dishwasher_kitchen", "Dishwasher in the Kitchen", "A dishwasher is felt at the table: cupboard, floor, chair"),
+            Sample("rails", "Rails", "A far locomotive is felt through rails rather than soil; the path leaves the ground and comes back"),
         )
     }
 )
