@@ -98,8 +98,8 @@ def shown_options(scene: Scene) -> Options:
 
 
 def picture_scale(size: tuple[int, int]) -> float:
-    """Pixels per point of a picture: 1 at a height of 800."""
-    return max(0.75, size[1] / 800)
+    """Pixels per point of a picture: 1 at a height of 700, so that labels can be read where it is shown smaller."""
+    return max(0.75, size[1] / 700)
 
 
 def averaged(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
@@ -119,11 +119,12 @@ def _plain_viewport(scene: Scene) -> Iterator[tuple[Any, Any]]:
         space.shading: {
             "type": "SOLID",
             "light": "STUDIO",
+            "studio_light": "paint.sl",
             "color_type": "MATERIAL",
             "background_type": "VIEWPORT",
             "background_color": (0.035, 0.036, 0.04),
             "show_shadows": True,
-            "shadow_intensity": 0.35,
+            "shadow_intensity": 0.5,
             "show_cavity": True,
             "cavity_type": "BOTH",
             "show_object_outline": True,

@@ -182,13 +182,13 @@ def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, br
     for part in plates:  # the legend and two labels; texts are fitted to the pixels on screen and not here, so their ink is compared
         ink = [np.abs(pixels[part] - np.median(by_gpu[part], axis=(0, 1))).sum() for pixels in (by_painter, by_gpu)]
         assert ink[0] == pytest.approx(ink[1], rel=0.15)
-        assert np.abs(by_painter[part] - by_gpu[part]).mean() < 12
     bar = np.s_[plates[0][0].stop - round(21.5 * scale), plates[0][1].start + 12 : plates[0][1].stop - 12]
     assert np.abs(by_painter[bar] - by_gpu[bar]).max() <= 4
 
 
 def test_rendered_picture_shows_the_same_and_leaves_the_scene_alone(scene, camera, bridge, monkeypatch):
     monkeypatch.setattr(rendering, "SAMPLES", 4)
+    monkeypatch.setattr(rendering, "GRAPH_SAMPLES", 4)
     scene.render.engine, scene.render.resolution_x = "BLENDER_WORKBENCH", 123
     before = {kind: len(getattr(bpy.data, kind)) for kind in ("scenes", "objects", "meshes", "cameras", "curves", "fonts")}
     pixels = rendering.rendered_picture(scene, bridge, SIZE)
@@ -204,6 +204,7 @@ def test_rendered_picture_shows_the_same_and_leaves_the_scene_alone(scene, camer
 
 def test_rendered_graph_is_hidden_unless_it_is_drawn_in_front(scene, camera, wall, bridge, monkeypatch):
     monkeypatch.setattr(rendering, "SAMPLES", 4)
+    monkeypatch.setattr(rendering, "GRAPH_SAMPLES", 4)
     scene.haptics.show_labels = scene.haptics.xray = False
     hidden = rendering.rendered_picture(scene, bridge, SIZE)
     assert _pixel(scene, hidden, _node(bridge, "truck")) == pytest.approx(_pixel(scene, hidden, (0.5, 0, 0)), abs=0.05)
