@@ -31,6 +31,8 @@ POWER_WINDOW = 0.064
 """Seconds over which it is averaged."""
 LONGEST_STRETCH = 0.5
 """Seconds between keys at most, before what is redundant goes."""
+LONGEST_STEPS = 256
+"""Points of a band's grid between keys at most."""
 ROUNDING = 0.1
 """Cycles by which rounded frequencies may lag within a stretch."""
 LONGEST_REST = 0.03
@@ -209,7 +211,7 @@ class _Grid:
 
     def keys(self, runs: Sequence[tuple[int, int]]) -> list[IntArray]:
         """The grid points that become keys, for each run."""
-        longest = max(int(min(LONGEST_STRETCH, ROUNDING / self.fit.frequency_step) * self.rate), 1)
+        longest = max(min(int(min(LONGEST_STRETCH, ROUNDING / self.fit.frequency_step) * self.rate), LONGEST_STEPS), 1)
         borders = [np.append(np.arange(first, last, longest), last) for first, last in runs]
         start = np.concatenate([border[:-1] for border in borders]).astype(np.int64)
         end = np.concatenate([border[1:] for border in borders]).astype(np.int64)

@@ -25,7 +25,7 @@ FloatArray = NDArray[np.float64]
 LABEL = "Meta Haptics (.haptic)"
 SUFFIX = ".haptic"
 OPTIONS = (
-    Option("error", 0.1, "Error", "Power of the error in relation to the signal's that a breakpoint may be left out for", (), 0.001, 0.5),
+    Option("error", 0.05, "Error", "Power of the error in relation to the signal's that a breakpoint may be left out for", (), 0.001, 0.5),
     Option("frequency_min", 5.0, "Lowest frequency", "Hertz that the actuator plays for 0", (), 1.0, 500.0),
     Option("frequency_max", 500.0, "Highest frequency", "Hertz that the actuator plays for 1", (), 2.0, 1000.0),
     Option("emphasis", True, "Emphasis", "Impacts as emphasised breakpoints"),

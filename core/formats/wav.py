@@ -28,7 +28,7 @@ OPTIONS = (
     Option("sample_rate", 0, "Sample rate", "Hertz; 0: that of the tracks", (), 0, MAX_SAMPLE_RATE),
 )
 
-_TAIL_OF_GUID = bytes.fromhex("000010008000 00aa00389b71".replace(" ", ""))
+_REST_OF_GUID = bytes.fromhex("000000001000800000aa00389b71")
 _CODES = {"pcm16": 1, "float32": 3}
 _BYTES = {"pcm16": 2, "float32": 4}
 MAX_RIFF = 2**32 - 1
@@ -100,7 +100,7 @@ def write_wav(tracks: Tracks, path: Path, encoding: str = "pcm16") -> None:
 
 def _header(channels: int, rate: int, width: int, code: int, count: int, size: int) -> bytes:
     form = struct.pack("<HHIIHHHHIH", 0xFFFE, channels, rate, rate * channels * width, channels * width, 8 * width, 22, 8 * width, 0, code)
-    form += _TAIL_OF_GUID
+    form += _REST_OF_GUID
     fact = b"fact" + struct.pack("<II", 4, count) if code == 3 else b""
     chunks = b"WAVE" + b"fmt " + struct.pack("<I", len(form)) + form + fact + b"data" + struct.pack("<I", size & MAX_RIFF)
     return b"RIFF" + struct.pack("<I", (len(chunks) + size) & MAX_RIFF) + chunks
