@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from . import draw
 from .colour_map import FloatArray
 from .furniture import Furniture, Text
-from .render_data import HALO_COLOUR, Shape
+from .render_data import Shape
+from .solids import layers
 
-_LIGHT = (0.97, 0.97, 0.97)
 _FINE = 4  # each pixel of a text is 4 x 4 samples
 _WEIGHT = 0.75  # thin strokes as strong as Blender's own, which are fitted to the pixels
 _STEPS = 4  # lines per piece of a curve
@@ -67,7 +67,7 @@ def _paint_line(canvas: Canvas, start: FloatArray, end: FloatArray, colour: Floa
 
 
 def _paint_symbol(canvas: Canvas, centre: FloatArray, colour: FloatArray, radius: float, shape: Shape, scale: float) -> None:
-    for inset, layer, opacity in _layers(shape, colour):
+    for inset, layer, opacity in layers(shape, colour):
         inner = radius - inset * scale
         if inner <= 0:
             continue
@@ -76,17 +76,6 @@ def _paint_symbol(canvas: Canvas, centre: FloatArray, colour: FloatArray, radius
             return _DISTANCES[shape](x - centre[0], y - centre[1], inner)
 
         _fill(canvas, centre - radius - 1, centre + radius + 1, distance, layer, opacity)
-
-
-def _layers(shape: Shape, colour: FloatArray) -> Iterable[tuple[float, FloatArray, float]]:
-    """(inset in points, colour, opacity) from the outside in."""
-    dark, light = HALO_COLOUR, np.array(_LIGHT)
-    return {
-        Shape.CONTACT: ((0.0, dark, 0.9), (1.3, colour, 1.0)),
-        Shape.SOURCE: ((0.0, dark, 0.92), (1.5, colour, 1.0), (3.7, dark, 1.0), (5.4, light, 1.0), (7.0, colour, 1.0)),
-        Shape.IMPACT: ((0.0, dark, 0.92), (1.8, light, 1.0), (4.0, colour, 1.0)),
-        Shape.LISTENER: ((0.0, dark, 0.92), (1.9, light, 1.0), (4.7, colour, 1.0)),
-    }[shape]
 
 
 def _disc(x: FloatArray, y: FloatArray, radius: float) -> FloatArray:

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .colour_map import FloatArray
-from .render_data import Lines, Points, RenderData, Shape
+from .furniture import Furniture
+from .render_data import HALO_COLOUR, Lines, Points, RenderData, Shape
 
 Triangles = NDArray[np.int64]
 WHITE = np.array([0.97, 0.97, 0.97])
@@ -18,7 +19,7 @@ _FINE_SPHERES = 300  # more contacts than that are coarser
 
 @dataclass(frozen=True, slots=True)
 class Solid:
-    """``vertices`` (n, 3) [m], ``colours`` (n, 3) display values, ``triangles`` (m, 3), ``smooth`` (m,)."""
+    """``vertices`` (n, 3) [m], ``colours`` (n, 4) display values with opacity, ``triangles`` (m, 3), ``smooth`` (m,)."""
 
     vertices: FloatArray
     colours: FloatArray
@@ -83,8 +84,12 @@ def tubes(lines: Lines, unit: float) -> Solid:
     far = (near + 1) % _SIDES
     faces = np.concatenate([np.stack([near, far, far + _SIDES], axis=1), np.stack([near, far + _SIDES, near + _SIDES], axis=1)])
     triangles = (2 * _SIDES * np.arange(len(position))[:, None, None] + faces).reshape(-1, 3)
-    colours = np.repeat(lines.colour[:, :, :3], _SIDES, axis=1).reshape(-1, 3).astype(np.float64)
-    return Solid(vertices.reshape(-1, 3), colours, triangles, np.ones(len(triangles), dtype=np.bool_))
+    colours = np.repeat(lines.colour[:, :, :3], _SIDES, axis=1).reshape(-1, 3)
+    return Solid(vertices.reshape(-1, 3), _opaque(colours), triangles, np.ones(len(triangles), dtype=np.bool_))
+
+
+def _opaque(colours: FloatArray) -> FloatArray:
+    return np.column_stack([colours, np.ones(len(colours))]).astype(np.float64)
 
 
 def _perpendicular(along: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -108,8 +113,8 @@ def _copies(form: tuple[FloatArray, Triangles], points: Points, unit: float, *, 
     count = len(points.size)
     placed = points.position[:, None, :] + (points.size * unit / 2)[:, None, None] * vertices
     numbered = (len(vertices) * np.arange(count)[:, None, None] + triangles).reshape(-1, 3)
-    colours = np.repeat(points.colour[:, :3].astype(np.float64), len(vertices), axis=0)
-    return Solid(placed.reshape(-1, 3), colours, numbered, np.full(len(numbered), smooth))
+    colours = np.repeat(points.colour[:, :3], len(vertices), axis=0)
+    return Solid(placed.reshape(-1, 3), _opaque(colours), numbered, np.full(len(numbered), smooth))
 
 
 def _listeners(points: Points, unit: float) -> Solid:
@@ -130,6 +135,72 @@ def _listeners(points: Points, unit: float) -> Solid:
     return joined(
         [_copies((vertices, triangles), points, unit, smooth=False), tubes(bars, unit), _copies(sphere(1), joints, unit, smooth=True)]
     )
+
+
+def flat(items: Furniture, scale: float) -> Solid:
+    """Plates, leaders and symbols of labels and legend as flat shapes, in pixels; every later one lies a little higher. ``scale``: pixels
+    per point."""
+    shapes: list[tuple[FloatArray, FloatArray]] = []
+    lines = items.lines
+    for (start, end), colour, width, shape in zip(lines.position[:, :, :2], lines.colour, lines.width * scale, lines.shape, strict=True):
+        outline = _rounded(start, end, width / 2) if shape == Shape.PLATE else _bar(start, end, width)
+        part = np.clip((outline[:, :1] - start[0]) / max(end[0] - start[0], 1e-9), 0, 1)
+        shapes.append((outline, colour[0] + part * (colour[1] - colour[0])))
+    points = items.points
+    for centre, colour, size, shape in zip(points.position[:, :2], points.colour, points.size, points.shape, strict=True):
+        for inset, layer, opacity in layers(Shape(int(shape)), colour[:3]):
+            outline = centre + (size / 2 - inset) * scale * _OUTLINES[Shape(int(shape))]
+            shapes.append((outline, np.broadcast_to([*layer, opacity], (len(outline), 4))))
+    height = 0.01 * scale
+    return joined(
+        [
+            Solid(
+                np.column_stack([outline, np.full(len(outline), k * height)]),
+                np.asarray(colour, dtype=np.float64),
+                np.array([(0, j, j + 1) for j in range(1, len(outline) - 1)], dtype=np.int64),
+                np.zeros(len(outline) - 2, dtype=np.bool_),
+            )
+            for k, (outline, colour) in enumerate(shapes)
+        ]
+    )
+
+
+def layers(shape: Shape, colour: FloatArray) -> tuple[tuple[float, FloatArray, float], ...]:
+    """What a symbol is made of, from the outside in: inset [points], colour, opacity. As in `shader`."""
+    return {
+        Shape.CONTACT: ((0.0, HALO_COLOUR, 0.9), (1.3, colour, 1.0)),
+        Shape.SOURCE: ((0.0, HALO_COLOUR, 0.92), (1.5, colour, 1.0), (3.7, HALO_COLOUR, 1.0), (5.4, WHITE, 1.0), (7.0, colour, 1.0)),
+        Shape.IMPACT: ((0.0, HALO_COLOUR, 0.92), (1.8, WHITE, 1.0), (4.0, colour, 1.0)),
+        Shape.LISTENER: ((0.0, HALO_COLOUR, 0.92), (1.9, WHITE, 1.0), (4.7, colour, 1.0)),
+    }[shape]
+
+
+def _ring(count: int, *radii: float) -> FloatArray:
+    """Points (count, 2) on a circle, their distances alternating between ``radii``."""
+    angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    return np.resize(np.array(radii), count)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+_OUTLINES = {Shape.CONTACT: _ring(24, 1.0), Shape.SOURCE: _ring(48, 1.0), Shape.IMPACT: _ring(16, 0.55, 1.0), Shape.LISTENER: _ring(4, 1.0)}
+
+
+def _rounded(low: FloatArray, high: FloatArray, radius: float) -> FloatArray:
+    if radius <= 0:
+        return np.array([(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])], dtype=np.float64)
+    quarter = np.linspace(0, np.pi / 2, 7)
+    centres = ((high[0] - radius, high[1] - radius), (low[0] + radius, high[1] - radius), low + radius, (high[0] - radius, low[1] + radius))
+    return np.concatenate(
+        [
+            np.asarray(centre) + radius * np.column_stack([np.cos(quarter + turn), np.sin(quarter + turn)])
+            for centre, turn in zip(centres, np.arange(4) * np.pi / 2, strict=True)
+        ]
+    )
+
+
+def _bar(start: FloatArray, end: FloatArray, width: float) -> FloatArray:
+    along = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
+    across = np.array([-along[1], along[0]]) * width / 2
+    return np.array([start - across, end - across, end + across, start + across], dtype=np.float64)
 
 
 def octahedron() -> tuple[FloatArray, Triangles]:

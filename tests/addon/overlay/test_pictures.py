@@ -115,8 +115,8 @@ def test_wall_hides_the_graph_unless_it_is_drawn_in_front(off_screen, scene, cam
     place = _node(bridge, "truck")
     wall_colour = _pixel(scene, hidden, (0.5, 0, 0))
     assert _pixel(scene, in_front, place) == pytest.approx(SOURCE_COLOUR, abs=0.02)
-    # A ghost of source and path is left: two layers of faint opacity.
-    assert 0.05 < np.abs(_pixel(scene, hidden, place) - wall_colour).max() < 2.2 * draw.HIDDEN
+    # A ghost of source and path is left: layers of faint opacity.
+    assert 0.05 < np.abs(_pixel(scene, hidden, place) - wall_colour).max() < 3 * draw.HIDDEN
 
 
 @pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])

@@ -3,10 +3,13 @@
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.overlay import geometry
+from bpy_extras.object_utils import world_to_camera_view
+from haptic_tracing.addon.overlay import draw, geometry, picture
 from haptic_tracing.addon.overlay.colour_map import linear
-from haptic_tracing.addon.overlay.render_data import Options, Shape, render_data
-from haptic_tracing.addon.overlay.solids import octahedron, solid_graph, sphere, spiked_ball, three_rings, torus, tubes
+from haptic_tracing.addon.overlay.furniture import furniture
+from haptic_tracing.addon.overlay.render_data import Options, render_data
+from haptic_tracing.addon.overlay.solids import flat, octahedron, solid_graph, sphere, spiked_ball, three_rings, torus, tubes
+from mathutils import Vector
 
 from .conftest import BRIDGE, random_scene, traced
 
@@ -52,13 +55,14 @@ def test_tubes_run_along_their_lines(bridge):
 def test_blender_finds_nothing_to_correct(seed):
     result = traced(random_scene(seed))
     solid = solid_graph(render_data(result, BRIDGE.settings, Options()), 0.01)
-    mesh = geometry.solid_mesh(solid)
+    mesh = geometry.solid_mesh("graph", solid)
     assert not mesh.validate(verbose=False)
     assert len(mesh.vertices) == len(solid.vertices)
     assert len(mesh.polygons) == len(solid.triangles)
     colours = np.empty(4 * len(solid.vertices), dtype=np.float32)
     mesh.color_attributes[geometry.COLOUR_ATTRIBUTE].data.foreach_get("color", colours)
-    assert colours.reshape(-1, 4)[:, :3] == pytest.approx(linear(solid.colours), abs=1e-6)
+    assert colours.reshape(-1, 4)[:, :3] == pytest.approx(linear(solid.colours[:, :3]), abs=1e-6)
+    assert colours.reshape(-1, 4)[:, 3] == pytest.approx(solid.colours[:, 3])
 
 
 def test_operator_says_why_it_can_not_run():
@@ -71,8 +75,7 @@ def test_operator_makes_and_replaces_the_graph(scene, camera, shown):
     assert bpy.ops.haptic.graph_to_geometry() == {"FINISHED"}
     collection = bpy.data.collections["Haptic Graph"]
     names = {obj.name for obj in collection.objects}
-    assert {"Haptic Graph", "Haptic Graph: truck", "Haptic Graph: driver"} <= names
-    assert len(names) == 1 + len(BRIDGE.sources) + len(BRIDGE.listeners)
+    assert {"Haptic Graph", "Haptic Labels", "Haptic Graph: truck", "Haptic Graph: driver", "Haptic Graph: Source"} <= names
     before = len(bpy.data.meshes), len(bpy.data.curves), len(bpy.data.materials)
     shown()
     assert bpy.ops.haptic.graph_to_geometry(thickness=2.0) == {"FINISHED"}
@@ -84,16 +87,69 @@ def test_operator_makes_and_replaces_the_graph(scene, camera, shown):
     assert not bpy.data.curves
 
 
+def test_without_a_camera_labels_stand_beside_their_places(scene, shown):
+    result = shown()
+    assert bpy.ops.haptic.graph_to_geometry() == {"FINISHED"}
+    for item in (*result.sources, *result.listeners):
+        text = next(obj for obj in bpy.data.objects if obj.type == "FONT" and obj.data.body.startswith(item.name))
+        assert text.location.xy[:] == pytest.approx(item.position[:2])
+        assert 0 < text.location.z - item.position[2] < 0.3
+
+
 def test_geometry_stands_where_the_nodes_are(scene, camera, shown):
     result = shown()
-    bpy.ops.haptic.graph_to_geometry(labels=False)
-    obj = bpy.data.objects["Haptic Graph"]
-    bpy.context.view_layer.update()
-    found = np.array([vertex.co for vertex in obj.data.vertices])
-    reach = 0.5 * np.linalg.norm(np.ptp(result.graph.node_position, axis=0)) / 900 * 26 + 1e-3
+    bpy.ops.haptic.graph_to_geometry(labels=False, in_front=False)
+    found = _world_vertices(bpy.data.objects["Haptic Graph"])
+    reach = 0.15
     for position in result.graph.node_position:
         assert np.linalg.norm(found - position, axis=1).min() < reach
     assert (found.min(axis=0) > result.graph.node_position.min(axis=0) - reach).all()
     assert (found.max(axis=0) < result.graph.node_position.max(axis=0) + reach).all()
+
+
+def _world_vertices(obj):
+    bpy.context.view_layer.update()
+    return np.array([obj.matrix_world @ vertex.co for vertex in obj.data.vertices])
+
+
+@pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
+def test_graph_in_front_is_seen_at_the_same_place_and_nearer(scene, camera, shown, kind):
+    camera.data.type, camera.data.shift_x = kind, 0.1
+    camera.location, camera.rotation_euler = (3, -7, 2), (1.3, 0.1, 0.4)
+    bpy.context.view_layer.update()
+    seen = []
+    for in_front in (False, True):
+        shown()
+        bpy.ops.haptic.graph_to_geometry(in_front=in_front, labels=False)
+        vertices = _world_vertices(bpy.data.objects["Haptic Graph"])
+        seen.append(np.array([world_to_camera_view(scene, camera, Vector(place)) for place in vertices]))
+    assert seen[0][:, :2] == pytest.approx(seen[1][:, :2], abs=1e-4)
+    assert seen[1][:, 2].min() == pytest.approx(4 * camera.data.clip_start, rel=0.01)
+    assert (seen[1][:, 2] > camera.data.clip_start).all()
+
+
+@pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
+def test_labels_lie_where_the_overlay_has_them_before_everything_else(scene, camera, shown, kind):
+    camera.data.type, camera.data.shift_y, camera.data.ortho_scale = kind, 0.05, 6.0
+    scene.render.resolution_x, scene.render.resolution_y = 900, 600
+    bpy.context.view_layer.update()
+    result = shown()
+    bpy.ops.haptic.graph_to_geometry()
+    plane = bpy.data.objects["Haptic Labels"]
+    size, scale = (900, 600), picture.picture_scale((900, 600))
+    view, projection = picture.camera_view(scene, size)
     data = render_data(result, BRIDGE.settings, Options())
-    assert (data.points.shape == Shape.SOURCE).sum() == 2
+    items = furniture(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0), draw.text_width)
+    seen = np.array([world_to_camera_view(scene, camera, Vector(place)) for place in _world_vertices(plane)])
+    expected = flat(items, scale).vertices[:, :2] / size
+    assert seen[:, :2] == pytest.approx(expected, abs=2e-3)
+    graph = np.array([world_to_camera_view(scene, camera, Vector(v)) for v in _world_vertices(bpy.data.objects["Haptic Graph"])])
+    assert camera.data.clip_start < seen[:, 2].min() <= seen[:, 2].max() < graph[:, 2].min()
+    texts = {obj.data.body: obj for obj in bpy.data.objects if obj.type == "FONT"}
+    words = [text.words for text in items.texts]
+    for text in items.texts:
+        if words.count(text.words) > 1:
+            continue
+        x, y, depth = world_to_camera_view(scene, camera, texts[text.words].matrix_world.translation)
+        assert (x * 900, y * 600) == pytest.approx(text.position, abs=2)
+        assert camera.data.clip_start < depth < seen[:, 2].min() + 1e-6
