@@ -68,9 +68,7 @@ def convex_hull_shape(
     return ConvexHull(inner.points * factor, rounding) if outer is None else ConvexHull(outer.points, rounding=rounding)
 
 
-def mesh_shape(
-    points: ArrayLike, triangles: ArrayLike, scale: Sequence[float] = (1.0, 1.0, 1.0), margin: float = DEFAULT_MARGIN
-) -> Mesh:
+def mesh_shape(points: ArrayLike, triangles: ArrayLike, scale: Sequence[float] = (1.0, 1.0, 1.0), margin: float = DEFAULT_MARGIN) -> Mesh:
     """MESH of an object's vertices (n, 3) and triangles (t, 3) in its own space. Its margin, used or not, lies outside, but a sphere meets
     the triangles themselves. Raises ValueError for bad
     arrays or a scale that is not positive."""

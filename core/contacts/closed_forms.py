@@ -138,13 +138,9 @@ def point_to_cone(point: FloatArray, rotation: FloatArray, centre: FloatArray, h
     to_slant = np.hypot(radius - slant_radius, z - slant_z)
     inside = (above_slant < 0) & (z > -height)
     by_floor = to_floor < to_slant
-    nearest = (
-        direction * np.where(by_floor, floor_radius, slant_radius)[:, None] + up * np.where(by_floor, -height, slant_z)[:, None]
-    )
+    nearest = direction * np.where(by_floor, floor_radius, slant_radius)[:, None] + up * np.where(by_floor, -height, slant_z)[:, None]
     outside = between(local, nearest)
-    return _placed(
-        outside, inside, -outside.distance, -outside.normal, local, nearest, rotation, centre
-    )
+    return _placed(outside, inside, -outside.distance, -outside.normal, local, nearest, rotation, centre)
 
 
 def nearest_on_segment(point: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
@@ -261,7 +257,7 @@ def segment_to_triangle(start: FloatArray, end: FloatArray, corners: FloatArray)
     span = h0 - h1
     t = h0 / np.where(np.abs(span) > 0, span, 1.0)
     crossing = start + (end - start) * t[:, None]
-    through = (h0 * h1 < 0)
+    through = h0 * h1 < 0
     for p, q in ((a, b), (b, c), (c, a)):
         through &= dot(np.cross(q - p, crossing - p), normal) > 0
     if not through.any():

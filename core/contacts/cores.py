@@ -99,8 +99,20 @@ def _core(part: Part, solid: bool) -> Core:
             to_points = part.radius if mesh.sphere_margin is None else part.radius - mesh.margin + mesh.sphere_margin
             empty = np.zeros(3)
             return Core(
-                Kind.MESH, part.matrix, part.radius, empty, empty, part.radius, empty, part.radius, empty, False, None, None, mesh,
-                to_points
+                Kind.MESH,
+                part.matrix,
+                part.radius,
+                empty,
+                empty,
+                part.radius,
+                empty,
+                part.radius,
+                empty,
+                False,
+                None,
+                None,
+                mesh,
+                to_points,
             )
     raise TypeError(f"no core for {part.shape!r}")
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from .closed_forms import dot, turned, turned_back
 from .cores import CoreTable, Kind
 from .hull import Hull
+from .patch import PATCH_GAP
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -20,9 +21,10 @@ MANY = 16
 _WIDTH = 1e-6
 """Half the width in metres of the strip that stands for a line."""
 
-_ANGLES = 2 * np.pi * (np.arange(MANY) + 0.5) / MANY
-# Corners a little outside the circle, so that the polygon has its area.
-_CIRCLE = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1) * np.sqrt(2 * np.pi / (MANY * np.sin(2 * np.pi / MANY)))
+_ANGLES = 2 * np.pi * np.arange(MANY) / MANY
+_WIDER = np.sqrt(2 * np.pi / (MANY * np.sin(2 * np.pi / MANY)))
+"""Radius of a polygon of ``MANY`` corners that has the area of a circle of radius 1."""
+
 _SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
 
@@ -55,13 +57,13 @@ class Features:
                     wide[rows] = False
                 case Kind.CYLINDER:
                     flat = np.abs(towards[:, 2]) >= np.hypot(towards[:, 0], towards[:, 1])
-                    corners[rows] = _end(outline, np.where(towards[:, 2] < 0, -1.0, 1.0) * outline[:, 2])
+                    corners[rows] = _end(outline, np.where(towards[:, 2] < 0, -1.0, 1.0) * outline[:, 2], towards)
                     side = _radial(towards) * outline[:, :1]
                     corners[rows[~flat], :FEW] = _line(side, _up(len(rows)) * outline[:, 2:], towards)[~flat]
                     many[rows] = wide[rows] = flat
                 case Kind.CONE:
                     flat, line = _cone(towards, outline)
-                    corners[rows] = _end(outline, -outline[:, 2])
+                    corners[rows] = _end(outline, -outline[:, 2], towards)
                     corners[rows[~flat], :FEW] = line[~flat]
                     many[rows] = wide[rows] = flat
                 case Kind.HULL:
@@ -139,9 +141,15 @@ def _radial(direction: FloatArray) -> FloatArray:
     return np.where(length[:, None] > 0, flat / np.where(length > 0, length, 1.0)[:, None], [[1.0, 0.0, 0.0]])
 
 
-def _end(half: FloatArray, height: FloatArray) -> FloatArray:
+def _end(half: FloatArray, height: FloatArray, direction: FloatArray) -> FloatArray:
+    """The disc at a height: a polygon with a corner where the disc reaches farthest along ``direction``, or of the disc's area if it does
+    so all over."""
+    out = _radial(direction)
+    tipped = np.hypot(direction[:, 0], direction[:, 1]) * half[:, 0] > PATCH_GAP
+    radius = half[:, 0] * np.where(tipped, 1.0, _WIDER)
     corners = np.empty((len(half), MANY, 3))
-    corners[:, :, :2] = half[:, None, :1] * _CIRCLE
+    corners[:, :, 0] = radius[:, None] * (out[:, :1] * np.cos(_ANGLES) - out[:, 1:2] * np.sin(_ANGLES))
+    corners[:, :, 1] = radius[:, None] * (out[:, 1:2] * np.cos(_ANGLES) + out[:, :1] * np.sin(_ANGLES))
     corners[:, :, 2] = height[:, None]
     return corners
 

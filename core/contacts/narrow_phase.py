@@ -7,7 +7,7 @@ to FCL pair by pair.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,7 @@ from .cores import CoreTable, Kind
 from .features import FEW, Features, triangle_polygons
 from .hull import hull_2d
 from .mesh_index import MeshIndex
-from .patch import PATCH_GAP, Patches, contact_plane, patches
+from .patch import Patches, contact_plane, patches
 from .separating_axes import AxisSeparation, box_to_box, box_to_triangle
 from .shapes import Shape
 
@@ -40,8 +40,14 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-_CERTAIN = 1e-4
-"""Metres by which a lower bound on a distance may be below an upper bound and still pass for it."""
+_DRAWN_ROUGHLY = (Kind.CYLINDER, Kind.CONE, Kind.HULL)
+"""Kinds whose features have fewer corners than they should."""
+
+_NEAR = 1e-3
+"""Metres from the nearest points of two cores within which their patch must lie."""
+
+_TOGETHER = 1e-5
+"""Metres by which two parts of a body may be further away than the nearest one and still belong to one patch."""
 
 MAX_PATCH_POINTS = 8
 
@@ -123,7 +129,24 @@ class NarrowPhase:
         for rows in self._rows(pairs, a, b, limit):
             separated = self._separated(rows)
             self._finish(rows, separated, limit, distance, found, corners)
-        return _reduced(count, distance, found, corners)
+        return _reduced(np.where(np.isinf(distance), limit, distance), found, corners)
+
+    def clearances(self, pairs: IntArray, a: FloatArray, b: FloatArray, reach: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Signed distances (p,), or lower bounds on them that are positive only if the distance is, and normals (p, 3) from first to
+        second. Cheaper than `query`. Beyond ``reach`` (p,) a bound need not be larger than that."""
+        count = len(pairs)
+        distance = np.full(count, np.inf)
+        normal = np.tile([0.0, 0.0, 1.0], (count, 1))
+        for rows in self._rows(pairs, a, b, reach):
+            separation = self._separated(rows).separation
+            gap = _bounded(rows, separation.distance - rows.radius_a - rows.radius_b, reach)
+            outward = np.where(rows.flipped[:, None], -separation.normal, separation.normal)
+            order = np.argsort(-gap, kind="stable")
+            owner = rows.owner[order]
+            closer = gap[order] < distance[owner]
+            normal[owner[closer]] = outward[order][closer]
+            np.minimum.at(distance, owner, gap[order])
+        return np.where(np.isinf(distance), reach, distance), normal
 
     def _rows(self, pairs: IntArray, a: FloatArray, b: FloatArray, reach: FloatArray) -> Iterator[_Rows]:
         """All pairs of cores of all pairs of bodies, in groups of the same kinds, the simpler kind first, meshes as their triangles."""
@@ -282,7 +305,7 @@ class NarrowPhase:
         self, rows: _Rows, separated: AxisSeparation, reach: FloatArray, distance: FloatArray, found: list[_Found], corners: bool
     ) -> None:
         """Add the patches of rows within reach to ``found`` and lower bounds on the others to ``distance``."""
-        gap = separated.separation.distance - rows.radius_a - rows.radius_b
+        gap = _bounded(rows, separated.separation.distance - rows.radius_a - rows.radius_b, reach)
         near = gap <= reach[rows.owner]
         np.minimum.at(distance, rows.owner[~near], gap[~near])
         if not near.any():
@@ -291,7 +314,7 @@ class NarrowPhase:
         rows = rows.chosen(chosen)
         separation, exact = _chosen(separated.separation, chosen), separated.exact[chosen]
         patch = self._patches(rows, separation)
-        unsure = ~exact & (patch.gap > _CERTAIN)
+        unsure = ~exact & ~patch.found
         if unsure.any():
             again = rows.chosen(unsure)
             measured = self._by_fcl(again)
@@ -321,6 +344,8 @@ class NarrowPhase:
         else:
             of_few = patches(first[~many, :FEW], second[~many, :FEW], normal[~many])
             result = _merged(many, patches(first[many], second[many], normal[many]), of_few)
+        if max(self._table.kind[rows.first[0]], self._table.kind[rows.second[0]]) in _DRAWN_ROUGHLY:
+            result = _at_nearest_points(result)
         return Patches(
             middle + result.centre, result.area, result.found, result.gap, middle[:, None] + result.corners, result.used, wide_a & wide_b
         )
@@ -335,6 +360,16 @@ class NarrowPhase:
         return triangle_polygons(corners), np.zeros(count, dtype=np.bool_), np.ones(count, dtype=np.bool_)
 
 
+def _at_nearest_points(patch: Patches) -> Patches:
+    """Patches around the origin, the nearest points of their cores; those that miss it moved there."""
+    mask = patch.used[..., None]
+    low = np.where(mask, patch.corners, np.inf).min(axis=1)
+    high = np.where(mask, patch.corners, -np.inf).max(axis=1)
+    missed = patch.found & ((low > _NEAR) | (high < -_NEAR)).any(axis=1)
+    keep = ~missed[:, None]
+    return replace(patch, centre=patch.centre * keep, area=patch.area * ~missed, corners=patch.corners * keep[..., None])
+
+
 def _products(start: IntArray, pairs: IntArray) -> tuple[IntArray, IntArray, IntArray]:
     """Every core of each pair's first body with every core of its second: number of the pair, of either core."""
     count = np.diff(start)[pairs]
@@ -342,6 +377,11 @@ def _products(start: IntArray, pairs: IntArray) -> tuple[IntArray, IntArray, Int
     owner = np.repeat(np.arange(len(pairs)), many)
     within = np.arange(len(owner)) - np.repeat(np.cumsum(many) - many, many)
     return owner, start[pairs[owner, 0]] + within // count[owner, 1], start[pairs[owner, 1]] + within % count[owner, 1]
+
+
+def _bounded(rows: _Rows, gap: FloatArray, reach: FloatArray) -> FloatArray:
+    """Gaps as lower bounds on the distance of the bodies: beyond its reach not all triangles of a mesh have been looked at."""
+    return gap if rows.triangle_b is None else np.minimum(gap, np.maximum(reach[rows.owner], 0.0) + 1e-12)
 
 
 def _exact(separation: Separation) -> AxisSeparation:
@@ -392,9 +432,10 @@ def _found(rows: _Rows, normal: FloatArray, distance: FloatArray, patch: Patches
     return _Found(rows.owner, distance, outward, patch.centre, patch.area, np.where(patch.wide, patch.area, 0.0), points)
 
 
-def _reduced(count: int, distance: FloatArray, found: list[_Found], corners: bool) -> PairPatches:
+def _reduced(distance: FloatArray, found: list[_Found], corners: bool) -> PairPatches:
     """One patch per pair of bodies from those of its cores and triangles: those that are nearest, or as near within the gap of a patch if
     they have an extent, weighted by it."""
+    count = len(distance)
     normal = np.tile([0.0, 0.0, 1.0], (count, 1))
     centre, area = np.zeros((count, 3)), np.zeros(count)
     if not found:
@@ -413,7 +454,7 @@ def _reduced(count: int, distance: FloatArray, found: list[_Found], corners: boo
         extent = np.zeros(count)
         np.add.at(extent, owner, np.where(nearest, weights, 0.0))
         flat = extent[owner] > 0
-        weights = np.where(flat, np.where(above <= PATCH_GAP, weights, 0.0), np.where(nearest, 1.0, 0.0))
+        weights = np.where(flat, np.where(above <= _TOGETHER, weights, 0.0), np.where(nearest, 1.0, 0.0))
         kept = weights > 0
         total = np.zeros(count)
         np.add.at(total, owner, weights)

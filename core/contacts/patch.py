@@ -19,8 +19,9 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-PATCH_GAP = 0.0005
+PATCH_GAP = 0.00005
 """Metres by which two surfaces may be further apart than where they are nearest and still belong to the patch."""
+
 
 @dataclass(frozen=True, slots=True)
 class Patches:

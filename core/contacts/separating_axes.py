@@ -140,11 +140,7 @@ def _edge_points(
 
 
 def box_to_triangle(rotation: FloatArray, centre: FloatArray, half: FloatArray, corners: FloatArray) -> AxisSeparation:
-    """Boxes and triangles (n, 3, 3), corners in world space.
-
-    Where they overlap, the triangle's own normal is taken unless another axis has less than half its depth: a triangle is a piece of the
-    surface of something.
-    """
+    """Boxes and triangles (n, 3, 3), corners in world space."""
     local = np.einsum("nji,nkj->nki", rotation, corners - centre[:, None, :])
     edges = local[:, [1, 2, 0]] - local
     plane = np.cross(edges[:, 0], edges[:, 1])
@@ -168,9 +164,6 @@ def box_to_triangle(rotation: FloatArray, centre: FloatArray, half: FloatArray, 
     worth = distance.copy()
     worth[:, 4:] -= _FACE_PREFERENCE
     best = worth.argmax(axis=1)
-    overlap = distance[row, best] <= 0
-    by_plane = overlap & usable[:, 0] & (distance[:, 0] >= 2 * distance[row, best] - 1e-9)
-    best = np.where(by_plane, 0, best)
     distance = distance[row, best]
     normal = axes[row, best] * sign[row, best][:, None]
     first = _support(normal, half, local.mean(axis=1))

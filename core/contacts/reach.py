@@ -1,0 +1,74 @@
+"""How far signals can reach at most, so that contacts are looked for only there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+_MOST_LAYERS = 10_000
+
+
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """Upper bounds on gains. Signals start at ``positions`` (k, 3) [m] on ``bodies`` (k,) with at most ``strengths`` (k,); the gain through
+    body b over d metres is at most ``factor[b] * exp(-decay[b] * d)``, that of any contact at most ``transmission``. What falls below
+    ``threshold`` is of no interest; 0 wants everything that is connected. Sources or listeners, whichever are fewer: paths run both ways.
+    """
+
+    bodies: IntArray
+    positions: FloatArray
+    strengths: FloatArray
+    factor: FloatArray
+    decay: FloatArray
+    threshold: float
+    transmission: float = 1.0
+
+    def __post_init__(self) -> None:
+        if len(self.factor) != len(self.decay):
+            raise ValueError(f"decay: {len(self.decay)} values for {len(self.factor)} of factor")
+        if not 0 <= self.threshold < np.inf:
+            raise ValueError(f"threshold: must be finite and >= 0, got {self.threshold!r}")
+
+    def wanted(self, pairs: IntArray, regions: FloatArray) -> BoolArray:
+        """Which of the possible contacts ``pairs`` (p, 2), lying somewhere in ``regions`` (p, 2, 3) [world], a signal can get to.
+
+        A signal that is still at least the threshold at a contact has passed bodies from the source on, each for its factor, and at least
+        the straight way there, for the least decay of any body.
+        """
+        if len(self.bodies) == 0 or len(pairs) == 0:
+            return np.zeros(len(pairs), dtype=np.bool_)
+        if float(np.max(self.factor, initial=0.0)) > 1 or self.transmission > 1:
+            return np.ones(len(pairs), dtype=np.bool_)
+        limit = self.threshold * (1 - 1e-9)
+        nearest = np.full(len(pairs), np.inf)
+        for position in self.positions:
+            away = np.maximum(np.maximum(regions[:, 0] - position, position - regions[:, 1]), 0.0)
+            nearest = np.minimum(nearest, np.sqrt((away**2).sum(axis=1)))
+        fading = np.exp(-max(0.0, float(np.min(self.decay))) * nearest)
+        near = np.flatnonzero(float(np.max(self.strengths)) * fading >= limit)
+        a, b = pairs[near].T
+        fading = fading[near]
+        entering = np.zeros(len(self.factor))
+        np.maximum.at(entering, self.bodies, self.strengths)
+        reached = np.zeros(len(near), dtype=np.bool_)
+        for _ in range(_MOST_LAYERS):
+            leaving = entering * self.factor
+            from_a, from_b = leaving[a], leaving[b]
+            strongest = np.maximum(from_a, from_b)
+            arrived = (strongest * fading >= limit) & (strongest > 0)
+            before = entering.copy()
+            np.maximum.at(entering, b[arrived], from_a[arrived] * self.transmission)
+            np.maximum.at(entering, a[arrived], from_b[arrived] * self.transmission)
+            settled = np.array_equal(arrived, reached) and np.array_equal(before, entering)
+            reached = arrived
+            if settled:
+                break
+        wanted = np.zeros(len(pairs), dtype=np.bool_)
+        wanted[near[reached]] = True
+        return wanted

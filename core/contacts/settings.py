@@ -1,0 +1,76 @@
+"""What the tracker is told of bodies, and what counts as a contact and as an impact."""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass
+
+from ..scene import Vector
+from .shapes import Shape
+
+
+class Motion(enum.StrEnum):
+    """What moves a body."""
+
+    STATIC = "static"  # nothing
+    KINEMATIC = "kinematic"  # animation
+    DYNAMIC = "dynamic"  # the simulation
+
+
+class ImpactEnergy(enum.StrEnum):
+    """The energy that an impact is judged by."""
+
+    KINETIC = "kinetic"  # the paper's: 1/2 m1 v1^2 + 1/2 m2 v2^2
+    NORMAL = "normal"  # 1/2 mu v_n^2: relative motion along the normal, the same in every frame of reference
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """What the tracker knows of an object. ``mass`` in kg, None where it has none. ``medium``: a volume (air, water) that touches what it
+    overlaps; a mesh then stands for its hull."""
+
+    name: str
+    shape: Shape
+    mass: float | None = None
+    motion: Motion = Motion.DYNAMIC
+    medium: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "motion", Motion(self.motion))
+        if self.mass is not None and not 0 <= self.mass < math.inf:
+            raise ValueError(f"mass: must be finite and >= 0 kg, got {self.mass!r}")
+
+
+@dataclass(frozen=True, slots=True)
+class ContactSettings:
+    """``tolerance``: a pair touches at a signed distance of at most so many metres, and goes on up to ``slack`` more.
+    ``patch_points``: one contact per point of a patch, with shares, instead of one at its centre.
+
+    An impact is a begin of contact with at least ``least_energy`` (E_min) joules; ``full_energy`` (E_max) gives amplitude 1; ``energy``
+    says how it is reckoned. A pair makes no second impact within ``refractory`` seconds. ``gravity`` [m/s^2] is how dynamic bodies fall
+    where too few frames show it, ``time_scale`` the seconds that are simulated in a second of the timeline.
+    """
+
+    tolerance: float = 0.01
+    slack: float = 0.005
+    patch_points: bool = False
+    energy: ImpactEnergy = ImpactEnergy.KINETIC
+    least_energy: float = 5.0
+    full_energy: float = 100.0
+    refractory: float = 0.1
+    gravity: Vector = (0.0, 0.0, -9.81)
+    time_scale: float = 1.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "energy", ImpactEnergy(self.energy))
+        for key in ("tolerance", "slack", "least_energy", "refractory"):
+            if not 0 <= getattr(self, key) < math.inf:
+                raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")
+        for key in ("full_energy", "time_scale"):
+            if not 0 < getattr(self, key) < math.inf:
+                raise ValueError(f"{key}: must be finite and > 0, got {getattr(self, key)!r}")
+        gravity = tuple(float(g) for g in self.gravity)
+        if len(gravity) != 3 or not all(math.isfinite(g) for g in gravity):
+            raise ValueError(f"gravity: expected three finite numbers, got {self.gravity!r}")
+        object.__setattr__(self, "gravity", gravity)
