@@ -78,7 +78,8 @@ class HapticFunction:
     )
     expression: StringProperty(
         name="Expression",
-        description="Formula of x (the signal), d (metres), kappa, rho, epsilon. Functions: exp, log, sqrt, tanh, atan, sin, cos, abs, min, max, where",
+        description="Formula of x (the signal), d (metres), kappa, rho, epsilon. "
+        "Functions: exp, log, sqrt, tanh, atan, sin, cos, abs, min, max, where",
         default="x * exp(-0.2 * d)",
         maxlen=500,
         update=_changed,

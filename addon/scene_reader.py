@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..core.contacts.tracker import Body, ContactSettings, Motion
 from ..core.functions import ModulationFunction, function_from_dict
 from ..core.scene import HapticObject, Listener, Pose, Settings, Source
-from ..core.signals import Loop, Noise, Pulse, Signal, Sine
+from ..core.signals import Loop, Noise, Pulse, Signal, Sine, read_wav
 from . import compatibility
 from .collision_shapes import collision_shape
 
@@ -187,7 +187,7 @@ class SceneReader:
             else:
                 try:
                     source = read(obj, carrier.name_full)
-                except ValueError as error:
+                except (OSError, ValueError) as error:
                     problems.append(Problem(name, str(error)))
         animated = compatibility.is_animated(obj)
         return _Tagged(row, animated, tuple(scale.tolist()), haptic_object, body, source, listener, tuple(problems))
@@ -334,7 +334,10 @@ def _scale(obj: Object) -> FloatArray:
 
 
 def rigid_transforms(matrices: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Split world matrices (n, 4, 4) into rigid transforms and scales (n, 3), negative where mirrored. A shear is dropped, as Bullet does."""
+    """Split world matrices (n, 4, 4) into rigid transforms and scales (n, 3), negative where mirrored.
+
+    A shear is dropped, as Bullet does.
+    """
     transforms = np.array(matrices, dtype=np.float64)
     axes = transforms[:, :3, :3]
     scales = np.linalg.norm(axes, axis=1)

@@ -31,9 +31,17 @@ def _name(number: int) -> str:
 
 
 def _family(
-    name: str, count: int, edges: np.ndarray, points: np.ndarray, kappa: np.ndarray, rho: np.ndarray, sources: list[int], listeners: list[int], places: np.ndarray
+    name: str,
+    count: int,
+    edges: np.ndarray,
+    points: np.ndarray,
+    kappa: np.ndarray,
+    rho: np.ndarray,
+    sources: list[int],
+    listeners: list[int],
+    places: np.ndarray,
 ) -> Family:
-    """``edges`` (c, 2) objects, ``points`` (c, 3) contact points [m], ``places`` (count, 3) where a source or listener of an object sits."""
+    """``edges`` (c, 2) objects, ``points`` (c, 3) contact points [m], ``places`` (count, 3) where an object's source or listener sits."""
     objects = [HapticObject(_name(i), float(kappa[i]), float(rho[i])) for i in range(count)]
     contacts = len(edges)
     contact_set = ContactSet(
@@ -119,8 +127,9 @@ def hub(arches: int, low: float = 0.3, high: float = 0.6) -> Family:
     edges = np.column_stack([np.zeros_like(arch), arch])
     side = int(np.ceil(np.sqrt(arches)))
     centre = np.stack([(np.arange(arches) % side) * 1.5, np.arange(arches) // side * 1.5, np.zeros(arches)], axis=1)
-    points = np.repeat(centre, 2, axis=0) + np.tile([[0.0, 0.0, 0.0], [0.8, 0.0, 0.0]], (arches, 1)) + generator.uniform(0, 0.1, (2 * arches, 3))
-    places = np.concatenate([[[0.0, 0.0, 0.0]], centre + [0.4, 0.0, 0.8]])
+    feet = np.tile([[0.0, 0.0, 0.0], [0.8, 0.0, 0.0]], (arches, 1))
+    points = np.repeat(centre, 2, axis=0) + feet + generator.uniform(0, 0.1, (2 * arches, 3))
+    places = np.concatenate([[[0.0, 0.0, 0.0]], centre + np.array([0.4, 0.0, 0.8])])
     listeners = np.unique(np.linspace(1, arches, min(10, arches)).astype(int)).tolist()
     return _family("hub with arches", count, edges, points, *_material(generator, count, low, high), [0], listeners, places)
 

@@ -101,7 +101,7 @@ class Pose:
 
 @dataclass(frozen=True, slots=True)
 class HapticObject:
-    """Transmits haptic data. ``kappa`` and ``rho`` in [0, 1]. ``shape`` (see `core.contacts.shapes`) and ``pose`` let the core find contacts."""
+    """Transmits haptic data. ``kappa`` and ``rho`` in [0, 1]. Contacts are found from ``shape`` (`core.contacts.shapes`) and ``pose``."""
 
     name: str
     kappa: float
@@ -123,8 +123,11 @@ class HapticObject:
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """Two touching objects: one contact node on each, ``positions[k]`` on ``objects[k]`` (world, metres). ``share`` is this contact's part of
-    its patch: shares of one patch add up to 1. ``normal`` is a unit vector from the first object to the second."""
+    """Two touching objects: one contact node on each, ``positions[k]`` on ``objects[k]`` (world, metres).
+
+    ``share`` is this contact's part of its patch: shares of one patch add up to 1. ``normal`` is a unit vector from the first object to the
+    second.
+    """
 
     objects: tuple[str, str]
     positions: tuple[Vector, Vector]

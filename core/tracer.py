@@ -69,7 +69,10 @@ class _Found:
 
 
 class Tracer:
-    """Steps through the frames of a scene. Impacts make temporary sources that play ``impact_signal``, unless ``impact_sources`` is False."""
+    """Steps through the frames of a scene.
+
+    Impacts make temporary sources that play ``impact_signal``, unless ``impact_sources`` is False.
+    """
 
     def __init__(
         self,
@@ -164,7 +167,11 @@ class Tracer:
         if self.transmission is not None:
             contacts = replace(contacts, transmissions=(self.transmission,))
         statistics = found.statistics
-        counts = {"candidate_pairs": statistics.candidates, "contact_queries": statistics.queries, "queries_avoided": statistics.avoided}
+        counts: dict[str, int | float] = {
+            "candidate_pairs": statistics.candidates,
+            "contact_queries": statistics.queries,
+            "queries_avoided": statistics.avoided,
+        }
         return _Found(contacts, found.impacts if self.impact_sources else (), counts, found.warnings)
 
     def _temporary_sources(self, frame: Frame, impacts: Sequence[Impact]) -> tuple[Source, ...]:

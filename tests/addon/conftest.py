@@ -11,9 +11,8 @@ from typing import Any
 os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
 
 import bpy
-import pytest
-
 import haptic_tracing
+import pytest
 
 
 @pytest.fixture(autouse=True)
@@ -29,7 +28,9 @@ def scene() -> Iterator[Any]:
 def add_box(scene: Any) -> Callable[..., Any]:
     """Adds a box, as a rigid body where ``body`` is ACTIVE or PASSIVE, haptic unless said otherwise."""
 
-    def add(name: str, location: tuple[float, ...], size: tuple[float, ...], body: str | None = None, haptic: bool = True, mass: float = 1.0) -> Any:
+    def add(
+        name: str, location: tuple[float, ...], size: tuple[float, ...], body: str | None = None, haptic: bool = True, mass: float = 1.0
+    ) -> Any:
         x, y, z = 0.5, 0.5, 0.5
         corners = [(sx * x, sy * y, sz * z) for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)]
         faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]

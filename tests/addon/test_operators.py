@@ -2,7 +2,6 @@
 
 import bpy
 import pytest
-
 from haptic_tracing.core.body import DEFAULT_LISTENERS
 
 

@@ -2,7 +2,6 @@
 
 import bpy
 import pytest
-
 from haptic_tracing.addon import session
 
 
@@ -71,7 +70,9 @@ def test_a_vertex_that_is_not_a_number(sound, add_box, traced):
     assert "bad" in _problems()
 
 
-@pytest.mark.parametrize(("formula", "reason"), [("exp(", "not a formula"), ("open('x')", "'open'"), ("x * x", "proportional"), ("", "not a formula")])
+@pytest.mark.parametrize(
+    ("formula", "reason"), [("exp(", "not a formula"), ("open('x')", "'open'"), ("x * x", "proportional"), ("", "not a formula")]
+)
 def test_an_expression_that_is_no_formula(sound, add_box, traced, formula, reason):
     bad = add_box("bad", (0, 0, 0), (1, 1, 1))
     bad.haptics.function, bad.haptics.expression = "expression", formula

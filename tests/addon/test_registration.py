@@ -1,7 +1,6 @@
 """Register and unregister leave Blender as it was."""
 
 import bpy
-
 import haptic_tracing
 
 
@@ -13,7 +12,8 @@ def _registered() -> tuple[object, ...]:
         for event in dir(bpy.app.handlers)
         if isinstance(getattr(bpy.app.handlers, event), list)
     }
-    return classes, operators, {k: v for k, v in handlers.items() if v}, hasattr(bpy.types.Object, "haptics"), hasattr(bpy.types.Scene, "haptics")
+    properties = hasattr(bpy.types.Object, "haptics"), hasattr(bpy.types.Scene, "haptics")
+    return classes, operators, {k: v for k, v in handlers.items() if v}, *properties
 
 
 def test_unregister_leaves_no_class_operator_handler_or_property() -> None:

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import bpy
 import pytest
-
 from haptic_tracing.addon import session
 
 

@@ -4,7 +4,6 @@ import re
 
 import bpy
 import pytest
-
 from haptic_tracing.addon import session
 from haptic_tracing.addon.suspension import suspended
 from haptic_tracing.core.body import DEFAULT_LISTENERS
