@@ -21,8 +21,9 @@ HIGHEST_FADE = 40.0
 HALF_TONE = 10.0
 """Hertz on either side of a tone that belong to it, or half way to the next one."""
 MOST_TONES = 50
+MOST_HERTZ = 1100.0
 
-_WINDOW = 1.0  # seconds of which the spectrum is averaged
+_WINDOW = 1.0  # seconds
 _LOUDEST_SHARE = 1e-4
 _CONTRAST = 20.0
 _NEIGHBOURS = 12
@@ -65,15 +66,14 @@ def _grid_rate(width: float) -> float:
 
 
 def _tones(samples: NDArray[np.floating], sample_rate: int) -> list[float]:
-    """Frequencies (hertz, ascending) that stand out of the average spectrum for as long as the samples last."""
+    """Frequencies (hertz, ascending) that stand out of the spectrum half of the time: what comes and goes between is no tone."""
     size = round(_WINDOW * sample_rate)
     if len(samples) < 2 * size:
         return []
     window = np.hanning(size)
+    most = round(MOST_HERTZ * _WINDOW) + 1
     starts = range(0, len(samples) - size + 1, size // 2)
-    power = np.zeros(size // 2 + 1)
-    for start in starts:
-        power += np.abs(np.fft.rfft(samples[start : start + size] * window)) ** 2
+    power = np.median([np.abs(np.fft.rfft(samples[start : start + size] * window)[:most]) ** 2 for start in starts], axis=0)
     views = np.lib.stride_tricks.sliding_window_view(np.pad(power, _NEIGHBOURS, mode="edge"), 2 * _NEIGHBOURS + 1)
     floor = np.median(views, axis=1)
     near = np.lib.stride_tricks.sliding_window_view(np.pad(power, 4), 9)

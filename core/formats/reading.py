@@ -18,6 +18,7 @@ FloatArray = NDArray[np.float64]
 SAMPLED_RATE = 4000
 """Rate (hertz) of the samples that stand for more carriers than a signal may be made of."""
 MOST_CARRIERS = 100
+MOST_SAMPLES = 2**27
 
 _WAVES: dict[str, type[Oscillator]] = {"sine": Sine, "square": Square, "triangle": Triangle, "saw": Saw}
 
@@ -35,7 +36,9 @@ class Channel:
     body_part: str = ""
 
     def at_rate(self, sample_rate: float) -> FloatArray:
-        """The vibration as samples, shape (ceil(duration * sample_rate),)."""
+        """The vibration as samples, shape (ceil(duration * sample_rate),). Raises ValueError for more than a quarter of an hour at 192 kHz."""
+        if self.duration * sample_rate > MOST_SAMPLES:
+            raise ValueError(f"{self.name}: {self.duration:.6g} seconds are too long")
         if self.samples is None:
             return rendered(self.carriers, math.ceil(self.duration * sample_rate), sample_rate)
         return self.samples if self.sample_rate == sample_rate else resample(self.samples, self.sample_rate, sample_rate)

@@ -13,7 +13,7 @@ import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
@@ -41,14 +41,23 @@ def read_bytes(path: Path, max_bytes: int = MAX_BYTES) -> bytes:
         try:
             if path.suffix.lower() == ".gz":
                 with gzip.open(file) as unpacked:
-                    data = unpacked.read(max_bytes + 1)
+                    data = _read_up_to(unpacked, max_bytes + 1)
             else:
-                data = file.read(max_bytes + 1)
+                data = _read_up_to(file, max_bytes + 1)
         except (gzip.BadGzipFile, EOFError, zlib.error) as error:
             raise FormatError(path, "/", f"not a whole gzip file: {error}") from None
     if len(data) > max_bytes:
         raise FormatError(path, "/", f"larger than {max_bytes / 2**20:.6g} MiB")
     return data
+
+
+def _read_up_to(file: IO[bytes], most: int) -> bytes:
+    """At most so many bytes, piece by piece: asked for all at once, room for all would be made."""
+    pieces = []
+    while most > 0 and (piece := file.read(min(_CHUNK, most))):
+        pieces.append(piece)
+        most -= len(piece)
+    return b"".join(pieces)
 
 
 def parse_json(data: bytes, file: str | Path) -> Any:

@@ -1,0 +1,223 @@
+"""Readers against what may come: broken, truncated and hostile files give one clear error, in bounded time and memory."""
+
+import copy
+import gzip
+import json
+import struct
+import tracemalloc
+
+import numpy as np
+import pytest
+from haptic_tracing.core.formats import haptic_scene, registry, strict_json
+from haptic_tracing.core.formats.error import FormatError
+from haptic_tracing.core.formats.export import Export
+from haptic_tracing.core.formats.scene_json import read_scene
+from haptic_tracing.core.formats.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.scene import HapticObject, HapticScene, Source
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+LOOSE = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
+
+
+@pytest.fixture(scope="module")
+def corpus(tmp_path_factory):
+    """A small good file of each kind that can be read."""
+    folder = tmp_path_factory.mktemp("corpus")
+    time = np.arange(1600) / 8000
+    tracks = Tracks((ListenerTrack("hand", "hand.L", [[0.05, 0.5]]),), 8000, 0.5 * np.sin(2 * np.pi * 80 * time)[None])
+    scene = HapticScene((HapticObject("ground", 0.2, 0.9),), sources=(Source("hammer", "ground"),))
+    export = Export("small", scene, tracks)
+    files = [path for name in ("wav", "hjif", "haptic", "ahap", "wyvrn") for path in registry.write(name, export, folder).files]
+    good = {path.suffix: path for path in files if path.suffix in registry.READERS and ".transients" not in path.name}
+    haptic_scene.write_export(export, folder / "small.scene.json", tracks="inline")
+    return {**good, ".json": folder / "small.scene.json"}
+
+
+def read(path):
+    return haptic_scene.read_export(path) if path.name.endswith((".json", ".json.gz")) else registry.read(path)
+
+
+def one_clear_error(path):
+    """What reading gives is a FormatError of one line that names the file, or nothing is wrong."""
+    try:
+        result = read(path)
+    except FormatError as error:
+        assert str(error).startswith(f"{path}: ") and str(error).isprintable() and error.reason
+        return str(error)
+    for channel in getattr(result, "channels", ()):
+        assert np.isfinite(channel.duration)
+        for carrier in channel.carriers:
+            assert np.isfinite(carrier.at(np.array([carrier.start]))).all()
+    return None
+
+
+def test_the_corpus_itself_reads(corpus):
+    assert set(corpus) == {*registry.READERS, ".json"}
+    for path in corpus.values():
+        assert one_clear_error(path) is None
+
+
+@pytest.mark.parametrize("suffix", [*registry.READERS, ".json"])
+@LOOSE
+@given(data=st.data())
+def test_damaged_bytes(corpus, tmp_path, suffix, data):
+    good = corpus[suffix].read_bytes()
+    place = data.draw(st.integers(0, len(good) - 1))
+    match data.draw(st.sampled_from(["cut", "flip", "insert", "repeat"])):
+        case "cut":
+            bad = good[:place]
+        case "flip":
+            bad = good[:place] + bytes([good[place] ^ data.draw(st.integers(1, 255))]) + good[place + 1 :]
+        case "insert":
+            bad = good[:place] + data.draw(st.binary(min_size=1, max_size=8)) + good[place:]
+        case "repeat":
+            bad = good[:place] + good[max(place - 20, 0) :]
+    path = tmp_path / f"bad{suffix}"
+    path.write_bytes(bad)
+    one_clear_error(path)
+
+
+ODD = [None, True, -1, 0, 0.5, 1e9, -1e9, 1e308, 10**40, "", "x", [], {}, [0], [[]], {"m_type": 0}, "Reference", "Composite", "Curve", "Square"]
+
+
+def places(document, path=()):
+    yield path
+    items = document.items() if isinstance(document, dict) else enumerate(document) if isinstance(document, list) else ()
+    for key, value in items:
+        yield from places(value, (*path, key))
+
+
+@pytest.mark.parametrize("suffix", [".hjif", ".haptic", ".ahap", ".haps", ".json"])
+@LOOSE
+@given(data=st.data())
+def test_damaged_values(corpus, tmp_path, suffix, data):
+    document = json.loads(corpus[suffix].read_bytes())
+    for _ in range(data.draw(st.integers(1, 3))):
+        path = data.draw(st.sampled_from([p for p in places(document) if p]))
+        parent = document
+        for key in path[:-1]:
+            parent = parent[key]
+        if data.draw(st.booleans()):
+            parent[path[-1]] = copy.deepcopy(data.draw(st.sampled_from(ODD)))
+        else:
+            del parent[path[-1]]
+        if not document:
+            break
+    file = tmp_path / f"bad{suffix}"
+    file.write_text(json.dumps(document))
+    one_clear_error(file)
+
+
+@pytest.mark.parametrize("suffix", [".hjif", ".haptic", ".ahap", ".haps", ".json"])
+@pytest.mark.parametrize(
+    ("data", "reason"),
+    [
+        (b"", "the file is empty"),
+        (b" \n\t", "the file is empty"),
+        (b"\xff\xfe{}", "not UTF-8: byte 0 is 0xff"),
+        (b"{", "not JSON: "),
+        (b'{"a": 1,}', "not JSON: "),
+        (b'{"a": 1} x', "not JSON: "),
+        (b'{"a": NaN}', "/a: NaN is not a JSON number"),
+        (b'{"a": [1, -Infinity]}', "/a/1: -Infinity is not a JSON number"),
+        (b'{"b": {"a": 1, "a": 2}}', "/b: the key 'a' stands twice"),
+        (b'{"a": "\\ud800"}', "/a: '\\ud800' holds half a character"),
+        (b"[" * 100_000, "nested deeper than 100 levels at byte 100"),
+        (b'{"a":' * 200 + b"1" + b"}" * 200, "nested deeper than 100 levels"),
+        (b'{"a": ' + b"9" * 5000 + b"}", "a number has too many digits"),
+    ],
+)
+def test_what_is_no_json_document_says_so(tmp_path, suffix, data, reason):
+    path = tmp_path / f"bad{suffix}"
+    path.write_bytes(data)
+    assert reason in one_clear_error(path)
+
+
+def test_brackets_in_strings_are_text(tmp_path):
+    document = {"format": "haptic-scene", "version": "1.0", "objects": [{"name": '\\"[[' + "[{" * 110 + '\\', "kappa": 0, "rho": 1}]}
+    (tmp_path / "odd.json").write_text(json.dumps(document))
+    assert read_scene(tmp_path / "odd.json").objects[0].name.startswith('\\"[[')
+
+
+def test_a_zip_bomb_is_not_unpacked(tmp_path):
+    path = tmp_path / "bomb.json.gz"
+    with gzip.open(path, "wb", compresslevel=9) as file:
+        for _ in range(40):
+            file.write(b" " * (16 << 20))
+    assert path.stat().st_size < 1 << 20
+    with pytest.raises(FormatError, match=r"bomb\.json\.gz: /: larger than 256 MiB"):
+        read_scene(path)
+
+
+@pytest.mark.parametrize("data", [b"\x1f\x8b\x08", b"no gzip at all", gzip.compress(b"{}" * 5000)[:-20], b""])
+def test_broken_gzip_files(tmp_path, data):
+    path = tmp_path / "broken.json.gz"
+    path.write_bytes(data)
+    assert one_clear_error(path)
+
+
+def test_billions_of_values_are_refused_before_they_are_made(tmp_path, monkeypatch):
+    monkeypatch.setattr(strict_json, "MAX_VALUES", 1_000_000)
+    path = tmp_path / "many.hjif"
+    path.write_bytes(b'{"perceptions":[' + b"[]," * 1_000_000 + b"[]]}")
+    tracemalloc.start()
+    with pytest.raises(FormatError, match="more than 1000000 values"):
+        registry.read(path)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 100 << 20
+
+
+def test_vibrations_that_last_for_ages_are_not_rendered(corpus, tmp_path):
+    document = json.loads(corpus[".hjif"].read_bytes())
+    document["perceptions"][0]["channels"][0]["bands"][0]["effects"][0]["position"] = 900_000_000
+    path = tmp_path / "long.hjif"
+    path.write_text(json.dumps(document))
+    (channel,) = registry.read(path).channels
+    with pytest.raises(ValueError, match="too long"):
+        channel.at_rate(8000)
+
+
+def wav(form=b"", data=b"\0\0" * 8, size=None):
+    form = form or struct.pack("<HHIIHH", 1, 1, 8000, 16000, 2, 16)
+    chunks = b"WAVEfmt " + struct.pack("<I", len(form)) + form + b"data" + struct.pack("<I", len(data) if size is None else size) + data
+    return b"RIFF" + struct.pack("<I", len(chunks)) + chunks
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"",
+        b"RIFF",
+        wav()[:30],
+        wav(data=b""),
+        wav(form=struct.pack("<HHIIHH", 1, 0, 8000, 0, 0, 16)),
+        wav(form=struct.pack("<HHIIHH", 1, 65535, 8000, 0, 2, 16)),
+        wav(form=struct.pack("<HHIIHH", 85, 1, 8000, 16000, 2, 16)),
+        wav(form=struct.pack("<HHIIHH", 3, 1, 8000, 32000, 4, 32), data=struct.pack("<f", float("nan"))),
+        wav().replace(b"fmt ", b"abcd"),
+    ],
+)
+def test_broken_wav_files(tmp_path, data):
+    path = tmp_path / "bad.wav"
+    path.write_bytes(data)
+    assert one_clear_error(path)
+
+
+def test_a_wav_file_that_claims_more_than_it_has_is_taken_as_far_as_it_goes(tmp_path):
+    path = tmp_path / "short.wav"
+    path.write_bytes(wav(size=2**31))
+    assert registry.read(path).channels[0].duration == 8 / 8000
+
+
+def test_other_endings_and_missing_files(tmp_path):
+    for name in ("a.mid", "a", "a.json.gz.exe"):
+        (tmp_path / name).write_bytes(b"x")
+        with pytest.raises(FormatError, match="the ending must be one of"):
+            registry.read(tmp_path / name)
+    with pytest.raises(FileNotFoundError):
+        registry.read(tmp_path / "gone.hjif")
+    with pytest.raises(OSError, match="Is a directory|Permission"):
+        (tmp_path / "folder.hjif").mkdir()
+        registry.read(tmp_path / "folder.hjif")
