@@ -97,7 +97,9 @@ class HAPTIC_PT_overlay(_HapticsPanel, Panel):
         column.prop(haptics, "show_intra")
         column.prop(haptics, "show_best_paths")
         column.prop(haptics, "show_labels")
+        column.prop(haptics, "show_flow")
         column.prop(haptics, "xray")
+        layout.operator("haptic.graph_to_geometry", icon="MESH_DATA")
 
 
 class HAPTIC_PT_object(_HapticsPanel, Panel):

@@ -1,26 +1,29 @@
 """Draws the haptic graph over every 3D viewport: handlers, and what they keep between redraws.
 
-A redraw with nothing changed compares one signature and issues the draw calls: one for the graph, one for plates and symbols, one per text.
+A redraw with nothing changed compares one signature and issues two draw calls: one for the graph, one for labels and legend.
 """
 
 from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import dataclass, field
-from typing import Any
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
 from bpy.types import Context, Scene, SpaceView3D
-from mathutils import Matrix
 
 from ...core.frame_result import FrameResult
 from ...core.scene import Settings
 from .. import scene_reader, session
 from .colour_map import FloatArray
-from .furniture import Furniture, furniture
+from .furniture import furniture
 from .quads import quads, quads_of
 from .render_data import Options, RenderData, render_data
+
+if TYPE_CHECKING:
+    from .text_atlas import TextAtlas
 
 HIDDEN = 0.15  # opacity of what objects hide, where the graph is not drawn in front
 PULSE_LENGTH = 0.8  # metres between two pulses of the signal flow
@@ -40,7 +43,7 @@ class Drawing:
     options: Options
     data: RenderData
     batch: Any
-    views: OrderedDict[Any, tuple[Furniture, Any]] = field(default_factory=OrderedDict)
+    views: OrderedDict[Any, Any] = field(default_factory=OrderedDict)
 
 
 def drawing_of(scene_id: int, result: FrameResult, settings: Settings, options: Options) -> Drawing:
@@ -50,6 +53,8 @@ def drawing_of(scene_id: int, result: FrameResult, settings: Settings, options: 
     known = _drawings.get(scene_id)
     if known is not None and known.result is result and known.settings == settings and known.options == options:
         return known
+    for gone in _drawings.keys() - {scene.session_uid for scene in bpy.data.scenes}:
+        del _drawings[gone]
     data = render_data(result, settings, options)
     drawing = Drawing(result, settings, options, data, shader.upload(quads(data)))
     _drawings[scene_id] = drawing
@@ -116,36 +121,35 @@ def depth_bias(projection: Any) -> tuple[float, float]:
 
 def draw_furniture(drawing: Drawing, perspective: FloatArray, size: tuple[float, float], scale: float, margin: tuple[float, float]) -> None:
     """Labels and legend, in pixels."""
-    import blf
     import gpu
 
     from . import shader
+    from .text_atlas import pixels_to_clip
 
-    key = (perspective.tobytes(), size, scale, margin)
+    atlas = _atlas()
+    key = (perspective.tobytes(), size, scale, margin, atlas.generation)
     known = drawing.views.get(key)
     if known is None:
         items = furniture(drawing.data, perspective, size, scale, margin, text_width)
-        known = items, shader.upload(quads_of((items.lines,), items.points))
-        drawing.views[key] = known
+        texts = atlas.lines(items.texts)
+        known = shader.upload(quads_of((items.lines, texts), items.points))
+        drawing.views[(*key[:-1], atlas.generation)] = known
         while len(drawing.views) > _KEPT_VIEWS:
             drawing.views.popitem(last=False)
-    items, batch = known
     gpu.state.blend_set("ALPHA_PREMULT")
     gpu.state.depth_test_set("NONE")
-    shader.draw(batch, pixels_to_clip(size), size, pixels_per_point=scale)
-    for text in items.texts:
-        blf.size(0, text.size)
-        blf.color(0, *text.colour, 1.0)
-        blf.position(0, *text.position, 0.0)
-        blf.draw(0, text.words)
+    shader.draw(known, pixels_to_clip(size), size, pixels_per_point=scale, texts=atlas.texture)
     gpu.state.blend_set("NONE")
 
 
-def pixels_to_clip(size: tuple[float, float]) -> Matrix:
-    """From pixels of a viewport to clip space."""
-    return Matrix(((2 / size[0], 0, 0, -1), (0, 2 / size[1], 0, -1), (0, 0, 1, 0), (0, 0, 0, 1)))
+@cache
+def _atlas() -> TextAtlas:
+    from .text_atlas import TextAtlas
+
+    return TextAtlas()
 
 
+@lru_cache(maxsize=4096)
 def text_width(words: str, size: float) -> float:
     """Width of a text in Blender's own font [pixels]."""
     import blf
@@ -232,6 +236,8 @@ def redraw() -> None:
 def forget() -> None:
     """Drop what is kept between redraws."""
     _drawings.clear()
+    if _atlas.cache_info().currsize:
+        _atlas().free()
 
 
 def register() -> None:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 
 from .colour_map import STEPS, FloatArray, GainScale, colour_table
-from .labels import GAP, around, place_labels, project
+from .labels import around, place_labels, project
 from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Lines, Points, RenderData, Shape
 
 TEXT_SIZE = 11.0
@@ -17,7 +18,11 @@ INK = (0.94, 0.94, 0.94)
 FAINT_INK = (0.72, 0.72, 0.72)
 PLATE = (0.075, 0.075, 0.085, 0.78)
 _PADDING = (6.0, 4.0)
-_MOST_STEPS = 150
+_GAP = 5.0  # points between a place's symbol and its label
+_MOST_STEPS, _MOST_LABELS = 150, 48
+_NAMES = {Shape.SOURCE: "Source", Shape.IMPACT: "Impact", Shape.LISTENER: "Listener", Shape.CONTACT: "Contact"}
+
+Part = TypeVar("Part", Lines, Points)
 
 Measure = Callable[[str, float], float]
 """Width in pixels of a text at a size in pixels."""
@@ -88,37 +93,41 @@ def furniture(
 ) -> Furniture:
     """Labels and legend for a viewport of ``size`` pixels, seen with ``perspective`` (4, 4). ``scale``: pixels per point.
     ``margin``: pixels at the right and at the bottom that something else covers."""
+    shapes = tuple(shape for shape in _NAMES if (data.points.shape == shape).any())
+    legend, taken = _legend(data.scale, shapes, (size[0] - margin[0], margin[1]), scale, measure)
     board = _Board(scale)
-    taken = _legend(board, data, (size[0] - margin[0], margin[1]), measure)
-    _labels(board, data, perspective, size, taken, measure)
-    return board.furniture()
+    if data.labels:
+        _add_labels(board, data, perspective, size, np.array([taken]), measure)
+    labels = board.furniture()
+    return Furniture(_joined(legend.lines, labels.lines), _joined(legend.points, labels.points), legend.texts + labels.texts)
 
 
-def _labels(
+def _joined(first: Part, second: Part) -> Part:
+    return type(first)(*(np.concatenate([getattr(first, f.name), getattr(second, f.name)]) for f in fields(first)))
+
+
+def _add_labels(
     board: _Board, data: RenderData, perspective: FloatArray, size: tuple[float, float], taken: FloatArray, measure: Measure
 ) -> None:
-    labels = data.labels
-    if not labels:
-        return
     scale, text = board.scale, TEXT_SIZE * board.scale
+    anchor = project(np.array([label.position for label in data.labels]), perspective, size)
+    priority = np.where(np.isnan(anchor[:, 0]), -np.inf, [label.priority for label in data.labels])
+    shown = np.argsort(-priority, kind="stable")[: min(_MOST_LABELS, np.isfinite(priority).sum())]
+    labels, anchor = [data.labels[k] for k in shown.tolist()], anchor[shown]
     space = measure(" ", text) * 1.6
     names = np.array([measure(label.name, text) for label in labels])
     values = np.array([measure(label.value, text) for label in labels])
     extent = np.column_stack([names + space + values, np.full(len(labels), text * 0.95)]) + 2 * scale * np.array(_PADDING)
-    anchor = project(np.array([label.position for label in labels]), perspective, size)
-    clearance = scale * np.array([label.clearance for label in labels])
-    priority = np.array([label.priority for label in labels])
+    clearance = scale * (np.array([label.clearance for label in labels]) + _GAP)
     symbols = data.points.shape != Shape.CONTACT
     places = project(data.points.position[symbols].astype(np.float64), perspective, size)
     taken = np.concatenate([taken, around(places, scale * data.points.size[symbols] / 2)])
     busy = project(_along_paths(data.paths), perspective, size)
-    corner = place_labels(anchor, extent, clearance, priority, size, taken, busy[~np.isnan(busy[:, 0])])
-    for k, label in enumerate(labels):
-        if np.isnan(corner[k, 0]):
-            continue
-        low = np.round(corner[k])
+    corner = place_labels(anchor, extent, clearance, size, taken, busy[~np.isnan(busy[:, 0])])
+    for k in np.flatnonzero(~np.isnan(corner[:, 0])).tolist():
+        label, low = labels[k], np.round(corner[k])
         nearest = np.clip(anchor[k], low, low + extent[k])
-        if np.linalg.norm(nearest - anchor[k]) > clearance[k] + 2 * GAP * scale:
+        if np.linalg.norm(nearest - anchor[k]) > clearance[k] + _GAP * scale:
             board.line(anchor[k], nearest, (*FAINT_INK, 0.8), 1.0)
         board.plate(low, low + extent[k], PLATE, 4.0)
         left, base = low[0] + scale * _PADDING[0], low[1] + scale * (_PADDING[1] + 1.2)
@@ -133,11 +142,13 @@ def _along_paths(lines: Lines) -> FloatArray:
     return (ends[:, :1] * (1 - part) + ends[:, 1:] * part).reshape(-1, 3)
 
 
-def _legend(board: _Board, data: RenderData, corner: tuple[float, float], measure: Measure) -> FloatArray:
-    """The legend, with its lower right corner a little away from ``corner``. The rectangle (1, 4) that it takes."""
-    scale, text = board.scale, TEXT_SIZE * board.scale
-    symbols = [symbol for symbol in _symbols() if (data.points.shape == symbol[1]).any()]
-    widths = [measure(name, text) for name, _, _ in symbols]
+@lru_cache(maxsize=8)
+def _legend(
+    gains: GainScale, shapes: tuple[Shape, ...], corner: tuple[float, float], scale: float, measure: Measure
+) -> tuple[Furniture, tuple[float, ...]]:
+    """The legend, with its lower right corner a little away from ``corner``, and the rectangle that it takes."""
+    board, text = _Board(scale), TEXT_SIZE * scale
+    widths = [measure(_NAMES[shape], text) for shape in shapes]
     symbol_width, gap, padding = 18 * scale, 10 * scale, 10 * scale
     row = sum(widths) + len(widths) * symbol_width + max(len(widths) - 1, 0) * gap
     width = max(row, 232 * scale) + 2 * padding
@@ -145,44 +156,29 @@ def _legend(board: _Board, data: RenderData, corner: tuple[float, float], measur
     left, bottom = round(corner[0] - width - 12 * scale), round(corner[1] + 12 * scale)
     board.plate((left, bottom), (left + width, bottom + height), PLATE, 6.0)
     x, base = left + padding, bottom + height - 20 * scale
-    for (name, shape, colour), text_width in zip(symbols, widths, strict=True):
+    for shape, text_width in zip(shapes, widths, strict=True):
+        colour = {Shape.SOURCE: SOURCE_COLOUR, Shape.IMPACT: IMPACT_COLOUR}.get(shape, colour_table()[STEPS * 3 // 5])
         size = 8.0 if shape == Shape.CONTACT else 17.0
         board.symbol((x + symbol_width / 2 - 2 * scale, base + 4 * scale), shape, size, colour)
-        board.text(name, (x + symbol_width, base), INK)
+        board.text(_NAMES[shape], (x + symbol_width, base), INK)
         x += symbol_width + text_width + gap
-    _bar(board, data.scale, left + padding, bottom + 24 * scale, width - 2 * padding, measure)
-    return np.array([[left, bottom, left + width, bottom + height]], dtype=np.float64)
+    _add_bar(board, gains, left + padding, bottom + 24 * scale, width - 2 * padding, measure)
+    return board.furniture(), (left, bottom, left + width, bottom + height)
 
 
-def _symbols() -> tuple[tuple[str, Shape, FloatArray], ...]:
-    return (
-        ("Source", Shape.SOURCE, SOURCE_COLOUR),
-        ("Impact", Shape.IMPACT, IMPACT_COLOUR),
-        ("Listener", Shape.LISTENER, colour_table()[STEPS * 3 // 5]),
-        ("Contact", Shape.CONTACT, colour_table()[STEPS * 3 // 5]),
-    )
-
-
-def _bar(board: _Board, gains: GainScale, left: float, bottom: float, width: float, measure: Measure) -> None:
+def _add_bar(board: _Board, gains: GainScale, left: float, bottom: float, width: float, measure: Measure) -> None:
     """The colours from the floor to 0 dB, with round values below."""
     scale, height, parts = board.scale, 10 * board.scale, 32
-    table = colour_table()
-    edges = np.linspace(0, 1, parts + 1)
-    for low, high in itertools.pairwise(edges):
-        first, last = (table[round(edge * (STEPS - 1))] for edge in (low, high))
+    for part in range(parts):
         # Each part reaches under the next one, so that no seam shows.
-        end = min(high + 1 / parts, 1.0)
-        beyond = table[round(end * (STEPS - 1))]
-        board.plate(
-            (left + low * width, bottom), (left + end * width, bottom + height), (*first, 1), 0.0, (*(last if end == high else beyond), 1)
-        )
+        low, high = part / parts, min((part + 2) / parts, 1.0)
+        first, last = (colour_table()[round(place * (STEPS - 1))] for place in (low, high))
+        board.plate((left + low * width, bottom), (left + high * width, bottom + height), (*first, 1), 0.0, (*last, 1))
     size = TEXT_SIZE * 0.86
-    ticks = gains.ticks()
-    unit = " dB"
-    for tick in ticks:
+    for tick in gains.ticks():
         x = left + (1 - tick / gains.floor) * width
         board.plate((x - 0.5 * scale, bottom - 4 * scale), (x + 0.5 * scale, bottom), (*FAINT_INK, 1), 0.0)
-        words = f"\N{MINUS SIGN}{-tick}" if tick else "0" + unit
+        words = f"\N{MINUS SIGN}{-tick}" if tick else "0 dB"
         text_width = measure(words, size * scale)
         x = min(max(x - text_width / 2, left), left + width - text_width)
         board.text(words, (x, bottom - 14 * scale), FAINT_INK, size)

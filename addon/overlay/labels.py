@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .colour_map import FloatArray
 
-GAP = 5.0
-"""Pixels between a place's symbol and its label."""
-
 # Where a label's centre may be, in halves of its extent plus a reach: right, left, above, below, then the diagonals; near, then farther.
 _SIDES = np.array([(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)], dtype=np.float64)
+_REACH_OF_SIDE = np.where(np.abs(_SIDES).sum(axis=1, keepdims=True) > 1, 0.5, 1.0)  # a diagonal needs less on either axis
 _REACHES = (1.0, 2.2, 4.0)
 _COST_OF_REACH = 6  # a step farther is worth that many covered pixels of a path
 
@@ -34,39 +33,44 @@ def place_labels(
     anchor: FloatArray,
     extent: FloatArray,
     clearance: FloatArray,
-    priority: FloatArray,
     size: tuple[float, float],
     taken: FloatArray,
     busy: FloatArray,
 ) -> FloatArray:
-    """Lower left corners (n, 2) of labels of ``extent`` (n, 2) beside ``anchor`` (n, 2; NaN: not seen), NaN where there is no room.
+    """Lower left corners (n, 2) of labels of ``extent`` (n, 2) beside ``anchor`` (n, 2), NaN where there is no room.
 
-    Labels keep ``clearance`` (n,) from their place and off the rectangles ``taken`` (m, 4: left, bottom, right, top). Those of higher
-    ``priority`` (n,) choose first: near their place, on the side that covers the fewest of the pixels ``busy`` (k, 2), else the right.
+    Labels keep ``clearance`` (n,) from their place and off the rectangles ``taken`` (m, 4: left, bottom, right, top). The first choose
+    first: near their place, on the side that covers the fewest of the pixels ``busy`` (k, 2), else the right.
     """
     corner = np.full_like(anchor, np.nan)
-    seen = np.flatnonzero(~np.isnan(anchor[:, 0]))
-    rectangles = taken.reshape(-1, 4)
-    penalty = np.repeat(_COST_OF_REACH * np.arange(len(_REACHES)), len(_SIDES))
-    # A diagonal needs less of the reach on either axis.
-    reach = np.where(np.abs(_SIDES).sum(axis=1) > 1, 0.5, 1.0)
-    sides = np.tile(_SIDES, (len(_REACHES), 1))
-    for k in seen[np.argsort(-priority[seen], kind="stable")].tolist():
-        reaches = np.outer(np.array(_REACHES) * (clearance[k] + GAP), reach).reshape(-1, 1)
-        low = anchor[k] + sides * (extent[k] / 2 + reaches) - extent[k] / 2
-        high = low + extent[k]
-        inside = ((low >= 0) & (high <= size)).all(axis=1)
-        overlaps = (
-            (low[:, None, 0] < rectangles[None, :, 2])
-            & (high[:, None, 0] > rectangles[None, :, 0])
-            & (low[:, None, 1] < rectangles[None, :, 3])
-            & (high[:, None, 1] > rectangles[None, :, 1])
-        ).any(axis=1)
-        near = busy[((busy > low.min(axis=0)) & (busy < high.max(axis=0))).all(axis=1)]
-        covered = ((near[None, :, :] > low[:, None, :]) & (near[None, :, :] < high[:, None, :])).all(axis=2).sum(axis=1)
-        free = np.flatnonzero(inside & ~overlaps)
-        if len(free):
-            best = free[np.argmin((covered + penalty)[free])]
-            corner[k] = low[best]
-            rectangles = np.concatenate([rectangles, [[*low[best], *high[best]]]])
+    rectangles = np.concatenate([taken.reshape(-1, 4), np.zeros_like(anchor).repeat(2, axis=1)])  # room for those placed here
+    count = len(taken)
+    for k in range(len(anchor)):
+        best, lowest = None, np.inf
+        for step, factor in enumerate(_REACHES):
+            if lowest <= step * _COST_OF_REACH:
+                break
+            low = anchor[k] + _SIDES * (extent[k] / 2 + factor * clearance[k] * _REACH_OF_SIDE) - extent[k] / 2
+            high = low + extent[k]
+            free = np.flatnonzero(_free(low, high, size, rectangles[:count]))
+            if len(free):
+                cost = _covered(low[free], high[free], busy) + step * _COST_OF_REACH
+                if cost.min() < lowest:
+                    best, lowest = low[free[np.argmin(cost)]], cost.min()
+        if best is not None:
+            corner[k] = best
+            rectangles[count] = *best, *(best + extent[k])
+            count += 1
     return corner
+
+
+def _free(low: FloatArray, high: FloatArray, size: tuple[float, float], rectangles: FloatArray) -> NDArray[np.bool_]:
+    """Which rectangles ``low`` to ``high`` (s, 2) lie inside ``size`` and off ``rectangles`` (m, 4)."""
+    overlaps = (low[:, None] < rectangles[None, :, 2:]) & (high[:, None] > rectangles[None, :, :2])
+    return ((low >= 0) & (high <= size)).all(axis=1) & ~overlaps.all(axis=2).any(axis=1)
+
+
+def _covered(low: FloatArray, high: FloatArray, busy: FloatArray) -> NDArray[np.int64]:
+    """How many of the pixels ``busy`` (k, 2) lie in each rectangle (s,)."""
+    near = busy[((busy > low.min(axis=0)) & (busy < high.max(axis=0))).all(axis=1)]
+    return ((near[None] > low[:, None]) & (near[None] < high[:, None])).all(axis=2).sum(axis=1)

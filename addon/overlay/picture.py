@@ -59,7 +59,7 @@ def viewport_picture(scene: Scene, result: FrameResult, size: tuple[int, int]) -
     import gpu
     from gpu.types import GPUOffScreen
 
-    drawing = draw.drawing_of(0, result, scene_reader.read_settings(scene), shown_options(scene))
+    drawing = draw.drawing_of(scene.session_uid, result, scene_reader.read_settings(scene), shown_options(scene))
     width, height = (SMOOTHING * side for side in size)
     scale = SMOOTHING * picture_scale(size)
     view, projection = camera_view(scene, (width, height))
@@ -69,10 +69,7 @@ def viewport_picture(scene: Scene, result: FrameResult, size: tuple[int, int]) -
             off_screen.draw_view3d(scene, scene.view_layers[0], space, region, view, projection, do_color_management=True)
         with off_screen.bind():
             draw.draw_graph(drawing, projection, view, (width, height), scale, xray=scene.haptics.xray, flow=None)
-            with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
-                gpu.matrix.load_matrix(Matrix.Identity(4))
-                gpu.matrix.load_projection_matrix(draw.pixels_to_clip((width, height)))
-                draw.draw_furniture(drawing, np.array(projection @ view, dtype=np.float64), (width, height), scale, (0.0, 0.0))
+            draw.draw_furniture(drawing, np.array(projection @ view, dtype=np.float64), (width, height), scale, (0.0, 0.0))
             buffer = gpu.state.active_framebuffer_get().read_color(0, 0, width, height, 4, 0, "UBYTE")
     finally:
         off_screen.free()

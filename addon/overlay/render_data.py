@@ -31,6 +31,7 @@ class Shape(IntEnum):
     LISTENER = 3
     IMPACT = 4
     PLATE = 5
+    TEXT = 6
 
 
 SOURCE_COLOUR = hex_colour("#f2673c")

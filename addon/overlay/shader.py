@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 import gpu
-from gpu.types import GPUBatch, GPUIndexBuf, GPUShader, GPUShaderCreateInfo, GPUStageInterfaceInfo, GPUVertBuf, GPUVertFormat
+from gpu.types import GPUBatch, GPUIndexBuf, GPUShader, GPUShaderCreateInfo, GPUStageInterfaceInfo, GPUTexture, GPUVertBuf, GPUVertFormat
 from mathutils import Matrix
 
 from .quads import ATTRIBUTES, Quads
@@ -40,9 +40,15 @@ void main()
   along = length_pixels > 1e-4 ? along / length_pixels : vec2(1.0, 0.0);
   half_width = 0.5 * style.x * screen.z;
   kind = shape;
-  /* A plate lies between two corners; everything else around a line. One more pixel for smooth edges. */
+  /* A plate or a text lies between two corners; everything else around a line. One more pixel for smooth edges. */
   vec2 pixels;
-  if (shape == SHAPE_PLATE) {
+  if (shape == SHAPE_TEXT) {
+    vec2 place = corner * 0.5 + 0.5;
+    plate = mix(colour_end.xy, colour_end.zw, place);
+    local = vec2(0.0);
+    pixels = mix(a_pixels, b_pixels, place);
+  }
+  else if (shape == SHAPE_PLATE) {
     along = vec2(1.0, 0.0);
     vec2 extent = 0.5 * abs(b_pixels - a_pixels);
     plate = extent;
@@ -136,6 +142,9 @@ void main()
     }
     result = over(result, colour.rgb, opacity);
   }
+  else if (kind == SHAPE_TEXT) {
+    result = over(result, colour_a.rgb, colour_a.a * texture(atlas, plate).a);
+  }
   else if (kind == SHAPE_PLATE) {
     vec4 colour = mix(colour_a, colour_b, clamp(local.x / (2.0 * plate.x) + 0.5, 0.0, 1.0));
     result = over(result, colour.rgb, colour.a * covered(box(local, plate, half_width)));
@@ -190,6 +199,7 @@ def shader() -> GPUShader:
     info.push_constant("VEC2", "bias")
     info.push_constant("VEC2", "flow")  # phase, metres per pulse (0: no flow)
     info.push_constant("FLOAT", "opacity_factor")
+    info.sampler(0, "FLOAT_2D", "atlas")  # coverage of texts
     info.push_constant("BOOL", "srgbTarget")  # set by Blender: whether the target expects linear light
     for slot, (name, length) in enumerate(ATTRIBUTES):
         info.vertex_in(slot, f"VEC{length}", name)
@@ -198,6 +208,11 @@ def shader() -> GPUShader:
     info.vertex_source(_VERTEX)
     info.fragment_source(_FRAGMENT)
     return gpu.shader.create_from_info(info)
+
+
+@cache
+def _no_texts() -> GPUTexture:
+    return GPUTexture((1, 1), format="RGBA8")
 
 
 def upload(quads: Quads) -> GPUBatch | None:
@@ -222,8 +237,10 @@ def draw(
     bias: tuple[float, float] = (0.0, 0.0),
     flow: tuple[float, float] = (0.0, 0.0),
     opacity: float = 1.0,
+    texts: GPUTexture | None = None,
 ) -> None:
-    """One draw call, with premultiplied opacity. ``matrix``: from the batch's space to clip space. ``size`` of the viewport [pixels]."""
+    """One draw call, with premultiplied opacity. ``matrix``: from the batch's space to clip space. ``size`` of the viewport [pixels].
+    ``texts``: the texture of a `TextAtlas`, where the batch has texts."""
     program = shader()
     program.bind()
     program.uniform_float("matrix", matrix)
@@ -231,4 +248,5 @@ def draw(
     program.uniform_float("bias", bias)
     program.uniform_float("flow", flow)
     program.uniform_float("opacity_factor", opacity)
+    program.uniform_sampler("atlas", texts or _no_texts())
     batch.draw(program)
