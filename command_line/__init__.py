@@ -36,13 +36,7 @@ def build_parser() -> argparse.ArgumentParser:
     parser = _OneLineParser(prog="haptic-tracing", description="Vibration propagated through touching objects.")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name in SUBCOMMANDS:
-        try:
-            module = import_module(f".{name}", __name__)
-        except ModuleNotFoundError as error:
-            if error.name != f"{__name__}.{name}":
-                raise
-            continue
-        module.add_parser(subparsers)
+        import_module(f".{name}", __name__).add_parser(subparsers)
     return parser
 
 

@@ -36,7 +36,7 @@ class Channel:
     body_part: str = ""
 
     def at_rate(self, sample_rate: float) -> FloatArray:
-        """The vibration as samples, shape (ceil(duration * sample_rate),). Raises ValueError for more than a quarter of an hour at 192 kHz."""
+        """The vibration as samples, shape (ceil(duration * sample_rate),). Raises ValueError for more than ``MOST_SAMPLES``."""
         if self.duration * sample_rate > MOST_SAMPLES:
             raise ValueError(f"{self.name}: {self.duration:.6g} seconds are too long")
         if self.samples is None:

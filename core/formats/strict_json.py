@@ -13,7 +13,7 @@ import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -51,7 +51,7 @@ def read_bytes(path: Path, max_bytes: int = MAX_BYTES) -> bytes:
     return data
 
 
-def _read_up_to(file: IO[bytes], most: int) -> bytes:
+def _read_up_to(file: BinaryIO | gzip.GzipFile, most: int) -> bytes:
     """At most so many bytes, piece by piece: asked for all at once, room for all would be made."""
     pieces = []
     while most > 0 and (piece := file.read(min(_CHUNK, most))):

@@ -78,7 +78,8 @@ def test_damaged_bytes(corpus, tmp_path, suffix, data):
     one_clear_error(path)
 
 
-ODD = [None, True, -1, 0, 0.5, 1e9, -1e9, 1e308, 10**40, "", "x", [], {}, [0], [[]], {"m_type": 0}, "Reference", "Composite", "Curve", "Square"]
+WORDS = ["", "x", "Reference", "Composite", "Curve", "Square"]
+ODD = [*WORDS, None, True, -1, 0, 0.5, 1e9, -1e9, 1e308, 10**40, [], {}, [0], [[]], {"m_type": 0}]
 
 
 def places(document, path=()):
@@ -218,6 +219,6 @@ def test_other_endings_and_missing_files(tmp_path):
             registry.read(tmp_path / name)
     with pytest.raises(FileNotFoundError):
         registry.read(tmp_path / "gone.hjif")
-    with pytest.raises(OSError, match="Is a directory|Permission"):
+    with pytest.raises(OSError, match=r"Is a directory|Permission"):
         (tmp_path / "folder.hjif").mkdir()
         registry.read(tmp_path / "folder.hjif")

@@ -1,0 +1,125 @@
+"""Files appear whole or not at all, under names that every system takes, and never outside the chosen folder."""
+
+import errno
+import os
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+from haptic_tracing.core.formats import atomic, registry
+from haptic_tracing.core.formats.export import Export
+from haptic_tracing.core.formats.names import file_stem, file_stems
+from haptic_tracing.core.formats.scene_json import read_scene, write_scene
+from haptic_tracing.core.formats.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.scene import HapticObject, HapticScene
+from hypothesis import given
+from hypothesis import strategies as st
+
+# Names that Windows keeps for devices, with any ending (Microsoft: Naming Files, Paths, and Namespaces).
+RESERVED = {"con", "prn", "aux", "nul", "conin$", "conout$", *(f"{port}{digit}" for port in ("com", "lpt") for digit in "0123456789¹²³")}
+FORBIDDEN = set('<>:"/\\|?*') | {chr(code) for code in range(32)}
+
+
+@given(st.text(st.characters(), max_size=300))
+def test_every_name_becomes_a_file_name_that_windows_takes(name):
+    stem = file_stem(name)
+    assert stem and not FORBIDDEN & set(stem) and not stem.startswith((" ", "-")) and not stem.endswith((" ", "."))
+    assert stem.split(".")[0].rstrip(" ").casefold() not in RESERVED
+    assert stem not in (".", "..") and Path(stem).name == stem
+    assert len(stem.encode()) <= 255
+    assert file_stem(stem) == stem
+
+
+@pytest.mark.parametrize(
+    ("name", "stem"),
+    [
+        ("hand.L", "hand.L"),
+        ("../../etc/passwd", "_.._etc_passwd"),
+        ("..", "_"),
+        ("", "_"),
+        ("C:\\Windows", "C_Windows"),
+        ("NUL", "_NUL"),
+        ("com1.hjif", "_com1.hjif"),
+        ("COM¹", "_COM¹"),
+        ("common", "common"),
+        ("line\nbreak", "line_break"),
+        ("trailing. . ", "trailing"),
+        ("-rf", "_-rf"),
+        ("Ünïcödé 手", "Ünïcödé 手"),
+        ("e\u0301", "é"),
+        ("a\u202egnp.exe", "a_gnp.exe"),
+    ],
+)
+def test_names(name, stem):
+    assert file_stem(name) == stem
+
+
+def test_names_that_differ_in_case_alone_are_told_apart():
+    assert file_stems(["a", "A", "a", "b", "a_2"]) == ["a", "A_2", "a_3", "b", "a_2_2"]
+
+
+@given(st.lists(st.text(max_size=6), max_size=8))
+def test_file_stems_are_unique_for_every_file_system(names):
+    stems = [stem.casefold() for stem in file_stems(names)]
+    assert len(set(stems)) == len(stems) == len(names)
+
+
+@pytest.mark.parametrize("name", [form for form in registry.FORMATS if form != "scene"])
+def test_hostile_names_stay_in_the_folder(tmp_path, name):
+    listeners = (ListenerTrack("../../up", "hand.L"), ListenerTrack("NUL", "ear.L"), ListenerTrack("nul", "belly"))
+    tracks = Tracks(listeners, 8000, np.zeros((3, 800)))
+    folder = tmp_path / "chosen"
+    folder.mkdir()
+    files = registry.write(name, Export("../..//evil\x00", tracks=tracks), folder).files
+    assert files and len(set(files)) == len(files)
+    assert all(path.resolve().is_relative_to(folder.resolve()) and path.is_file() for path in files)
+    assert list(tmp_path.iterdir()) == [folder]
+
+
+@pytest.mark.parametrize("failure", [OSError(errno.ENOSPC, "No space left on device"), KeyboardInterrupt(), MemoryError()])
+def test_a_failure_while_writing_leaves_what_was_there(tmp_path, failure):
+    path = tmp_path / "scene.json"
+    path.write_text("what was there")
+    with pytest.raises(type(failure)), atomic.atomic_file(path) as file:
+        file.write(b"half of")
+        raise failure
+    assert path.read_text() == "what was there" and list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("name", list(registry.FORMATS))
+def test_a_full_disk_leaves_no_half_file(tmp_path, name, monkeypatch):
+    """The last step of each file fails as it does on a full disk."""
+
+    def full(descriptor):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    tracks = Tracks((ListenerTrack("hand", "hand.L"),), 8000, np.sin(np.arange(800) / 5)[None])
+    with pytest.raises(OSError, match="No space left"):
+        registry.write(name, Export("scene", HapticScene((HapticObject("a", 0, 1),)), tracks), tmp_path)
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+
+
+def test_a_folder_in_the_way(tmp_path):
+    (tmp_path / "scene.json").mkdir()
+    with pytest.raises(OSError):
+        write_scene(HapticScene(), tmp_path / "scene.json")
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.json"]
+
+
+def test_a_reader_sees_the_old_file_or_the_new_one(tmp_path):
+    path = tmp_path / "scene.json"
+    scenes = [HapticScene(tuple(HapticObject(f"{version}.{k}", 0, 1) for k in range(200))) for version in range(8)]
+    write_scene(scenes[0], path)
+
+    def keep_writing():
+        for scene in scenes:
+            write_scene(scene, path)
+
+    thread = threading.Thread(target=keep_writing)
+    thread.start()
+    while thread.is_alive():
+        assert read_scene(path) in scenes
+    thread.join()
+    assert read_scene(path) == scenes[-1]
