@@ -22,9 +22,9 @@ demo: packages-for-demo .venv/complete
 test: packages-for-test .venv/complete wheels lint
 	$(PYTHON) -m pytest
 
-lint: .venv/complete
-	.venv/bin/ruff check .
-	.venv/bin/mypy core
+lint: .venv-lint/complete
+	.venv-lint/bin/ruff check .
+	.venv-lint/bin/mypy core
 
 test-matrix: $(MATRIX:%=test-%)
 
@@ -55,6 +55,10 @@ clean:
 
 .venv/complete: pyproject.toml
 	@packaging/make_environment .venv
+
+# Its own environment: types are checked against one NumPy, whichever the Blender at hand needs.
+.venv-lint/complete: pyproject.toml
+	@packaging/make_environment .venv-lint none lint
 
 .venv-%/complete: pyproject.toml
 	@packaging/make_environment .venv-$* $*
