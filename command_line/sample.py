@@ -21,6 +21,8 @@ def add_parser(subparsers: Any) -> None:
     )
     parser.add_argument("name", metavar="NAME", choices=tuple(SAMPLES), help="one of the samples below")
     parser.add_argument("--output", type=Path, metavar="FILE.blend", help="where to save it (NAME.blend)")
+    counted = " and ".join(f"{sample.name} ({sample.count})" for sample in SAMPLES.values() if sample.count)
+    parser.add_argument("--count", type=int, metavar="N", help=f"how many things, for {counted}")
     parser.add_argument("--no-bake", action="store_true", help="leave the rigid bodies to be simulated when the file is played")
     parser.set_defaults(run=run)
 
@@ -44,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
     try:
         scene = bpy.context.scene
         scene.name = SAMPLES[args.name].title
-        SAMPLES[args.name].build(scene)
+        SAMPLES[args.name].build(scene, args.count)
         if not args.no_bake:
             bake_rigid_bodies(scene)
         bpy.ops.wm.save_as_mainfile(filepath=str(output.resolve()), compress=True, check_existing=False)

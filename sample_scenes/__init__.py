@@ -17,15 +17,27 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """A sample scene: its name in commands, its title in menus, one sentence on what it shows."""
+    """A sample scene: its name in commands, its title in menus, one sentence on what it shows.
+
+    ``count``: how many things it has where that can be chosen, else None.
+    """
 
     name: str
     title: str
     description: str
+    count: int | None = None
 
-    def build(self, scene: Scene) -> None:
-        """Fill the empty ``scene``."""
-        import_module(f".{self.name}", __name__).build(scene)
+    def build(self, scene: Scene, count: int | None = None) -> None:
+        """Fill the empty ``scene``; ``count`` of its things instead of its own number. Raises ValueError where it has no such choice."""
+        module = import_module(f".{self.name}", __name__)
+        if count is None:
+            module.build(scene)
+        elif self.count is None:
+            raise ValueError(f"sample {self.name!r} is of one size: give no count")
+        elif count < 4:
+            raise ValueError(f"count: must be at least 4, got {count}")
+        else:
+            module.build(scene, count)
 
 
 SAMPLES: Mapping[str, Sample] = MappingProxyType(
@@ -37,20 +49,23 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
             Sample("fireplace", "Fireplace", "A fire is felt in an armchair through the air: a persistent source with a slow signal"),
             Sample("dishwasher_kitchen", "Dishwasher in the Kitchen", "A dishwasher is felt at the table: cupboard, floor, chair"),
             Sample("rails", "Rails", "A far locomotive is felt through rails rather than soil; the path leaves the ground and comes back"),
+            Sample("domino_wall", "Wall of Dominoes", "A thousand impacts, one after the other", 1000),
+            Sample("pile", "Pile", "Hundreds of things in a tray on a shaking table", 200),
+            Sample("air_blast", "Air Blast", "An explosion is felt through a medium, the air"),
         )
     }
 )
 """The samples by name."""
 
 
-def build_sample(name: str) -> Scene:
+def build_sample(name: str, count: int | None = None) -> Scene:
     """Build a sample in a new scene, which the window then shows. Raises ValueError that lists the known names."""
     import bpy
 
     if name not in SAMPLES:
         raise ValueError(f"sample {name!r} is unknown: use one of {', '.join(SAMPLES)}")
     scene = bpy.data.scenes.new(SAMPLES[name].title)
-    SAMPLES[name].build(scene)
+    SAMPLES[name].build(scene, count)
     if bpy.context.window is not None:
         bpy.context.window.scene = scene
     return scene

@@ -8,8 +8,9 @@ from random import Random
 from bpy.types import Material, Object, Scene
 
 from .avatar import build_avatar, seated
+from .crates import crate_materials, crate_shape
 from .furniture import add_bench
-from .geometry import Geometry, Point, box, cylinder, joined, lathe, prism, rod, superellipsoid
+from .geometry import Point, box, cylinder, joined, lathe, prism, rod, superellipsoid
 from .lighting import add_backdrop, add_camera, add_three_point_light, add_world, set_picture
 from .materials import CONCRETE, STEEL, WOOD, surface
 from .staging import add_rigid_body_world, make_dynamic, make_source, make_static, place
@@ -93,27 +94,11 @@ def _add_jackhammer(scene: Scene, metal: Material) -> Object:
 
 
 def _add_crates(scene: Scene) -> None:
-    materials = (surface("Crate Board", "#c99a5b", 0.7, mottle=0.3, mottle_scale=8.0), surface("Crate Frame", "#9a6a36", 0.7))
+    materials = crate_materials()
     for number, (edge, height, mass, (x, y), turn) in enumerate(CRATES, 1):
         location = (x, y, height + edge / 2)
-        crate = place(scene, f"Crate {number}", _crate(edge), materials, location, (0.0, 0.0, math.radians(turn)))
+        crate = place(scene, f"Crate {number}", crate_shape(edge), materials, location, (0.0, 0.0, math.radians(turn)))
         make_dynamic(scene, crate, WOOD, mass, "BOX", restitution=0.0)
-
-
-def _crate(edge: float) -> Geometry:
-    """Boards behind a frame along all twelve edges."""
-    bar = 0.11 * edge
-    inset = 0.03 * edge
-    frame = []
-    for axis in range(3):
-        for a in (-1, 1):
-            for b in (-1, 1):
-                size, centre = [bar] * 3, [0.0] * 3
-                size[axis] = edge
-                centre[(axis + 1) % 3] = a * (edge - bar) / 2
-                centre[(axis + 2) % 3] = b * (edge - bar) / 2
-                frame.append(box(tuple(size), 0.008).moved(*centre).painted(1))
-    return joined([box((edge - 2 * inset,) * 3), *frame])
 
 
 def _add_cones(scene: Scene) -> None:

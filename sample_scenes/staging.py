@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import bpy
-from bpy.types import Material, Object, Scene
+from bpy.types import Material, Mesh, Object, Scene
 from mathutils import Euler, Vector
 
 from .geometry import Geometry, Point, to_mesh
@@ -26,9 +26,17 @@ def place(
     Its origin is the centre of its bounding box, since that is where rigid bodies have the centre of their boxes, cylinders and cones.
     """
     centre = geometry.centre()
-    obj = bpy.data.objects.new(name, to_mesh(name, geometry.moved(*(-centre)), materials))
+    mesh = to_mesh(name, geometry.moved(*(-centre)), materials)
+    return place_mesh(scene, name, mesh, Vector(location) + Euler(rotation).to_matrix() @ centre, rotation, parent)
+
+
+def place_mesh(
+    scene: Scene, name: str, mesh: Mesh, location: Point | Vector, rotation: Point = (0.0, 0.0, 0.0), parent: Object | None = None
+) -> Object:
+    """A new object in ``scene`` of a mesh that others may share."""
+    obj = bpy.data.objects.new(name, mesh)
     scene.collection.objects.link(obj)
-    obj.location = Vector(location) + Euler(rotation).to_matrix() @ centre
+    obj.location = location
     obj.rotation_euler = rotation
     obj.parent = parent
     return obj
