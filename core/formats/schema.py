@@ -82,6 +82,9 @@ def _reason(error: Any) -> tuple[str | None, str]:
             return None, f"must have at {rule[:3].replace('min', 'least').replace('max', 'most')} {limit} items, has {len(value)}"
         case "minLength" | "maxLength":
             return None, f"must have at {rule[:3].replace('min', 'least').replace('max', 'most')} {limit} characters, has {len(value)}"
+        case "propertyNames":
+            known = limit["enum"]
+            return next(key for key in value if key not in known), "does not belong here; known are " + ", ".join(known)
         case None:
             return None, "does not belong here"
         case _:

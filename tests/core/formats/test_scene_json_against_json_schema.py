@@ -4,6 +4,7 @@ import copy
 import gzip
 import json
 import math
+from dataclasses import MISSING, fields
 
 import jsonschema
 import pytest
@@ -24,7 +25,25 @@ from haptic_tracing.core.scene import (
     SourceKind,
     Strategy,
 )
-from haptic_tracing.core.signals import DecayingSine, Keyed, Sine, Track
+from haptic_tracing.core.signals import (
+    SIGNAL_KINDS,
+    Adsr,
+    Decay,
+    DecayingSine,
+    Delay,
+    Gain,
+    Impulse,
+    Keyed,
+    Loop,
+    Noise,
+    Pulse,
+    Sampled,
+    Saw,
+    Sine,
+    Square,
+    Track,
+    Triangle,
+)
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -63,7 +82,16 @@ solids = st.one_of(
     st.just(Mesh(points=[[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles=[[0, 1, 2]])),
 )
 shapes = st.one_of(solids, st.builds(Compound, children=st.lists(st.tuples(solids, poses), min_size=1, max_size=2).map(tuple)))
-signals = st.sampled_from([Sine(60.0), DecayingSine(150.0, 0.03), Sine(Track([0, 1], [40, 80])) * Keyed(Track([0, 2], [1, 0]))])
+swept = Sine(Track([0, 1], [40, 80])) * Keyed(Track([0, 2], [1, 0]))
+signals = st.sampled_from(
+    [
+        Sine(60.0),
+        swept,
+        Loop(DecayingSine(150.0, 0.03), count=3) + Pulse(25.0, duty=0.2) * Adsr(hold=0.5),
+        Delay(Sampled([0.0, 1.0, 0.0], 100.0), 0.5) >> Noise(seed=2**64 - 1) * SIGNAL_KINDS["constant"](0.5, 0.1),
+        Gain(Triangle(30.0), Track([0, 1], [0, 1])) * Decay(0.5) + Square(40.0) * 0.1 + Saw(50.0) + Impulse(0.01),
+    ]
+)
 
 
 @st.composite
@@ -173,11 +201,24 @@ def test_the_schema_is_a_valid_2020_12_schema_in_which_every_number_is_bounded()
                 yield from parts(value)
 
     for part in parts(SCHEMA):
+        if part.keys() == {"type"}:
+            continue  # narrows what is bounded elsewhere
         kinds = part.get("type", [])
         if {"number", "integer"} & set([kinds] if isinstance(kinds, str) else kinds):
             assert "maximum" in part and ("minimum" in part or "exclusiveMinimum" in part), part
         if kinds == "array":
             assert "maxItems" in part and "items" in part, part
+
+
+def test_the_schema_knows_every_signal_with_every_parameter():
+    definition = SCHEMA["$defs"]["signal"]
+    assert definition["properties"]["signal"]["enum"] == list(SIGNAL_KINDS)
+    for kind, cls in SIGNAL_KINDS.items():
+        parameters = {entry.name for entry in fields(cls) if entry.init}
+        conditions = [(entry["if"]["properties"]["signal"], entry["then"]) for entry in definition["allOf"]]
+        (rule,) = (then for condition, then in conditions if kind in condition.get("enum", [condition.get("const")]))
+        assert set(rule["propertyNames"]["enum"]) == {"signal", *parameters} <= {"signal", *definition["properties"]}
+        assert set(rule.get("required", [])) == {entry.name for entry in fields(cls) if entry.init and entry.default is MISSING}
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
