@@ -341,7 +341,7 @@ class _DirectPaths:
     """What listeners get without delay: the same samples for all, times gains on a ramp, so a sum over voices is two matrix products."""
 
     def __init__(self, frame: _Frame, group: _Group) -> None:
-        heard = (_heard(group.before) | _heard(group.gains)).any(axis=1)
+        heard = np.any(_heard(group.before) | _heard(group.gains), axis=1)
         chosen = [index for index, part in enumerate(group.parts) if heard[index] and part.stream.sounds(frame.start, frame.end)]
         self.parts = [group.parts[index] for index in chosen]
         self._row_count = group.parts[0].stream.row_count
@@ -384,7 +384,8 @@ class _DelayedPaths:
 
     def summed(self) -> Array:
         """Return the sum over voices, shape (n_listeners, n)."""
-        return self._voices.sum(axis=0)
+        total: Array = self._voices.sum(axis=0)
+        return total
 
     def at_listener(self, listener: int) -> Array:
         """Return the voices as they reach one listener, shape (n_voices, n)."""

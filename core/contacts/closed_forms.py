@@ -66,7 +66,7 @@ def point_to_box(point: FloatArray, rotation: FloatArray, centre: FloatArray, ha
     axis = room.argmin(axis=1)
     row = np.arange(len(local))
     depth = room[row, axis]
-    inside = (room > 0).all(axis=1)
+    inside = np.all(room > 0, axis=1)
     side = np.where(local[row, axis] < 0, -1.0, 1.0)
     out = np.zeros_like(local)
     out[row, axis] = side
