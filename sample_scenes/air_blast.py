@@ -11,8 +11,9 @@ from mathutils import Vector
 from .animation import CONSTANT, animate
 from .avatar import Hand, build_avatar, standing
 from .crates import crate_materials, crate_shape
-from .geometry import SUNK, box, cylinder, joined, lathe, rod, superellipsoid
-from .lighting import add_area_light, add_backdrop, add_camera, add_point_light, add_sun, add_world, set_picture
+from .explosion import add_explosion, add_shock_ring
+from .geometry import SUNK, box, cylinder, joined, lathe, superellipsoid
+from .lighting import add_area_light, add_backdrop, add_camera, add_sun, add_world, set_picture
 from .materials import SOIL, STEEL, WOOD, surface
 from .staging import add_rigid_body_world, make_dynamic, make_medium, make_source, make_static, place
 
@@ -41,7 +42,8 @@ def build(scene: Scene) -> None:
     ground = place(scene, "Ground", box((9.6, 5.2, 0.3), 0.05).moved(z=-0.15), (sand,))
     make_static(scene, ground, SOIL, "BOX")
     _add_barrels(scene)
-    _add_blast(scene)
+    add_explosion(scene, BLAST, EXPLOSION)
+    add_shock_ring(scene, (BLAST.x, BLAST.y, 0.06), EXPLOSION, 5.2)
     hands = Hand(Vector((0.30, -0.06, 0.86)), Vector((0.10, -0.25, -1.0)), Vector((1.0, 0.0, 0.0)))
     build_avatar(scene, standing(hands), AVATAR)
     _add_wall(scene)
@@ -69,34 +71,6 @@ def _add_barrels(scene: Scene) -> None:
     for number, (x, y) in enumerate(((-2.2, 1.5), (-4.1, -1.0)), 1):
         other = place(scene, f"Barrel {number}", barrel, (green, white), (x, y, -SUNK))
         make_static(scene, other, STEEL, "CYLINDER")
-
-
-def _add_blast(scene: Scene) -> None:
-    """What is seen of it: a ball of fire, a shock wave and smoke, nothing haptic."""
-    fire, core = surface("Fire", "#ff5a08", 0.9, glow=2.0), surface("Fire Core", "#ffb02e", 0.9, glow=5.0)
-    smoke = surface("Smoke", "#6a625c", 1.0)
-    draw = Random(9)
-    for number in range(1, 12):
-        out = Vector((draw.uniform(-1, 1), draw.uniform(-1, 1), draw.uniform(0.1, 1.0))) * (0.55 if number <= 6 else 0.8)
-        size = draw.uniform(0.5, 0.9)
-        puff = superellipsoid((size, size, size), 1.0, 16, 10)
-        hot = number <= 6
-        name, material = (f"Fireball {number}", core if number == 1 else fire) if hot else (f"Smoke {number - 6}", smoke)
-        ball = place(scene, name, puff, (material,), BLAST)
-        start, grown, gone = (EXPLOSION, EXPLOSION + 5, EXPLOSION + 20) if hot else (EXPLOSION + 5, EXPLOSION + 16, EXPLOSION + 50)
-        risen = BLAST + out * 1.5 + Vector((0.0, 0.0, 0.2 if hot else 1.6))
-        animate(ball, "location", {start: tuple(BLAST), grown: tuple(BLAST + out), gone: tuple(risen)})
-        full = 1.0 if hot else 1.25
-        animate(ball, "scale", {start - 1: (0, 0, 0), grown: (full,) * 3, gone - 8: (full * 0.9,) * 3, gone: (0, 0, 0)})
-    ring = joined(rod(_on_circle(k), _on_circle(k + 1), 0.007, 8) for k in range(48))
-    wave = place(scene, "Shock Wave", ring, (surface("Shock Wave", "#f2e6cf", 0.6, glow=0.4),), (BLAST.x, BLAST.y, 0.06))
-    animate(wave, "scale", {EXPLOSION - 1: (0, 0, 0), EXPLOSION: (0.2,) * 3, EXPLOSION + 6: (5.2, 5.2, 3.0), EXPLOSION + 7: (0, 0, 0)})
-    flash = add_point_light(scene, "Flash", tuple(BLAST + Vector((0, -0.3, 0.6))), 0.0, 0.4, "#ffb061")
-    animate(flash.data, "energy", {1.0: 0.0, EXPLOSION - 1.0: 0.0, float(EXPLOSION): 4000.0, EXPLOSION + 8.0: 900.0, EXPLOSION + 25.0: 0.0})
-
-
-def _on_circle(k: int) -> tuple[float, float, float]:
-    return (math.cos(2 * math.pi * k / 48), math.sin(2 * math.pi * k / 48), 0.0)
 
 
 def _add_wall(scene: Scene) -> None:

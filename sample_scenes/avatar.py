@@ -9,12 +9,12 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from bpy.types import Material, Object, Scene
+from bpy.types import Object, Scene
 from mathutils import Matrix, Vector
 
 from ..core.body import BODY_PART, DEFAULT_LISTENERS
 from .geometry import SUNK, Geometry, Point, along, joined, limb, sphere, superellipsoid
-from .materials import FLESH, surface
+from .materials import FLESH, Substance, surface
 from .staging import make_listener, make_moving, make_static, place, place_empty
 
 SIDES = ((1.0, "L"), (-1.0, "R"))
@@ -124,16 +124,15 @@ def build_avatar(
     heading: float = 0.0,
     *,
     moving: bool = False,
-    name: str = "Avatar",
-    body: Material | None = None,
-    joint: Material | None = None,
+    substance: Substance = FLESH,
+    parent: Object | None = None,
 ) -> Avatar:
     """Put the avatar into ``scene``, its haptic parts under one empty, turned by ``heading`` about z.
 
     ``moving``: that empty, or what carries it, will be animated.
     """
-    root = place_empty(scene, name, location, kind="ARROWS", size=0.25, heading=heading)
-    materials = (body or surface(f"{name} Body", "#e9e2d6", 0.45), joint or surface(f"{name} Joints", "#2f5d73", 0.4))
+    root = place_empty(scene, "Avatar", location, parent, "ARROWS", 0.25, heading)
+    materials = (surface("Avatar Body", "#e9e2d6", 0.45), surface("Avatar Joints", "#2f5d73", 0.4))
     joints = _joints(posture)
     shapes = _trunk(posture)
     for side, letter in SIDES:
@@ -141,11 +140,11 @@ def build_avatar(
     anchors = _anchors(posture, joints)
     parts: dict[str, Object] = {}
     for part, geometry in shapes.items():
-        obj = place(scene, f"{name} {part}", geometry, materials, parent=root)
+        obj = place(scene, f"Avatar {part}", geometry, materials, parent=root)
         if moving:
-            make_moving(scene, obj, FLESH, MASS[part.split(".")[0]])
+            make_moving(scene, obj, substance, MASS[part.split(".")[0]])
         else:
-            make_static(scene, obj, FLESH)
+            make_static(scene, obj, substance)
         parts[part] = obj
     listeners: dict[str, Object] = {}
     for listener in DEFAULT_LISTENERS:

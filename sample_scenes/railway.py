@@ -12,25 +12,27 @@ from .staging import fade_exponentially, make_static, place
 
 SLEEPER = (0.24, 2.3, 0.13)
 RAIL_HEIGHT, RAIL_FOOT = 0.14, 0.12
-GAUGE = 1.435
-RAIL_Y = (GAUGE + 0.07) / 2
+GAUGE, MINE_GAUGE = 1.435, 0.9
+RAIL_HEAD = 0.07
 RAIL_TOP = SLEEPER[2] + RAIL_HEIGHT - 2 * SUNK
 
 RAIL_FADES, SLEEPER_FADES, SOIL_FADES = 0.01, 0.3, 0.2  # per metre
 
 
-def add_sleepers(scene: Scene, name: str, wood: Material, xs: list[float], y: float = 0.0) -> list[Object]:
+def add_sleepers(scene: Scene, name: str, wood: Material, xs: list[float]) -> list[Object]:
     """Sleepers across x on the ground at z = 0."""
     shape = box(SLEEPER, 0.012).moved(z=SLEEPER[2] / 2)
-    sleepers = [place(scene, f"{name} {number}", shape, (wood,), (x, y, -SUNK)) for number, x in enumerate(xs, 1)]
+    sleepers = [place(scene, f"{name} {number}", shape, (wood,), (x, 0.0, -SUNK)) for number, x in enumerate(xs, 1)]
     return [fade_exponentially(make_static(scene, sleeper, WOOD, "BOX"), SLEEPER_FADES) for sleeper in sleepers]
 
 
-def add_rails(scene: Scene, name: str, steel: Material, low: float, high: float, y: float = 0.0) -> list[Object]:
-    """A pair of rails along x on sleepers: ``name.L`` on the side of +Y."""
+def add_rails(
+    scene: Scene, name: str, steel: Material, low: float, high: float, gauge: float = GAUGE, height: float = SLEEPER[2] - 2 * SUNK
+) -> list[Object]:
+    """A pair of rails along x, their feet at ``height``, as on sleepers: ``name.L`` on the side of +Y."""
     rails = []
     for side, letter in ((1.0, "L"), (-1.0, "R")):
-        rail = place(scene, f"{name}.{letter}", rail_shape(high - low), (steel,), (low, y + side * RAIL_Y, SLEEPER[2] - 2 * SUNK))
+        rail = place(scene, f"{name}.{letter}", rail_shape(high - low), (steel,), (low, side * (gauge + RAIL_HEAD) / 2, height))
         rails.append(fade_exponentially(make_static(scene, rail, STEEL, "BOX"), RAIL_FADES))
     return rails
 
@@ -51,12 +53,13 @@ def rail_shape(length: float) -> Geometry:
     return prism(outline, length).turned(math.pi / 2, "X").turned(math.pi / 2, "Z")
 
 
-def wheelset(radius: float) -> Geometry:
+def wheelset(radius: float, gauge: float = GAUGE) -> Geometry:
     """Two wheels on an axle along y about the origin."""
+    rail_y = (gauge + RAIL_HEAD) / 2
     wheel = cylinder(radius, 0.11, 32, 0.012).turned(math.pi / 2, "X")
     hub = cylinder(0.3 * radius, 0.16, 20, 0.01).turned(math.pi / 2, "X")
-    sides = [part.moved(y=side * RAIL_Y) for side in (-1.0, 1.0) for part in (wheel, hub.painted(1))]
-    return joined([*sides, rod((0.0, -RAIL_Y, 0.0), (0.0, RAIL_Y, 0.0), 0.06).painted(1)])
+    sides = [part.moved(y=side * rail_y) for side in (-1.0, 1.0) for part in (wheel, hub.painted(1))]
+    return joined([*sides, rod((0.0, -rail_y, 0.0), (0.0, rail_y, 0.0), 0.3 * radius).painted(1)])
 
 
 def on_rails(radius: float) -> Point:
