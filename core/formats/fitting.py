@@ -33,8 +33,14 @@ LONGEST_STRETCH = 0.5
 """Seconds between keys at most, before what is redundant goes."""
 LONGEST_STEPS = 256
 """Points of a band's grid between keys at most."""
+EVEN = 0.002
+"""Hertz by which a frequency key may be off the line between its neighbours and go."""
 ROUNDING = 0.1
 """Cycles by which rounded frequencies may lag within a stretch."""
+RARE = 200
+"""Where fewer than one key in so many goes, looking for more is over."""
+SAMPLED = 8
+"""Points of a stretch that are looked at first."""
 LONGEST_REST = 0.03
 """Seconds of silence that do not end a carrier."""
 
@@ -62,15 +68,15 @@ class Fit:
     """What is asked of a fit.
 
     error: power of the error allowed in relation to the signal's power around each moment. floor: amplitude below which nothing is felt.
-    lowest, highest: frequency of a key in hertz. frequency_step (hertz), amplitude_step and time_step (seconds, 0: any): keys are
-    multiples of them. shortest: seconds between keys at least, whatever that costs. signed: amplitudes may be negative.
+    lowest, highest: frequency of a key in hertz. frequency_step (hertz), amplitude_step and time_step (seconds): keys are multiples of
+    them, 0: any. shortest: seconds between keys at least, whatever that costs. signed: amplitudes may be negative.
     """
 
     error: float = 0.03
     floor: float = 0.0005
     lowest: float = 1.0
     highest: float = 1000.0
-    frequency_step: float = 0.1
+    frequency_step: float = 0.0
     amplitude_step: float = 1e-5
     time_step: float = 0.0
     shortest: float = 0.0
@@ -194,7 +200,7 @@ def _slope(z: ComplexArray, rate: float, signed: bool) -> FloatArray:
 
 
 def _stepped(values: FloatArray, step: float) -> FloatArray:
-    return np.asarray(np.rint(values / step) * step)
+    return np.asarray(np.rint(values / step) * step) if step else values
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,14 +217,19 @@ class _Grid:
 
     def keys(self, runs: Sequence[tuple[int, int]]) -> list[IntArray]:
         """The grid points that become keys, for each run."""
-        longest = max(min(int(min(LONGEST_STRETCH, ROUNDING / self.fit.frequency_step) * self.rate), LONGEST_STEPS), 1)
+        step = self.fit.frequency_step
+        seconds = min(LONGEST_STRETCH, ROUNDING / step) if step else LONGEST_STRETCH
+        longest = max(min(int(seconds * self.rate), LONGEST_STEPS), 1)
         borders = [np.append(np.arange(first, last, longest), last) for first, last in runs]
         start = np.concatenate([border[:-1] for border in borders]).astype(np.int64)
         end = np.concatenate([border[1:] for border in borders]).astype(np.int64)
         shortest = max(1, round(max(2 * self.fit.time_step, self.fit.shortest) * self.rate))
         accepted = [np.array([first for first, _ in runs], dtype=np.int64)]
         while len(start):
-            good = (self._error(start, end) <= 0) | (end - start < 2 * shortest)
+            good = end - start < 2 * shortest
+            hopeful = ~good
+            hopeful[hopeful] = self._error(start[hopeful], end[hopeful], SAMPLED) <= self._allowance(start[hopeful], end[hopeful])
+            good[hopeful] = self._error(start[hopeful], end[hopeful]) <= 0
             accepted.append(end[good])
             start, end = start[~good], end[~good]
             middle = (start + end) // 2
@@ -228,11 +239,17 @@ class _Grid:
         firsts = np.searchsorted(points, [first for first, _ in runs])
         return [points[first:last] for first, last in zip(firsts.tolist(), lasts.tolist(), strict=True)]
 
-    def _error(self, start: IntArray, end: IntArray) -> FloatArray:
-        """Error above what is allowed (squared magnitude, summed over the points) of each stretch if it had no key inside."""
+    def _error(self, start: IntArray, end: IntArray, most: int | None = None) -> FloatArray:
+        """Error above what is allowed (squared magnitude, summed over the points, or over at most so many of them) of each stretch if it
+        had no key inside."""
+        if not len(start):
+            return np.zeros(0)
         length = end - start
-        owner = np.repeat(np.arange(len(start)), length)
-        step = np.arange(len(owner)) - np.repeat(np.cumsum(length) - length, length) + 1
+        count = length if most is None else np.minimum(length, most)
+        owner = np.repeat(np.arange(len(start)), count)
+        step = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count) + 1
+        if most is not None:
+            step = step * length[owner] // count[owner]
         point = start[owner] + step
         before, middle = self._halves(length)
         slow = self._middle_offset(start, end, self.phase[start], before, middle)
@@ -248,7 +265,11 @@ class _Grid:
         level = self.amplitude[start][owner] * (1 - share) + self.amplitude[end][owner] * share
         actual = self.amplitude[point]
         error = level * level + actual * actual - 2 * level * actual * np.cos(off) - self.allowed[point]
-        return np.asarray(np.add.reduceat(error, np.cumsum(length) - length))
+        return np.asarray(np.add.reduceat(error, np.cumsum(count) - count))
+
+    def _allowance(self, start: IntArray, end: IntArray) -> FloatArray:
+        """How far the error of some points may be above what is allowed before all of them are looked at."""
+        return SAMPLED * (self.allowed[start] + self.allowed[end]) / 2
 
     def _halves(self, length: IntArray) -> tuple[FloatArray, FloatArray]:
         """Seconds before and after the frequency key in the middle of a stretch of ``length`` grid steps."""
@@ -272,7 +293,7 @@ class _Grid:
         key_times, frequencies = self._frequencies(keys, times)
         amplitudes = np.clip(_stepped(self.amplitude[keys], fit.amplitude_step), -1.0 if fit.signed else 0.0, 1.0)
         kept = needed_keys(times, amplitudes, 0.25 * np.sqrt(self.allowed[keys]))
-        needed = needed_keys(key_times, frequencies, np.full(len(frequencies), 1e-9))
+        needed = needed_keys(key_times, frequencies, np.full(len(frequencies), 1e-9 if fit.frequency_step else EVEN))
         end = min(start + float(times[-1]), duration)
         if end <= start or not amplitudes[kept].any():
             return None
@@ -297,11 +318,16 @@ class _Grid:
     def _rounded(self, frequencies: FloatArray, from_last: FloatArray, own: FloatArray, from_next: FloatArray) -> FloatArray:
         """The frequencies in steps and within limits; what that costs in phase is made up for by the keys that follow."""
         fit = self.fit
+        within = np.clip(frequencies, fit.lowest, fit.highest)
+        if not fit.frequency_step and (within == frequencies).all():
+            return within
         weights = own + np.append(from_last[1:], 0.0) + np.append(0.0, from_next[:-1])
         missing = 0.0
         values = []
         for wanted, weight in zip(frequencies.tolist(), weights.tolist(), strict=True):
-            value = round(min(max(wanted + missing / weight, fit.lowest), fit.highest) / fit.frequency_step) * fit.frequency_step
+            value = min(max(wanted + missing / weight, fit.lowest), fit.highest)
+            if fit.frequency_step:
+                value = round(value / fit.frequency_step) * fit.frequency_step
             missing += (wanted - value) * weight
             missing -= round(missing)
             values.append(value)
@@ -309,28 +335,40 @@ class _Grid:
 
 
 def _tridiagonal(lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray) -> FloatArray:
-    """Solve ``lower[k] x[k-1] + diagonal[k] x[k] + upper[k] x[k+1] = right[k]`` by elimination."""
-    pivots, values = [float(diagonal[0])], [float(right[0])]
-    for low, own, above, value in zip(lower[1:].tolist(), diagonal[1:].tolist(), upper[:-1].tolist(), right[1:].tolist(), strict=True):
-        factor = low / pivots[-1]
-        values.append(value - factor * values[-1])
-        pivots.append(own - factor * above)
-    result = [values[-1] / pivots[-1]]
-    for pivot, above, value in zip(pivots[-2::-1], upper[-2::-1].tolist(), values[-2::-1], strict=True):
-        result.append((value - above * result[-1]) / pivot)
-    return np.array(result[::-1])
+    """Solve ``lower[k] x[k-1] + diagonal[k] x[k] + upper[k] x[k+1] = right[k]`` by cyclic reduction: in each round, every equation takes
+    in its neighbours' and then knows only those twice as far away."""
+    step = 1
+    while step < len(right):
+        to_last = np.zeros_like(right)
+        to_next = np.zeros_like(right)
+        to_last[step:] = lower[step:] / diagonal[:-step]
+        to_next[:-step] = upper[:-step] / diagonal[step:]
+        reduced, known = diagonal.copy(), right.copy()
+        reduced[step:] -= to_last[step:] * upper[:-step]
+        reduced[:-step] -= to_next[:-step] * lower[step:]
+        known[step:] -= to_last[step:] * right[:-step]
+        known[:-step] -= to_next[:-step] * right[step:]
+        lower_next, upper_next = np.zeros_like(right), np.zeros_like(right)
+        lower_next[step:] = -to_last[step:] * lower[:-step]
+        upper_next[:-step] = -to_next[:-step] * upper[step:]
+        lower, diagonal, upper, right = lower_next, reduced, upper_next, known
+        step *= 2
+    return right / diagonal
 
 
 def needed_keys(times: FloatArray, values: FloatArray, tolerance: FloatArray) -> IntArray:
     """Indices of the keys that remain when those go that lie on the line between their neighbours, every second one at a time."""
     kept = np.arange(len(times))
+    idle = 0
     for turn in range(2 * len(times).bit_length()):
-        if len(kept) < 3:
+        if len(kept) < 3 or idle == 2:
             break
         inner = np.arange(1 + turn % 2, len(kept) - 1, 2)
         left, here, right = kept[inner - 1], kept[inner], kept[inner + 1]
         width = times[right] - times[left]
         share = np.divide(times[here] - times[left], width, out=np.zeros_like(width), where=width > 0)
         off = np.abs(values[left] + share * (values[right] - values[left]) - values[here])
-        kept = np.delete(kept, inner[off <= tolerance[here]])
+        gone = inner[off <= tolerance[here]]
+        idle = idle + 1 if len(gone) < len(kept) // RARE else 0
+        kept = np.delete(kept, gone)
     return kept
