@@ -16,7 +16,7 @@ from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Lines, Points, RenderData
 TEXT_SIZE = 11.0
 INK = (0.94, 0.94, 0.94)
 FAINT_INK = (0.72, 0.72, 0.72)
-PLATE = (0.075, 0.075, 0.085, 0.78)
+PLATE = (0.075, 0.075, 0.085, 0.84)
 _PADDING = (6.0, 4.0)
 _GAP = 5.0  # points between a place's symbol and its label
 _MOST_STEPS, _MOST_LABELS = 150, 48

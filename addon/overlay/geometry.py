@@ -189,7 +189,7 @@ def solid_mesh(name: str, solid: Solid) -> Mesh:
 
 
 def graph_material() -> Material:
-    """Shines in the colours of the mesh, a little darker towards the edges, so that it looks round in any light."""
+    """Shines in the colours of the mesh, a little darker towards the edges, so that it looks round in any light. Backs are not drawn."""
     material = bpy.data.materials.get(NAME)
     if material is not None:
         return material
@@ -204,7 +204,14 @@ def graph_material() -> Material:
     links.new(facing.outputs["Facing"], strength.inputs[0])
     links.new(strength.outputs[0], nodes["Emission"].inputs["Strength"])
     links.new(colour.outputs["Color"], nodes["Emission"].inputs["Color"])
-    for node, place in ((colour, (-440, 60)), (strength, (-440, -140)), (facing, (-660, -140))):
+    side = nodes.new("ShaderNodeNewGeometry")
+    clear, mix = nodes.new("ShaderNodeBsdfTransparent"), nodes.new("ShaderNodeMixShader")
+    links.new(side.outputs["Backfacing"], mix.inputs["Fac"])
+    links.new(nodes["Emission"].outputs[0], mix.inputs[1])
+    links.new(clear.outputs[0], mix.inputs[2])
+    links.new(mix.outputs[0], nodes["Material Output"].inputs["Surface"])
+    places = ((colour, (-660, 60)), (strength, (-660, -140)), (facing, (-880, -140)), (nodes["Emission"], (-440, 0)))
+    for node, place in (*places, (side, (-440, 240)), (clear, (-440, -160)), (mix, (-220, 0))):
         node.location = place
     return material
 

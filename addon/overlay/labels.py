@@ -12,6 +12,7 @@ _SIDES = np.array([(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (
 _REACH_OF_SIDE = np.where(np.abs(_SIDES).sum(axis=1, keepdims=True) > 1, 0.5, 1.0)  # a diagonal needs less on either axis
 _REACHES = (1.0, 2.2, 4.0)
 _COST_OF_REACH = 6  # a step farther is worth that many covered pixels of a path
+_COST_OF_CONFUSION = 15  # so is standing nearer to the place of another label than to one's own
 
 
 def project(position: FloatArray, perspective: FloatArray, size: tuple[float, float]) -> FloatArray:
@@ -55,6 +56,7 @@ def place_labels(
             free = np.flatnonzero(_free(low, high, size, rectangles[:count]))
             if len(free):
                 cost = _covered(low[free], high[free], busy) + step * _COST_OF_REACH
+                cost = cost + _COST_OF_CONFUSION * _nearer_to_another(low[free], high[free], anchor, k)
                 if cost.min() < lowest:
                     best, lowest = low[free[np.argmin(cost)]], cost.min()
         if best is not None:
@@ -68,6 +70,12 @@ def _free(low: FloatArray, high: FloatArray, size: tuple[float, float], rectangl
     """Which rectangles ``low`` to ``high`` (s, 2) lie inside ``size`` and off ``rectangles`` (m, 4)."""
     overlaps = (low[:, None] < rectangles[None, :, 2:]) & (high[:, None] > rectangles[None, :, :2])
     return ((low >= 0) & (high <= size)).all(axis=1) & ~overlaps.all(axis=2).any(axis=1)
+
+
+def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray, own: int) -> NDArray[np.bool_]:
+    """Which rectangles (s,) are nearer to another place than to their own."""
+    distance = np.linalg.norm(np.clip(anchor[None], low[:, None], high[:, None]) - anchor[None], axis=2)
+    return distance.min(axis=1) < distance[:, own]
 
 
 def _covered(low: FloatArray, high: FloatArray, busy: FloatArray) -> NDArray[np.int64]:

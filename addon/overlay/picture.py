@@ -54,12 +54,12 @@ def starts_gpu() -> bool:
     return True
 
 
-def viewport_picture(scene: Scene, result: FrameResult, size: tuple[int, int]) -> NDArray[np.uint8]:
+def viewport_picture(scene: Scene, result: FrameResult, size: tuple[int, int], options: Options | None = None) -> NDArray[np.uint8]:
     """Pixels (height, width, 3), top row first: the 3D viewport from the scene's camera with the graph over it."""
     import gpu
     from gpu.types import GPUOffScreen
 
-    drawing = draw.drawing_of(scene.session_uid, result, scene_reader.read_settings(scene), shown_options(scene))
+    drawing = draw.drawing_of(scene.session_uid, result, scene_reader.read_settings(scene), options or shown_options(scene))
     width, height = (SMOOTHING * side for side in size)
     scale = SMOOTHING * picture_scale(size)
     view, projection = camera_view(scene, (width, height))

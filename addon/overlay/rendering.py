@@ -23,12 +23,11 @@ from .furniture import furniture
 from .geometry import add_graph
 from .picture import camera_view, picture_scale, shown_options
 from .raster import paint, text_width
-from .render_data import HALO_COLOUR, render_data
+from .render_data import render_data
 from .solids import Solid, seen_unit, solid_graph
 
 SAMPLES = 20
 GRAPH_SAMPLES = 12  # enough for smooth edges: nothing in it scatters light
-_RIM = 2.5  # points of dark rim around the graph where it is drawn in front
 
 
 def rendered_picture(scene: Scene, result: FrameResult, size: tuple[int, int]) -> NDArray[np.uint8]:
@@ -39,36 +38,14 @@ def rendered_picture(scene: Scene, result: FrameResult, size: tuple[int, int]) -
     solid = solid_graph(data, seen_unit(data, projection, view, size[1] / scale))
     with suspended():
         if scene.haptics.xray:
-            below = _rendered(scene, size, SAMPLES, denoise=True)[..., :3]
-            canvas = _in_front(below, _rendered_alone(scene, solid, size), _RIM * scale)
+            canvas = rendered(scene, size, SAMPLES, denoise=True)[..., :3]
+            graph = _rendered_alone(scene, solid, size)
+            canvas += graph[..., 3:] * (graph[..., :3] - canvas)
         else:
             canvas = _rendered_among(scene, solid, size)[..., :3]
     items = furniture(data, projection @ view, size, scale, (0.0, 0.0), text_width)
     paint(canvas, items, scale)
     return np.rint(np.clip(canvas[::-1], 0, 1) * 255).astype(np.uint8)
-
-
-def _in_front(below: FloatArray, graph: FloatArray, rim: float) -> FloatArray:
-    """``graph`` (height, width, 4) over ``below`` (height, width, 3), with a dark rim of ``rim`` pixels."""
-    opacity = graph[..., 3]
-    dark = 0.75 * _grown(opacity, rim)[..., None]
-    canvas = below + dark * (HALO_COLOUR - below)
-    return canvas + opacity[..., None] * (graph[..., :3] - canvas)
-
-
-def _grown(opacity: FloatArray, radius: float) -> FloatArray:
-    """The largest opacity within ``radius`` pixels."""
-    reach = int(np.ceil(radius))
-    height, width = opacity.shape
-    padded = np.pad(opacity, reach)
-    grown = opacity.copy()
-    for down in range(-reach, reach + 1):
-        for right in range(-reach, reach + 1):
-            near = np.clip(radius + 0.5 - np.hypot(down, right), 0, 1)
-            if near > 0:
-                shifted = padded[reach + down : reach + down + height, reach + right : reach + right + width]
-                np.maximum(grown, near * shifted, out=grown)
-    return grown
 
 
 def _rendered_alone(scene: Scene, solid: Solid, size: tuple[int, int]) -> FloatArray:
@@ -82,7 +59,7 @@ def _rendered_alone(scene: Scene, solid: Solid, size: tuple[int, int]) -> FloatA
     alone.render.film_transparent = True
     alone.view_settings.view_transform = "Standard"
     try:
-        return _rendered(alone, size, GRAPH_SAMPLES, denoise=False)
+        return rendered(alone, size, GRAPH_SAMPLES, denoise=False)
     finally:
         mesh = graph.data
         bpy.data.scenes.remove(alone)
@@ -95,14 +72,14 @@ def _rendered_among(scene: Scene, solid: Solid, size: tuple[int, int]) -> FloatA
     """The scene with the graph in it, which objects may hide."""
     graph = add_graph(scene.collection, solid)
     try:
-        return _rendered(scene, size, SAMPLES, denoise=True)
+        return rendered(scene, size, SAMPLES, denoise=True)
     finally:
         mesh = graph.data
         bpy.data.objects.remove(graph)
         bpy.data.meshes.remove(mesh)
 
 
-def _rendered(scene: Scene, size: tuple[int, int], samples: int, *, denoise: bool) -> FloatArray:
+def rendered(scene: Scene, size: tuple[int, int], samples: int, *, denoise: bool) -> FloatArray:
     """Display values (height, width, 4), bottom row first, as Cycles renders the scene on the CPU."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "picture.png"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,8 @@ from .render_data import HALO_COLOUR, Lines, Points, RenderData, Shape
 
 Triangles = NDArray[np.int64]
 WHITE = np.array([0.97, 0.97, 0.97])
+RIM = 2.2
+"""Points of dark rim around lines and symbols."""
 _SIDES = 10
 _FINE_SPHERES = 300  # more contacts than that are coarser
 
@@ -28,21 +30,48 @@ class Solid:
 
 
 def solid_graph(data: RenderData, unit: float) -> Solid:
-    """Everything that is drawn of a frame but its labels. ``unit``: metres per point of the overlay."""
+    """Everything that is drawn of a frame but its labels, with a dark rim. ``unit``: metres per point of the overlay."""
     contacts, listeners, sources, impacts = (
         _chosen(data.points, shape) for shape in (Shape.CONTACT, Shape.LISTENER, Shape.SOURCE, Shape.IMPACT)
     )
-    return joined(
-        [
-            tubes(data.tree, unit),
-            tubes(data.paths, unit),
-            _copies(sphere(2 if len(contacts.size) <= _FINE_SPHERES else 1), contacts, unit, smooth=True),
-            _listeners(listeners, unit),
-            _copies(sphere(3), sources, 0.62 * unit, smooth=True),
-            _copies(three_rings(0.92, 0.08), sources, unit, smooth=True),
-            _copies(spiked_ball(), impacts, unit, smooth=False),
-        ]
-    )
+    ball = sphere(2 if len(contacts.size) <= _FINE_SPHERES else 1)
+    body = [
+        tubes(_thinned(data.tree), unit),
+        tubes(data.paths, unit),
+        _copies(ball, contacts, unit, smooth=True),
+        _listeners(listeners, unit),
+        _copies(sphere(3), sources, 0.62 * unit, smooth=True),
+        _copies(three_rings(0.92, 0.08), sources, unit, smooth=True),
+        _copies(spiked_ball(), impacts, unit, smooth=False),
+    ]
+    shells = [
+        tubes(_thickened(_thinned(data.tree), RIM / 2), unit),
+        tubes(_thickened(data.paths, RIM), unit),
+        _copies(ball, _grown(contacts, RIM), unit, smooth=True),
+        _copies(octahedron(), _grown(listeners, 1.7 * RIM), unit, smooth=False),
+        _copies(sphere(3), _grown(sources, RIM), unit, smooth=True),
+        _copies(spiked_ball(), _grown(impacts, 1.5 * RIM), unit, smooth=False),
+    ]
+    return joined([*(_rim(shell) for shell in shells), *body])
+
+
+def _rim(shell: Solid) -> Solid:
+    """A dark shell turned inside out: the material draws no backs, so that only a rim shows around what is in it."""
+    colours = np.broadcast_to([*HALO_COLOUR, 1.0], shell.colours.shape)
+    return Solid(shell.vertices, colours, shell.triangles[:, ::-1], shell.smooth)
+
+
+def _thinned(lines: Lines) -> Lines:
+    """Fainter lines thinner instead."""
+    return replace(lines, width=lines.width * lines.colour[:, :, 3].mean(axis=1))
+
+
+def _thickened(lines: Lines, by: float) -> Lines:
+    return replace(lines, width=lines.width + 2 * by)
+
+
+def _grown(points: Points, by: float) -> Points:
+    return replace(points, size=points.size + 2 * by)
 
 
 def seen_unit(data: RenderData, projection: FloatArray, view: FloatArray, height: float) -> float:
@@ -72,9 +101,10 @@ def joined(solids: list[Solid]) -> Solid:
 
 
 def tubes(lines: Lines, unit: float) -> Solid:
-    """Lines as open tubes; fainter lines are thinner."""
-    position = lines.position.astype(np.float64)
-    radius = lines.width * unit / 2 * lines.colour[:, :, 3].mean(axis=1)
+    """Lines as open tubes, those without length left out."""
+    long = (lines.position[:, 0] != lines.position[:, 1]).any(axis=1)
+    position = lines.position[long].astype(np.float64)
+    radius = lines.width[long] * unit / 2
     along = position[:, 1] - position[:, 0]
     across, upward = _perpendicular(along)
     angle = np.linspace(0, 2 * np.pi, _SIDES, endpoint=False)
@@ -84,7 +114,7 @@ def tubes(lines: Lines, unit: float) -> Solid:
     far = (near + 1) % _SIDES
     faces = np.concatenate([np.stack([near, far, far + _SIDES], axis=1), np.stack([near, far + _SIDES, near + _SIDES], axis=1)])
     triangles = (2 * _SIDES * np.arange(len(position))[:, None, None] + faces).reshape(-1, 3)
-    colours = np.repeat(lines.colour[:, :, :3], _SIDES, axis=1).reshape(-1, 3)
+    colours = np.repeat(lines.colour[long, :, :3], _SIDES, axis=1).reshape(-1, 3)
     return Solid(vertices.reshape(-1, 3), _opaque(colours), triangles, np.ones(len(triangles), dtype=np.bool_))
 
 
@@ -93,9 +123,8 @@ def _opaque(colours: FloatArray) -> FloatArray:
 
 
 def _perpendicular(along: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two unit vectors (n, 3) across ``along`` (n, 3) and each other."""
-    length = np.linalg.norm(along, axis=1, keepdims=True)
-    along = np.where(length > 0, along / np.where(length > 0, length, 1.0), (0.0, 0.0, 1.0))
+    """Two unit vectors (n, 3) across ``along`` (n, 3), none of them 0, and across each other."""
+    along = along / np.linalg.norm(along, axis=1, keepdims=True)
     other = np.where(np.abs(along[:, 2:]) < 0.9, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
     across = np.cross(along, other)
     across /= np.linalg.norm(across, axis=1, keepdims=True)
