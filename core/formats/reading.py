@@ -18,7 +18,8 @@ FloatArray = NDArray[np.float64]
 SAMPLED_RATE = 4000
 """Rate (hertz) of the samples that stand for more carriers than a signal may be made of."""
 MOST_CARRIERS = 100
-MOST_SAMPLES = 2**27
+MOST_SAMPLES = 2**25
+MOST_LAYERS = 64
 
 _WAVES: dict[str, type[Oscillator]] = {"sine": Sine, "square": Square, "triangle": Triangle, "saw": Saw}
 
@@ -39,6 +40,8 @@ class Channel:
         """The vibration as samples, shape (ceil(duration * sample_rate),). Raises ValueError for more than ``MOST_SAMPLES``."""
         if self.duration * sample_rate > MOST_SAMPLES:
             raise ValueError(f"{self.name}: {self.duration:.6g} seconds are too long")
+        if sum(carrier.end - carrier.start for carrier in self.carriers) * sample_rate > MOST_LAYERS * MOST_SAMPLES:
+            raise ValueError(f"{self.name}: {len(self.carriers)} oscillations are too many at once")
         if self.samples is None:
             return rendered(self.carriers, math.ceil(self.duration * sample_rate), sample_rate)
         return self.samples if self.sample_rate == sample_rate else resample(self.samples, self.sample_rate, sample_rate)

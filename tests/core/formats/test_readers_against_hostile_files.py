@@ -180,6 +180,18 @@ def test_vibrations_that_last_for_ages_are_not_rendered(corpus, tmp_path):
         channel.at_rate(8000)
 
 
+def test_a_file_of_countless_long_effects_is_not_rendered(corpus, tmp_path):
+    document = json.loads(corpus[".hjif"].read_bytes())
+    document["timescale"] = 100
+    (effect,) = document["perceptions"][0]["channels"][0]["bands"][0]["effects"][:1]
+    effect["keyframes"][-1]["relative_position"] = 65535
+    document["perceptions"][0]["channels"][0]["bands"][0]["effects"] = [effect] * 1000
+    path = tmp_path / "layers.hjif"
+    path.write_text(json.dumps(document))
+    with pytest.raises(ValueError, match="too many at once"):
+        registry.read(path).channels[0].at_rate(8000)
+
+
 def wav(form=b"", data=b"\0\0" * 8, size=None):
     form = form or struct.pack("<HHIIHH", 1, 1, 8000, 16000, 2, 16)
     chunks = b"WAVEfmt " + struct.pack("<I", len(form)) + form + b"data" + struct.pack("<I", len(data) if size is None else size) + data
