@@ -1,66 +1,378 @@
-"""The sum of the gains of all paths."""
+"""`all_paths`: the sum of the products of gains over all paths from a source to its listeners.
+
+With a threshold, whether a path counts depends on its own gain, so paths are searched one by one, as arrays, with everything left out that
+can't meet the threshold. Without one, the sum is taken apart at the bridges (`pieces`), and inside a piece it is found without enumeration:
+by dynamic programming over a frontier where the piece is narrow (`frontier`), by a search that merges partial paths where it is not
+(`path_search`), each tried with little work first, then with more. What is found is exact, or an interval: a lower bound that was summed,
+and a bound of the rest.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..graph import HapticGraph
-from .connections import ROUNDING
+from ..bands import BAND_COUNT
+from ..graph import HapticGraph, distances
+from . import frontier
+from .arena import Arena, band_factors, build_arena, intra_gains
+from .connections import amplifying, cost_limit
 from .labels import label
+from .layered import layers
+from .path_search import Found, Limits, search
+from .pieces import Piece, patches_of, pieces
+from .walk_sums import LARGEST, walk_sums
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+STAGES = (1 / 256, 1 / 16, 1.0)
+"""Parts of the budget that each method is given in turn, until one of them succeeds."""
 
-def enumerate_paths(
-    graph: HapticGraph, sources: tuple[int, ...], listeners: list[int], max_connections: int | None, threshold: float
-) -> tuple[FloatArray, IntArray]:
-    """Sum of gains and number of paths from the source's nodes to each listener, one path after the other."""
-    sums = np.zeros(len(listeners))
-    counts = np.zeros(len(listeners), dtype=np.int64)
-    if not listeners:
-        return sums, counts
-    ahead = np.exp(np.negative(label(graph, [listeners], np.array([math.inf]), complete=True).arrival[0]))
-    by_object: dict[int, list[int]] = {}
-    for number, node in enumerate(listeners):
-        by_object.setdefault(int(graph.node_object[node]), []).append(number)
-    limit = math.inf if max_connections is None else max_connections
-    least = threshold * (1 - ROUNDING)
-    patch = patches(graph)
-    for source in sources:
-        stack = [(source, 1.0, 1, frozenset[int]())]
+LAYERS = 64
+"""Layers computed where gains exceed 1, to leave out what is never reached above the threshold; and contacts for which bounds of what is
+left are kept one by one."""
+
+ROUNDING = 1e-11
+"""Relative allowance for rounding in the bound of a sum that is not exact."""
+
+
+@dataclass(slots=True)
+class PathSums:
+    """``gain`` (l, lanes) of each listener: the plain gain, then that of each band where bands are used; the true plain gain lies in
+    ``[gain, gain + error]``. ``paths`` (l,) how many were summed, -1 where they were not counted. ``work`` states looked at."""
+
+    gain: FloatArray
+    error: FloatArray
+    paths: IntArray
+    work: int
+
+
+def path_sums(
+    graph: HapticGraph,
+    roots: Sequence[int],
+    listeners: Sequence[int],
+    crossings: float,
+    threshold: float,
+    tolerance: float,
+    budget: int,
+) -> PathSums:
+    """Sum over all paths from the nodes ``roots`` of a source to each of the nodes ``listeners``, over at most ``crossings`` contacts."""
+    lanes = 1 + BAND_COUNT if graph.uses_bands else 1
+    if not listeners or crossings < 0:
+        count = len(listeners)
+        return PathSums(np.zeros((count, lanes)), np.zeros(count), np.zeros(count, dtype=np.int64), 0)
+    if threshold > 0:
+        return _above_threshold(graph, roots, listeners, crossings, threshold, budget)
+    sums = PathSums(np.zeros((len(listeners), lanes)), np.zeros(len(listeners)), np.full(len(listeners), -1), 0)
+    for root in roots:
+        _Unlimited(graph, root, listeners, crossings, tolerance, budget, sums).run()
+    return sums
+
+
+def _above_threshold(
+    graph: HapticGraph, roots: Sequence[int], listeners: Sequence[int], crossings: float, threshold: float, budget: int
+) -> PathSums:
+    """All paths whose gain stays at the threshold or above: exact unless there are more than the budget allows."""
+    limit = cost_limit(threshold) + 1e-9
+    crossing = np.append(graph.transmission_loss, math.inf)[graph.contact]
+    if amplifying(graph):
+        most = int(min(crossings, graph.contact_count))
+        reached = layers(graph, roots, limit, min(most, LAYERS), complete=True)
+        known = reached.complete or most <= LAYERS
+        arrival = reached.costs(graph.node_count)[-1] if known else np.zeros(graph.node_count)
+        behind = np.zeros(graph.node_count)
+        ahead = math.inf
+    else:
+        arrival = label(graph, [roots], np.array([limit]), complete=True).arrival[0]
+        behind = label(graph, [listeners], np.array([limit]), complete=True).arrival[0]
+        ahead = None
+    before = np.where(graph.partner >= 0, arrival[graph.partner] + crossing, math.inf)
+    before[list(roots)] = 0.0
+    entries = np.flatnonzero((graph.partner >= 0) & (before + behind <= limit))
+    arena = build_arena(graph, entries, roots, listeners, patches_of(graph), (before, behind, limit))
+    onward_gain = np.full(len(arena.nodes), ahead) if ahead is not None else np.exp(-behind[arena.nodes])
+    starts = np.ones((len(roots), arena.lanes))
+    limits = Limits(crossings, threshold, onward_gain, 0.0, np.zeros(len(listeners)), max(1, budget // 4), budget)
+    found = search(arena, starts, limits, _bounds_of(arena, crossings), merge=False)
+    return PathSums(found.sums.sum(axis=0), found.missing * (1 + ROUNDING), found.paths, found.work)
+
+
+def _bounds_of(arena: Arena, crossings: float) -> Callable[[], FloatArray]:
+    @cache
+    def bounds() -> FloatArray:
+        return walk_sums(arena, None if crossings > LAYERS else int(crossings))
+
+    return bounds
+
+
+@dataclass(slots=True)
+class _Amplitude:
+    """What arrives at a node: ``value`` (k, lanes) by the number of contacts crossed, times ``exp(-cost)``; ``cost`` in two parts that
+    add up to it (a long chain would lose digits in one); ``excess`` bounds how much more it may be, relative to exp(-cost)."""
+
+    value: FloatArray
+    cost: float
+    rest: float
+    excess: float
+
+    def further(self, cost: float) -> _Amplitude:
+        total = self.cost + cost
+        back = total - self.cost
+        return _Amplitude(self.value, total, self.rest + ((self.cost - (total - back)) + (cost - back)), self.excess)
+
+
+class _Unlimited:
+    """The sum from one root without a threshold: from piece to piece, over the bridges."""
+
+    def __init__(
+        self, graph: HapticGraph, root: int, listeners: Sequence[int], crossings: float, tolerance: float, budget: int, sums: PathSums
+    ) -> None:
+        self.graph = graph
+        self.root = root
+        self.listeners = listeners
+        self.budget = budget
+        self.sums = sums
+        self.patch = patches_of(graph)
+        self.crossings = min(crossings, graph.contact_count)
+        self.limited = crossings < graph.contact_count
+        self.steps = int(crossings) + 1 if self.limited else 1
+        self.lanes = sums.gain.shape[1]
+        self.tolerance = tolerance
+
+    def run(self) -> None:
+        piece = pieces(self.graph, self.root, self.listeners)
+        if piece is None:
+            return
+        columns: dict[int, list[int]] = {}
+        for column, node in enumerate(self.listeners):
+            columns.setdefault(node, []).append(column)
+        deepest = _chain(piece)
+        if deepest > 1:
+            self.tolerance = math.expm1(math.log1p(self.tolerance) / deepest)
+        value = np.zeros((self.steps, self.lanes))
+        value[0] = 1.0
+        stack: list[tuple[Piece, dict[int, _Amplitude]]] = [(piece, {self.root: _Amplitude(value, 0.0, 0.0, 0.0)})]
         while stack:
-            node, gain, connections, crossed = stack.pop()
-            if connections > limit:
-                continue
-            index = int(graph.node_object[node])
-            nodes = graph.nodes_of(index)
-            gains = gain * graph.intra_gain(index, node, nodes)
-            for number in by_object.get(index, ()):
-                total = float(gains[listeners[number] - nodes.start])
-                if total > 0 and total >= least:
-                    sums[number] += total
-                    counts[number] += 1
-            for other in range(nodes.start, nodes.stop):
-                partner = int(graph.partner[other])
-                contact = int(graph.contact[other])
-                if partner < 0 or other == node or patch[contact] in crossed:
+            piece, entrances = stack.pop()
+            exits = list(dict.fromkeys([*piece.listeners, *(node for nodes, _ in piece.bridges for node, _ in nodes)]))
+            arrived = self._through(piece, entrances, exits)
+            for node in piece.listeners:
+                if node in arrived:
+                    self._hear(arrived[node], columns[node])
+            for nodes, behind in piece.bridges:
+                onwards = {there: self._cross(arrived[here], here) for here, there in nodes if here in arrived}
+                onwards = {node: amplitude for node, amplitude in onwards.items() if amplitude.value.any() or amplitude.excess}
+                if onwards:
+                    stack.append((behind, onwards))
+
+    def _hear(self, amplitude: _Amplitude, columns: Sequence[int]) -> None:
+        scale = math.exp(-(amplitude.cost + amplitude.rest))
+        for column in columns:
+            self.sums.gain[column] += scale * amplitude.value.sum(axis=0)
+            self.sums.error[column] = min(self.sums.error[column] + scale * amplitude.excess, LARGEST)
+
+    def _cross(self, amplitude: _Amplitude, node: int) -> _Amplitude:
+        """Over the contact of a bridge, from its node ``node`` on."""
+        contact = int(self.graph.contact[node])
+        value = amplitude.value * self.graph.share[contact]
+        if self.lanes > 1 and self.graph.contact_band_gains is not None:
+            value[:, 1:] *= self.graph.contact_band_gains[contact]
+        if self.limited:
+            value = np.concatenate([np.zeros((1, self.lanes)), value[:-1]])
+        crossed = _Amplitude(value, amplitude.cost, amplitude.rest, amplitude.excess * float(self.graph.share[contact]))
+        return crossed.further(float(self.graph.transmission_loss[contact]))
+
+    def _through(self, piece: Piece, entrances: dict[int, _Amplitude], exits: Sequence[int]) -> dict[int, _Amplitude]:
+        """What arrives at the exits of a piece from what has entered it."""
+        if not piece.patches and len(entrances) == 1:
+            ((node, amplitude),) = entrances.items()
+            return {other: on for other in exits if other != node and (on := self._inside(node, other, amplitude)) is not None}
+        arrived: dict[int, _Amplitude] = {}
+        for node, amplitude in entrances.items():
+            factors, missing = _solve(self, piece, node, exits)
+            for number, other in enumerate(exits):
+                factor, error = factors[number], float(missing[number])
+                if not factor.any() and error == 0:
                     continue
-                total = float(gains[other - nodes.start] * graph.transmission[contact] * graph.share[contact])
-                if total > 0 and total * ahead[partner] >= least:
-                    stack.append((partner, total, connections + 2, crossed | {int(patch[contact])}))
-    return sums, counts
+                value = _convolve(amplitude.value, factor)
+                excess = float(amplitude.value[:, 0].sum()) * error + amplitude.excess * (float(factor[:, 0].sum()) + error)
+                on = _Amplitude(value, amplitude.cost, amplitude.rest, min(excess, LARGEST))
+                arrived[other] = _add(arrived[other], on) if other in arrived else on
+        return arrived
+
+    def _inside(self, node: int, other: int, amplitude: _Amplitude) -> _Amplitude | None:
+        """One intra-connection."""
+        table = self.graph.table
+        index = int(self.graph.node_object[node])
+        distance = distances(self.graph.node_position[node], self.graph.node_position[other])
+        if index in table.special:
+            gain = float(table.gain(index, distance[None])[0])
+            cost = -math.log(gain) if gain > 0 else math.inf
+        else:
+            cost = float(table.loss[index] + table.decay[index] * float(distance))
+        if cost == math.inf:
+            return None
+        if self.lanes > 1:
+            bands = band_factors(self.graph, np.array([index]), distance[None])[0]
+            value = amplitude.value * np.concatenate([[1.0], bands])
+            amplitude = _Amplitude(value, amplitude.cost, amplitude.rest, amplitude.excess)
+        return amplitude.further(cost)
 
 
-def patches(graph: HapticGraph) -> IntArray:
-    """Number of the patch of each contact: contacts of one pair of objects with a share below 1 are points of one patch."""
-    patch = np.arange(graph.contact_count)
-    first: dict[tuple[int, int], int] = {}
-    for contact in np.flatnonzero(graph.share < 1).tolist():
-        a, b = np.flatnonzero(graph.contact == contact).tolist()
-        patch[contact] = first.setdefault((int(graph.node_object[a]), int(graph.node_object[b])), contact)
-    return patch
+def _add(a: _Amplitude, b: _Amplitude) -> _Amplitude:
+    """Both amplitudes together, on the scale of the first."""
+    scale = math.exp((a.cost - b.cost) + (a.rest - b.rest))
+    return _Amplitude(a.value + scale * b.value, a.cost, a.rest, min(a.excess + scale * b.excess, LARGEST))
 
+
+def _convolve(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Products of values by number of contacts: (k, lanes), contacts add up, what exceeds k is dropped."""
+    if len(a) == 1:
+        return a * b
+    result = np.zeros_like(a)
+    for k in np.flatnonzero(a.any(axis=1)).tolist():
+        result[k:] += a[k] * b[: len(a) - k]
+    return result
+
+
+def _chain(root: Piece) -> int:
+    """The largest number of pieces with patches inside on one way from the root."""
+    most = 0
+    stack = [(root, 0)]
+    while stack:
+        piece, before = stack.pop()
+        here = before + bool(piece.patches)
+        most = max(most, here)
+        stack += [(behind, here) for _, behind in piece.bridges]
+    return most
+
+
+def _solve(run: _Unlimited, piece: Piece, entrance: int, exits: Sequence[int]) -> tuple[FloatArray, FloatArray]:
+    """Sums (exits, k, lanes) over all paths inside a piece from its entrance to its exits, and bounds (exits,) of what is missing."""
+    graph = run.graph
+    others = [node for node in exits if node != entrance]
+    places = np.array([number for number, node in enumerate(exits) if node != entrance], dtype=np.int64)
+    sums = np.zeros((len(exits), run.steps, run.lanes))
+    missing = np.zeros(len(exits))
+    nodes = np.array([node for patch in piece.patches for pair in patch for node in pair], dtype=np.int64)
+    arena = build_arena(graph, nodes, [entrance], others, run.patch)
+    crossings = run.crossings if run.limited else math.inf
+    bounds = _bounds_of(arena, crossings)
+    known = np.zeros(len(others))
+    best: Found | None = None
+    program = _Frontier(run, piece, entrance, others)
+    for part in STAGES:
+        share = int(run.budget * part)
+        exact, work = program.sum(share)
+        run.sums.work += work
+        if exact is not None:
+            sums[places] = exact
+            return sums, missing
+        unknown = np.full(len(arena.nodes), math.inf)
+        limits = Limits(crossings, 0.0, unknown, run.tolerance, known, max(1, share // 4), share)
+        found = search(arena, np.ones((1, arena.lanes)), limits, bounds, merge=True)
+        run.sums.work += found.work
+        total = found.sums.sum(axis=0)[:, 0]
+        if best is None or (found.missing.sum(), -total.sum()) < (best.missing.sum(), -best.sums.sum()):
+            best = found
+        known = np.maximum(known, total)
+        if np.all(found.missing <= run.tolerance * total):
+            best = found
+            break
+    assert best is not None
+    by_count = best.sums.transpose(1, 0, 2)
+    if run.limited:
+        count = min(run.steps, by_count.shape[1])
+        sums[places, :count] = by_count[:, :count]
+    else:
+        sums[places, 0] = by_count.sum(axis=1)
+    missing[places] = best.missing * (1 + ROUNDING)
+    return sums, missing
+
+
+class _Frontier:
+    """The frontier dynamic programme of a piece, prepared once for several attempts."""
+
+    def __init__(self, run: _Unlimited, piece: Piece, entrance: int, exits: Sequence[int]) -> None:
+        self.run = run
+        self.entrance = entrance
+        self.exits = np.array(exits, dtype=np.int64)
+        objects, position = run.graph.node_object, run.graph.node_position
+        edges = [(int(objects[patch[0][0]]), int(objects[patch[0][1]])) for patch in piece.patches]
+        places = {index: position[a].tolist() for patch in piece.patches for a, b in patch for index in (int(objects[a]), int(objects[b]))}
+        start = int(objects[entrance])
+        ordered = [
+            [(int(objects[a]), a, int(objects[b]), b) for a, b in piece.patches[number]]
+            for number in frontier.order_patches(edges, places, start)
+        ]
+        try:
+            self.crossings = frontier.plan(ordered, (start, entrance))
+        except frontier.TooWide:
+            self.crossings = []
+        self.weights: list[frontier.Weights] | None = None
+
+    def _factors(self, a: IntArray, b: IntArray) -> FloatArray:
+        """Factors (n, lanes) of intra-connections."""
+        gains, distance = intra_gains(self.run.graph, a, b)
+        if self.run.lanes == 1:
+            return gains[:, None]
+        bands = band_factors(self.run.graph, self.run.graph.node_object[a], distance)
+        return np.concatenate([gains[:, None], gains[:, None] * bands], axis=1)
+
+    def _ends(self, nodes: IntArray) -> list[FloatArray | None]:
+        """Of each node: the factors (exits, lanes) of ending at the exits, or None where there are none in its object."""
+        objects = self.run.graph.node_object
+        inside = (objects[nodes][:, None] == objects[self.exits]) & (nodes[:, None] != self.exits)
+        which, number = np.nonzero(inside)
+        table = np.zeros((*inside.shape, self.run.lanes))
+        table[which, number] = self._factors(nodes[which], self.exits[number])
+        return [row if some else None for row, some in zip(table, inside.any(axis=1).tolist(), strict=True)]
+
+    def _weigh(self) -> list[frontier.Weights]:
+        """The factors of all crossings, computed together."""
+        graph = self.run.graph
+        sides = [(node, waiting) for crossing in self.crossings for node, waiting in zip(crossing.nodes, crossing.waiting, strict=True)]
+        sizes = [len(waiting) for _, waiting in sides]
+        nodes = np.array([node for node, _ in sides], dtype=np.int64)
+        others = np.array([node for _, waiting in sides for node, _ in waiting], dtype=np.int64)
+        joins = self._factors(np.repeat(nodes, sizes), others)
+        ends = self._ends(nodes)
+        contact = graph.contact[nodes[::2]]
+        through = np.repeat((graph.transmission * graph.share)[contact][:, None], self.run.lanes, axis=1)
+        if graph.contact_band_gains is not None:
+            through[:, 1:] *= graph.contact_band_gains[contact]
+        alone = np.ones((1, self.run.lanes))
+        weights = []
+        place = 0
+        for number in range(len(self.crossings)):
+            size_a, size_b = sizes[2 * number : 2 * number + 2]
+            by_a = np.concatenate([joins[place : place + size_a], alone]) * through[number]
+            by_b = np.concatenate([joins[place + size_a : place + size_a + size_b], alone])
+            place += size_a + size_b
+            weights.append(
+                frontier.Weights(by_a[:, None] * by_b, (by_a, by_b * through[number]), (ends[2 * number], ends[2 * number + 1]))
+            )
+        return weights
+
+    def sum(self, allowed: int) -> tuple[FloatArray | None, int]:
+        """(exits, k, lanes), or None where ``allowed`` is not enough; and the work done."""
+        run = self.run
+        if not self.crossings:
+            return None, 0
+        if self.weights is None:
+            self.weights = self._weigh()
+        start = np.zeros((run.steps, run.lanes))
+        start[0] = 1.0
+        (ends,) = self._ends(np.array([self.entrance]))
+        at_start = np.zeros((len(self.exits), run.lanes)) if ends is None else ends
+        try:
+            total, work = frontier.sum_over_paths(self.crossings, self.weights, start, at_start, run.limited, allowed)
+        except frontier.TooWide:
+            return None, allowed
+        return total, int(work)

@@ -35,7 +35,7 @@ class Layers:
 
     def costs(self, count: int) -> FloatArray:
         """(layers, count): cheapest cost of arriving at each node with at most k contacts."""
-        table = np.full((len(self.changes), count), math.inf)
+        table = np.full((max(1, len(self.changes)), count), math.inf)
         for k, (nodes, cost, _) in enumerate(self.changes):
             if k:
                 table[k] = table[k - 1]

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from ..bands import BAND_COUNT
 from ..graph import HapticGraph
 from ..scene import Mode, Settings, SourceKind, Strategy
-from .all_paths import enumerate_paths
-from .best_path import BestPaths, best_paths, gain_and_error
+from .all_paths import path_sums
+from .best_path import BestPaths, best_paths, crossings_of, gain_and_error
 from .connections import ROUNDING, path_bands, path_delay
 from .energy_balance import energy_gains
 from .modes import direct_gains, distance_only, nearest_listener
@@ -46,15 +46,16 @@ def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET) -> P
         wanted = np.ones((len(graph.sources), len(graph.listeners)), dtype=np.bool_)
     pairs = [(int(row), int(column)) for row, column in np.argwhere(wanted)]
     best = best_paths(graph, pairs, settings.max_connections, settings.threshold, budget)
-    return _gather(graph, settings, strategies, wanted, best)
+    return _gather(graph, settings, strategies, wanted, best, budget)
 
 
 def _gather(
-    graph: HapticGraph, settings: Settings, strategies: tuple[Strategy, ...], wanted: NDArray[np.bool_], best: BestPaths
+    graph: HapticGraph, settings: Settings, strategies: tuple[Strategy, ...], wanted: NDArray[np.bool_], best: BestPaths, budget: int
 ) -> Propagation:
     gain, error = np.zeros(wanted.shape), np.zeros(wanted.shape)
     paths = np.zeros(wanted.shape, dtype=np.int64)
     bands = np.zeros((*wanted.shape, BAND_COUNT)) if graph.uses_bands else None
+    work = 0
     for pair in best.nodes.keys() | best.bound.keys():
         if strategies[pair[0]] is Strategy.BEST_PATH:
             gain[pair], error[pair] = gain_and_error(best.cost.get(pair), best.bound.get(pair))
@@ -66,8 +67,12 @@ def _gather(
         columns = np.flatnonzero(wanted[row])
         if strategy is Strategy.ALL_PATHS:
             targets = graph.listener_nodes[columns].tolist()
-            sums, counts = enumerate_paths(graph, graph.sources[row].nodes, targets, settings.max_connections, settings.threshold)
-            gain[row, columns], paths[row, columns] = sums, counts
+            crossings = crossings_of(settings.max_connections)
+            sums = path_sums(graph, graph.sources[row].nodes, targets, crossings, settings.threshold, settings.tolerance, budget)
+            gain[row, columns], error[row, columns], paths[row, columns] = sums.gain[:, 0], sums.error, sums.paths
+            work += sums.work
+            if bands is not None:
+                bands[row, columns] = sums.gain[:, 1:]
         elif strategy is Strategy.ENERGY_BALANCE:
             gain[row, columns], paths[row, columns] = balance[row, columns], -1
     return Propagation(
@@ -79,7 +84,7 @@ def _gather(
         band_gain=bands,
         delay=_delays(graph, wanted.shape, best),
         warnings=_warnings(best),
-        statistics={**statistics_of(graph), "connections_relaxed": best.relaxed, "paths_searched": best.searched},
+        statistics={**statistics_of(graph), "connections_relaxed": best.relaxed, "paths_searched": best.searched, "states": work},
     )
 
 

@@ -1,0 +1,384 @@
+"""The sum over all paths of a piece by a frontier dynamic programme: exact, in a time that grows with the width of the piece.
+
+The patches are taken one after the other, each crossed or not. What is crossed so far is a set of path fragments; only their open ends
+matter for what can still come, so fragments sets with the same open ends are one *state*, and its value is the sum of the products of all
+of them. An open end waits at a contact node of an object until a later contact of that object, or a listener, is joined to it by their
+intra-connection. A state says which ends wait and which of them belong together; one of them is the fragment that begins at the source,
+and one may be the fragment that ends at a listener. A path is finished when these two meet and nothing else is open.
+
+Source: D. E. Knuth, *The Art of Computer Programming*, volume 4A, section 7.1.4, algorithm Simpath, here with weights instead of counts,
+and with the open ends of an object (which a path may pass several times) instead of vertices (which it may not).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+BITS = 7
+FIELD = (1 << BITS) - 1
+SOURCE, LISTENER, FIRST = 1, 2, 3
+"""A state is an integer with a field per slot: 0 nobody waits, `SOURCE` or `LISTENER` the end of that fragment, else the slot of the
+fragment's other end, counted from `FIRST`."""
+
+SLOTS = FIELD - FIRST + 1
+
+ELEMENTS = 128
+"""Adding up so many numbers takes as long as finding one transition."""
+
+
+class TooWide(Exception):
+    """The states would take more work than allowed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Crossing:
+    """One contact, in the order in which they are taken: its two nodes; whether it is the first of its patch (of which a path takes one
+    contact or none); the nodes that may wait on either side, with their slots; its own slots; whether either side may wait for a patch
+    still to come; and after the last contact of a patch, of which slots how many at most may still hold a waiting end, because there are
+    not more patches to come for them."""
+
+    nodes: tuple[int, int]
+    first: bool
+    waiting: tuple[tuple[tuple[int, int], ...], tuple[tuple[int, int], ...]]
+    slots: tuple[int, int]
+    waits: tuple[bool, bool]
+    most: tuple[tuple[tuple[int, ...], int], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Weights:
+    """Factors of one crossing in lanes (the plain gain, and each band), that of the contact included.
+
+    ``joins`` (side a's joins and no join, side b's, lanes); ``alone`` the same of each side by itself; ``ends`` (listeners, lanes) of
+    ending at the listeners from either node, None where there are none in its object.
+    """
+
+    joins: FloatArray
+    alone: tuple[FloatArray, FloatArray]
+    ends: tuple[FloatArray | None, FloatArray | None]
+
+
+def plan(patches: Sequence[Sequence[tuple[int, int, int, int]]], start: tuple[int, int]) -> list[Crossing]:
+    """The crossings of patches, given by their contacts as (object, node, object, node), in this order. ``start``: the object and node that
+    all paths come from, which waits at slot 0. Raises TooWide where more ends could wait than there are slots."""
+    left: dict[int, int] = {}
+    for contacts in patches:
+        for index in {k for one, _, other, _ in contacts for k in (one, other)}:
+            left[index] = left.get(index, 0) + 1
+    free = list(range(SLOTS - 1, 0, -1))
+    waiting: dict[int, list[tuple[int, int]]] = {start[0]: [(start[1], 0)]}
+    crossings: list[Crossing] = []
+    for contacts in patches:
+        touched = sorted({k for one, _, other, _ in contacts for k in (one, other)})
+        for index in touched:
+            left[index] -= 1
+        if len(free) < 2 * len(contacts):
+            raise TooWide
+        slots = [(free.pop(), free.pop()) for _ in contacts]
+        sides = [(tuple(waiting.get(one, ())), tuple(waiting.get(other, ()))) for one, _, other, _ in contacts]
+        for (one, a, other, b), (slot_a, slot_b) in zip(contacts, slots, strict=True):
+            waiting.setdefault(one, []).append((a, slot_a))
+            waiting.setdefault(other, []).append((b, slot_b))
+        most = tuple(
+            (tuple(slot for _, slot in waiting[index]), left[index]) for index in touched if len(waiting[index]) > left[index]
+        )
+        for number, (one, a, other, b) in enumerate(contacts):
+            waits = left[one] > 0, left[other] > 0
+            last = number + 1 == len(contacts)
+            crossings.append(Crossing((a, b), number == 0, sides[number], slots[number], waits, most if last else ()))
+        for index in touched:
+            if left[index] == 0:
+                free += [slot for _, slot in waiting.pop(index)]
+    return crossings
+
+
+Neighbours = Mapping[int, Sequence[tuple[int, int]]]
+"""Of each object: the number of every patch at it, and the object on its other side."""
+
+
+def order_patches(patches: Sequence[tuple[int, int]], places: Mapping[int, Sequence[float]], first: int) -> list[int]:
+    """An order of the edges (object, object) that keeps few ends waiting.
+
+    Objects are finished one by one. Tried are orders along the three axes (``places``: a point of each object), breadth-first from
+    ``first`` and from an object far from it, and always the object with the fewest patches left; the narrowest one is taken.
+    """
+    around: dict[int, list[tuple[int, int]]] = {}
+    for number, (one, other) in enumerate(patches):
+        around.setdefault(one, []).append((number, other))
+        around.setdefault(other, []).append((number, one))
+    if first not in around:
+        return list(range(len(patches)))
+    wave = _breadth_first(around, first)
+    objects = [
+        wave,
+        _breadth_first(around, wave[-1]),
+        _fewest_left(around, first),
+        *(sorted(wave, key=lambda index: (*rotate(places[index], axis), index)) for axis in range(3)),
+    ]
+    orders = [_finish_one_by_one(around, candidate) for candidate in objects]
+    return min(orders, key=lambda order: _width(patches, around, order))
+
+
+def rotate(place: Sequence[float], axis: int) -> Sequence[float]:
+    """Coordinates with that of ``axis`` first."""
+    return (*place[axis:], *place[:axis])
+
+
+def _breadth_first(around: Neighbours, start: int) -> list[int]:
+    reached = {start}
+    queue = [start]
+    for index in queue:
+        for _, other in around[index]:
+            if other not in reached:
+                reached.add(other)
+                queue.append(other)
+    return queue
+
+
+def _fewest_left(around: Neighbours, start: int) -> list[int]:
+    left = {index: len(patches) for index, patches in around.items()}
+    order: dict[int, None] = {}
+    frontier = {start: 0}
+    while frontier:
+        index = min(frontier, key=lambda k: (left[k], frontier[k]))
+        del frontier[index]
+        order[index] = None
+        for _, other in around[index]:
+            if other not in order:
+                left[other] -= 1
+                frontier.setdefault(other, len(order))
+    return list(order)
+
+
+def _finish_one_by_one(around: Neighbours, objects: Sequence[int]) -> list[int]:
+    rank = {index: k for k, index in enumerate(objects)}
+    order: list[int] = []
+    for index in objects:
+        here = rank[index]
+        order += [number for other, number in sorted((rank[other], number) for number, other in around[index]) if other > here]
+    return order
+
+
+def _width(patches: Sequence[tuple[int, int]], around: Neighbours, order: Sequence[int]) -> float:
+    """An estimate of the states of all steps: a small power of the number of ends that may wait. An object with some patches done and some
+    to come may have as many ends waiting as the smaller of both."""
+    size = {index: len(patches) for index, patches in around.items()}
+    seen = dict.fromkeys(around, 0)
+    total = 0.0
+    waiting = 0
+    for number in order:
+        for index in patches[number]:
+            before = seen[index]
+            seen[index] = before + 1
+            waiting += 1 if 2 * before + 1 < size[index] else -1 if 2 * before + 1 > size[index] else 0
+        total += 2.0 ** min(waiting, 500)
+    return total
+
+
+class _Layer:
+    """The states after some patches, without (``opened``) and with (``closed``) the fragment that ends at a listener: row of each state in
+    the values (rows, contacts crossed, lanes) and (rows, listeners, contacts crossed, lanes)."""
+
+    def __init__(self, listeners: int, steps: int, lanes: int) -> None:
+        self.opened: dict[int, int] = {}
+        self.closed: dict[int, int] = {}
+        self.open_values = np.zeros((0, steps, lanes))
+        self.closed_values = np.zeros((0, listeners, steps, lanes))
+
+
+class _Moves:
+    """Transitions of one contact, as parallel lists: from which row, to which row, with which factor."""
+
+    def __init__(self) -> None:
+        self.source: list[int] = []
+        self.target: list[int] = []
+        self.factor: list[int] = []
+
+
+def sum_over_paths(
+    crossings: Sequence[Crossing], weights: Sequence[Weights], start: FloatArray, at_start: FloatArray, limited: bool, allowed: float
+) -> tuple[FloatArray, float]:
+    """Sum (listeners, contacts crossed, lanes) over all paths from the start to the listeners, and the work done.
+
+    ``start`` (contacts crossed, lanes): the value at the start; ``at_start`` (listeners, lanes): factors of ending there at once. With
+    ``limited`` contacts are counted, and paths with more than there is room for are left out; else there is room for one count, which
+    stands for all. Raises TooWide where more than ``allowed`` transitions would be needed.
+    """
+    listeners, (steps, lanes) = len(at_start), start.shape
+    layer = _Layer(listeners, steps, lanes)
+    layer.opened[SOURCE] = 0
+    layer.open_values = start[None]
+    total = at_start[:, None] * start
+    cost = 1 + listeners * steps * lanes / ELEMENTS
+    work = 0.0
+    following = layer
+    for crossing, weight in zip(crossings, weights, strict=True):
+        if crossing.first:
+            layer = following
+            following = _Layer(listeners, steps, lanes)
+            following.opened, following.closed = dict(layer.opened), dict(layer.closed)
+            following.open_values, following.closed_values = layer.open_values, layer.closed_values
+        work += cost * _cross(layer, following, total, crossing, weight, limited)
+        if work > allowed:
+            raise TooWide
+        for slots, most in crossing.most:
+            following.opened, following.open_values = _at_most(following.opened, following.open_values, slots, most)
+            following.closed, following.closed_values = _at_most(following.closed, following.closed_values, slots, most)
+    return total, work
+
+
+def _cross(layer: _Layer, following: _Layer, total: FloatArray, crossing: Crossing, weight: Weights, limited: bool) -> int:
+    """All ways in which the states of ``layer`` cross a contact, added to those of ``following`` and to ``total``; how many there are.
+
+    Either side of the contact is joined to an end that waits in its object, or to the listeners, or waits itself.
+    """
+    slot_a, slot_b = crossing.slots
+    shift_a, shift_b = BITS * slot_a, BITS * slot_b
+    number_a, number_b = slot_a + FIRST, slot_b + FIRST
+    joins_a = [(BITS * slot, k) for k, (_, slot) in enumerate(crossing.waiting[0])]
+    joins_b = [(BITS * slot, slot + FIRST, k) for k, (_, slot) in enumerate(crossing.waiting[1])]
+    wait_a, wait_b = len(joins_a), len(joins_b)
+    width = wait_b + 1
+    open_moves, closed_moves, begun_a, begun_b = _Moves(), _Moves(), _Moves(), _Moves()
+    ended_a, ended_b, met = _Moves(), _Moves(), _Moves()
+    for states, index, moves, has_listener in (
+        (layer.opened, following.opened, open_moves, False),
+        (layer.closed, following.closed, closed_moves, True),
+    ):
+        source, target, factors = moves.source, moves.target, moves.factor
+        ends_a, ends_b = not has_listener and weight.ends[0] is not None, not has_listener and weight.ends[1] is not None
+        for state, row in states.items():
+            sides = [(state & ~(FIELD << shift), mate, k * width) for shift, k in joins_a if (mate := state >> shift & FIELD)]
+            if crossing.waits[0]:
+                sides.append((state, 0, wait_a * width))
+            for rest, mate_a, code in sides:
+                for shift, number, k in joins_b:
+                    mate_b = rest >> shift & FIELD
+                    if not mate_b or mate_a == number:
+                        continue  # nobody waits there, or it is the other end of the same fragment: a cycle
+                    remaining = rest & ~(FIELD << shift)
+                    if not mate_a:  # side a waits, its other end is where side b was joined
+                        if mate_b < FIRST:
+                            key = remaining | mate_b << shift_a
+                        else:
+                            place = BITS * (mate_b - FIRST)
+                            key = remaining & ~(FIELD << place) | number_a << place | mate_b << shift_a
+                    elif mate_a < FIRST:
+                        if mate_b < FIRST:  # the source's and the listener's fragments meet
+                            if not remaining:
+                                met.source.append(row)
+                                met.factor.append(code + k)
+                            continue
+                        place = BITS * (mate_b - FIRST)
+                        key = remaining & ~(FIELD << place) | mate_a << place
+                    else:
+                        place = BITS * (mate_a - FIRST)
+                        key = remaining & ~(FIELD << place) | mate_b << place
+                        if mate_b >= FIRST:
+                            place = BITS * (mate_b - FIRST)
+                            key = key & ~(FIELD << place) | mate_a << place
+                    source.append(row)
+                    target.append(index.setdefault(key, len(index)))
+                    factors.append(code + k)
+                if crossing.waits[1]:
+                    if not mate_a:
+                        key = rest | number_b << shift_a | number_a << shift_b
+                    elif mate_a < FIRST:
+                        key = rest | mate_a << shift_b
+                    else:
+                        place = BITS * (mate_a - FIRST)
+                        key = rest & ~(FIELD << place) | number_b << place | mate_a << shift_b
+                    source.append(row)
+                    target.append(index.setdefault(key, len(index)))
+                    factors.append(code + wait_b)
+                if ends_b:
+                    _begin(rest, mate_a, shift_a, row, code // width, following.closed, begun_b, ended_b)
+            if ends_a:
+                for shift, _, k in joins_b:
+                    if mate := state >> shift & FIELD:
+                        _begin(state & ~(FIELD << shift), mate, shift_b, row, k, following.closed, begun_a, ended_a)
+                if crossing.waits[1]:
+                    _begin(state, 0, shift_b, row, wait_b, following.closed, begun_a, ended_a)
+    opened, closed = layer.open_values, layer.closed_values
+    if limited:
+        opened, closed = _one_more(opened), _one_more(closed)
+    table = weight.joins.reshape(-1, weight.joins.shape[-1])
+    following.open_values = _grown(following.open_values, len(following.opened))
+    following.closed_values = _grown(following.closed_values, len(following.closed))
+    if open_moves.source:
+        _add(following.open_values, open_moves, opened[open_moves.source] * table[open_moves.factor, None])
+    if closed_moves.source:
+        _add(following.closed_values, closed_moves, closed[closed_moves.source] * table[closed_moves.factor, None, None])
+    for begun, ended, ends, alone in (
+        (begun_a, ended_a, weight.ends[0], weight.alone[1]),
+        (begun_b, ended_b, weight.ends[1], weight.alone[0]),
+    ):
+        if begun.source and ends is not None:
+            value = opened[begun.source] * alone[begun.factor, None]
+            _add(following.closed_values, begun, value[:, None] * ends[None, :, None])
+        if ended.source and ends is not None:
+            total += (opened[ended.source] * alone[ended.factor, None]).sum(axis=0) * ends[:, None]
+    if met.source:
+        total += (closed[met.source] * table[met.factor, None, None]).sum(axis=0)
+    return sum(len(moves.source) for moves in (open_moves, closed_moves, begun_a, begun_b, ended_a, ended_b, met))
+
+
+def _begin(rest: int, mate: int, shift: int, row: int, factor: int, closed: dict[int, int], begun: _Moves, ended: _Moves) -> None:
+    """One side of the contact ends at the listeners; the other has the fragment's end ``mate``, or waits at ``shift`` (mate 0)."""
+    if mate == SOURCE:
+        if not rest:
+            ended.source.append(row)
+            ended.factor.append(factor)
+        return
+    if mate:
+        place = BITS * (mate - FIRST)
+        key = rest & ~(FIELD << place) | LISTENER << place
+    else:
+        key = rest | LISTENER << shift
+    begun.source.append(row)
+    begun.target.append(closed.setdefault(key, len(closed)))
+    begun.factor.append(factor)
+
+
+def _one_more(values: FloatArray) -> FloatArray:
+    """Values by contacts crossed, one contact later."""
+    shifted = np.zeros_like(values)
+    shifted[..., 1:, :] = values[..., :-1, :]
+    return shifted
+
+
+def _grown(values: FloatArray, rows: int) -> FloatArray:
+    """A copy with zeros for new rows."""
+    result = np.zeros((rows, *values.shape[1:]))
+    result[: len(values)] = values
+    return result
+
+
+def _add(values: FloatArray, moves: _Moves, terms: FloatArray) -> None:
+    """Add each term to the row that it moves to."""
+    if values[0].size == 1:
+        values.reshape(-1)[:] += np.bincount(moves.target, weights=terms.reshape(-1), minlength=len(values))
+        return
+    target = np.array(moves.target)
+    order = np.argsort(target, kind="stable")
+    begin = np.flatnonzero(np.diff(target[order], prepend=-1))
+    values[target[order[begin]]] += np.add.reduceat(terms[order], begin, axis=0)
+
+
+def _at_most(states: dict[int, int], values: FloatArray, slots: Sequence[int], most: int) -> tuple[dict[int, int], FloatArray]:
+    """The states in which at most ``most`` of the slots hold a waiting end."""
+    shifts = [BITS * slot for slot in slots]
+    if most == 0:
+        mask = sum(FIELD << shift for shift in shifts)
+        kept = [(state, row) for state, row in states.items() if not state & mask]
+    else:
+        kept = [(state, row) for state, row in states.items() if sum(state >> shift & FIELD > 0 for shift in shifts) <= most]
+    if len(kept) == len(states):
+        return states, values
+    return {state: number for number, (state, _) in enumerate(kept)}, values[[row for _, row in kept]]
