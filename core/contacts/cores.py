@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -187,9 +188,7 @@ def _as_box(corners: FloatArray) -> tuple[FloatArray, FloatArray] | None:
                 unit = axes / lengths[:, None]
                 if np.abs(unit @ unit.T - np.eye(3)).max() > 1e-6:
                     continue
-                if np.linalg.det(unit) < 0:
-                    unit = unit[[1, 0, 2]]
-                    lengths = lengths[[1, 0, 2]]
+                unit, lengths = _upright(unit, lengths)
                 local = np.abs(offsets @ unit.T)
                 if np.abs(local - lengths / 2).max() > 1e-6 * size:
                     return None
@@ -198,6 +197,16 @@ def _as_box(corners: FloatArray) -> tuple[FloatArray, FloatArray] | None:
                 matrix[:3, 3] = centre
                 return matrix, lengths / 2
     return None
+
+
+def _upright(unit: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Three axes (rows) in the order and senses that are nearest to x, y, z and right-handed, with their lengths."""
+    order = max(permutations(range(3)), key=lambda o: sum(abs(unit[o[k], k]) for k in range(3)))
+    unit, lengths = unit[list(order)], lengths[list(order)]
+    unit = unit * np.where(np.diag(unit) < 0, -1.0, 1.0)[:, None]
+    if np.linalg.det(unit) < 0:
+        unit[2] = -unit[2]
+    return unit, lengths
 
 
 @dataclass(frozen=True, slots=True)

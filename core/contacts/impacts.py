@@ -12,9 +12,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from .closed_forms import dot
+from .closed_forms import dot, turned
 from .motion import Paths
-from .narrow_phase import NarrowPhase, PairPatches
+from .narrow_phase import NarrowPhase, relative_pose
 from .settings import ImpactEnergy
 from .shapes import transformed_bounds
 
@@ -70,6 +70,14 @@ class Hits:
         """Some of the hits."""
         return Hits(*(getattr(self, f.name)[rows] for f in fields(self)))
 
+    def approaching(self) -> Hits:
+        """Those at which the bodies come together."""
+        return self.chosen(self.approach > _SLOW)
+
+    def joined(self, other: Hits) -> Hits:
+        """These and others."""
+        return Hits(*(np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self)))
+
     def impact(self, k: int, time: float, energy: float, full_energy: float) -> Impact:
         """Hit number ``k`` at ``time`` [s] with ``energy`` [J], of which ``full_energy`` gives amplitude 1."""
         gap = self.normal[k] * (self.distance[k] / 2)
@@ -98,8 +106,8 @@ class Meetings:
         travel = np.sqrt(dot(relative, relative)) * paths.duration
         far = travel > self._thickness[pairs].sum(axis=1) / 4
         ways = _Ways(self._narrow, paths, pairs, travel + self._radius[pairs].min(axis=1))
-        ahead, _ = ways.clearances(np.full(len(pairs), paths.duration))
-        start, _ = ways.clearances(np.zeros(len(pairs)))
+        ahead = ways.clearances(np.full(len(pairs), paths.duration))
+        start = ways.clearances(np.zeros(len(pairs)))
         after = np.where(start <= _TOUCH, 0.0, np.inf)
         slow = np.flatnonzero(~far & (start > _TOUCH) & (ahead <= 0))
         after[slow] = ways.chosen(slow).first_touch(start[slow], ahead[slow])
@@ -107,15 +115,15 @@ class Meetings:
         after[fast] = ways.chosen(fast).advanced(self._radius[pairs[fast]])
         met = np.flatnonzero(after <= paths.duration)
         ways, pairs, after = ways.chosen(met), pairs[met], after[met]
-        patch = ways.patches(after)
+        distance, normal, centre = ways.patches(after)
         velocities = np.stack([paths.velocities(pairs[:, k], after) for k in (0, 1)], axis=1)
         return Hits(
             pairs=pairs,
             after=after,
-            distance=patch.distance,
-            normal=patch.normal,
-            centre=patch.centre,
-            approach=ways.approach(after, patch.normal, patch.centre),
+            distance=distance,
+            normal=normal,
+            centre=centre,
+            approach=ways.approach(after, normal, centre),
             velocities=velocities,
             ahead=ahead[met],
             passes=far[met] & ways.goes_through(after, 0.25 * self._thickness[pairs].min(axis=1)),
@@ -127,7 +135,7 @@ class Meetings:
             return pairs
         bodies, index = np.unique(pairs, return_inverse=True)
         index = index.reshape(-1, 2)
-        boxes = transformed_bounds(self._bounds[bodies], paths.matrices(bodies, 0.0))
+        boxes = self.bounds(paths, bodies, 0.0)
         spin = paths.spins(bodies)
         turning = np.minimum(np.sqrt((spin**2).sum(axis=1)) * paths.duration, 2.0) * self._radius[bodies]
         move = paths.velocity[bodies] * paths.duration + paths.acceleration[bodies] * (paths.duration**2 / 2)
@@ -138,6 +146,14 @@ class Meetings:
         low = boxes[b, 0] + np.minimum(relative, 0.0) - slack
         high = boxes[b, 1] + np.maximum(relative, 0.0) + slack
         return np.asarray(pairs[((low <= boxes[a, 1]) & (high >= boxes[a, 0])).all(axis=1)])
+
+    def bounds(self, paths: Paths, bodies: IntArray, time: float) -> FloatArray:
+        """World bounds (k, 2, 3) of ``bodies`` (k,) on their ways at ``time``."""
+        return transformed_bounds(self._bounds[bodies], paths.matrices(bodies, time))
+
+    def ahead(self, paths: Paths, pairs: IntArray, reach: FloatArray) -> FloatArray:
+        """Signed distances (p,) of ``pairs`` at the end of their ways, exact up to ``reach`` (p,)."""
+        return _Ways(self._narrow, paths, pairs, reach).clearances(np.full(len(pairs), paths.duration))
 
 
 class _Ways:
@@ -159,11 +175,18 @@ class _Ways:
         a, b = (self._paths.matrices(self._pairs[:, k], time, self._spins[k]) for k in (0, 1))
         return a, b
 
-    def clearances(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return self._narrow.clearances(self._pairs, *self._matrices(time), self._reach)
+    def clearances(self, time: FloatArray) -> FloatArray:
+        return self._narrow.clearances(self._pairs, *self._relative(time), self._reach)
 
-    def patches(self, time: FloatArray) -> PairPatches:
-        return self._narrow.query(self._pairs, *self._matrices(time), reach=np.inf)
+    def _relative(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        a, b = (np.concatenate([m[:, :3, :3].reshape(-1, 9).T, m[:, :3, 3].T]) for m in self._matrices(time))
+        return relative_pose(a, b)
+
+    def patches(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Distances (k,), and normals and centres (k, 3) in the world."""
+        found = self._narrow.query(self._pairs, *self._relative(time), np.full(len(self._pairs), np.inf))
+        first, _ = self._matrices(time)
+        return found.distance, turned(first[:, :3, :3], found.normal.T), turned(first[:, :3, :3], found.centre.T) + first[:, :3, 3]
 
     def approach(self, time: FloatArray, normal: FloatArray, point: FloatArray) -> FloatArray:
         """Speed (k,) at which the material of the two bodies at ``point`` (k, 3) comes together along ``normal``."""
@@ -186,7 +209,7 @@ class _Ways:
                 break
             a, b, fa, fb = low[active], high[active], f_low[active], f_high[active]
             t = np.clip((a * -fb + b * fa) / np.maximum(fa - fb, 1e-300), a, b)
-            f, _ = self.chosen(active).clearances(t)
+            f = self.chosen(active).clearances(t)
             result[active] = t
             before = f > 0
             low[active] = np.where(before, t, a)
@@ -215,7 +238,9 @@ class _Ways:
             if len(active) == 0:
                 break
             ways = self.chosen(active)
-            distance, normal = ways.clearances(time[active])
+            turn, offset = ways._relative(time[active])
+            distance, normal = self._narrow.directed_clearances(ways._pairs, turn, offset, ways._reach)
+            normal = turned(ways._matrices(time[active])[0][:, :3, :3], normal)
             touching = distance <= _TOUCH
             result[active[touching]] = time[active[touching]]
             relative = self._paths.velocities(ways._pairs[:, 0], time[active]) - self._paths.velocities(ways._pairs[:, 1], time[active])
@@ -228,7 +253,7 @@ class _Ways:
         """Whether the two overlap by ``depth`` (k,) somewhere later on their ways."""
         deepest = np.full(len(self._pairs), np.inf)
         for share in (0.1, 0.25, 0.4, 0.6, 0.8):
-            deepest = np.minimum(deepest, self.clearances(after + share * (self._paths.duration - after))[0])
+            deepest = np.minimum(deepest, self.clearances(after + share * (self._paths.duration - after)))
         return np.asarray(deepest <= -depth)
 
 

@@ -7,7 +7,7 @@ Free fall is met exactly. A kinematic body's way is known at both ends and inter
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,8 @@ _ASTRAY = 0.001
 @dataclass(frozen=True, slots=True)
 class Paths:
     """The ways of bodies from one frame to the next, ``duration`` seconds: ``position + velocity t + acceleration t^2 / 2`` (n, 3), and
-    ``rotation`` (n, 3, 3) turned about the body's origin as from ``turn_start`` to ``turn_end`` (n, 3, 3) within ``turn_time`` (n,)."""
+    ``rotation`` (n, 3, 3) turned about the body's origin as from ``turn_start`` to ``turn_end`` (n, 3, 3) within ``turn_time`` (n,).
+    ``end_position`` and ``end_rotation``: where the bodies really are then."""
 
     duration: float
     position: FloatArray
@@ -40,6 +41,15 @@ class Paths:
     turn_start: FloatArray
     turn_end: FloatArray
     turn_time: FloatArray
+    end_position: FloatArray
+    end_rotation: FloatArray
+
+    def to_the_ends(self) -> Paths:
+        """The ways that lead from the same starts with the same accelerations to where the bodies really are at the end."""
+        direct = (self.end_position - self.position) / self.duration
+        velocity = direct - self.acceleration * (self.duration / 2)
+        turn_time = np.full(len(velocity), self.duration)
+        return replace(self, velocity=velocity, turn_start=self.rotation, turn_end=self.end_rotation, turn_time=turn_time)
 
     def spins(self, rows: IntArray) -> FloatArray:
         """Angular velocities (k, 3) [rad/s] of bodies ``rows`` (k,)."""
@@ -61,46 +71,70 @@ class Paths:
         return np.asarray(self.velocity[rows] + self.acceleration[rows] * t)
 
     def fastest(self) -> FloatArray:
-        """(n,) greatest speed of each body's origin on its way."""
+        """(n,) greatest speed of each body's origin on its way, or on the straight one to where it really is at the end."""
         end = self.velocity + self.acceleration * self.duration
-        return np.sqrt(np.maximum((self.velocity**2).sum(axis=1), (end**2).sum(axis=1)))
+        direct = (self.end_position - self.position) / self.duration
+        return np.asarray(np.maximum(np.maximum(_length(self.velocity), _length(end)), _length(direct)))
 
 
 class MotionHistory:
-    """The last poses of bodies, oldest first, and for how many intervals each has moved, and moved undisturbed."""
+    """The last poses of bodies, and for how many intervals each has moved, and moved undisturbed."""
 
     def __init__(self, count: int) -> None:
         self.times: list[float] = []
-        self._position = np.zeros((_DEPTH + 1, count, 3))
-        self._rotation = np.zeros((_DEPTH + 1, count, 3, 3))
+        self._poses: list[FloatArray] = []
         self._still = np.zeros(count, dtype=np.int64)
         self._clean = np.zeros(count, dtype=np.int64)
-        self._onset = np.zeros(count, dtype=np.int64)
+        self._onset = np.full(count, -2)
 
-    def advance(self, time: float, transforms: FloatArray, moved: BoolArray) -> None:
-        """Add the poses (n, 4, 4) of a frame. Bodies that have not ``moved`` (n,) are taken to be where they were."""
-        first = not self.times
+    @property
+    def step(self) -> float:
+        """Seconds between the last two frames, 0 before there are two."""
+        return self.times[-1] - self.times[-2] if len(self.times) > 1 else 0.0
+
+    def advance(self, time: float, poses: FloatArray, moved: IntArray) -> None:
+        """Add a frame: the upper three rows of all matrices (n, 12), and the numbers of the bodies that have moved. ``poses`` is kept."""
         self.times = [*self.times[-_DEPTH:], time]
-        self._onset = np.where(moved & (self._still > 0), 0, self._onset + 1)
-        self._still = np.where(moved, 0, self._still + 1)
-        rows = np.arange(len(moved)) if first else np.flatnonzero(self._still <= _DEPTH)
-        for values, new in ((self._position, transforms[:, :3, 3]), (self._rotation, transforms[:, :3, :3])):
-            values[:-1, rows] = values[1:, rows]
-            values[-1, rows] = new[rows]
-        if first:
-            self._clean[:] = 0
-            self._onset[:] = -1
-        else:
-            self._clean[rows] += 1
+        self._poses = [*self._poses[-_DEPTH:], poses]
+        self._onset += 1
+        self._still += 1
+        self._clean += 1
+        if len(self.times) == 1:
+            self._still[:] = self._clean[:] = 0
+            return
+        self._onset[moved[self._still[moved] > 1]] = 0
+        self._still[moved] = 0
 
     def disturb(self, rows: IntArray) -> None:
         """Bodies ``rows`` have hit something in the last interval: their motion in it and before says nothing about what follows."""
         self._clean[rows] = 0
 
+    def _positions(self, back: int, rows: IntArray | slice = slice(None)) -> FloatArray:
+        return self._poses[-back][rows][:, 3::4]
+
+    def _rotations(self, back: int) -> FloatArray:
+        return self._poses[-back].reshape(-1, 3, 4)[:, :, :3]
+
+    def speed_bound(self, gravity: FloatArray) -> FloatArray:
+        """(n,) what the speed of each body in the last interval can have been at most, as far as poses tell; 0 before there are three."""
+        if len(self.times) < 3:
+            return np.zeros(len(self._still))
+        step, known = self.times[-1] - self.times[-2], self.times[-2] - self.times[-3]
+        now, last, before = (self._positions(k) for k in (1, 2, 3))
+        squared = np.maximum(((now - last) ** 2).sum(axis=1) / step**2, ((last - before) ** 2).sum(axis=1) / known**2)
+        return np.asarray(np.sqrt(squared) + _BELIEVABLE * float(np.linalg.norm(gravity)) * (step + known))
+
+    def drift(self, rows: IntArray) -> FloatArray:
+        """(k, 3) how far bodies ``rows`` have moved in the last interval, 0 before there is one."""
+        if len(self.times) < 2:
+            return np.zeros((len(rows), 3))
+        drift = self._positions(1, rows) - self._positions(2, rows)
+        return np.where(np.isfinite(drift), drift, 0.0)
+
     def surprised(self, paths: Paths) -> BoolArray:
         """(n,) which bodies are neither where ``paths`` up to now led nor where they would be without acceleration."""
         rows = np.flatnonzero(self.moving)
-        now, t = self._position[-1, rows], paths.duration
+        now, t = self._positions(1, rows), paths.duration
         straight = paths.position[rows] + paths.velocity[rows] * t
         bent = straight + paths.acceleration[rows] * (t * t / 2)
         surprised = np.zeros(len(self._still), dtype=np.bool_)
@@ -123,15 +157,15 @@ class MotionHistory:
         step, known, *older = (later - earlier for earlier, later in zip(self.times[-2::-1], self.times[:0:-1], strict=True))
         count = len(self._still)
         velocity, acceleration = np.zeros((count, 3)), np.zeros((count, 3))
-        turn_start, turn_end, turn_time = self._rotation[-3].copy(), self._rotation[-2].copy(), np.full(count, known)
+        turn_start, turn_end, turn_time = self._rotations(3).copy(), self._rotations(2).copy(), np.full(count, known)
         rows = np.flatnonzero(self.moving)
-        now, last, before = (self._position[-k, rows] for k in (1, 2, 3))
+        now, last, before = (self._positions(k, rows) for k in (1, 2, 3))
         chord, direct = (last - before) / known, (now - last) / step
         clean = self._clean[rows] - 1  # undisturbed intervals up to the start of the way
         # Dynamic: constant acceleration, measured where it can be believed.
         bend = np.where(airborne[rows, None], gravity, 0.0)
         if older:
-            earlier = (before - self._position[-4, rows]) / older[0]
+            earlier = (before - self._positions(4, rows)) / older[0]
             measured = 2 * (chord - earlier) / (known + older[0])
             believed = (clean >= 2) & (self._onset[rows] > 2) & (_length(measured) <= _BELIEVABLE * float(np.linalg.norm(gravity)))
             bend = np.where(believed[:, None], measured, bend)
@@ -153,8 +187,10 @@ class MotionHistory:
         acceleration[rows] = bend
         velocity[rows] = np.where(given[:, None], direct - bend * (step / 2), start)
         late = rows[given]
-        turn_start[late], turn_end[late], turn_time[late] = self._rotation[-2, late], self._rotation[-1, late], step
-        return Paths(step, self._position[-2], velocity, acceleration, self._rotation[-2], turn_start, turn_end, turn_time)
+        turn_start[late], turn_end[late], turn_time[late] = self._rotations(2)[late], self._rotations(1)[late], step
+        turns = (turn_start, turn_end, turn_time)
+        ends = (self._positions(1), self._rotations(1))
+        return Paths(step, self._positions(2), velocity, acceleration, self._rotations(2), *turns, *ends)
 
 
 def _length(vectors: FloatArray) -> FloatArray:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .boxes import best_axes, box_contacts
 from .closed_forms import (
     Separation,
     between,
@@ -54,15 +55,28 @@ MAX_PATCH_POINTS = 8
 
 @dataclass(frozen=True, slots=True)
 class PairPatches:
-    """Per pair of bodies: signed ``distance`` [m] (at least a lower bound where it is beyond the reach asked for), unit ``normal`` (p, 3)
-    from first to second, ``centre`` (p, 3) of the patch, midway between the surfaces [m, world], ``area`` (p,) [m^2], and if asked for the
-    ``corners`` of the patch."""
+    """Per pair of bodies, in the frame of the first: signed ``distance`` (p,) [m] (a lower bound where it is beyond the reach asked for),
+    unit ``normal`` (3, p) from first to second, ``centre`` (3, p) of the patch, midway between the surfaces, ``area`` (p,) [m^2], and if
+    asked for the ``corners`` (k, 3) of each patch."""
 
     distance: FloatArray
     normal: FloatArray
     centre: FloatArray
     area: FloatArray
     corners: tuple[FloatArray, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Boxes:
+    """Pairs ``rows`` (k,) of single boxes, the second placed relative to the first, and the radii (k,) by which each is grown."""
+
+    rows: IntArray
+    rotation: FloatArray
+    offset: FloatArray
+    half_a: FloatArray
+    half_b: FloatArray
+    radius_a: FloatArray
+    radius_b: FloatArray
 
 
 @dataclass(slots=True)
@@ -109,35 +123,71 @@ class _Found:
 
 
 class NarrowPhase:
-    """Queries between bodies given by number. ``solid`` says which bodies are volumes: their meshes count as hulls."""
+    """Queries between bodies given by number. ``solid`` says which bodies are volumes: their meshes count as hulls.
+
+    A pair is placed by the ``rotation`` (3, 3, p) of its second body and the ``offset`` (3, p) of its origin in the frame of the first;
+    results are in that frame.
+    """
 
     def __init__(self, shapes: Sequence[Shape], solid: Sequence[bool] | None = None) -> None:
-        self._table = CoreTable.of(shapes, solid or [False] * len(shapes))
-        self._convex = ConvexDistances(self._table)
-        self._features = Features(self._table)
+        self._table = table = CoreTable.of(shapes, solid or [False] * len(shapes))
+        self._convex = ConvexDistances(table)
+        self._features = Features(table)
         self._meshes: dict[int, MeshIndex] = {}
+        first = np.minimum(table.start[:-1], max(len(table.kind) - 1, 0))
+        self._is_box = (np.diff(table.start) == 1) & (table.kind[first] == Kind.BOX)
+        self._all_boxes = bool(self._is_box.all())
+        # Per body, for those that are boxes, pairs last.
+        self._half, self._sharp_half = table.half[first].T.copy(), table.sharp_half[first].T.copy()
+        self._radius, self._sharp_radius = table.radius[first], table.sharp_radius[first]
+        self._authored = table.is_box[first]
+        self._turn, self._shift = table.rotation[first].transpose(1, 2, 0).copy(), table.offset[first].T.copy()
+        self._outline = table.outline[first].T.copy()
 
-    def query(self, pairs: IntArray, a: FloatArray, b: FloatArray, reach: FloatArray | float, corners: bool = False) -> PairPatches:
-        """Distances and patches of ``pairs`` (p, 2) of bodies under world matrices ``a`` and ``b`` (p, 4, 4).
-
-        Distances up to ``reach`` (p,) metres are exact; beyond, they are lower bounds. ``corners``: give the points of the patches, too.
-        """
+    def query(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray, corners: bool = False) -> PairPatches:
+        """Distances and patches of ``pairs`` (p, 2). Distances up to ``reach`` (p,) metres are exact; beyond, they are lower bounds.
+        ``corners``: give the points of the patches, too."""
         count = len(pairs)
-        distance = np.full(count, np.inf)
-        limit = np.broadcast_to(np.asarray(reach, dtype=np.float64), (count,))
-        found: list[_Found] = []
-        for rows in self._rows(pairs, a, b, limit):
-            separated = self._separated(rows)
-            self._finish(rows, separated, limit, distance, found, corners)
-        return _reduced(np.where(np.isinf(distance), limit, distance), found, corners)
+        result = PairPatches(np.empty(count), np.empty((3, count)), np.empty((3, count)), np.empty(count), ())
+        others = np.arange(count)
+        if not corners:
+            boxes = self._boxes(pairs, rotation, offset)
+            if boxes is not None:
+                others = self._box_patches(boxes, pairs, reach, result, others)
+        if len(others) == 0:
+            return result
+        found = self._general(pairs[others], rotation[..., others], offset[:, others], reach[others], corners)
+        if len(others) == count:
+            return found
+        result.distance[others], result.area[others] = found.distance, found.area
+        result.normal[:, others], result.centre[:, others] = found.normal, found.centre
+        return result
 
-    def clearances(self, pairs: IntArray, a: FloatArray, b: FloatArray, reach: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Signed distances (p,), or lower bounds on them that are positive only if the distance is, and normals (p, 3) from first to
-        second. Cheaper than `query`. Beyond ``reach`` (p,) a bound need not be larger than that."""
+    def clearances(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray) -> FloatArray:
+        """Signed distances (p,), or lower bounds on them that are positive only if the distance is. Cheaper than `query`. Beyond ``reach``
+        (p,) a bound need not be larger than that."""
+        boxes = self._boxes(pairs, rotation, offset)
+        if boxes is None:
+            return self.directed_clearances(pairs, rotation, offset, reach)[0]
+        distance = np.empty(len(pairs))
+        distance[boxes.rows] = (
+            best_axes(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b).distance - boxes.radius_a - boxes.radius_b
+        )
+        if len(boxes.rows) < len(pairs):
+            rest = np.ones(len(pairs), dtype=np.bool_)
+            rest[boxes.rows] = False
+            others = np.flatnonzero(rest)
+            distance[others] = self.directed_clearances(pairs[others], rotation[..., others], offset[:, others], reach[others])[0]
+        return distance
+
+    def directed_clearances(
+        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """The same, and normals (p, 3) from first to second."""
         count = len(pairs)
         distance = np.full(count, np.inf)
         normal = np.tile([0.0, 0.0, 1.0], (count, 1))
-        for rows in self._rows(pairs, a, b, reach):
+        for rows in self._rows(pairs, *_matrices(rotation, offset), reach):
             separation = self._separated(rows).separation
             gap = _bounded(rows, separation.distance - rows.radius_a - rows.radius_b, reach)
             outward = np.where(rows.flipped[:, None], -separation.normal, separation.normal)
@@ -147,6 +197,74 @@ class NarrowPhase:
             normal[owner[closer]] = outward[order][closer]
             np.minimum.at(distance, owner, gap[order])
         return np.where(np.isinf(distance), reach, distance), normal
+
+    def _boxes(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> _Boxes | None:
+        """Those of the pairs that are of two single boxes."""
+        first, second = pairs.T
+        if self._all_boxes:
+            rows = np.arange(len(pairs))
+        else:
+            rows = np.flatnonzero(self._is_box[first] & self._is_box[second])
+            if len(rows) == 0:
+                return None
+            first, second, rotation, offset = first[rows], second[rows], rotation[..., rows], offset[:, rows]
+        if self._table.placed:
+            shift, turn_a, turn_b = self._shift[:, second], self._turn[..., first], self._turn[..., second]
+            offset = offset + (rotation * shift).sum(axis=1) - self._shift[:, first]
+            offset = (turn_a * offset[:, None]).sum(axis=0)
+            rotation = product(turn_a.transpose(1, 0, 2), product(rotation, turn_b))
+        sharp = self._authored[first] & self._authored[second]
+        some, every = bool(sharp.any()), bool(sharp.all())
+        size = []
+        for body in (first, second):
+            half, radius = self._half[:, body], self._radius[body]
+            if some:
+                sharp_half, sharp_radius = self._sharp_half[:, body], self._sharp_radius[body]
+                half = sharp_half if every else np.where(sharp, sharp_half, half)
+                radius = sharp_radius if every else np.where(sharp, sharp_radius, radius)
+            size.append((half, radius))
+        (half_a, radius_a), (half_b, radius_b) = size
+        return _Boxes(rows, rotation, offset, half_a, half_b, radius_a, radius_b)
+
+    def _box_patches(self, boxes: _Boxes, pairs: IntArray, reach: FloatArray, result: PairPatches, every: IntArray) -> IntArray:
+        """Write what boxes have; the pairs that are left."""
+        rows = boxes.rows
+        radius = boxes.radius_a + boxes.radius_b
+        found = box_contacts(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b, reach[rows] + radius)
+        area, normal, centre = found.area, found.normal, found.centre
+        first, second = pairs[rows].T
+        if np.any(radius > 0):
+            area = area * self._flatness(first, second, boxes, normal)
+            centre = centre + normal * ((boxes.radius_a - boxes.radius_b) / 2)
+        if self._table.placed:
+            turn = self._turn[..., first]
+            normal = (turn * normal).sum(axis=1)
+            centre = (turn * centre).sum(axis=1) + self._shift[:, first]
+        result.distance[rows] = found.distance - radius
+        result.normal[:, rows], result.centre[:, rows], result.area[rows] = normal, centre, area
+        if len(rows) == len(every) and found.exact.all():
+            return every[:0]
+        left = np.ones(len(every), dtype=np.bool_)
+        left[rows[found.exact]] = False
+        return every[left]
+
+    def _flatness(self, first: IntArray, second: IntArray, boxes: _Boxes, normal: FloatArray) -> FloatArray:
+        """Areas (k,) of the smaller of the two faces over those of the boxes' cores: edges that are rounded within the size of a box take
+        nothing from what is flat."""
+        ratios, areas = [], []
+        for body, half, way in ((first, boxes.half_a, normal), (second, boxes.half_b, (boxes.rotation * normal[:, None]).sum(axis=0))):
+            across = np.arange(3)[:, None] != np.abs(way).argmax(axis=0)
+            areas.append(np.where(across, half, 1.0).prod(axis=0))
+            ratios.append(np.where(across, self._outline[:, body] / np.maximum(half, 1e-9), 1.0).prod(axis=0))
+        return np.where(areas[0] <= areas[1], ratios[0], ratios[1])
+
+    def _general(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray, corners: bool) -> PairPatches:
+        """Pairs of any shapes."""
+        distance = np.full(len(pairs), np.inf)
+        found: list[_Found] = []
+        for rows in self._rows(pairs, *_matrices(rotation, offset), reach):
+            self._finish(rows, self._separated(rows), reach, distance, found, corners)
+        return _reduced(np.where(np.isinf(distance), reach, distance), found, corners)
 
     def _rows(self, pairs: IntArray, a: FloatArray, b: FloatArray, reach: FloatArray) -> Iterator[_Rows]:
         """All pairs of cores of all pairs of bodies, in groups of the same kinds, the simpler kind first, meshes as their triangles."""
@@ -370,6 +488,28 @@ def _at_nearest_points(patch: Patches) -> Patches:
     return replace(patch, centre=patch.centre * keep, area=patch.area * ~missed, corners=patch.corners * keep[..., None])
 
 
+def product(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Products (3, 3, p) of matrices (3, 3, p)."""
+    return np.asarray((a[:, :, None] * b[None]).sum(axis=1))
+
+
+def relative_pose(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rotation (3, 3, p) and offset (3, p) of poses ``b`` in the frames of poses ``a``, both (12, p): rotation by rows, then position."""
+    turn_a, turn_b = a[:9].reshape(3, 3, -1), b[:9].reshape(3, 3, -1)
+    rotation = (turn_a[:, :, None] * turn_b[:, None]).sum(axis=0)
+    return rotation, (turn_a * (b[9:] - a[9:])[:, None]).sum(axis=0)
+
+
+def _matrices(rotation: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Identities and relative poses (p, 4, 4)."""
+    count = offset.shape[1]
+    matrices = np.zeros((count, 4, 4))
+    matrices[:, :3, :3] = rotation.transpose(2, 0, 1)
+    matrices[:, :3, 3] = offset.T
+    matrices[:, 3, 3] = 1.0
+    return np.broadcast_to(np.eye(4), (count, 4, 4)), matrices
+
+
 def _products(start: IntArray, pairs: IntArray) -> tuple[IntArray, IntArray, IntArray]:
     """Every core of each pair's first body with every core of its second: number of the pair, of either core."""
     count = np.diff(start)[pairs]
@@ -439,7 +579,7 @@ def _reduced(distance: FloatArray, found: list[_Found], corners: bool) -> PairPa
     normal = np.tile([0.0, 0.0, 1.0], (count, 1))
     centre, area = np.zeros((count, 3)), np.zeros(count)
     if not found:
-        return PairPatches(distance, normal, centre, area, tuple(np.zeros((0, 3)) for _ in range(count)) if corners else ())
+        return PairPatches(distance, normal.T, centre.T, area, tuple(np.zeros((0, 3)) for _ in range(count)) if corners else ())
     owner, each, normals, centres, weights, areas = (
         np.concatenate([getattr(f, name) for f in found]) for name in ("owner", "distance", "normal", "centre", "weight", "area")
     )
@@ -471,12 +611,12 @@ def _reduced(distance: FloatArray, found: list[_Found], corners: bool) -> PairPa
         whole = length > 0.1 * total
         normal[whole] = mean[whole] / length[whole, None]
     if not corners:
-        return PairPatches(distance, normal, centre, area)
+        return PairPatches(distance, normal.T, centre.T, area)
     points: list[list[FloatArray]] = [[] for _ in range(count)]
     flat_points = [c for f in found for c in (f.corners or [])]
     for k in np.flatnonzero(kept).tolist():
         points[owner[k]].append(flat_points[k])
-    return PairPatches(distance, normal, centre, area, tuple(_outline(p, normal[k]) for k, p in enumerate(points)))
+    return PairPatches(distance, normal.T, centre.T, area, tuple(_outline(p, normal[k]) for k, p in enumerate(points)))
 
 
 def _outline(points: list[FloatArray], normal: FloatArray) -> FloatArray:

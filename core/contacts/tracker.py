@@ -9,16 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .broad_phase import overlapping_pairs
-from .closed_forms import turned, turned_back
 from .contact_set import ContactSet
 from .impacts import Hits, Impact, Meetings, impact_energies, took_place
 from .motion import MotionHistory, Paths
-from .narrow_phase import NarrowPhase
+from .narrow_phase import NarrowPhase, relative_pose
 from .reach import Reach
 from .settings import Body, ContactSettings, ImpactEnergy, Motion
-from .shapes import transformed_bounds
 
 __all__ = ["Body", "ContactSettings", "ContactStatistics", "ContactTracker", "FrameContacts", "Impact", "ImpactEnergy", "Motion", "Reach"]
+
+_ROTATION = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10])
+_POSITION = np.array([3, 7, 11])
+"""Columns of the upper three rows of a 4 x 4 matrix, one after the other."""
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -26,6 +28,9 @@ BoolArray = NDArray[np.bool_]
 
 STILL = 1e-5
 """Metres by which no point of a body has moved if it counts as not having moved: simulations at rest tremble, and poses are float32."""
+
+_FIRM = 2e-3
+"""Metres of distance at which a contact is taken to act on the bodies."""
 
 _CREEP = 0.05
 """Metres per second of approach up to which touching bodies have nothing left to hit."""
@@ -57,65 +62,60 @@ class FrameContacts:
     warnings: tuple[str, ...]
 
 
+# Rows of what is kept of a pair, all in the frame of its larger body unless said otherwise: place of the middle of the smaller one's
+# bounds, its rotation, the contact on the larger and (in its own frame) on the smaller body, normal from larger to smaller, distance, area.
+_PLACE, _TURN, _ON_LARGER, _ON_SMALLER, _NORMAL = slice(0, 3), slice(3, 12), slice(12, 15), slice(15, 18), slice(18, 21)
+_DISTANCE, _AREA, _ROWS = 21, 22, 23
+
+
 @dataclass(slots=True)
 class _Pairs:
-    """Candidate pairs (p,) and what is known of them, sorted by ``key`` = first * n + second.
+    """Candidate pairs (p,), sorted by ``key`` = smaller number * n + larger number, and what is known of them.
 
-    ``known``: has been queried, at ``version`` (p, 2) of the poses of both. ``distance``: then, signed or a lower bound. ``touching``;
-    ``struck``: nothing more is to be hit until they part; ``looked``: all that is as of the last frame. Of the query: the pose of the
-    mover, the smaller body, relative to the other, ``offset`` (p, 3) of the middle of its bounds and ``turn`` (p, 3, 3), and the patch in
-    the frame of the other: ``centre`` (p, 3), ``normal`` (p, 3, from first to second), ``area`` (p,), ``corners`` (p,).
+    ``larger`` and ``smaller`` (p,): the bodies by size. ``known``: has been queried, at ``version`` (2, p) of their poses, with ``values``
+    (rows, p). ``touching``; ``struck``: nothing more is to be hit until they part; ``looked``: all that is as of the last frame.
     """
 
     key: IntArray
+    larger: IntArray
+    smaller: IntArray
     known: BoolArray
-    version: IntArray
-    distance: FloatArray
     touching: BoolArray
     struck: BoolArray
     looked: BoolArray
-    offset: FloatArray
-    turn: FloatArray
-    centre: FloatArray
-    normal: FloatArray
-    area: FloatArray
-    corners: NDArray[np.object_]
+    version: IntArray
+    values: FloatArray
+    corners: dict[int, FloatArray]
 
     @classmethod
-    def of(cls, key: IntArray) -> _Pairs:
+    def of(cls, key: IntArray, larger: IntArray, smaller: IntArray) -> _Pairs:
         """Pairs of which nothing is known."""
-        n = len(key)
-        no = np.zeros(n, dtype=np.bool_)
-        vectors = np.zeros((n, 3))
-        return cls(
-            key=key,
-            known=no,
-            version=np.full((n, 2), -1),
-            distance=np.full(n, np.inf),
-            touching=no.copy(),
-            struck=no.copy(),
-            looked=np.ones(n, dtype=np.bool_),
-            offset=vectors,
-            turn=np.zeros((n, 3, 3)),
-            centre=vectors.copy(),
-            normal=vectors.copy(),
-            area=np.zeros(n),
-            corners=np.empty(n, dtype=np.object_),
-        )
+        count = len(key)
+        known, touching, struck = np.zeros((3, count), dtype=np.bool_)
+        looked = np.ones(count, dtype=np.bool_)
+        version = np.full((2, count), -1)
+        return cls(key, larger, smaller, known, touching, struck, looked, version, np.zeros((_ROWS, count)), {})
 
-    def carried_to(self, key: IntArray) -> _Pairs:
+    def carried_to(self, key: IntArray, larger: IntArray, smaller: IntArray) -> _Pairs:
         """The pairs ``key``, with what is known of those that were here before."""
         if np.array_equal(key, self.key):
             return self
-        pairs = _Pairs.of(key)
         if len(self.key) == 0 or len(key) == 0:
-            return pairs
+            return _Pairs.of(key, larger, smaller)
         place = np.minimum(np.searchsorted(self.key, key), len(self.key) - 1)
-        same = np.flatnonzero(self.key[place] == key)
-        source = place[same]
-        for field in fields(self)[1:]:
-            getattr(pairs, field.name)[same] = getattr(self, field.name)[source]
-        return pairs
+        here = self.key[place] == key
+        return _Pairs(
+            key=key,
+            larger=larger,
+            smaller=smaller,
+            known=self.known[place] & here,
+            touching=self.touching[place] & here,
+            struck=self.struck[place] & here,
+            looked=self.looked[place] | ~here,
+            version=self.version[:, place],
+            values=self.values[:, place],
+            corners={k: c for k, c in self.corners.items() if k in set(key.tolist())} if self.corners else {},
+        )
 
 
 class ContactTracker:
@@ -128,13 +128,14 @@ class ContactTracker:
 
     def _set(self, bodies: tuple[Body, ...]) -> None:
         self.bodies = bodies
-        self._local = np.array([b.shape.local_bounds() for b in bodies], dtype=np.float64).reshape(-1, 2, 3)
-        self._middle = self._local.mean(axis=1)
-        self._radius = np.sqrt((np.ptp(self._local, axis=1) ** 2).sum(axis=1)) / 2
-        arm = np.sqrt((np.abs(self._local).max(axis=1) ** 2).sum(axis=1))
-        self._still = STILL / np.stack([arm, arm, arm, np.ones(len(bodies))], axis=1).clip(1e-9)
+        local = np.array([b.shape.local_bounds() for b in bodies], dtype=np.float64).reshape(-1, 2, 3)
+        self._middle = local.mean(axis=1).T.copy()
+        self._extent = (np.ptp(local, axis=1) / 2).T.copy()
+        self._radius = np.sqrt((self._extent**2).sum(axis=0))
+        arm = np.sqrt((np.abs(local).max(axis=1) ** 2).sum(axis=1))
+        self._still = STILL / np.stack([arm, arm, arm, np.ones(len(bodies))] * 3, axis=1).clip(1e-9)
         self._narrow = NarrowPhase([b.shape for b in bodies], [b.medium for b in bodies])
-        self._meetings = Meetings(self._narrow, self._local)
+        self._meetings = Meetings(self._narrow, local)
         self._mass = np.array([b.mass or 0.0 for b in bodies], dtype=np.float64)
         self._dynamic = np.array([b.motion is Motion.DYNAMIC for b in bodies], dtype=np.bool_)
         self._medium = np.array([b.medium for b in bodies], dtype=np.bool_)
@@ -142,13 +143,15 @@ class ContactTracker:
     def reset(self) -> None:
         """Forget the past: the next update begins no contact and makes no impact."""
         count = len(self.bodies)
+        none = np.zeros(0, dtype=np.int64)
         self._history = MotionHistory(count)
-        self._pose = np.full((count, 4, 4), np.nan)
+        self._flat = np.full((count, 12), np.nan)
+        self._pose = np.full((12, count), np.nan)
         self._version = np.zeros(count, dtype=np.int64)
-        self._bounds = np.full((count, 2, 3), np.nan)
-        self._fat = np.full((count, 2, 3), np.nan)
-        self._near = np.zeros(0, dtype=np.int64)
-        self._pairs = _Pairs.of(self._near)
+        self._low, self._high = np.full((3, count), np.inf), np.full((3, count), -np.inf)
+        self._fat_low, self._fat_high = self._low.copy(), self._high.copy()
+        self._near, self._near_larger, self._near_smaller = none, none, none
+        self._pairs = _Pairs.of(none, none, none)
         self._airborne = self._dynamic.copy()
         self._last_impact: dict[int, float] = {}
         self._last: FrameContacts | None = None
@@ -163,10 +166,11 @@ class ContactTracker:
             raise ValueError("bodies: they must have the same names as before")
         changed = np.array([a is not b and a != b for a, b in zip(bodies, self.bodies, strict=True)], dtype=np.bool_)
         self._set(tuple(bodies))
-        self._pose[changed] = np.nan
-        self._fat[changed] = np.nan
-        first, second = self._split(self._pairs.key)
-        self._pairs.known &= ~(changed[first] | changed[second])
+        self._flat[changed] = np.nan
+        self._fat_low[:, changed], self._fat_high[:, changed] = np.inf, -np.inf
+        self._near_larger, self._near_smaller = self._by_size(self._near)
+        self._pairs.larger, self._pairs.smaller = self._by_size(self._pairs.key)
+        self._pairs.known[:] = False
 
     def update(
         self, time: float, transforms: FloatArray, wanted: BoolArray | Reach | None = None, continuous: bool = True
@@ -183,33 +187,55 @@ class ContactTracker:
         if not continuous or (self._history.times and time <= self._history.times[-1]):
             self.reset()
         moved, warnings = self._take(time, transforms)
-        if self._last is not None and not moved.any() and _same(wanted, self._last_wanted):
+        if self._last is not None and len(moved) == 0 and _same(wanted, self._last_wanted):
             return self._unchanged(warnings)
-        paths, fast = self._ways(time)
-        strikers = self._broad_phase(paths, fast)
+        paths, strikers = self._near_pairs(moved)
         result = self._contacts(time, wanted, paths, strikers, warnings)
         self._last, self._last_wanted = result, wanted
         return result
 
-    def _split(self, key: IntArray) -> tuple[IntArray, IntArray]:
-        count = max(len(self.bodies), 1)
-        return key // count, key % count
+    def _by_size(self, key: IntArray) -> tuple[IntArray, IntArray]:
+        """The larger and the smaller body of each pair."""
+        first, second = key // max(len(self.bodies), 1), key % max(len(self.bodies), 1)
+        larger = self._radius[first] >= self._radius[second]
+        return np.where(larger, first, second), np.where(larger, second, first)
 
-    def _take(self, time: float, transforms: FloatArray) -> tuple[BoolArray, tuple[str, ...]]:
-        """Take over the poses of bodies that have moved; say which and who is left out. Those that are have NaN for a pose."""
-        moved = ~(np.abs(transforms[:, :3] - self._pose[:, :3]).max(axis=1) <= self._still).all(axis=1)
-        rows = np.flatnonzero(moved)
-        lost = rows[~np.isfinite(transforms[rows]).all(axis=(1, 2))]
+    def _keys(self, first: IntArray, second: IntArray) -> IntArray:
+        return np.asarray(np.minimum(first, second) * len(self.bodies) + np.maximum(first, second))
+
+    def _numbers(self, key: IntArray) -> IntArray:
+        """Pairs (k, 2), smaller number first."""
+        return np.stack([key // max(len(self.bodies), 1), key % max(len(self.bodies), 1)], axis=1)
+
+    def _take(self, time: float, transforms: FloatArray) -> tuple[IntArray, tuple[str, ...]]:
+        """Take over the poses of bodies that have moved; their numbers, and warnings of those left out."""
+        flat = transforms[:, :3].reshape(-1, 12).copy()
+        stays = np.abs(flat - self._flat) <= self._still
+        if stays.all():
+            self._history.advance(time, flat, np.zeros(0, dtype=np.int64))
+            return np.zeros(0, dtype=np.int64), ()
+        moved = np.flatnonzero(~stays.all(axis=1))
+        poses = flat[moved]
+        finite = np.isfinite(poses).all(axis=1)
+        lost = moved[~finite]
         if len(lost):
-            transforms = transforms.copy()
-            transforms[lost] = np.nan
-            moved[lost] = ~np.isnan(self._pose[lost, 0, 0]) | (not self._history.times)
-            rows = np.flatnonzero(moved)
-        self._pose[rows] = transforms[rows]
-        self._version[rows] += 1
-        self._bounds[rows] = transformed_bounds(self._local[rows], self._pose[rows])
-        self._history.advance(time, transforms, moved)
-        return moved, tuple(f"{self.bodies[k].name}: its transform is not finite; it takes no part" for k in lost.tolist())
+            moved, poses = moved[finite], poses[finite]
+            gone = lost[np.isfinite(self._flat[lost, 0])]
+            self._low[:, gone], self._high[:, gone] = np.inf, -np.inf
+            self._version[gone] += 1
+            self._flat[lost] = np.nan
+        self._flat[moved] = poses
+        rotation, position = poses[:, _ROTATION].T, poses[:, _POSITION].T
+        self._pose[:9, moved], self._pose[9:, moved] = rotation, position
+        self._version[moved] += 1
+        turn = rotation.reshape(3, 3, -1)
+        centre = (turn * self._middle[:, moved]).sum(axis=1) + position
+        half = (np.abs(turn) * self._extent[:, moved]).sum(axis=1) + (self.settings.tolerance + self.settings.slack) / 2 + 2 * STILL
+        self._low[:, moved], self._high[:, moved] = centre - half, centre + half
+        self._history.advance(time, flat, moved)
+        self._history.disturb(lost)
+        warnings = tuple(f"{self.bodies[k].name}: its transform is not finite; it takes no part" for k in lost.tolist())
+        return (moved if len(lost) == 0 else np.union1d(moved, gone)), warnings
 
     def _unchanged(self, warnings: tuple[str, ...]) -> FrameContacts:
         assert self._last is not None
@@ -217,203 +243,243 @@ class ContactTracker:
         candidates = len(self._pairs.key)
         return FrameContacts(self._last.contacts, none, none, (), ContactStatistics(candidates, 0, candidates), warnings)
 
-    def _ways(self, time: float) -> tuple[Paths | None, FloatArray]:
-        """How bodies moved since the last frame as far as what came before tells, and the most energy (n,) that each could hit with."""
-        scale = self.settings.time_scale
-        paths = self._history.paths(~self._dynamic, self._airborne, np.array(self.settings.gravity) * scale**2)
-        if paths is None:
-            return None, np.zeros(len(self.bodies))
+    def _energies(self, speed: FloatArray) -> FloatArray:
+        """The most energy (n,) that bodies of a ``speed`` (n,) of up to so much could bring into an impact."""
         mass = self._mass
         if self.settings.energy is ImpactEnergy.NORMAL:
             # Twice the speed of the faster of two at most, and no more than the mass of a dynamic one of them.
             mass = 4 * np.where(self._dynamic, mass, np.max(mass, where=self._dynamic, initial=0.0))
-        return paths, mass / 2 * (paths.fastest() / scale) ** 2
+        return np.asarray(mass / 2 * (speed / self.settings.time_scale) ** 2)
 
-    def _broad_phase(self, paths: Paths | None, energy: FloatArray) -> IntArray:
-        """Bring the near pairs up to date; those (k,) of them that could make an impact, by key."""
-        grown = self._grown(self._bounds)
-        fast = np.flatnonzero(energy >= self.settings.least_energy / 2) if paths is not None else np.zeros(0, dtype=np.int64)
-        if paths is not None and len(fast):
+    def _near_pairs(self, moved: IntArray) -> tuple[Paths | None, IntArray]:
+        """Bring the near pairs up to date. The ways of the bodies if any is fast enough for an impact, and the pairs, by number among the
+        near ones, that could make one."""
+        low, high = self._low, self._high
+        paths, none = None, np.zeros(0, dtype=np.int64)
+        gravity = np.array(self.settings.gravity) * self.settings.time_scale**2
+        least = self.settings.least_energy
+        if np.any(self._energies(self._history.speed_bound(gravity)) >= least / 2):
+            paths = self._history.paths(~self._dynamic, self._airborne, gravity)
+        if paths is not None:
+            energy = self._energies(paths.fastest())
+            fast = np.flatnonzero(energy >= least / 2)
+            if len(fast) == 0:
+                paths = None
+        if paths is not None:
+            low, high = low.copy(), high.copy()
             for time in (0.0, paths.duration):
-                swept = transformed_bounds(self._local[fast], paths.matrices(fast, time))
-                grown[fast, 0] = np.minimum(grown[fast, 0], swept[:, 0])
-                grown[fast, 1] = np.maximum(grown[fast, 1], swept[:, 1])
-        escaped = ~((grown[:, 0] >= self._fat[:, 0]) & (grown[:, 1] <= self._fat[:, 1])).all(axis=1)
-        if escaped.any():
-            self._fat[escaped] = grown[escaped] + np.array([[-_FAT], [_FAT]])
-            if paths is not None:
-                rows = np.flatnonzero(escaped)
-                drift = paths.velocities(rows, paths.duration) * paths.duration
-                self._fat[rows, 0] += np.minimum(drift, 0.0)
-                self._fat[rows, 1] += np.maximum(drift, 0.0)
-            first, second = self._split(self._near)
-            found = overlapping_pairs(self._fat, escaped)
-            kept = self._near[~(escaped[first] | escaped[second])]
-            self._near = np.sort(np.concatenate([kept, found[:, 0] * len(self.bodies) + found[:, 1]]))
-        if len(fast) == 0:
-            return np.zeros(0, dtype=np.int64)
-        first, second = self._split(self._near)
+                swept = self._meetings.bounds(paths, fast, time)
+                low[:, fast] = np.minimum(low[:, fast], swept[:, 0].T)
+                high[:, fast] = np.maximum(high[:, fast], swept[:, 1].T)
+        self._widen(low, high, moved)
+        if paths is None:
+            return None, none
         rapid = np.zeros(len(self.bodies), dtype=np.bool_)
         rapid[fast] = True
-        return self._near[(rapid[first] | rapid[second]) & (energy[first] + energy[second] >= self.settings.least_energy)]
+        a, b = self._near_larger, self._near_smaller
+        return paths, np.flatnonzero((rapid[a] | rapid[b]) & (energy[a] + energy[b] >= least))
 
-    def _grown(self, bounds: FloatArray) -> FloatArray:
-        """Bounds that overlap wherever two bodies could be touching."""
-        grow = (self.settings.tolerance + self.settings.slack) / 2 + 2 * STILL
-        return np.asarray(bounds + np.array([[-grow], [grow]]))
+    def _widen(self, low: FloatArray, high: FloatArray, moved: IntArray) -> None:
+        """Make the wide bounds hold these again, and find the pairs whose wide bounds overlap."""
+        inside = (low[:, moved] >= self._fat_low[:, moved]) & (high[:, moved] <= self._fat_high[:, moved])
+        rows = moved[~inside.all(axis=0)]
+        if len(rows) == 0:
+            return
+        drift = self._history.drift(rows).T
+        self._fat_low[:, rows] = low[:, rows] - _FAT + np.minimum(drift, 0.0)
+        self._fat_high[:, rows] = high[:, rows] + _FAT + np.maximum(drift, 0.0)
+        escaped = np.zeros(len(self.bodies), dtype=np.bool_)
+        escaped[rows] = True
+        found = overlapping_pairs(np.stack([self._fat_low.T, self._fat_high.T], axis=1), escaped)
+        near = found[:, 0] * len(self.bodies) + found[:, 1]
+        if len(rows) < len(self.bodies):
+            near = np.sort(np.concatenate([self._near[~(escaped[self._near_larger] | escaped[self._near_smaller])], near]))
+        if not np.array_equal(near, self._near):
+            self._near = near
+            self._near_larger, self._near_smaller = self._by_size(near)
 
     def _contacts(
         self, time: float, wanted: BoolArray | Reach | None, paths: Paths | None, strikers: IntArray, warnings: tuple[str, ...]
     ) -> FrameContacts:
         first_frame = self._last is None
-        grown = self._grown(self._bounds)
-        first, second = self._split(self._near)
+        low, high, larger, smaller = self._low, self._high, self._near_larger, self._near_smaller
+        met = ((low[:, larger] <= high[:, smaller]) & (low[:, smaller] <= high[:, larger])).all(axis=0)
         old = self._pairs
-        key = self._near[((grown[first, 0] <= grown[second, 1]) & (grown[first, 1] >= grown[second, 0])).all(axis=1)]
-        old_touching = old.key[old.touching & old.looked]
-        old_struck = old.key[old.struck]
-        pairs = self._pairs = old.carried_to(key)
-        first, second = self._split(key)
-        fresh = pairs.known & (pairs.version[:, 0] == self._version[first]) & (pairs.version[:, 1] == self._version[second])
-        asked = self._asked(wanted, first, second, grown, fresh)
-        looked = asked | fresh | np.isin(key, strikers)
+        touched, struck = old.key[old.touching & old.looked], old.key[old.struck]
+        key = self._near[met]
+        pairs = self._pairs = old.carried_to(key, larger[met], smaller[met])
+        fresh = pairs.known & (pairs.version[0] == self._version[pairs.larger]) & (pairs.version[1] == self._version[pairs.smaller])
+        asked = self._asked(wanted, fresh)
+        looked = asked | fresh
+        if len(strikers):
+            striking = np.zeros(len(met), dtype=np.bool_)
+            striking[strikers] = True
+            looked |= striking[met]
         before = pairs.touching & pairs.looked
-        apart_before = ~pairs.touching & pairs.looked
-        distance_before = pairs.distance.copy()
+        apart = ~pairs.touching & pairs.looked
+        distance = pairs.values[_DISTANCE].copy()
         queries = self._look(np.flatnonzero(looked & ~fresh), before)
         pairs.touching &= looked
         pairs.looked = looked
-        hits = self._hits(paths, strikers[~np.isin(strikers, old_struck)])
+
+        hits = None
+        if paths is not None and len(strikers):
+            strikers = self._near[strikers]
+            strikers = strikers[~np.isin(strikers, struck)]
+            arrived = key[pairs.touching & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
+            hits = self._hits(paths, strikers, arrived[np.isin(arrived, strikers)])
         impacts = self._impacts(time, hits, paths)
-        settled = before.copy()
-        if not first_frame:
-            creep = _CREEP * (time - self._history.times[-2])
-            settled[before] = distance_before[before] - pairs.distance[before] <= creep
-        pairs.struck &= pairs.touching
-        pairs.struck |= pairs.touching & (settled | first_frame | np.isin(key, self._keys(impacts)))
-        self._disturb(hits, paths)
+        settled = before & (distance - pairs.values[_DISTANCE] <= _CREEP * self._history.step)
+        if len(impacts):
+            settled |= np.isin(key, [a * len(self.bodies) + b for a, b in (impact.objects for impact in impacts)])
+        pairs.struck = pairs.touching & (pairs.struck | settled | first_frame)
+        if paths is not None:
+            self._disturb(hits, paths)
         self._airborne = self._dynamic.copy()
-        self._airborne[first[pairs.struck]] = False
-        self._airborne[second[pairs.struck]] = False
+        self._airborne[pairs.larger[pairs.struck]] = False
+        self._airborne[pairs.smaller[pairs.struck]] = False
+
         reported = pairs.touching & asked
-        began = key[reported & apart_before] if not first_frame else key[:0]
-        now_unknown = key[~looked]
-        ended = old_touching[~np.isin(old_touching, key[pairs.touching]) & ~np.isin(old_touching, now_unknown)]
+        began = key[reported & apart] if not first_frame else key[:0]
+        lost = touched[~np.isin(touched, key[pairs.touching | ~looked], assume_unique=True)]
         return FrameContacts(
             contacts=self._contact_set(np.flatnonzero(reported)),
-            began=np.stack(self._split(began), axis=1),
-            ended=np.stack(self._split(ended), axis=1),
+            began=self._numbers(began),
+            ended=self._numbers(lost),
             impacts=impacts,
             statistics=ContactStatistics(len(key), queries, len(key) - queries),
             warnings=warnings,
         )
 
-    def _asked(self, wanted: BoolArray | Reach | None, first: IntArray, second: IntArray, grown: FloatArray, fresh: BoolArray) -> BoolArray:
+    def _asked(self, wanted: BoolArray | Reach | None, fresh: BoolArray) -> BoolArray:
         """Which candidate pairs the caller wants to know of."""
+        pairs = self._pairs
         if wanted is None:
-            return np.ones(len(first), dtype=np.bool_)
+            return np.ones(len(pairs.key), dtype=np.bool_)
         if not isinstance(wanted, Reach):
-            return np.asarray(wanted[first] | wanted[second])
-        asked = np.zeros(len(first), dtype=np.bool_)
-        possible = np.flatnonzero(~fresh | self._pairs.touching)
-        a, b = first[possible], second[possible]
-        regions = np.stack([np.maximum(grown[a, 0], grown[b, 0]), np.minimum(grown[a, 1], grown[b, 1])], axis=1)
+            return np.asarray(wanted[pairs.larger] | wanted[pairs.smaller])
+        asked = np.zeros(len(pairs.key), dtype=np.bool_)
+        possible = np.flatnonzero(~fresh | pairs.touching)
+        a, b = pairs.larger[possible], pairs.smaller[possible]
+        regions = np.stack([np.maximum(self._low[:, a], self._low[:, b]).T, np.minimum(self._high[:, a], self._high[:, b]).T], axis=1)
         asked[possible] = wanted.wanted(np.stack([a, b], axis=1), regions)
         return asked
 
     def _look(self, rows: IntArray, before: BoolArray) -> int:
         """Bring pairs ``rows`` up to date, by a query where they have moved relative to each other; how many were made."""
+        if len(rows) == 0:
+            return 0
         pairs = self._pairs
-        first, second = self._split(pairs.key[rows])
-        pairs.version[rows] = np.stack([self._version[first], self._version[second]], axis=1)
+        larger, smaller = pairs.larger[rows], pairs.smaller[rows]
+        pairs.version[0, rows], pairs.version[1, rows] = self._version[larger], self._version[smaller]
         limit: FloatArray = np.where(before[rows], self.settings.tolerance + self.settings.slack, self.settings.tolerance)
-        frame, mover = self._frames(rows)
-        turn, offset = self._relative(frame, mover)
-        travel = offset - pairs.offset[rows]
-        change = turn - pairs.turn[rows]
-        motion = np.sqrt((travel**2).sum(axis=1)) + self._radius[mover] * np.sqrt((change**2).sum(axis=(1, 2)) / 2)
-        stays = pairs.known[rows] & np.where(pairs.touching[rows], motion <= STILL, pairs.distance[rows] - motion > limit)
-        stays &= pairs.touching[rows] == before[rows]
-        asked = np.flatnonzero(~stays)
-        rows, first, second, frame, mover = rows[asked], first[asked], second[asked], frame[asked], mover[asked]
-        patches = self._narrow.query(
-            np.stack([first, second], axis=1), self._pose[first], self._pose[second], limit[asked], self.settings.patch_points
-        )
-        centre = np.where((self._medium[first] | self._medium[second])[:, None], self._overlap(first, second), patches.centre)
-        rotation, origin = self._pose[frame, :3, :3], self._pose[frame, :3, 3]
+        turn, offset = relative_pose(self._pose[:, larger], self._pose[:, smaller])
+        place = (turn * self._middle[:, smaller]).sum(axis=1) + offset
+        stays = self._stays(rows, turn, place, self._radius[smaller], limit, before[rows])
+        if stays.any():
+            asked = np.flatnonzero(~stays)
+            rows, larger, smaller, limit = rows[asked], larger[asked], smaller[asked], limit[asked]
+            turn, offset, place = turn[..., asked], offset[:, asked], place[:, asked]
+        points = self.settings.patch_points
+        found = self._narrow.query(np.stack([larger, smaller], axis=1), turn, offset, limit, points)
+        values = np.empty((_ROWS, len(rows)))
+        values[_PLACE], values[_TURN], values[_NORMAL] = place, turn.reshape(9, -1), found.normal
+        values[_DISTANCE], values[_AREA] = found.distance, found.area
+        gap = found.normal * (found.distance / 2)
+        centre = self._in_media(larger, smaller, found.centre)
+        values[_ON_LARGER] = centre - gap
+        values[_ON_SMALLER] = (turn * (centre + gap - offset)[:, None]).sum(axis=0)
+        pairs.values[:, rows] = values
         pairs.known[rows] = True
-        pairs.distance[rows] = patches.distance
-        pairs.touching[rows] = patches.distance <= limit[asked]
-        pairs.offset[rows] = offset[asked]
-        pairs.turn[rows] = turn[asked]
-        pairs.centre[rows] = turned_back(rotation, centre - origin)
-        pairs.normal[rows] = turned_back(rotation, patches.normal)
-        pairs.area[rows] = patches.area
-        for row, index, corners in zip(rows.tolist(), range(len(rows)), patches.corners, strict=False):
-            pairs.corners[row] = (corners - origin[index]) @ rotation[index]
+        pairs.touching[rows] = found.distance <= limit
+        if points:
+            pairs.corners.update(zip(pairs.key[rows].tolist(), found.corners, strict=True))
         return len(rows)
 
-    def _frames(self, rows: IntArray) -> tuple[IntArray, IntArray]:
-        """Of each pair the larger body, in whose frame its contact is kept, and the other."""
-        first, second = self._split(self._pairs.key[rows])
-        larger = self._radius[first] >= self._radius[second]
-        return np.where(larger, first, second), np.where(larger, second, first)
+    def _stays(
+        self, rows: IntArray, turn: FloatArray, place: FloatArray, radius: FloatArray, limit: FloatArray, before: BoolArray
+    ) -> BoolArray:
+        """Which of the pairs ``rows`` are still what they were: touching and not moved relative to each other, or too far apart to
+        touch."""
+        pairs = self._pairs
+        values = pairs.values[: _ON_LARGER.start, rows]
+        travel, change = place - values[_PLACE], turn.reshape(9, -1) - values[_TURN]
+        motion = np.sqrt((travel * travel).sum(axis=0)) + radius * np.sqrt((change * change).sum(axis=0) / 2)
+        apart = pairs.values[_DISTANCE, rows] - motion > limit
+        return np.asarray(pairs.known[rows] & np.where(before, motion <= STILL, apart) & (pairs.touching[rows] == before))
 
-    def _relative(self, frame: IntArray, mover: IntArray) -> tuple[FloatArray, FloatArray]:
-        rotation = self._pose[frame, :3, :3]
-        middle = turned(self._pose[mover, :3, :3], self._middle[mover]) + self._pose[mover, :3, 3]
-        return rotation.transpose(0, 2, 1) @ self._pose[mover, :3, :3], turned_back(rotation, middle - self._pose[frame, :3, 3])
-
-    def _overlap(self, first: IntArray, second: IntArray) -> FloatArray:
-        """The middle of what the bounds of two bodies have in common."""
-        low = np.maximum(self._bounds[first, 0], self._bounds[second, 0])
-        return np.asarray((low + np.minimum(self._bounds[first, 1], self._bounds[second, 1])) / 2)
+    def _in_media(self, larger: IntArray, smaller: IntArray, centre: FloatArray) -> FloatArray:
+        """Patch centres, that of a medium and what is in it being the middle of what their bounds have in common."""
+        inside = np.flatnonzero(self._medium[larger] | self._medium[smaller])
+        if len(inside) == 0:
+            return centre
+        a, b = larger[inside], smaller[inside]
+        middle = (np.maximum(self._low[:, a], self._low[:, b]) + np.minimum(self._high[:, a], self._high[:, b])) / 2
+        pose = self._pose[:, a]
+        centre = centre.copy()
+        centre[:, inside] = (pose[:9].reshape(3, 3, -1) * (middle - pose[9:])[:, None]).sum(axis=0)
+        return centre
 
     def _contact_set(self, rows: IntArray) -> ContactSet:
         """Contacts of pairs ``rows``: one each at the centre of its patch, or one per point of it."""
         pairs = self._pairs
-        frame, _ = self._frames(rows)
-        repeats = np.ones(len(rows), dtype=np.int64)
-        points = pairs.centre[rows]
+        larger, smaller, key, values = pairs.larger[rows], pairs.smaller[rows], pairs.key[rows], pairs.values[:, rows]
+        pose_l, pose_s = self._pose[:, larger], self._pose[:, smaller]
+        turn = pose_l[:9].reshape(3, 3, -1)
+        normal = (turn * values[_NORMAL]).sum(axis=1)
+        ends = [
+            (turn * values[_ON_LARGER]).sum(axis=1) + pose_l[9:],
+            (pose_s[:9].reshape(3, 3, -1) * values[_ON_SMALLER]).sum(axis=1) + pose_s[9:],
+        ]
+        count = max(len(self.bodies), 1)
+        flipped = larger != key // count
+        normal *= np.where(flipped, -1.0, 1.0)
+        first, second = np.where(flipped, ends[::-1], ends)
+        distance, area, share = values[_DISTANCE], values[_AREA], np.ones(len(rows))
         if self.settings.patch_points and len(rows):
-            repeats = np.array([len(pairs.corners[row]) for row in rows.tolist()], dtype=np.int64)
-            points = np.concatenate([pairs.corners[row] for row in rows.tolist()])
-            rows, frame = np.repeat(rows, repeats), np.repeat(frame, repeats)
-        share = 1.0 / np.repeat(repeats, repeats)
-        rotation = self._pose[frame, :3, :3]
-        points = turned(rotation, points) + self._pose[frame, :3, 3]
-        normal = turned(rotation, pairs.normal[rows])
-        distance = pairs.distance[rows]
-        gap = normal * (distance / 2)[:, None]
+            found = [pairs.corners[k] for k in key.tolist()]
+            repeats = np.array([len(c) for c in found], dtype=np.int64)
+            index = np.repeat(np.arange(len(rows)), repeats)
+            points = np.concatenate(found).T
+            points = (turn[..., index] * points).sum(axis=1) + pose_l[9:, index]
+            key, normal, distance = key[index], normal[:, index], distance[index]
+            gap = normal * (distance / 2)
+            first, second = points - gap, points + gap
+            share = 1.0 / repeats[index]
+            area = area[index] * share
         return ContactSet(
-            pairs=np.stack(self._split(pairs.key[rows]), axis=1),
-            positions=np.stack([points - gap, points + gap], axis=1),
-            normal=normal,
+            pairs=self._numbers(key),
+            positions=np.stack([first.T, second.T], axis=1),
+            normal=np.ascontiguousarray(normal.T),
             depth=np.maximum(-distance, 0.0),
             distance=distance,
-            area=pairs.area[rows] * share,
+            area=area,
             share=share,
-            transmission=np.zeros(len(rows), dtype=np.int64),
+            transmission=np.zeros(len(key), dtype=np.int64),
         )
 
-    def _hits(self, paths: Paths | None, strikers: IntArray) -> Hits | None:
-        """The hits among pairs ``strikers`` that took place."""
-        if paths is None or len(strikers) == 0:
-            return None
-        hits = self._meetings.hits(paths, np.stack(self._split(strikers), axis=1))
-        if len(hits) == 0:
-            return None
-        first, second = hits.pairs.T
-        reach = hits.approach * paths.duration + self.settings.tolerance
-        actual, _ = self._narrow.clearances(hits.pairs, self._pose[first], self._pose[second], np.maximum(reach, self.settings.tolerance))
-        return hits.chosen(took_place(hits, paths.duration, actual, self.settings.tolerance))
+    def _hits(self, paths: Paths, strikers: IntArray, arrived: IntArray) -> Hits:
+        """The hits among pairs ``strikers`` that took place. Those that have ``arrived`` at each other by the end of the interval although
+        their motion did not lead there have been moved by something else: their ways are then those to where they are."""
+        hits = self._meetings.hits(paths, self._numbers(strikers))
+        if len(hits):
+            reach = np.maximum(hits.approach, 0.0) * paths.duration + self.settings.tolerance
+            first, second = hits.pairs.T
+            actual = self._narrow.clearances(hits.pairs, *relative_pose(self._pose[:, first], self._pose[:, second]), reach)
+            hits = hits.chosen(took_place(hits, paths.duration, actual, self.settings.tolerance))
+        arrived = arrived[~np.isin(arrived, self._keys(*hits.pairs.T))]
+        if len(arrived):
+            pairs = self._numbers(arrived)
+            expected = self._meetings.ahead(paths, pairs, np.full(len(pairs), self.settings.tolerance))
+            pulled = pairs[expected > 2 * _FIRM]
+            hits = hits.joined(self._meetings.hits(paths.to_the_ends(), pulled).approaching())
+        return hits
 
     def _impacts(self, time: float, hits: Hits | None, paths: Paths | None) -> tuple[Impact, ...]:
         """Impacts that the hits make, by time."""
-        if hits is None or paths is None:
+        if hits is None or paths is None or len(hits) == 0:
             return ()
-        fixed = ~self._dynamic
-        energies = impact_energies(hits, self._mass, fixed, self.settings.energy) / self.settings.time_scale**2
+        energies = impact_energies(hits, self._mass, ~self._dynamic, self.settings.energy) / self.settings.time_scale**2
         impacts = []
         for k in np.lexsort((hits.pairs[:, 1], hits.pairs[:, 0], hits.after)).tolist():
             a, b = hits.pairs[k].tolist()
@@ -424,13 +490,8 @@ class ContactTracker:
             impacts.append(hits.impact(k, when, float(energies[k]), self.settings.full_energy))
         return tuple(impacts)
 
-    def _keys(self, impacts: Sequence[Impact]) -> IntArray:
-        return np.array([a * len(self.bodies) + b for a, b in (impact.objects for impact in impacts)], dtype=np.int64)
-
-    def _disturb(self, hits: Hits | None, paths: Paths | None) -> None:
+    def _disturb(self, hits: Hits | None, paths: Paths) -> None:
         """Bodies that have hit something have to be watched anew: those known to, and those that are not where they would be otherwise."""
-        if paths is None:
-            return
         disturbed = self._history.surprised(paths)
         if hits is not None:
             disturbed[hits.pairs] = True
