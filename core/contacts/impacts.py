@@ -12,11 +12,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from .closed_forms import dot, turned
 from .motion import Paths
 from .narrow_phase import NarrowPhase, relative_pose
 from .settings import ImpactEnergy
-from .shapes import transformed_bounds
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -49,9 +47,9 @@ class Impact:
 
 @dataclass(frozen=True, slots=True)
 class Hits:
-    """Pairs (k, 2) whose ways meet ``after`` (k,) seconds, with ``distance`` (k,), ``normal`` (k, 3) and ``centre`` (k, 3) there,
-    ``approach`` (k,) [m/s] along the normal, velocities (k, 2, 3) of the bodies' origins, ``ahead`` (k,) the signed distance at the end
-    of the ways, ``passes`` (k,) whether one goes right through the other."""
+    """Pairs (k, 2) whose ways meet ``after`` (k,) seconds, with ``distance`` (k,), ``normal`` (k, 3) and ``centre`` (k, 3) of the patch
+    there, ``approach`` (k,) [m/s] along the normal, velocities (k, 2, 3) of the bodies' origins, the signed distances ``ahead`` (k,) at
+    the end of the ways and ``actual`` (k,) where they really are then, ``passes`` (k,) whether one goes right through the other."""
 
     pairs: IntArray
     after: FloatArray
@@ -61,7 +59,15 @@ class Hits:
     approach: FloatArray
     velocities: FloatArray
     ahead: FloatArray
+    actual: FloatArray
     passes: BoolArray
+
+    @classmethod
+    def none(cls) -> Hits:
+        """No hits."""
+        number, vector = np.zeros(0), np.zeros((0, 3))
+        no = np.zeros(0, dtype=np.bool_)
+        return cls(np.zeros((0, 2), dtype=np.int64), number, number, vector, vector, number, np.zeros((0, 2, 3)), number, number, no)
 
     def __len__(self) -> int:
         return len(self.pairs)
@@ -92,64 +98,50 @@ class Meetings:
 
     def __init__(self, narrow: NarrowPhase, bounds: FloatArray) -> None:
         self._narrow = narrow
-        self._bounds = bounds
-        self._radius = np.sqrt((np.abs(bounds).max(axis=1) ** 2).sum(axis=1)) if len(bounds) else np.zeros(0)
-        self._thickness = np.ptp(bounds, axis=1).min(axis=1) if len(bounds) else np.zeros(0)
+        self._radius = np.sqrt((np.abs(bounds).max(axis=1) ** 2).sum(axis=1))
+        self._thickness = np.ptp(bounds, axis=1).min(axis=1)
+
+    def may_meet(self, paths: Paths, first: IntArray, second: IntArray, low: FloatArray, high: FloatArray) -> BoolArray:
+        """Which pairs have bounding boxes that meet when one stands and the other moves as it does relative to it; ``low`` and ``high``
+        (3, n) of the boxes at the start."""
+        turning = np.minimum(np.sqrt((paths.spin**2).sum(axis=0)) * paths.duration, 2.0) * self._radius
+        turning += np.abs(paths.acceleration).sum(axis=0) * (paths.duration**2 / 8)
+        move = paths.displacement()
+        relative = move[:, second] - move[:, first]
+        slack = turning[first] + turning[second]
+        below = low[:, second] + np.minimum(relative, 0.0) - slack <= high[:, first]
+        above = high[:, second] + np.maximum(relative, 0.0) + slack >= low[:, first]
+        return np.asarray((below & above).all(axis=0))
 
     def hits(self, paths: Paths, pairs: IntArray) -> Hits:
         """The hits among ``pairs`` (p, 2)."""
-        pairs = self._may_meet(paths, pairs)
         if len(pairs) == 0:
-            none, vectors = np.zeros(0), np.zeros((0, 3))
-            return Hits(pairs, none, none, vectors, vectors, none, np.zeros((0, 2, 3)), none, np.zeros(0, dtype=np.bool_))
-        relative = paths.velocities(pairs[:, 1], paths.duration / 2) - paths.velocities(pairs[:, 0], paths.duration / 2)
-        travel = np.sqrt(dot(relative, relative)) * paths.duration
-        far = travel > self._thickness[pairs].sum(axis=1) / 4
-        ways = _Ways(self._narrow, paths, pairs, travel + self._radius[pairs].min(axis=1))
-        ahead = ways.clearances(np.full(len(pairs), paths.duration))
-        start = ways.clearances(np.zeros(len(pairs)))
+            return Hits.none()
+        a, b = pairs.T
+        relative = paths.velocities(b, paths.duration / 2) - paths.velocities(a, paths.duration / 2)
+        travel = np.sqrt((relative * relative).sum(axis=0)) * paths.duration
+        far = travel > (self._thickness[a] + self._thickness[b]) / 4
+        ways = _Ways(self._narrow, paths, pairs, travel + np.minimum(self._radius[a], self._radius[b]))
+        start, ahead, actual = ways.from_start_to_end()
         after = np.where(start <= _TOUCH, 0.0, np.inf)
         slow = np.flatnonzero(~far & (start > _TOUCH) & (ahead <= 0))
-        after[slow] = ways.chosen(slow).first_touch(start[slow], ahead[slow])
+        if len(slow):
+            after[slow] = ways.chosen(slow).first_touch(start[slow], ahead[slow])
         fast = np.flatnonzero(far & (start > _TOUCH))
-        after[fast] = ways.chosen(fast).advanced(self._radius[pairs[fast]])
+        if len(fast):
+            after[fast] = ways.chosen(fast).advanced(self._radius[a[fast]] + self._radius[b[fast]])
         met = np.flatnonzero(after <= paths.duration)
-        ways, pairs, after = ways.chosen(met), pairs[met], after[met]
-        distance, normal, centre = ways.patches(after)
-        velocities = np.stack([paths.velocities(pairs[:, k], after) for k in (0, 1)], axis=1)
-        return Hits(
-            pairs=pairs,
-            after=after,
-            distance=distance,
-            normal=normal,
-            centre=centre,
-            approach=ways.approach(after, normal, centre),
-            velocities=velocities,
-            ahead=ahead[met],
-            passes=far[met] & ways.goes_through(after, 0.25 * self._thickness[pairs].min(axis=1)),
-        )
-
-    def _may_meet(self, paths: Paths, pairs: IntArray) -> IntArray:
-        """Those of ``pairs`` whose bounding boxes meet when one stands and the other moves as it does relative to it."""
-        if len(pairs) == 0:
-            return pairs
-        bodies, index = np.unique(pairs, return_inverse=True)
-        index = index.reshape(-1, 2)
-        boxes = self.bounds(paths, bodies, 0.0)
-        spin = paths.spins(bodies)
-        turning = np.minimum(np.sqrt((spin**2).sum(axis=1)) * paths.duration, 2.0) * self._radius[bodies]
-        move = paths.velocity[bodies] * paths.duration + paths.acceleration[bodies] * (paths.duration**2 / 2)
-        sag = np.abs(paths.acceleration[bodies]).sum(axis=1) * (paths.duration**2 / 8)
-        a, b = index.T
-        relative = move[b] - move[a]
-        slack = (turning[a] + turning[b] + sag[a] + sag[b] + 1e-3)[:, None]
-        low = boxes[b, 0] + np.minimum(relative, 0.0) - slack
-        high = boxes[b, 1] + np.maximum(relative, 0.0) + slack
-        return np.asarray(pairs[((low <= boxes[a, 1]) & (high >= boxes[a, 0])).all(axis=1)])
-
-    def bounds(self, paths: Paths, bodies: IntArray, time: float) -> FloatArray:
-        """World bounds (k, 2, 3) of ``bodies`` (k,) on their ways at ``time``."""
-        return transformed_bounds(self._bounds[bodies], paths.matrices(bodies, time))
+        if len(met) == 0:
+            return Hits.none()
+        ways, after = ways.chosen(met), after[met]
+        distance, normal, centre, approach = ways.patches(after)
+        passes = far[met]
+        fast = np.flatnonzero(passes)
+        if len(fast):
+            thin = np.minimum(self._thickness[a[met[fast]]], self._thickness[b[met[fast]]])
+            passes[fast] = ways.chosen(fast).go_through(after[fast], thin / 4)
+        velocities = np.stack([paths.velocities(pairs[met, k], after).T for k in (0, 1)], axis=1)
+        return Hits(pairs[met], after, distance, normal, centre, approach, velocities, ahead[met], actual[met], passes)
 
     def ahead(self, paths: Paths, pairs: IntArray, reach: FloatArray) -> FloatArray:
         """Signed distances (p,) of ``pairs`` at the end of their ways, exact up to ``reach`` (p,)."""
@@ -159,116 +151,123 @@ class Meetings:
 class _Ways:
     """Pairs of bodies on their ways, each at a time of its own."""
 
-    def __init__(
-        self, narrow: NarrowPhase, paths: Paths, pairs: IntArray, reach: FloatArray, spins: tuple[FloatArray, FloatArray] | None = None
-    ) -> None:
+    def __init__(self, narrow: NarrowPhase, paths: Paths, pairs: IntArray, reach: FloatArray) -> None:
         self._narrow = narrow
         self._paths = paths
         self._pairs = pairs
         self._reach = reach
-        self._spins = spins or (paths.spins(pairs[:, 0]), paths.spins(pairs[:, 1]))
 
     def chosen(self, rows: IntArray | BoolArray) -> _Ways:
-        return _Ways(self._narrow, self._paths, self._pairs[rows], self._reach[rows], (self._spins[0][rows], self._spins[1][rows]))
+        return _Ways(self._narrow, self._paths, self._pairs[rows], self._reach[rows])
 
-    def _matrices(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        a, b = (self._paths.matrices(self._pairs[:, k], time, self._spins[k]) for k in (0, 1))
-        return a, b
+    def _poses(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        both = self._paths.poses(self._pairs.T.reshape(-1), np.concatenate([time, time]))
+        return both[:, : len(time)], both[:, len(time) :]
 
     def clearances(self, time: FloatArray) -> FloatArray:
-        return self._narrow.clearances(self._pairs, *self._relative(time), self._reach)
+        return self._narrow.clearances(self._pairs, *relative_pose(*self._poses(time)), self._reach)
 
-    def _relative(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        a, b = (np.concatenate([m[:, :3, :3].reshape(-1, 9).T, m[:, :3, 3].T]) for m in self._matrices(time))
-        return relative_pose(a, b)
+    def from_start_to_end(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Signed distances at the start, at the end of the ways, and where the bodies really are then."""
+        count = len(self._pairs)
+        a, b = self._pairs.T
+        expected_a, expected_b = self._poses(np.full(count, self._paths.duration))
+        start, end = self._paths.start, self._paths.end
+        poses_a = np.concatenate([start[:, a], expected_a, end[:, a]], axis=1)
+        poses_b = np.concatenate([start[:, b], expected_b, end[:, b]], axis=1)
+        distance = self._narrow.clearances(np.tile(self._pairs, (3, 1)), *relative_pose(poses_a, poses_b), np.tile(self._reach, 3))
+        return distance[:count], distance[count : 2 * count], distance[2 * count :]
 
-    def patches(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Distances (k,), and normals and centres (k, 3) in the world."""
-        found = self._narrow.query(self._pairs, *self._relative(time), np.full(len(self._pairs), np.inf))
-        first, _ = self._matrices(time)
-        return found.distance, turned(first[:, :3, :3], found.normal.T), turned(first[:, :3, :3], found.centre.T) + first[:, :3, 3]
-
-    def approach(self, time: FloatArray, normal: FloatArray, point: FloatArray) -> FloatArray:
-        """Speed (k,) at which the material of the two bodies at ``point`` (k, 3) comes together along ``normal``."""
+    def patches(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Distances (k,), normals and centres (k, 3) in the world, and the speed (k,) at which the material of the two comes together along
+        the normal there."""
+        first, second = self._poses(time)
+        found = self._narrow.query(self._pairs, *relative_pose(first, second), np.full(len(time), np.inf))
+        turn = first[:9].reshape(3, 3, -1)
+        normal = (turn * found.normal).sum(axis=1)
+        centre = (turn * found.centre).sum(axis=1) + first[9:]
         speeds = []
-        for k in (0, 1):
-            origin = self._matrices(time)[k][:, :3, 3]
-            speeds.append(self._paths.velocities(self._pairs[:, k], time) + np.cross(self._spins[k], point - origin))
-        return dot(speeds[0] - speeds[1], normal)
+        for k, pose in ((0, first), (1, second)):
+            bodies = self._pairs[:, k]
+            arm = centre - pose[9:]
+            speeds.append(self._paths.velocities(bodies, time) + np.cross(self._paths.spin[:, bodies], arm, axis=0))
+        return found.distance, normal.T, centre.T, ((speeds[0] - speeds[1]) * normal).sum(axis=0)
 
     def first_touch(self, start: FloatArray, end: FloatArray) -> FloatArray:
-        """Times (k,) at which the distance, ``start`` > 0 at first and ``end`` <= 0 at last, vanishes (Illinois' regula falsi)."""
-        count = len(start)
-        low, high = np.zeros(count), np.full(count, self._paths.duration)
+        """Times (k,) at which the distance, ``start`` > 0 at first and ``end`` <= 0 at last, vanishes: regula falsi (Illinois), from where
+        bodies that fall onto each other would meet."""
+        duration = self._paths.duration
+        low, high = np.zeros(len(start)), np.full(len(start), duration)
         f_low, f_high = start.copy(), end.copy()
-        result = high.copy()
-        active = np.arange(count)
-        side = np.zeros(count, dtype=np.int64)
+        bend = self._paths.acceleration[:, self._pairs[:, 1]] - self._paths.acceleration[:, self._pairs[:, 0]]
+        pull = np.sqrt((bend * bend).sum(axis=0))
+        slope = (start - end) / duration - pull * (duration / 2)
+        falling = 2 * start / np.maximum(slope + np.sqrt(np.maximum(slope * slope + 2 * pull * start, 0.0)), 1e-300)
+        time = np.where(slope >= 0, np.clip(falling, 0.0, duration), duration * start / np.maximum(start - end, 1e-300))
+        active = np.arange(len(start))
+        side = np.zeros(len(start), dtype=np.int64)
         for _ in range(_MOST_STEPS):
+            t = time[active]
+            f = self.chosen(active).clearances(t)
+            before = f > 0
+            f_high[active] = np.where(before, np.where(side[active] == 1, f_high[active] / 2, f_high[active]), f)
+            f_low[active] = np.where(before, f, np.where(side[active] == -1, f_low[active] / 2, f_low[active]))
+            low[active], high[active] = np.where(before, t, low[active]), np.where(before, high[active], t)
+            side[active] = np.where(before, 1, -1)
+            active = active[(np.abs(f) > _TOUCH) & (high[active] - low[active] > 1e-7)]
             if len(active) == 0:
                 break
             a, b, fa, fb = low[active], high[active], f_low[active], f_high[active]
-            t = np.clip((a * -fb + b * fa) / np.maximum(fa - fb, 1e-300), a, b)
-            f = self.chosen(active).clearances(t)
-            result[active] = t
-            before = f > 0
-            low[active] = np.where(before, t, a)
-            high[active] = np.where(before, b, t)
-            f_low[active] = np.where(before, f, np.where(side[active] == -1, fa / 2, fa))
-            f_high[active] = np.where(before, np.where(side[active] == 1, fb / 2, fb), f)
-            side[active] = np.where(before, 1, -1)
-            active = active[(np.abs(f) > _TOUCH) & (high[active] - low[active] > 1e-7)]
-        return result
+            time[active] = np.clip((b * fa - a * fb) / np.maximum(fa - fb, 1e-300), a, b)
+        return time
 
     def advanced(self, radius: FloatArray) -> FloatArray:
-        """Times (k,) of the first touch, infinite where there is none. ``radius`` (k, 2) of the bodies about their origins.
+        """Times (k,) of the first touch, infinite where there is none. ``radius`` (k,) of the bodies about their origins, added.
 
-        The distance along the normal can't shrink faster than the bodies move along it, so that it is safe to step on by the one over the
-        other.
+        The distance along the normal can't shrink faster than the bodies move along it: so far it is safe to step on.
         """
         duration = self._paths.duration
-        bends = [self._paths.acceleration[self._pairs[:, k]] for k in (0, 1)]
-        bending = np.sqrt(dot(bends[1] - bends[0], bends[1] - bends[0]))
-        turns = [np.sqrt(dot(spin, spin)) for spin in self._spins]
-        turning = turns[0] * radius[:, 0] + turns[1] * radius[:, 1]
+        a, b = self._pairs.T
+        bend = self._paths.acceleration[:, b] - self._paths.acceleration[:, a]
+        bending = np.sqrt((bend * bend).sum(axis=0))
+        turning = (np.sqrt((self._paths.spin[:, self._pairs.T] ** 2).sum(axis=0)).sum(axis=0)) * radius
         time = np.zeros(len(self._pairs))
         result = np.full(len(time), np.inf)
         active = np.arange(len(time))
         for _ in range(_MOST_STEPS):
             if len(active) == 0:
                 break
-            ways = self.chosen(active)
-            turn, offset = ways._relative(time[active])
-            distance, normal = self._narrow.directed_clearances(ways._pairs, turn, offset, ways._reach)
-            normal = turned(ways._matrices(time[active])[0][:, :3, :3], normal)
+            ways, now = self.chosen(active), time[active]
+            first, second = ways._poses(now)
+            distance, normal = self._narrow.directed_clearances(ways._pairs, *relative_pose(first, second), ways._reach)
             touching = distance <= _TOUCH
-            result[active[touching]] = time[active[touching]]
-            relative = self._paths.velocities(ways._pairs[:, 0], time[active]) - self._paths.velocities(ways._pairs[:, 1], time[active])
-            speed = np.maximum(dot(relative, normal), 0.0) + bending[active] * (duration - time[active]) + turning[active]
-            time[active] += np.maximum(distance, _TOUCH / 2) / np.maximum(speed, 1e-9)
+            result[active[touching]] = now[touching]
+            outward = (first[:9].reshape(3, 3, -1) * normal.T).sum(axis=1)
+            relative = self._paths.velocities(a[active], now) - self._paths.velocities(b[active], now)
+            speed = np.maximum((relative * outward).sum(axis=0), 0.0) + bending[active] * (duration - now) + turning[active]
+            time[active] = now + np.maximum(distance, _TOUCH / 2) / np.maximum(speed, 1e-9)
             active = active[~touching & (time[active] <= duration)]
         return result
 
-    def goes_through(self, after: FloatArray, depth: FloatArray) -> BoolArray:
-        """Whether the two overlap by ``depth`` (k,) somewhere later on their ways."""
+    def go_through(self, after: FloatArray, depth: FloatArray) -> BoolArray:
+        """Which pairs overlap by ``depth`` (k,) somewhere later on their ways."""
         deepest = np.full(len(self._pairs), np.inf)
         for share in (0.1, 0.25, 0.4, 0.6, 0.8):
             deepest = np.minimum(deepest, self.clearances(after + share * (self._paths.duration - after)))
         return np.asarray(deepest <= -depth)
 
 
-def took_place(hits: Hits, duration: float, actual: FloatArray, tolerance: float) -> BoolArray:
-    """Which hits are borne out by the ``actual`` (k,) distances at the end of the interval.
+def took_place(hits: Hits, duration: float, tolerance: float) -> BoolArray:
+    """Which hits are borne out by where the bodies are at the end of the interval.
 
-    Where the hit left enough way to show, the bodies must be further apart than their ways would have had it, or deep in each other, or
-    have passed through each other; where not, they must touch. Of hits on one body the first counts, and later ones only if those touch,
-    too.
+    Where the hit left enough way to show, they must be further apart than their ways would have had it, or deep in each other, or have
+    passed through each other; where not, they must touch. Of hits on one body the first counts, and later ones only if those touch, too.
     """
     way = hits.approach * (duration - hits.after)
-    stopped = actual - hits.ahead >= 0.3 * way
+    stopped = hits.actual - hits.ahead >= 0.3 * way
     shows = way >= _VISIBLE
-    deep = actual <= np.minimum(-_VISIBLE, -0.3 * way)
-    touching = actual <= tolerance
+    deep = hits.actual <= np.minimum(-_VISIBLE, -0.3 * way)
+    touching = hits.actual <= tolerance
     real = (hits.approach > _SLOW) & ((shows & stopped) | (~shows & touching) | deep | hits.passes)
     spent: dict[int, float] = {}
     for k in np.lexsort((hits.pairs[:, 1], hits.pairs[:, 0], hits.after)).tolist():
@@ -280,7 +279,7 @@ def took_place(hits: Hits, duration: float, actual: FloatArray, tolerance: float
             continue
         for body in hits.pairs[k].tolist():
             spent.setdefault(body, time)
-    return real
+    return np.asarray(real)
 
 
 def impact_energies(hits: Hits, mass: FloatArray, fixed: BoolArray, energy: ImpactEnergy) -> FloatArray:

@@ -3,6 +3,8 @@
 An engine tells poses, not velocities, and the pose of the frame in which a body hits something already has the bounce in it. So a body's
 way up to its next hit is extrapolated from the frames before: position with constant acceleration, rotation with constant angular velocity.
 Free fall is met exactly. A kinematic body's way is known at both ends and interpolated.
+
+Poses are arrays (12, n): rotation by rows, then position.
 """
 
 from __future__ import annotations
@@ -22,59 +24,51 @@ _DEPTH = 3
 _BELIEVABLE = 2.5
 """Accelerations up to so many times gravity are taken from the second difference of poses; larger ones come from a hit in between."""
 
-
 _ASTRAY = 0.001
 """Metres by which a body misses where its motion led it if it was disturbed on the way."""
 
 
 @dataclass(frozen=True, slots=True)
 class Paths:
-    """The ways of bodies from one frame to the next, ``duration`` seconds: ``position + velocity t + acceleration t^2 / 2`` (n, 3), and
-    ``rotation`` (n, 3, 3) turned about the body's origin as from ``turn_start`` to ``turn_end`` (n, 3, 3) within ``turn_time`` (n,).
-    ``end_position`` and ``end_rotation``: where the bodies really are then."""
+    """The ways of bodies from one frame to the next, ``duration`` seconds: from ``start`` (12, n) on with ``velocity`` (3, n), constant
+    ``acceleration`` (3, n) and ``spin`` (3, n) [rad/s] about the body's origin. ``end`` (12, n): where the bodies really are then."""
 
     duration: float
-    position: FloatArray
+    start: FloatArray
     velocity: FloatArray
     acceleration: FloatArray
-    rotation: FloatArray
-    turn_start: FloatArray
-    turn_end: FloatArray
-    turn_time: FloatArray
-    end_position: FloatArray
-    end_rotation: FloatArray
+    spin: FloatArray
+    end: FloatArray
 
     def to_the_ends(self) -> Paths:
         """The ways that lead from the same starts with the same accelerations to where the bodies really are at the end."""
-        direct = (self.end_position - self.position) / self.duration
+        direct = (self.end[9:] - self.start[9:]) / self.duration
         velocity = direct - self.acceleration * (self.duration / 2)
-        turn_time = np.full(len(velocity), self.duration)
-        return replace(self, velocity=velocity, turn_start=self.rotation, turn_end=self.end_rotation, turn_time=turn_time)
+        return replace(self, velocity=velocity, spin=_spins(self.start, self.end, self.duration))
 
-    def spins(self, rows: IntArray) -> FloatArray:
-        """Angular velocities (k, 3) [rad/s] of bodies ``rows`` (k,)."""
-        turn = self.turn_end[rows] @ self.turn_start[rows].transpose(0, 2, 1)
-        return np.asarray(rotation_vectors(turn) / self.turn_time[rows, None])
+    def poses(self, bodies: IntArray, time: FloatArray | float) -> FloatArray:
+        """Poses (12, k) of ``bodies`` (k,) at ``time`` (k,) seconds after the start."""
+        start, velocity, spin = self.start[:, bodies], self.velocity[:, bodies], self.spin[:, bodies]
+        poses = np.empty_like(start)
+        poses[9:] = start[9:] + (velocity + self.acceleration[:, bodies] * (np.asarray(time) / 2)) * time
+        turn = rotations(spin * time)
+        poses[:9] = (turn[:, :, None] * start[:9].reshape(1, 3, 3, -1)).sum(axis=1).reshape(9, -1)
+        return poses
 
-    def matrices(self, rows: IntArray, time: FloatArray | float, spins: FloatArray | None = None) -> FloatArray:
-        """World matrices (k, 4, 4) of bodies ``rows`` at ``time`` (k,) seconds after the start; ``spins`` if they are known."""
-        t = np.broadcast_to(np.asarray(time, dtype=np.float64), rows.shape)[:, None]
-        matrices = np.zeros((len(rows), 4, 4))
-        matrices[:, 3, 3] = 1.0
-        matrices[:, :3, 3] = self.position[rows] + self.velocity[rows] * t + self.acceleration[rows] * (t * t / 2)
-        matrices[:, :3, :3] = rotations((self.spins(rows) if spins is None else spins) * t) @ self.rotation[rows]
-        return matrices
+    def velocities(self, bodies: IntArray, time: FloatArray | float) -> FloatArray:
+        """Velocities (3, k) of the origins of ``bodies`` at ``time``."""
+        return np.asarray(self.velocity[:, bodies] + self.acceleration[:, bodies] * time)
 
-    def velocities(self, rows: IntArray, time: FloatArray | float) -> FloatArray:
-        """Velocities (k, 3) of the origins of bodies ``rows`` at ``time``."""
-        t = np.broadcast_to(np.asarray(time, dtype=np.float64), rows.shape)[:, None]
-        return np.asarray(self.velocity[rows] + self.acceleration[rows] * t)
+    def displacement(self) -> FloatArray:
+        """(3, n) from the starts to the ends of the ways."""
+        return np.asarray((self.velocity + self.acceleration * (self.duration / 2)) * self.duration)
 
     def fastest(self) -> FloatArray:
         """(n,) greatest speed of each body's origin on its way, or on the straight one to where it really is at the end."""
-        end = self.velocity + self.acceleration * self.duration
-        direct = (self.end_position - self.position) / self.duration
-        return np.asarray(np.maximum(np.maximum(_length(self.velocity), _length(end)), _length(direct)))
+        final = self.velocity + self.acceleration * self.duration
+        direct = (self.end[9:] - self.start[9:]) / self.duration
+        squared = np.stack([_squared(self.velocity), _squared(final), _squared(direct)])
+        return np.asarray(np.sqrt(squared.max(axis=0)))
 
 
 class MotionHistory:
@@ -93,7 +87,7 @@ class MotionHistory:
         return self.times[-1] - self.times[-2] if len(self.times) > 1 else 0.0
 
     def advance(self, time: float, poses: FloatArray, moved: IntArray) -> None:
-        """Add a frame: the upper three rows of all matrices (n, 12), and the numbers of the bodies that have moved. ``poses`` is kept."""
+        """Add a frame: ``poses`` (12, n), which are kept, and the numbers of the bodies that have moved."""
         self.times = [*self.times[-_DEPTH:], time]
         self._poses = [*self._poses[-_DEPTH:], poses]
         self._onset += 1
@@ -105,46 +99,32 @@ class MotionHistory:
         self._onset[moved[self._still[moved] > 1]] = 0
         self._still[moved] = 0
 
-    def disturb(self, rows: IntArray) -> None:
-        """Bodies ``rows`` have hit something in the last interval: their motion in it and before says nothing about what follows."""
-        self._clean[rows] = 0
-
-    def _positions(self, back: int, rows: IntArray | slice = slice(None)) -> FloatArray:
-        return self._poses[-back][rows][:, 3::4]
-
-    def _rotations(self, back: int) -> FloatArray:
-        return self._poses[-back].reshape(-1, 3, 4)[:, :, :3]
+    def disturb(self, bodies: IntArray | BoolArray) -> None:
+        """These have hit something in the last interval: their motion in it and before says nothing about what follows."""
+        self._clean[bodies] = 0
 
     def speed_bound(self, gravity: FloatArray) -> FloatArray:
         """(n,) what the speed of each body in the last interval can have been at most, as far as poses tell; 0 before there are three."""
         if len(self.times) < 3:
             return np.zeros(len(self._still))
         step, known = self.times[-1] - self.times[-2], self.times[-2] - self.times[-3]
-        now, last, before = (self._positions(k) for k in (1, 2, 3))
-        squared = np.maximum(((now - last) ** 2).sum(axis=1) / step**2, ((last - before) ** 2).sum(axis=1) / known**2)
+        now, last, before = (self._poses[-k][9:] for k in (1, 2, 3))
+        squared = np.maximum(_squared(now - last) / step**2, _squared(last - before) / known**2)
         return np.asarray(np.sqrt(squared) + _BELIEVABLE * float(np.linalg.norm(gravity)) * (step + known))
 
-    def drift(self, rows: IntArray) -> FloatArray:
-        """(k, 3) how far bodies ``rows`` have moved in the last interval, 0 before there is one."""
+    def drift(self, bodies: IntArray) -> FloatArray:
+        """(3, k) how far bodies have moved in the last interval, 0 before there is one."""
         if len(self.times) < 2:
-            return np.zeros((len(rows), 3))
-        drift = self._positions(1, rows) - self._positions(2, rows)
+            return np.zeros((3, len(bodies)))
+        drift = self._poses[-1][9:, bodies] - self._poses[-2][9:, bodies]
         return np.where(np.isfinite(drift), drift, 0.0)
 
     def surprised(self, paths: Paths) -> BoolArray:
         """(n,) which bodies are neither where ``paths`` up to now led nor where they would be without acceleration."""
-        rows = np.flatnonzero(self.moving)
-        now, t = self._positions(1, rows), paths.duration
-        straight = paths.position[rows] + paths.velocity[rows] * t
-        bent = straight + paths.acceleration[rows] * (t * t / 2)
-        surprised = np.zeros(len(self._still), dtype=np.bool_)
-        surprised[rows] = np.minimum(_length(now - straight), _length(now - bent)) > _ASTRAY
-        return surprised
-
-    @property
-    def moving(self) -> BoolArray:
-        """(n,) which bodies have moved within the frames remembered."""
-        return self._still <= _DEPTH
+        t = paths.duration
+        straight = paths.end[9:] - paths.start[9:] - paths.velocity * t
+        bent = straight - paths.acceleration * (t * t / 2)
+        return np.asarray((self._still <= _DEPTH) & (np.minimum(_squared(straight), _squared(bent)) > _ASTRAY**2))
 
     def paths(self, kinematic: BoolArray, airborne: BoolArray, gravity: FloatArray) -> Paths | None:
         """Ways from the last frame but one to the last. None before there are three poses.
@@ -155,74 +135,68 @@ class MotionHistory:
         if len(self.times) < 3:
             return None
         step, known, *older = (later - earlier for earlier, later in zip(self.times[-2::-1], self.times[:0:-1], strict=True))
-        count = len(self._still)
-        velocity, acceleration = np.zeros((count, 3)), np.zeros((count, 3))
-        turn_start, turn_end, turn_time = self._rotations(3).copy(), self._rotations(2).copy(), np.full(count, known)
-        rows = np.flatnonzero(self.moving)
-        now, last, before = (self._positions(k, rows) for k in (1, 2, 3))
-        chord, direct = (last - before) / known, (now - last) / step
-        clean = self._clean[rows] - 1  # undisturbed intervals up to the start of the way
-        # Dynamic: constant acceleration, measured where it can be believed.
-        bend = np.where(airborne[rows, None], gravity, 0.0)
-        if older:
-            earlier = (before - self._positions(4, rows)) / older[0]
-            measured = 2 * (chord - earlier) / (known + older[0])
-            believed = (clean >= 2) & (self._onset[rows] > 2) & (_length(measured) <= _BELIEVABLE * float(np.linalg.norm(gravity)))
-            bend = np.where(believed[:, None], measured, bend)
-        start = chord + bend * (known / 2)
-        # Let go within the interval before: the speed that falling so far from rest gives.
+        end, start, earlier = self._poses[-1], self._poses[-2], self._poses[-3]
+        now, last, before = end[9:], start[9:], earlier[9:]
         weight = float(np.linalg.norm(gravity))
+        chord, direct = (last - before) / known, (now - last) / step
+        clean = self._clean - 1  # undisturbed intervals up to the start of the way
+        # Dynamic: constant acceleration, measured where it can be believed.
+        bend = np.where(airborne, gravity[:, None], 0.0)
+        if older:
+            measured = 2 * (chord - (before - self._poses[-4][9:]) / older[0]) / (known + older[0])
+            believed = (clean >= 2) & (self._onset > 2) & (_squared(measured) <= (_BELIEVABLE * weight) ** 2)
+            bend = np.where(believed, measured, bend)
+        begin = chord + bend * (known / 2)
         if weight > 0:
+            # Let go within the interval before: the speed that falling so far from rest gives.
             down = gravity / weight
-            fallen = chord @ down * known
-            level = _length(chord * known - fallen[:, None] * down)
-            from_rest = (fallen > 0) & (fallen <= 0.501 * weight * known**2) & (level <= 0.1 * fallen)
-            dropped = (self._onset[rows] == 1) & airborne[rows] & from_rest
-            start = np.where(dropped[:, None], down * np.sqrt(2 * weight * np.maximum(fallen, 0.0))[:, None], start)
+            fallen = down @ chord * known
+            level = _squared(chord * known - fallen * down[:, None])
+            from_rest = (fallen > 0) & (fallen <= 0.501 * weight * known**2) & (level <= (0.1 * fallen) ** 2)
+            dropped = (self._onset == 1) & airborne & from_rest
+            begin = np.where(dropped, down[:, None] * np.sqrt(2 * weight * np.maximum(fallen, 0.0)), begin)
         # Kinematic: through both ends. Hit in the interval before: what it has done since is all that is known.
         curved = 2 * (direct - chord) / (step + known)
-        smooth = _length(curved) * step <= 0.5 * np.maximum(_length(direct), _length(chord))
-        given = kinematic[rows] | (clean < 1)
-        bend = np.where(given[:, None], np.where((kinematic[rows] & smooth)[:, None], curved, 0.0), bend)
-        acceleration[rows] = bend
-        velocity[rows] = np.where(given[:, None], direct - bend * (step / 2), start)
-        late = rows[given]
-        turn_start[late], turn_end[late], turn_time[late] = self._rotations(2)[late], self._rotations(1)[late], step
-        turns = (turn_start, turn_end, turn_time)
-        ends = (self._positions(1), self._rotations(1))
-        return Paths(step, self._positions(2), velocity, acceleration, self._rotations(2), *turns, *ends)
+        smooth = kinematic & (4 * step**2 * _squared(curved) <= np.maximum(_squared(direct), _squared(chord)))
+        given = kinematic | (clean < 1)
+        moving = self._still <= _DEPTH
+        acceleration = np.where(moving, np.where(given, np.where(smooth, curved, 0.0), bend), 0.0)
+        velocity = np.where(moving, np.where(given, direct - acceleration * (step / 2), begin), 0.0)
+        spin = np.where(given, _spins(start, end, step), _spins(earlier, start, known))
+        return Paths(step, start, velocity, acceleration, np.where(moving, spin, 0.0), end)
 
 
-def _length(vectors: FloatArray) -> FloatArray:
-    return np.asarray(np.sqrt((vectors**2).sum(axis=1)))
+def _squared(vectors: FloatArray) -> FloatArray:
+    """Squared lengths (n,) of vectors (3, n)."""
+    return np.asarray((vectors * vectors).sum(axis=0))
+
+
+def _spins(start: FloatArray, end: FloatArray, time: float) -> FloatArray:
+    """Angular velocities (3, n) that turn the one poses into the others within ``time``, by less than half a turn."""
+    a, b = start[:9].reshape(3, 3, -1), end[:9].reshape(3, 3, -1)
+    turn = (b[:, None] * a[None]).sum(axis=2)
+    twist = np.stack([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    sine = np.sqrt(_squared(twist)) / 2
+    angle = np.arctan2(sine, (turn[0, 0] + turn[1, 1] + turn[2, 2] - 1) / 2)
+    turning = sine > 1e-9
+    return np.asarray(twist * (np.where(turning, angle / np.where(turning, sine, 1.0), 1.0) / (2 * time)))
 
 
 def rotations(vectors: FloatArray) -> FloatArray:
-    """Rotation matrices (n, 3, 3) of rotation vectors (n, 3) [rad] (Rodrigues' formula)."""
-    squared = (vectors**2).sum(axis=1)
+    """Rotation matrices (3, 3, n) of rotation vectors (3, n) [rad] (Rodrigues' formula)."""
+    squared = _squared(vectors)
     angle = np.sqrt(squared)
     small = angle < 1e-6
     divisor = np.where(small, 1.0, angle)
     sine = np.where(small, 1.0 - squared / 6, np.sin(angle) / divisor)
     cosine = np.where(small, 0.5 - squared / 24, (1.0 - np.cos(angle)) / (divisor * divisor))
-    x, y, z = vectors.T
-    cross = np.zeros((len(vectors), 3, 3))
-    cross[:, 0, 1], cross[:, 0, 2], cross[:, 1, 2] = -z, y, -x
-    cross[:, 1, 0], cross[:, 2, 0], cross[:, 2, 1] = z, -y, x
-    return np.asarray(np.eye(3) + sine[:, None, None] * cross + cosine[:, None, None] * (cross @ cross))
-
-
-def rotation_vectors(matrices: FloatArray) -> FloatArray:
-    """Rotation vectors (n, 3) [rad] of rotation matrices (n, 3, 3), angles below a half turn."""
-    twist = np.stack(
-        [
-            matrices[:, 2, 1] - matrices[:, 1, 2],
-            matrices[:, 0, 2] - matrices[:, 2, 0],
-            matrices[:, 1, 0] - matrices[:, 0, 1],
-        ],
-        axis=1,
-    )
-    sine = np.sqrt((twist**2).sum(axis=1)) / 2
-    cosine = (np.einsum("nii->n", matrices) - 1) / 2
-    angle = np.arctan2(sine, cosine)
-    return twist / 2 * np.where(sine > 1e-9, angle / np.where(sine > 1e-9, sine, 1.0), 1.0)[:, None]
+    result = vectors[:, None] * (vectors * cosine)
+    result[[0, 1, 2], [0, 1, 2]] += 1.0 - cosine * squared
+    x, y, z = vectors * sine
+    result[0, 1] -= z
+    result[0, 2] += y
+    result[1, 0] += z
+    result[1, 2] -= x
+    result[2, 0] -= y
+    result[2, 1] += x
+    return np.asarray(result)

@@ -18,9 +18,8 @@ from .settings import Body, ContactSettings, ImpactEnergy, Motion
 
 __all__ = ["Body", "ContactSettings", "ContactStatistics", "ContactTracker", "FrameContacts", "Impact", "ImpactEnergy", "Motion", "Reach"]
 
-_ROTATION = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10])
-_POSITION = np.array([3, 7, 11])
-"""Columns of the upper three rows of a 4 x 4 matrix, one after the other."""
+_COLUMNS = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10, 3, 7, 11])
+"""Where the rotation and then the position are in the upper three rows of a 4 x 4 matrix."""
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -150,6 +149,7 @@ class ContactTracker:
         self._version = np.zeros(count, dtype=np.int64)
         self._low, self._high = np.full((3, count), np.inf), np.full((3, count), -np.inf)
         self._fat_low, self._fat_high = self._low.copy(), self._high.copy()
+        self._before = (self._low.copy(), self._high.copy())
         self._near, self._near_larger, self._near_smaller = none, none, none
         self._pairs = _Pairs.of(none, none, none)
         self._airborne = self._dynamic.copy()
@@ -212,8 +212,9 @@ class ContactTracker:
         flat = transforms[:, :3].reshape(-1, 12).copy()
         stays = np.abs(flat - self._flat) <= self._still
         if stays.all():
-            self._history.advance(time, flat, np.zeros(0, dtype=np.int64))
+            self._history.advance(time, flat[:, _COLUMNS].T, np.zeros(0, dtype=np.int64))
             return np.zeros(0, dtype=np.int64), ()
+        self._before = (self._low.copy(), self._high.copy())
         moved = np.flatnonzero(~stays.all(axis=1))
         poses = flat[moved]
         finite = np.isfinite(poses).all(axis=1)
@@ -225,17 +226,21 @@ class ContactTracker:
             self._version[gone] += 1
             self._flat[lost] = np.nan
         self._flat[moved] = poses
-        rotation, position = poses[:, _ROTATION].T, poses[:, _POSITION].T
-        self._pose[:9, moved], self._pose[9:, moved] = rotation, position
+        self._pose[:, moved] = poses[:, _COLUMNS].T
         self._version[moved] += 1
-        turn = rotation.reshape(3, 3, -1)
-        centre = (turn * self._middle[:, moved]).sum(axis=1) + position
-        half = (np.abs(turn) * self._extent[:, moved]).sum(axis=1) + (self.settings.tolerance + self.settings.slack) / 2 + 2 * STILL
-        self._low[:, moved], self._high[:, moved] = centre - half, centre + half
-        self._history.advance(time, flat, moved)
+        self._low[:, moved], self._high[:, moved] = self._world_bounds(moved, self._pose[:, moved])
+        self._history.advance(time, flat[:, _COLUMNS].T, moved)
         self._history.disturb(lost)
         warnings = tuple(f"{self.bodies[k].name}: its transform is not finite; it takes no part" for k in lost.tolist())
         return (moved if len(lost) == 0 else np.union1d(moved, gone)), warnings
+
+    def _world_bounds(self, bodies: IntArray, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Lowest and highest corners (3, k) of boxes around ``bodies`` (k,) in ``pose`` (12, k) that overlap wherever two could be
+        touching."""
+        turn = pose[:9].reshape(3, 3, -1)
+        centre = (turn * self._middle[:, bodies]).sum(axis=1) + pose[9:]
+        half = (np.abs(turn) * self._extent[:, bodies]).sum(axis=1) + (self.settings.tolerance + self.settings.slack) / 2 + 2 * STILL
+        return centre - half, centre + half
 
     def _unchanged(self, warnings: tuple[str, ...]) -> FrameContacts:
         assert self._last is not None
@@ -267,17 +272,18 @@ class ContactTracker:
                 paths = None
         if paths is not None:
             low, high = low.copy(), high.copy()
-            for time in (0.0, paths.duration):
-                swept = self._meetings.bounds(paths, fast, time)
-                low[:, fast] = np.minimum(low[:, fast], swept[:, 0].T)
-                high[:, fast] = np.maximum(high[:, fast], swept[:, 1].T)
+            before_low, before_high = self._before[0][:, fast], self._before[1][:, fast]
+            ahead_low, ahead_high = self._world_bounds(fast, paths.poses(fast, paths.duration))
+            low[:, fast] = np.minimum(np.minimum(low[:, fast], before_low), ahead_low)
+            high[:, fast] = np.maximum(np.maximum(high[:, fast], before_high), ahead_high)
         self._widen(low, high, moved)
         if paths is None:
             return None, none
         rapid = np.zeros(len(self.bodies), dtype=np.bool_)
         rapid[fast] = True
         a, b = self._near_larger, self._near_smaller
-        return paths, np.flatnonzero((rapid[a] | rapid[b]) & (energy[a] + energy[b] >= least))
+        able = np.flatnonzero((rapid[a] | rapid[b]) & (energy[a] + energy[b] >= least))
+        return paths, able[self._meetings.may_meet(paths, a[able], b[able], *self._before)]
 
     def _widen(self, low: FloatArray, high: FloatArray, moved: IntArray) -> None:
         """Make the wide bounds hold these again, and find the pairs whose wide bounds overlap."""
@@ -285,7 +291,7 @@ class ContactTracker:
         rows = moved[~inside.all(axis=0)]
         if len(rows) == 0:
             return
-        drift = self._history.drift(rows).T
+        drift = self._history.drift(rows)
         self._fat_low[:, rows] = low[:, rows] - _FAT + np.minimum(drift, 0.0)
         self._fat_high[:, rows] = high[:, rows] + _FAT + np.maximum(drift, 0.0)
         escaped = np.zeros(len(self.bodies), dtype=np.bool_)
@@ -463,10 +469,7 @@ class ContactTracker:
         their motion did not lead there have been moved by something else: their ways are then those to where they are."""
         hits = self._meetings.hits(paths, self._numbers(strikers))
         if len(hits):
-            reach = np.maximum(hits.approach, 0.0) * paths.duration + self.settings.tolerance
-            first, second = hits.pairs.T
-            actual = self._narrow.clearances(hits.pairs, *relative_pose(self._pose[:, first], self._pose[:, second]), reach)
-            hits = hits.chosen(took_place(hits, paths.duration, actual, self.settings.tolerance))
+            hits = hits.chosen(took_place(hits, paths.duration, self.settings.tolerance))
         arrived = arrived[~np.isin(arrived, self._keys(*hits.pairs.T))]
         if len(arrived):
             pairs = self._numbers(arrived)
@@ -495,7 +498,7 @@ class ContactTracker:
         disturbed = self._history.surprised(paths)
         if hits is not None:
             disturbed[hits.pairs] = True
-        self._history.disturb(np.flatnonzero(disturbed & self._dynamic))
+        self._history.disturb(disturbed & self._dynamic)
 
 
 def _same(a: BoolArray | Reach | None, b: BoolArray | Reach | None) -> bool:
