@@ -166,7 +166,7 @@ class SceneReader:
         name = obj.name_full
         problems: list[Problem] = []
         haptic_object = body = source = listener = None
-        scale = _scale(obj)
+        scale = self._scale(row, obj)
         if haptics.enabled:
             try:
                 shape = self._shape(obj, depsgraph, scale)
@@ -191,6 +191,12 @@ class SceneReader:
                     problems.append(Problem(name, str(error)))
         animated = compatibility.is_animated(obj)
         return _Tagged(row, animated, tuple(scale.tolist()), haptic_object, body, source, listener, tuple(problems))
+
+    def _scale(self, row: int, obj: Object) -> FloatArray:
+        """The object's scale in the world; the known one where only rounding differs, so that what turns keeps its shape."""
+        scale = _scale(obj)
+        known = np.array(self._tagged[row].scale) if row in self._tagged else scale
+        return known if np.all(np.abs(scale - known) <= 1e-5 * np.abs(known)) else scale
 
     def _shape(self, obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Any:
         body = obj.rigid_body

@@ -52,6 +52,7 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
             Sample("domino_wall", "Wall of Dominoes", "A thousand impacts, one after the other", 1000),
             Sample("pile", "Pile", "Hundreds of things in a tray on a shaking table", 200),
             Sample("air_blast", "Air Blast", "An explosion is felt through a medium, the air"),
+            Sample("mine_ride", "Mine Ride", "The ride of the paper's study: two and a half minutes in six sections"),
         )
     }
 )
