@@ -31,8 +31,13 @@ _CERTAIN = 1e-4
 _EDGE = 1e-9
 """Part of a face's size by which outlines that coincide are told apart."""
 
+_OF_EDGES = 100
+"""Added to the number of a face whose patch is wanted though edges are nearest."""
+
 _NEXT = np.array([1, 2, 0])
 _AFTER = np.array([2, 0, 1])
+_TURNS = np.stack([_NEXT, _AFTER, np.arange(3)])
+_COLUMN = np.arange(3)[:, None]
 # Corners of a face in turn, from one to the next along its first or its second direction.
 _START = np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])[:, :, None]
 _WAY = np.array([[2.0, 0.0, -2.0, 0.0], [0.0, 2.0, 0.0, -2.0]])[:, :, None]
@@ -62,10 +67,10 @@ def best_axes(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half
     """Greatest separation of boxes over their axes: rotation (3, 3, p) and centre (3, p) of the second in the frame of the first, half
     extents (3, p)."""
     size = np.abs(rotation)
-    offset_b = (rotation * offset[:, None]).sum(axis=0)
+    offset_b = np.einsum("ijp,ip->jp", rotation, offset)
     worth = np.empty((15, offset.shape[1]))
-    np.subtract(np.abs(offset), half_a + (size * half_b).sum(axis=1), out=worth[:3])
-    np.subtract(np.abs(offset_b), half_b + (size * half_a[:, None]).sum(axis=0), out=worth[3:6])
+    np.subtract(np.abs(offset), half_a + np.einsum("ijp,jp->ip", size, half_b), out=worth[:3])
+    np.subtract(np.abs(offset_b), half_b + np.einsum("ijp,ip->jp", size, half_a), out=worth[3:6])
     # Axis i of the first x axis j of the second: e_i x r_j, with r_j column j of the rotation, has length sqrt(1 - r_ij^2).
     turned_1, turned_2, size_1, size_2 = rotation[_NEXT], rotation[_AFTER], size[_NEXT], size[_AFTER]
     along = offset[_AFTER, None] * turned_1 - offset[_NEXT, None] * turned_2
@@ -76,7 +81,7 @@ def best_axes(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half
     edges[squared < 1e-8] = -np.inf
     worth[6:] = edges.reshape(9, -1)
     axis = worth.argmax(axis=0)
-    distance = np.take_along_axis(worth, axis[None], axis=0)[0]
+    distance = _pick(worth, axis)
     distance += np.where(axis < 6, 0.0, _FACE_PREFERENCE)
     return _Axes(distance, axis)
 
@@ -88,101 +93,95 @@ def box_contacts(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, h
     count = len(best.distance)
     result = BoxContacts(best.distance, np.zeros((3, count)), np.zeros((3, count)), np.zeros(count), best.distance > reach)
     result.normal[2] = 1.0
-    faces = np.flatnonzero((best.distance <= reach) & (best.axis < 6))
-    if len(faces):
-        everything = len(faces) == count
-        of = (slice(None),) if everything else (faces,)
-        _faces(result, faces, best.axis[faces], rotation[..., of[0]], offset[:, of[0]], half_a[:, of[0]], half_b[:, of[0]])
-    edges = np.flatnonzero((best.distance <= reach) & (best.axis >= 6))
+    axis = best.axis
+    near = best.distance <= reach
+    edges = np.flatnonzero(near & (axis >= 6))
     if len(edges):
-        boxes = (rotation[..., edges], offset[:, edges], half_a[:, edges], half_b[:, edges])
-        _edges(result, edges, best.axis[edges] - 6, *boxes)
-        _flatten(result, edges, *boxes)
+        boxes = _rows(edges, rotation, offset, half_a, half_b)
+        _edges(result, edges, axis[edges] - 6, *boxes)
+        # Where the faces that the edges belong to are all but parallel, the patch is theirs.
+        normal = result.normal[:, edges]
+        alignment = np.abs(np.concatenate([normal, np.einsum("ijp,ip->jp", boxes[0], normal)]))
+        face = alignment.argmax(axis=0)
+        axis[edges] = np.where(_pick(alignment, face) > _FLAT, face + _OF_EDGES, 6)
+    faces = np.flatnonzero(near & (axis != 6))
+    if len(faces):
+        _faces(result, faces, axis[faces], *_rows(faces, rotation, offset, half_a, half_b))
     return result
 
 
-def _flatten(result: BoxContacts, rows: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> None:
-    """Give pairs whose edges meet, but whose faces there are all but parallel, the patch of the faces."""
-    normal = result.normal[:, rows]
-    alignment = np.abs(np.concatenate([normal, (rotation * normal[:, None]).sum(axis=0)]))
-    flat = np.flatnonzero(alignment.max(axis=0) > _FLAT)
-    if len(flat) == 0:
-        return
-    patch = BoxContacts(result.distance[rows[flat]], normal[:, flat], np.zeros((3, len(flat))), np.zeros(len(flat)), flat > 0)
-    boxes = (rotation[..., flat], offset[:, flat], half_a[:, flat], half_b[:, flat])
-    _faces(patch, np.arange(len(flat)), alignment[:, flat].argmax(axis=0), *boxes)
-    faced = np.flatnonzero(patch.area > 0)
-    result.centre[:, rows[flat[faced]]] = patch.centre[:, faced]
-    result.area[rows[flat[faced]]] = patch.area[faced]
+def _rows(
+    rows: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Some of the pairs."""
+    if len(rows) == offset.shape[1]:
+        return rotation, offset, half_a, half_b
+    return rotation.take(rows, axis=2), offset.take(rows, axis=1), half_a.take(rows, axis=1), half_b.take(rows, axis=1)
 
 
 def _pick(values: FloatArray, index: IntArray) -> FloatArray:
-    """``values[index[p], ..., p]`` of (3, ..., p) arrays."""
-    shape = (1,) * (values.ndim - 1) + index.shape
-    return np.asarray(np.take_along_axis(values, index.reshape(shape), axis=0)[0])
+    """``values[index[..., p], p]`` of arrays (k, p)."""
+    count = values.shape[1]
+    return np.asarray(values.reshape(-1).take(index * count + np.arange(count)))
 
 
 def _faces(
     result: BoxContacts, rows: IntArray, axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
 ) -> None:
-    """Pairs whose best axis is a face's. ``face`` is the box that it belongs to, ``other`` comes towards it."""
+    """Pairs with the ``axis`` of a face; of those whose edges are nearest only the patch. ``face`` is the box that the face belongs to,
+    ``other`` comes towards it."""
+    by_edges = axis >= _OF_EDGES
+    axis = np.where(by_edges, axis - _OF_EDGES, axis)
     of_a = axis < 3
-    k = np.where(of_a, axis, axis - 3)
-    turn = np.where(of_a, rotation, rotation.transpose(1, 0, 2))
-    shift = np.where(of_a, offset, -(rotation * offset[:, None]).sum(axis=0))
+    turn = np.where(of_a, rotation, rotation.transpose(1, 0, 2)).reshape(9, -1)
+    shift = np.where(of_a, offset, -np.einsum("ijp,ip->jp", rotation, offset))
     face, other = np.where(of_a, half_a, half_b), np.where(of_a, half_b, half_a)
-    k1, k2 = _NEXT[k], _AFTER[k]
-    side = np.where(_pick(shift, k) < 0, -1.0, 1.0)
-    p, q, h = _pick(face, k1), _pick(face, k2), _pick(face, k)
-    along = _pick(turn, k)  # (3, p): heights of the other's axes
-    u_of, v_of = _pick(turn, k1), _pick(turn, k2)
-    j = np.abs(along).argmax(axis=0)
-    j1, j2 = _NEXT[j], _AFTER[j]
-    a, b = _pick(other, j1), _pick(other, j2)
-    down = -side * np.where(_pick(along, j) < 0, -1.0, 1.0) * _pick(other, j)
-    # The other's face: centre, half edges (in units of the rectangle's half sides) and heights above the face.
-    cu = (_pick(shift, k1) + _pick(u_of, j) * down) / p
-    cv = (_pick(shift, k2) + _pick(v_of, j) * down) / q
-    cz = side * (_pick(shift, k) + _pick(along, j) * down) - h
-    e1u, e1v, e1z = _pick(u_of, j1) * a / p, _pick(v_of, j1) * a / q, _pick(along, j1) * a * side
-    e2u, e2v, e2z = _pick(u_of, j2) * b / p, _pick(v_of, j2) * b / q, _pick(along, j2) * b * side
-    area, mu, mv, z_low, found = _intersection(cu, cv, cz, e1u, e1v, e1z, e2u, e2v, e2z)
+    # Both boxes with the axes in turn such that the third ones are those that meet.
+    k = np.where(of_a, axis, axis - 3)
+    i = _TURNS[:, k]
+    j = _TURNS[:, np.abs(_pick(turn, 3 * k + _COLUMN)).argmax(axis=0)]
+    turn = _pick(turn, 3 * i[:, None] + j)
+    shift, face, other = _pick(shift, i), _pick(face, i), _pick(other, j)
+    side = np.where(shift[2] < 0, -1.0, 1.0)
+    down = np.where(turn[2, 2] * side < 0, other[2], -other[2])
+    # The other's face in units of the rectangle: centre and half edges, each as (u, v, height above the face).
+    unit = np.stack([1.0 / face[0], 1.0 / face[1], side])
+    centre = (shift + turn[:, 2] * down) * unit
+    centre[2] -= face[2]
+    area, u, v, lowest, found = _intersection(centre, turn[:, 0] * other[0] * unit, turn[:, 1] * other[1] * unit)
     distance = result.distance[rows]
-    lifted = np.maximum(z_low - distance, 0.0)
+    lifted = lowest - distance
     apart = distance > 0
     exact = found & (~apart | (lifted <= _CERTAIN))
-    distance = np.where(apart & exact, distance + lifted, distance)
-    middle = np.empty_like(shift)
-    for index, value in ((k1, mu * p), (k2, mv * q), (k, side * (h + distance / 2))):
-        np.put_along_axis(middle, index[None], value[None], axis=0)
-    normal = np.zeros_like(shift)
-    np.put_along_axis(normal, k[None], (side * np.where(of_a, 1.0, -1.0))[None], axis=0)
+    distance = np.where(apart & exact & (lifted > 0) & ~by_edges, distance + lifted, distance)
+    local = np.stack([u * face[0], v * face[1], side * (face[2] + distance / 2)])
+    count = len(rows)
+    middle = np.empty((3, count))
+    middle.reshape(-1)[i * count + np.arange(count)] = local
+    normal = np.where(k == _COLUMN, np.where(of_a, side, -side), 0.0)
     # Those of the second box's faces are in its frame.
     back = np.flatnonzero(~of_a)
     if len(back):
-        turn_back = rotation[..., back]
-        middle[:, back] = (turn_back * middle[:, back]).sum(axis=1) + offset[:, back]
-        normal[:, back] = (turn_back * normal[:, back]).sum(axis=1)
-    result.distance[rows] = distance
-    result.normal[:, rows] = normal
-    result.centre[:, rows] = middle
-    result.area[rows] = area * p * q
-    result.exact[rows] = exact
+        turn_back = rotation.take(back, axis=2)
+        middle[:, back] = np.einsum("ijp,jp->ip", turn_back, middle[:, back]) + offset[:, back]
+        normal[:, back] = np.einsum("ijp,jp->ip", turn_back, normal[:, back])
+    area = area * face[0] * face[1]
+    if by_edges.any():
+        patched = np.flatnonzero(by_edges & (area > 0))
+        result.centre[:, rows[patched]], result.area[rows[patched]] = middle[:, patched], area[patched]
+        own = np.flatnonzero(~by_edges)
+        rows, distance, normal, middle, area, exact = rows[own], distance[own], normal[:, own], middle[:, own], area[own], exact[own]
+    result.distance[rows], result.area[rows], result.exact[rows] = distance, area, exact
+    result.normal[:, rows], result.centre[:, rows] = normal, middle
 
 
 def _intersection(
-    cu: FloatArray,
-    cv: FloatArray,
-    cz: FloatArray,
-    e1u: FloatArray,
-    e1v: FloatArray,
-    e1z: FloatArray,
-    e2u: FloatArray,
-    e2v: FloatArray,
-    e2z: FloatArray,
+    centre: FloatArray, first: FloatArray, second: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray]:
-    """The part of the square |u|, |v| <= 1 under the parallelogram ``c + s e1 + t e2``, |s|, |t| <= 1, as far as its height is within
-    ``PATCH_GAP`` of the least there: area, centre (u, v), least height, and whether there is any."""
+    """The part of the square |u|, |v| <= 1 under the parallelogram ``centre + s first + t second``, |s|, |t| <= 1, each (3, p) as (u, v,
+    height), as far as its height is within ``PATCH_GAP`` of the least there: area, centre (u, v), least height, and whether there is
+    any."""
+    (cu, cv, cz), (e1u, e1v, e1z), (e2u, e2v, e2z) = centre, first, second
     count = len(cu)
     # Counter-clockwise.
     determinant = e1u * e2v - e1v * e2u
@@ -256,26 +255,22 @@ def _edges(
 ) -> None:
     """Pairs whose best axis is square to edge i of the first and edge j of the second: the nearest points of the two."""
     i, j = edge // 3, edge % 3
-    way = _pick(rotation.transpose(1, 0, 2), j)  # (3, p): direction of the second's edge
-    normal = np.zeros_like(offset)
-    np.put_along_axis(normal, _NEXT[i][None], -_pick(way, _AFTER[i])[None], axis=0)
-    np.put_along_axis(normal, _AFTER[i][None], _pick(way, _NEXT[i])[None], axis=0)
-    normal /= np.sqrt((normal * normal).sum(axis=0)) * np.where((normal * offset).sum(axis=0) < 0, -1.0, 1.0)
-    on_a = np.where(normal < 0, -half_a, half_a)
-    np.put_along_axis(on_a, i[None], 0.0, axis=0)
-    normal_b = (rotation * normal[:, None]).sum(axis=0)
-    on_b = np.where(normal_b < 0, half_b, -half_b)
-    np.put_along_axis(on_b, j[None], 0.0, axis=0)
-    on_b = (rotation * on_b).sum(axis=1) + offset
+    way = _pick(rotation.reshape(9, -1), 3 * _COLUMN + j)  # (3, p): direction of the second's edge
+    of_i = i == _COLUMN
+    normal = np.where(_NEXT[i] == _COLUMN, -_pick(way, _AFTER[i]), np.where(of_i, 0.0, _pick(way, _NEXT[i])))
+    length = np.sqrt(np.einsum("ip,ip->p", normal, normal))
+    normal /= np.where(np.einsum("ip,ip->p", normal, offset) < 0, -length, length)
+    on_a = np.where(of_i, 0.0, np.where(normal < 0, -half_a, half_a))
+    on_b = np.where(j == _COLUMN, 0.0, np.where(np.einsum("ijp,ip->jp", rotation, normal) < 0, half_b, -half_b))
+    on_b = np.einsum("ijp,jp->ip", rotation, on_b) + offset
     between = on_b - on_a
-    along_i, along_j, slant = _pick(between, i), (between * way).sum(axis=0), _pick(way, i)
+    along_i, along_j, slant = _pick(between, i), np.einsum("ip,ip->p", between, way), _pick(way, i)
     area = 1.0 - slant * slant
     s, t = (along_i - slant * along_j) / area, (slant * along_i - along_j) / area
     most_s, most_t = _pick(half_a, i), _pick(half_b, j)
     within = (np.abs(s) <= most_s * (1 + _EDGE)) & (np.abs(t) <= most_t * (1 + _EDGE))
-    np.put_along_axis(on_a, i[None], np.clip(s, -most_s, most_s)[None], axis=0)
+    on_a = np.where(of_i, np.clip(s, -most_s, most_s), on_a)
     on_b += way * np.clip(t, -most_t, most_t)
-    distance = result.distance[rows]
     result.normal[:, rows] = normal
     result.centre[:, rows] = (on_a + on_b) / 2
-    result.exact[rows] = within | (distance <= 0)
+    result.exact[rows] = within | (result.distance[rows] <= 0)

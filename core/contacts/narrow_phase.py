@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .boxes import best_axes, box_contacts
+from .boxes import BoxContacts, best_axes, box_contacts
 from .closed_forms import (
     Separation,
     between,
@@ -210,8 +210,8 @@ class NarrowPhase:
             first, second, rotation, offset = first[rows], second[rows], rotation[..., rows], offset[:, rows]
         if self._table.placed:
             shift, turn_a, turn_b = self._shift[:, second], self._turn[..., first], self._turn[..., second]
-            offset = offset + (rotation * shift).sum(axis=1) - self._shift[:, first]
-            offset = (turn_a * offset[:, None]).sum(axis=0)
+            offset = offset + np.einsum("ijp,jp->ip", rotation, shift) - self._shift[:, first]
+            offset = np.einsum("ijp,ip->jp", turn_a, offset)
             rotation = product(turn_a.transpose(1, 0, 2), product(rotation, turn_b))
         sharp = self._authored[first] & self._authored[second]
         some, every = bool(sharp.any()), bool(sharp.all())
@@ -231,6 +231,7 @@ class NarrowPhase:
         rows = boxes.rows
         radius = boxes.radius_a + boxes.radius_b
         found = box_contacts(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b, reach[rows] + radius)
+        self._measure(boxes, pairs, found)
         area, normal, centre = found.area, found.normal, found.centre
         first, second = pairs[rows].T
         if np.any(radius > 0):
@@ -238,21 +239,41 @@ class NarrowPhase:
             centre = centre + normal * ((boxes.radius_a - boxes.radius_b) / 2)
         if self._table.placed:
             turn = self._turn[..., first]
-            normal = (turn * normal).sum(axis=1)
-            centre = (turn * centre).sum(axis=1) + self._shift[:, first]
+            normal = np.einsum("ijp,jp->ip", turn, normal)
+            centre = np.einsum("ijp,jp->ip", turn, centre) + self._shift[:, first]
         result.distance[rows] = found.distance - radius
         result.normal[:, rows], result.centre[:, rows], result.area[rows] = normal, centre, area
-        if len(rows) == len(every) and found.exact.all():
+        if len(rows) == len(every):
             return every[:0]
         left = np.ones(len(every), dtype=np.bool_)
-        left[rows[found.exact]] = False
+        left[rows] = False
         return every[left]
+
+    def _measure(self, boxes: _Boxes, pairs: IntArray, found: BoxContacts) -> None:
+        """Measure boxes that are apart at their corners: nearest points, no area."""
+        rows = np.flatnonzero(~found.exact)
+        if len(rows) == 0:
+            return
+        bodies = pairs[boxes.rows[rows]].tolist()
+        sharp = [bool(self._authored[a] and self._authored[b]) for a, b in bodies]
+        sizes = [Size.SHARP if s else Size.CORE for s in sharp]
+        start = self._table.start
+        objects = [
+            (self._convex.core(int(start[a]), size), self._convex.core(int(start[b]), size))
+            for (a, b), size in zip(bodies, sizes, strict=True)
+        ]
+        turn = np.ascontiguousarray(boxes.rotation[..., rows].transpose(2, 0, 1))
+        still = np.broadcast_to(np.eye(3), turn.shape)
+        measured = separations(objects, still, np.zeros((len(rows), 3)), turn, np.ascontiguousarray(boxes.offset[:, rows].T))
+        found.distance[rows], found.normal[:, rows] = measured.distance, measured.normal.T
+        found.centre[:, rows] = (measured.first + measured.second).T / 2
+        found.area[rows] = 0.0
 
     def _flatness(self, first: IntArray, second: IntArray, boxes: _Boxes, normal: FloatArray) -> FloatArray:
         """Areas (k,) of the smaller of the two faces over those of the boxes' cores: edges that are rounded within the size of a box take
         nothing from what is flat."""
         ratios, areas = [], []
-        for body, half, way in ((first, boxes.half_a, normal), (second, boxes.half_b, (boxes.rotation * normal[:, None]).sum(axis=0))):
+        for body, half, way in ((first, boxes.half_a, normal), (second, boxes.half_b, np.einsum("ijp,ip->jp", boxes.rotation, normal))):
             across = np.arange(3)[:, None] != np.abs(way).argmax(axis=0)
             areas.append(np.where(across, half, 1.0).prod(axis=0))
             ratios.append(np.where(across, self._outline[:, body] / np.maximum(half, 1e-9), 1.0).prod(axis=0))
@@ -490,14 +511,13 @@ def _at_nearest_points(patch: Patches) -> Patches:
 
 def product(a: FloatArray, b: FloatArray) -> FloatArray:
     """Products (3, 3, p) of matrices (3, 3, p)."""
-    return np.asarray((a[:, :, None] * b[None]).sum(axis=1))
+    return np.asarray(np.einsum("ijp,jkp->ikp", a, b))
 
 
 def relative_pose(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Rotation (3, 3, p) and offset (3, p) of poses ``b`` in the frames of poses ``a``, both (12, p): rotation by rows, then position."""
     turn_a, turn_b = a[:9].reshape(3, 3, -1), b[:9].reshape(3, 3, -1)
-    rotation = (turn_a[:, :, None] * turn_b[:, None]).sum(axis=0)
-    return rotation, (turn_a * (b[9:] - a[9:])[:, None]).sum(axis=0)
+    return np.einsum("kip,kjp->ijp", turn_a, turn_b), np.einsum("ijp,ip->jp", turn_a, b[9:] - a[9:])
 
 
 def _matrices(rotation: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray]:
