@@ -59,6 +59,11 @@ class Arena:
         """1, or 1 and one per band."""
         return int(self.steps.weight.shape[1])
 
+    @property
+    def patches(self) -> int:
+        """Number of patches."""
+        return len(set(self.patch.tolist()) - {-1})
+
 
 def intra_gains(graph: HapticGraph, a: IntArray, b: IntArray) -> tuple[FloatArray, FloatArray]:
     """Gains of the intra-connections between nodes ``a[i]`` and ``b[i]``, and distances in metres."""

@@ -12,6 +12,8 @@ and with the open ends of an object (which a path may pass several times) instea
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -28,7 +30,13 @@ fragment's other end, counted from `FIRST`."""
 
 SLOTS = FIELD - FIRST + 1
 
-ELEMENTS = 128
+WIDEST = 48
+"""With more objects than this at once in the frontier, no order is narrow."""
+
+HOPELESS = 0.05
+"""From this part of the work allowed on, it is given up where the rest is expected to take more than twice as much as allowed."""
+
+ELEMENTS = 16
 """Adding up so many numbers takes as long as finding one transition."""
 
 
@@ -38,12 +46,16 @@ class TooWide(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Crossing:
-    """One contact, in the order in which they are taken: its two nodes; whether it is the first of its patch (of which a path takes one
-    contact or none); the nodes that may wait on either side, with their slots; its own slots; whether either side may wait for a patch
-    still to come; and after the last contact of a patch, of which slots how many at most may still hold a waiting end, because there are
-    not more patches to come for them."""
+    """One contact, in the order in which they are taken.
+
+    ``nodes`` on either side; ``patch`` its number in the order, ``first`` whether it is the first of it (a path takes one contact of a
+    patch or none); ``waiting`` nodes that may wait on either side, with their slots; ``slots`` of its own; ``waits`` whether either side
+    may wait for a patch still to come; ``most``, after the last contact of a patch: of these slots only so many may still hold a waiting
+    end, because no more patches are to come for them.
+    """
 
     nodes: tuple[int, int]
+    patch: int
     first: bool
     waiting: tuple[tuple[tuple[int, int], ...], tuple[tuple[int, int], ...]]
     slots: tuple[int, int]
@@ -74,7 +86,7 @@ def plan(patches: Sequence[Sequence[tuple[int, int, int, int]]], start: tuple[in
     free = list(range(SLOTS - 1, 0, -1))
     waiting: dict[int, list[tuple[int, int]]] = {start[0]: [(start[1], 0)]}
     crossings: list[Crossing] = []
-    for contacts in patches:
+    for patch, contacts in enumerate(patches):
         touched = sorted({k for one, _, other, _ in contacts for k in (one, other)})
         for index in touched:
             left[index] -= 1
@@ -85,13 +97,11 @@ def plan(patches: Sequence[Sequence[tuple[int, int, int, int]]], start: tuple[in
         for (one, a, other, b), (slot_a, slot_b) in zip(contacts, slots, strict=True):
             waiting.setdefault(one, []).append((a, slot_a))
             waiting.setdefault(other, []).append((b, slot_b))
-        most = tuple(
-            (tuple(slot for _, slot in waiting[index]), left[index]) for index in touched if len(waiting[index]) > left[index]
-        )
+        most = tuple((tuple(slot for _, slot in waiting[index]), left[index]) for index in touched if len(waiting[index]) > left[index])
         for number, (one, a, other, b) in enumerate(contacts):
             waits = left[one] > 0, left[other] > 0
             last = number + 1 == len(contacts)
-            crossings.append(Crossing((a, b), number == 0, sides[number], slots[number], waits, most if last else ()))
+            crossings.append(Crossing((a, b), patch, number == 0, sides[number], slots[number], waits, most if last else ()))
         for index in touched:
             if left[index] == 0:
                 free += [slot for _, slot in waiting.pop(index)]
@@ -102,35 +112,28 @@ Neighbours = Mapping[int, Sequence[tuple[int, int]]]
 """Of each object: the number of every patch at it, and the object on its other side."""
 
 
-def order_patches(patches: Sequence[tuple[int, int]], places: Mapping[int, Sequence[float]], first: int) -> list[int]:
-    """An order of the edges (object, object) that keeps few ends waiting.
+def order_patches(patches: Sequence[tuple[int, int]], places: Mapping[int, Sequence[float]], first: int) -> tuple[list[int], list[float]]:
+    """An order of the edges (object, object) that keeps few ends waiting, and for each an estimate of the states up to it.
 
-    Objects are finished one by one. Tried are orders along the three axes (``places``: a point of each object), breadth-first from
-    ``first`` and from an object far from it, and always the object with the fewest patches left; the narrowest one is taken.
+    Objects are finished one by one. Tried are orders along the three axes (``places``: a point of each object), and always the object that
+    leaves the fewest ends waiting, beginning with ``first`` and with an object far from it. The narrowest one is taken.
     """
     around: dict[int, list[tuple[int, int]]] = {}
     for number, (one, other) in enumerate(patches):
         around.setdefault(one, []).append((number, other))
         around.setdefault(other, []).append((number, one))
     if first not in around:
-        return list(range(len(patches)))
-    wave = _breadth_first(around, first)
-    objects = [
-        wave,
-        _breadth_first(around, wave[-1]),
-        _fewest_left(around, first),
-        *(sorted(wave, key=lambda index: (*rotate(places[index], axis), index)) for axis in range(3)),
-    ]
+        return list(range(len(patches))), [math.inf] * len(patches)
+    far = _farthest(around, first)
+    objects = [sorted(around, key=lambda index: (*places[index][axis:], *places[index][:axis], index)) for axis in range(3)]
+    objects += [order for start in (first, far) if (order := _narrowest(around, start))]
     orders = [_finish_one_by_one(around, candidate) for candidate in objects]
-    return min(orders, key=lambda order: _width(patches, around, order))
+    widths = [_width(patches, around, order) for order in orders]
+    best = min(range(len(widths)), key=lambda k: widths[k][-1])
+    return orders[best], widths[best]
 
 
-def rotate(place: Sequence[float], axis: int) -> Sequence[float]:
-    """Coordinates with that of ``axis`` first."""
-    return (*place[axis:], *place[:axis])
-
-
-def _breadth_first(around: Neighbours, start: int) -> list[int]:
+def _farthest(around: Neighbours, start: int) -> int:
     reached = {start}
     queue = [start]
     for index in queue:
@@ -138,22 +141,43 @@ def _breadth_first(around: Neighbours, start: int) -> list[int]:
             if other not in reached:
                 reached.add(other)
                 queue.append(other)
-    return queue
+    return queue[-1]
 
 
-def _fewest_left(around: Neighbours, start: int) -> list[int]:
-    left = {index: len(patches) for index, patches in around.items()}
-    order: dict[int, None] = {}
+def _may_wait(done: int, size: int) -> int:
+    """Ends that may wait in an object of which ``done`` of ``size`` patches are taken: each of them needs one still to come."""
+    return min(done, size - done)
+
+
+def _narrowest(around: Neighbours, start: int) -> list[int]:
+    """Objects in an order in which each next one leaves as few ends waiting as possible; [] where there is no narrow one."""
+    size = {index: len(patches) for index, patches in around.items()}
+    taken = dict.fromkeys(around, 0)
+    done: set[int] = set()
+    order: list[int] = []
     frontier = {start: 0}
-    while frontier:
-        index = min(frontier, key=lambda k: (left[k], frontier[k]))
-        del frontier[index]
-        order[index] = None
+
+    def growth(index: int) -> int:
+        new: dict[int, int] = {}
         for _, other in around[index]:
-            if other not in order:
-                left[other] -= 1
+            if other not in done:
+                new[other] = new.get(other, 0) + 1
+        return sum(_may_wait(taken[k] + n, size[k]) - _may_wait(taken[k], size[k]) for k, n in new.items()) - _may_wait(
+            taken[index], size[index]
+        )
+
+    while frontier:
+        if len(frontier) > WIDEST:
+            return []
+        index = min(frontier, key=lambda k: (growth(k), frontier[k]))
+        del frontier[index]
+        done.add(index)
+        order.append(index)
+        for _, other in around[index]:
+            if other not in done:
+                taken[other] += 1
                 frontier.setdefault(other, len(order))
-    return list(order)
+    return order
 
 
 def _finish_one_by_one(around: Neighbours, objects: Sequence[int]) -> list[int]:
@@ -165,20 +189,19 @@ def _finish_one_by_one(around: Neighbours, objects: Sequence[int]) -> list[int]:
     return order
 
 
-def _width(patches: Sequence[tuple[int, int]], around: Neighbours, order: Sequence[int]) -> float:
-    """An estimate of the states of all steps: a small power of the number of ends that may wait. An object with some patches done and some
-    to come may have as many ends waiting as the smaller of both."""
+def _width(patches: Sequence[tuple[int, int]], around: Neighbours, order: Sequence[int]) -> list[float]:
+    """An estimate of the states of all steps up to each: a small power of the number of ends that may wait."""
     size = {index: len(patches) for index, patches in around.items()}
-    seen = dict.fromkeys(around, 0)
-    total = 0.0
+    taken = dict.fromkeys(around, 0)
     waiting = 0
+    states = []
     for number in order:
         for index in patches[number]:
-            before = seen[index]
-            seen[index] = before + 1
-            waiting += 1 if 2 * before + 1 < size[index] else -1 if 2 * before + 1 > size[index] else 0
-        total += 2.0 ** min(waiting, 500)
-    return total
+            before = taken[index]
+            taken[index] = before + 1
+            waiting += _may_wait(before + 1, size[index]) - _may_wait(before, size[index])
+        states.append(2.0 ** min(waiting, 500))
+    return list(itertools.accumulate(states))
 
 
 class _Layer:
@@ -202,13 +225,20 @@ class _Moves:
 
 
 def sum_over_paths(
-    crossings: Sequence[Crossing], weights: Sequence[Weights], start: FloatArray, at_start: FloatArray, limited: bool, allowed: float
+    crossings: Sequence[Crossing],
+    weights: Sequence[Weights],
+    start: FloatArray,
+    at_start: FloatArray,
+    limited: bool,
+    expected: Sequence[float],
+    allowed: float,
 ) -> tuple[FloatArray, float]:
     """Sum (listeners, contacts crossed, lanes) over all paths from the start to the listeners, and the work done.
 
     ``start`` (contacts crossed, lanes): the value at the start; ``at_start`` (listeners, lanes): factors of ending there at once. With
     ``limited`` contacts are counted, and paths with more than there is room for are left out; else there is room for one count, which
-    stands for all. Raises TooWide where more than ``allowed`` transitions would be needed.
+    stands for all. Raises TooWide where more than ``allowed`` work would be needed, or will be as far as ``expected`` (an estimate of the
+    states up to each patch) tells.
     """
     listeners, (steps, lanes) = len(at_start), start.shape
     layer = _Layer(listeners, steps, lanes)
@@ -225,7 +255,7 @@ def sum_over_paths(
             following.opened, following.closed = dict(layer.opened), dict(layer.closed)
             following.open_values, following.closed_values = layer.open_values, layer.closed_values
         work += cost * _cross(layer, following, total, crossing, weight, limited)
-        if work > allowed:
+        if work > allowed or (work > HOPELESS * allowed and work * expected[-1] > 2 * allowed * expected[crossing.patch]):
             raise TooWide
         for slots, most in crossing.most:
             following.opened, following.open_values = _at_most(following.opened, following.open_values, slots, most)

@@ -25,6 +25,9 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 KeyArray = NDArray[np.uint64]
 
+PAIRS = 4
+"""So many steps are looked at as quickly as one unit of work elsewhere is done."""
+
 SPENT_PER_LEVEL = 0.15
 """Part of the error still allowed that one level may use: enough to thin the states out, and something is left for the deeper ones."""
 
@@ -33,7 +36,7 @@ SPENT_PER_LEVEL = 0.15
 class Limits:
     """``crossings`` contacts on a path at most; ``threshold`` of its gain; ``ahead`` (e,) the largest gain from each entry to a listener
     (infinite where it is not known). ``tolerance`` relative error allowed; ``known`` (l,) lower bounds of the sums; ``states`` kept at most
-    at a time and ``work`` states altogether."""
+    at a time, and ``work`` allowed altogether."""
 
     crossings: float
     threshold: float
@@ -47,7 +50,7 @@ class Limits:
 @dataclass(frozen=True, slots=True)
 class Found:
     """``sums`` (k, l, lanes) over the paths with k contacts; ``missing`` (l,) a bound of all paths not in them; ``paths`` (l,) their
-    number; ``work`` states looked at."""
+    number; ``work`` that was done."""
 
     sums: FloatArray
     missing: FloatArray
@@ -101,6 +104,7 @@ def search(arena: Arena, starts: FloatArray, limits: Limits, onwards: Callable[[
         if level >= limits.crossings:
             break
         which, step = steps.expand(states.entry, None if ranked is None else _promising(steps, ranked[1], states, least))
+        work += len(step) // PAIRS
         to = steps.to[step]
         gain = states.gain[which] * steps.gain[step]
         possible = useful[to]
@@ -120,7 +124,7 @@ def search(arena: Arena, starts: FloatArray, limits: Limits, onwards: Callable[[
             states = _merge(states, entry_key)
         level += 1
         total = np.sum(sums, axis=0)[:, 0]
-        states = _drop(states, limits, onwards, level, np.maximum(total, limits.known), missing, work)
+        states = _drop(arena, states, limits, onwards, level, np.maximum(total, limits.known), missing, work)
     return Found(np.array(sums).reshape(-1, arena.listeners, arena.lanes), missing, paths, work)
 
 
@@ -187,16 +191,24 @@ def _merge(states: _States, entry_key: KeyArray) -> _States:
 
 
 def _drop(
-    states: _States, limits: Limits, onwards: Callable[[], FloatArray], level: int, total: FloatArray, missing: FloatArray, work: int
+    arena: Arena,
+    states: _States,
+    limits: Limits,
+    onwards: Callable[[], FloatArray],
+    level: int,
+    total: FloatArray,
+    missing: FloatArray,
+    work: int,
 ) -> _States:
     """Leave out the states of least weight: as many as the tolerance allows at this level, and all above the number allowed. What they
     might have added goes to ``missing``."""
-    most = max(0, min(limits.states, limits.work - work))
+    each = 1 + len(arena.steps.to) / (PAIRS * len(arena.nodes))
+    most = max(0, min(limits.states, int((limits.work - work) / each)))
     if len(states) == 0 or (limits.tolerance == 0 and len(states) <= most):
         return states
     sums = onwards()
-    left = len(sums) - 1 if limits.crossings == math.inf else min(len(sums) - 1, int(limits.crossings) - level)
-    bounds = states.value[:, :1] * sums[left][states.entry]
+    left = int(min(limits.crossings, arena.patches)) - level  # a path crosses each patch once
+    bounds = states.value[:, :1] * sums[min(left, len(sums) - 1)][states.entry]
     with np.errstate(divide="ignore", invalid="ignore"):
         score = np.nan_to_num(bounds / total, nan=0.0, posinf=math.inf).max(axis=1)
     order = np.lexsort((np.arange(len(states)), score))
