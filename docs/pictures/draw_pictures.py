@@ -40,6 +40,7 @@ def main() -> None:
         bpy.ops.haptic.graph_to_geometry()
         pixels = rendering.rendered(scene, SIZE, 48, denoise=True)[::-1, :, :3]
         write_png(FOLDER / "graph-to-geometry.png", np.rint(pixels * 255).astype(np.uint8))
+    haptic_tracing.unregister()
 
 
 if __name__ == "__main__":
