@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ctypes
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +46,7 @@ def starts_gpu() -> bool:
     """True where things can be drawn off-screen: in a window, and from Blender 5.2 on without one where OpenGL or Vulkan is there."""
     if not bpy.app.background:
         return True
-    if not compatibility.can_draw_off_screen():
+    if not compatibility.can_draw_off_screen() or (sys.platform == "linux" and not _has_surfaceless_egl()):
         return False
     import gpu
 
@@ -52,6 +55,21 @@ def starts_gpu() -> bool:
     except (RuntimeError, SystemError):
         return False
     return True
+
+
+@cache
+def _has_surfaceless_egl() -> bool:
+    """True where EGL can be had without a screen. Blender 5.2 ends with a segmentation fault where it can't."""
+    surfaceless = 0x31DD  # EGL_PLATFORM_SURFACELESS_MESA
+    try:
+        egl = ctypes.CDLL("libEGL.so.1")
+        egl.eglGetPlatformDisplay.restype = ctypes.c_void_p
+        egl.eglGetPlatformDisplay.argtypes = [ctypes.c_uint, ctypes.c_void_p, ctypes.c_void_p]
+        egl.eglInitialize.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]
+    except (OSError, AttributeError):
+        return False
+    display = egl.eglGetPlatformDisplay(surfaceless, None, None)
+    return bool(display) and bool(egl.eglInitialize(display, None, None))
 
 
 def viewport_picture(scene: Scene, result: FrameResult, size: tuple[int, int], options: Options | None = None) -> NDArray[np.uint8]:

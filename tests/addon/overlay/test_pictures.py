@@ -1,6 +1,9 @@
 """Pictures, looked at pixel by pixel: the colours where the nodes are, what hides what, and that nothing is left behind."""
 
+import os
 import struct
+import subprocess
+import sys
 import warnings
 import zlib
 
@@ -209,3 +212,12 @@ def test_rendered_graph_is_hidden_unless_it_is_drawn_in_front(scene, camera, wal
     hidden = rendering.rendered_picture(scene, bridge, SIZE)
     assert _pixel(scene, hidden, _node(bridge, "truck")) == pytest.approx(_pixel(scene, hidden, (0.5, 0, 0)), abs=0.05)
     assert [obj.name for obj in scene.objects if "Haptic" in obj.name] == []
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="EGL is Linux's way to a GPU without a screen")
+def test_without_egl_the_gpu_is_left_alone():
+    """Blender itself ends with a segmentation fault there."""
+    program = "import bpy; from haptic_tracing.addon.overlay import picture; print('starts:', picture.starts_gpu())"
+    nowhere = {"__EGL_VENDOR_LIBRARY_DIRS": "/nonexistent", "LIBGL_DRIVERS_PATH": "/nonexistent"}
+    done = subprocess.run([sys.executable, "-c", program], env={**os.environ, **nowhere}, capture_output=True, text=True, check=True)
+    assert "starts: False" in done.stdout
