@@ -24,8 +24,8 @@ LEAN = math.radians(10)
 BACK_X = -0.52  # where seat and backrest meet
 CART_FADES = 0.2  # per metre
 
-# A wheelset rolls from one rail to the next all the time; so light, it hits none with 5 J.
-WHEELSET_MASS = 1.0
+# Kilograms. Wheels roll from one rail onto the next all the time; so light, they hit none with 5 J, nor do boards hit walls so.
+WHEELSET_MASS, BOARD_MASS = 0.5, 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ def add_cart(scene: Scene, name: str, colour: str, *, seat: bool) -> Cart:
         on_seat = (BACK_X, 0.0, FLOOR + SEAT_HEIGHT + thickness * math.sin(LEAN) - SUNK)
         parts["Backrest"] = place(scene, f"{name} Backrest", board, (wood, iron), on_seat, (0.0, -LEAN, 0.0), root)
     for part in parts.values():
-        fade_exponentially(make_moving(scene, part, WOOD, 12.0, "BOX"), CART_FADES)
+        fade_exponentially(make_moving(scene, part, WOOD, BOARD_MASS, "BOX"), CART_FADES)
     wheelsets = tuple(_wheels(scene, f"{name} Wheelset {number}", root, x) for number, x in enumerate((-0.52, 0.52), 1))
     x, y, rim = LENGTH / 2, WIDTH / 2, FLOOR + RIM
     trim = [rod((-x, side * y, rim), (x, side * y, rim), 0.02, 8) for side in (-1, 1)]

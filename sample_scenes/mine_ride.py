@@ -178,7 +178,7 @@ def _add_streaks(scene: Scene, section: Section) -> None:
 
 # Section 3
 
-DART_MASS, DART_RADIUS, DART_FRAMES = 0.08, 0.035, 8
+DART_MASS, DART_RADIUS, DART_FRAMES = 0.2, 0.035, 5
 VOLLEY = 120  # frames: five seconds
 TARGETS = {"L": ("Upper Arm.L", "Chest"), "R": ("Upper Arm.R", "Head")}
 
@@ -254,18 +254,18 @@ def _add_dart(scene: Scene, number: int, felt: bpy.types.Material, mouth: Vector
     waiting = SECTIONS[2].first - 24
     keys = {float(frame): tuple(mouth + in_row + Vector((_elf_x(frame), 0.0, 0.0))) for frame in (waiting, shot - 10)}
     keys |= {float(shot): tuple(begin), float(hit): tuple(end)}
-    # It bounces off with the cart's own speed and falls for half a second.
-    for k in (1, 2, 4, 6, 8, 10, 12):
+    # It bounces off, up and ahead, over the side of the cart to the ground.
+    for k in (1, 2, 4, 6, 8, 10, 12, 15, 18):
         seconds = k / FRAME_RATE
-        height = max(end.z + 1.0 * seconds - GRAVITY / 2 * seconds**2, DART_RADIUS + 0.03)
-        keys[float(hit + k)] = (end.x + SPEED * seconds * 0.9, end.y + side * 1.6 * seconds, height)
+        height = max(end.z + 1.7 * seconds - GRAVITY / 2 * seconds**2, DART_RADIUS + 0.03)
+        keys[float(hit + k)] = (end.x + 1.8 * SPEED * seconds, end.y + side * 1.9 * seconds, height)
     animate(dart, "location", keys)
 
 
 # Section 4
 
-FRONT_SPEED = 1.5  # metres per second
-FRONT_MASS = 30.0
+FRONT_SPEED = 1.0  # metres per second
+FRONT_MASS = 15.0
 FRONT_REACH = 2.3
 SHOCK = SECTIONS[3].first + 260  # frame of the explosion
 
@@ -274,17 +274,17 @@ def _add_shock_wave(scene: Scene, cart: Object) -> None:
     """An explosion at the left wall; the front of its shock wave, a haptic sheet, crosses the user from left to right."""
     seconds = 2 * FRONT_REACH / FRONT_SPEED
     add_explosion(scene, Vector((distance_at(SHOCK) + 3.2, 2.6, 1.2)), SHOCK)
-    sheet = place(scene, "Shock Front", box((2.2, 0.10, 1.0)), (surface("Shock Front", "#ffe2b8"),), parent=cart)
+    sheet = place(scene, "Shock Front", box((1.5, 0.10, 1.0)), (surface("Shock Front", "#ffe2b8"),), parent=cart)
     make_moving(scene, sheet, STONE, FRONT_MASS, "BOX")
     sheet.display_type = "WIRE"
     sheet.hide_render = True
     arcs = []
     for k in range(9):
-        bend = [(1.1 * math.sin(t), -0.25 * (1 - math.cos(t)), -0.5 + k / 8) for t in (math.pi / 2 * (m / 6 - 1) for m in range(13))]
+        bend = [(0.75 * math.sin(t), -0.25 * (1 - math.cos(t)), -0.5 + k / 8) for t in (math.pi / 2 * (m / 6 - 1) for m in range(13))]
         arcs += [rod(bend[m], bend[m + 1], 0.012, 6) for m in range(12)]
     seen = place(scene, "Shock Arcs", joined(arcs), (surface("Shock Arcs", "#ffd9a0", 0.6, glow=2.5),), parent=sheet)
     begin, end = float(SHOCK + 4), SHOCK + 4 + seconds * FRAME_RATE
-    middle_x, middle_z, parked = -0.2, FLOOR + 1.18, 9.0
+    middle_x, middle_z, parked = 0.30, FLOOR + 1.18, 9.0
     animate(
         sheet,
         "location",
@@ -438,11 +438,12 @@ SHOTS: tuple[tuple[int, float, Point], ...] = (
     (2, 0.9, (5.0, 0.6, 2.3)),
     (3, 0.2, (4.6, -1.6, 2.1)),
     (3, 0.9, (4.2, -1.2, 2.2)),
-    (4, 0.15, (-4.4, -1.4, 2.6)),
-    (4, 0.46, (-4.2, -1.2, 2.7)),
-    (4, 0.64, (4.6, -1.2, 2.6)),
-    (5, 0.06, (4.6, -1.9, 2.0)),
-    (5, 1.0, (4.8, -1.6, 2.2)),
+    (4, 0.15, (-4.2, -1.4, 2.5)),
+    (4, 0.42, (-4.0, -1.2, 2.6)),
+    (4, 0.62, (4.6, -1.2, 2.6)),
+    (4, 0.84, (4.6, -1.0, 2.4)),
+    (5, 0.02, (-3.3, -1.0, 2.3)),
+    (5, 1.0, (-3.0, 0.9, 2.3)),
 )
 
 
