@@ -66,19 +66,27 @@ def place_labels(
     return corner
 
 
+# The last axis is only two long: comparing its parts by themselves is several times faster than `all` over it.
+
+
 def _free(low: FloatArray, high: FloatArray, size: tuple[float, float], rectangles: FloatArray) -> NDArray[np.bool_]:
     """Which rectangles ``low`` to ``high`` (s, 2) lie inside ``size`` and off ``rectangles`` (m, 4)."""
-    overlaps = (low[:, None] < rectangles[None, :, 2:]) & (high[:, None] > rectangles[None, :, :2])
-    return ((low >= 0) & (high <= size)).all(axis=1) & ~overlaps.all(axis=2).any(axis=1)
+    (x0, y0), (x1, y1) = low.T, high.T
+    left, bottom, right, top = rectangles.T
+    overlaps = (x0[:, None] < right) & (x1[:, None] > left) & (y0[:, None] < top) & (y1[:, None] > bottom)
+    return (x0 >= 0) & (y0 >= 0) & (x1 <= size[0]) & (y1 <= size[1]) & ~overlaps.any(axis=1)
 
 
 def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray, own: int) -> NDArray[np.bool_]:
     """Which rectangles (s,) are nearer to another place than to their own."""
-    distance = np.linalg.norm(np.clip(anchor[None], low[:, None], high[:, None]) - anchor[None], axis=2)
-    return distance.min(axis=1) < distance[:, own]
+    (x0, y0), (x1, y1), (x, y) = low.T[:, :, None], high.T[:, :, None], anchor.T
+    squared = np.maximum(np.maximum(x0 - x, x - x1), 0) ** 2 + np.maximum(np.maximum(y0 - y, y - y1), 0) ** 2
+    return squared.min(axis=1) < squared[:, own]
 
 
 def _covered(low: FloatArray, high: FloatArray, busy: FloatArray) -> NDArray[np.int64]:
     """How many of the pixels ``busy`` (k, 2) lie in each rectangle (s,)."""
-    near = busy[((busy > low.min(axis=0)) & (busy < high.max(axis=0))).all(axis=1)]
-    return ((near[None] > low[:, None]) & (near[None] < high[:, None])).all(axis=2).sum(axis=1)
+    (x0, y0), (x1, y1), (x, y) = low.T[:, :, None], high.T[:, :, None], busy.T
+    near = (x > x0.min()) & (x < x1.max()) & (y > y0.min()) & (y < y1.max())
+    x, y = x[near], y[near]
+    return ((x > x0) & (x < x1) & (y > y0) & (y < y1)).sum(axis=1)
