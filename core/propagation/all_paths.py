@@ -20,8 +20,8 @@ from ..bands import BAND_COUNT
 from ..graph import HapticGraph, distances
 from . import frontier
 from .arena import Arena, band_factors, build_arena, intra_gains
-from .connections import amplifying, cost_limit
-from .labels import label
+from .connections import cost_limit
+from .labels import Labels, label
 from .layered import layers
 from .path_search import Found, Limits, search
 from .pieces import Piece, patches_of, pieces
@@ -32,6 +32,9 @@ IntArray = NDArray[np.int64]
 
 STAGES = (1 / 256, 1 / 16, 1.0)
 """Parts of the budget that each method is given in turn, until one of them succeeds."""
+
+SLACK = 1e-9
+"""Labels are rounded, so what they leave out is a little beyond the limit; the search then judges exactly."""
 
 LAYERS = 64
 """Layers computed where gains exceed 1, to leave out what is never reached above the threshold; and contacts for which bounds of what is
@@ -56,54 +59,69 @@ class PathSums:
     work: int
 
 
-def path_sums(
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """What meets a threshold: ``forward`` labels of each source (a row), ``behind`` (n,) cost from entering at a node to a listener."""
+
+    forward: Labels
+    behind: FloatArray
+
+
+def reach(graph: HapticGraph, sources: Sequence[Sequence[int]], threshold: float) -> Reach:
+    """Labels of the nodes of each source and of all listeners together, up to the threshold. No gain may exceed 1."""
+    limit = cost_limit(threshold) + SLACK
+    forward = label(graph, sources, np.full(len(sources), limit), complete=True)
+    behind = label(graph, [graph.listener_nodes.tolist()], np.array([limit]), complete=True)
+    return Reach(forward, behind.arrival[0])
+
+
+def limited_sums(
     graph: HapticGraph,
     roots: Sequence[int],
     listeners: Sequence[int],
     crossings: float,
     threshold: float,
-    tolerance: float,
     budget: int,
+    known: Reach | None,
+    row: int,
 ) -> PathSums:
-    """Sum over all paths from the nodes ``roots`` of a source to each of the nodes ``listeners``, over at most ``crossings`` contacts."""
-    lanes = 1 + BAND_COUNT if graph.uses_bands else 1
-    if not listeners or crossings < 0:
-        count = len(listeners)
-        return PathSums(np.zeros((count, lanes)), np.zeros(count), np.zeros(count, dtype=np.int64), 0)
-    if threshold > 0:
-        return _above_threshold(graph, roots, listeners, crossings, threshold, budget)
-    sums = PathSums(np.zeros((len(listeners), lanes)), np.zeros(len(listeners)), np.full(len(listeners), -1), 0)
+    """Sum over the paths from the nodes ``roots`` of a source to each of the nodes ``listeners`` whose gain stays at the threshold or
+    above, over at most ``crossings`` contacts: exact unless there are more than the budget allows. ``known`` and its row of this source;
+    None where some gain exceeds 1, so that all that can be said is whether the threshold is met so far."""
+    limit = cost_limit(threshold) + SLACK
+    if known is None:
+        most = int(min(crossings, graph.contact_count))
+        reached = layers(graph, roots, limit, min(most, LAYERS), complete=True)
+        certain = reached.complete or most <= LAYERS
+        arrival = reached.costs(graph.node_count)[-1] if certain else np.zeros(graph.node_count)
+        behind = np.zeros(graph.node_count)
+    else:
+        arrival, behind = known.forward.arrival[row], known.behind
+    crossing = np.append(graph.transmission_loss, math.inf)[graph.contact]
+    before = arrival[graph.partner] + crossing
+    before[list(roots)] = 0.0
+    entries = np.flatnonzero((graph.partner >= 0) & (before + behind <= limit))
+    arena = build_arena(graph, entries, roots, listeners, patches_of(graph), (before, behind, limit))
+    ahead = np.full(len(arena.nodes), math.inf) if known is None else np.exp(-behind[arena.nodes])
+    limits = Limits(crossings, threshold, ahead, 0.0, np.zeros(len(listeners)), max(1, budget // 4), budget)
+    found = search(arena, np.ones((len(roots), arena.lanes)), limits, _bounds_of(arena, crossings), merge=False)
+    return PathSums(found.sums.sum(axis=0), found.missing * (1 + ROUNDING), found.paths, found.work)
+
+
+def unlimited_sums(
+    graph: HapticGraph, roots: Sequence[int], listeners: Sequence[int], crossings: float, tolerance: float, budget: int
+) -> PathSums:
+    """Sum over all paths from the nodes ``roots`` of a source to each of the nodes ``listeners``, over at most ``crossings`` contacts,
+    exact or to the ``tolerance`` unless that takes more than the budget allows."""
+    sums = PathSums(np.zeros((len(listeners), lanes_of(graph))), np.zeros(len(listeners)), np.full(len(listeners), -1), 0)
     for root in roots:
         _Unlimited(graph, root, listeners, crossings, tolerance, budget, sums).run()
     return sums
 
 
-def _above_threshold(
-    graph: HapticGraph, roots: Sequence[int], listeners: Sequence[int], crossings: float, threshold: float, budget: int
-) -> PathSums:
-    """All paths whose gain stays at the threshold or above: exact unless there are more than the budget allows."""
-    limit = cost_limit(threshold) + 1e-9
-    crossing = np.append(graph.transmission_loss, math.inf)[graph.contact]
-    if amplifying(graph):
-        most = int(min(crossings, graph.contact_count))
-        reached = layers(graph, roots, limit, min(most, LAYERS), complete=True)
-        known = reached.complete or most <= LAYERS
-        arrival = reached.costs(graph.node_count)[-1] if known else np.zeros(graph.node_count)
-        behind = np.zeros(graph.node_count)
-        ahead = math.inf
-    else:
-        arrival = label(graph, [roots], np.array([limit]), complete=True).arrival[0]
-        behind = label(graph, [listeners], np.array([limit]), complete=True).arrival[0]
-        ahead = None
-    before = np.where(graph.partner >= 0, arrival[graph.partner] + crossing, math.inf)
-    before[list(roots)] = 0.0
-    entries = np.flatnonzero((graph.partner >= 0) & (before + behind <= limit))
-    arena = build_arena(graph, entries, roots, listeners, patches_of(graph), (before, behind, limit))
-    onward_gain = np.full(len(arena.nodes), ahead) if ahead is not None else np.exp(-behind[arena.nodes])
-    starts = np.ones((len(roots), arena.lanes))
-    limits = Limits(crossings, threshold, onward_gain, 0.0, np.zeros(len(listeners)), max(1, budget // 4), budget)
-    found = search(arena, starts, limits, _bounds_of(arena, crossings), merge=False)
-    return PathSums(found.sums.sum(axis=0), found.missing * (1 + ROUNDING), found.paths, found.work)
+def lanes_of(graph: HapticGraph) -> int:
+    """1, or 1 and one per band where bands are used."""
+    return 1 + BAND_COUNT if graph.uses_bands else 1
 
 
 def _bounds_of(arena: Arena, crossings: float) -> Callable[[], FloatArray]:

@@ -38,8 +38,9 @@ class Rows:
         """For states at ``entry``: which state, and which connection, for all connections of each (or its first ``count``)."""
         first = self.start[entry]
         size = self.start[entry + 1] - first if count is None else count
-        which = np.repeat(np.arange(len(entry)), size)
-        return which, np.arange(len(which)) + (first - np.cumsum(size) + size)[which]
+        last = size.cumsum()
+        which = np.arange(len(entry)).repeat(size)
+        return which, np.arange(len(which)) + (first - last + size)[which]
 
 
 @dataclass(frozen=True, slots=True)

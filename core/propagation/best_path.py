@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..graph import HapticGraph
-from .connections import amplifying, cost_limit, intra_costs, path_costs
+from .connections import cost_limit, intra_costs, path_costs
 from .labels import Labels, label
 from .layered import Layers, layers
 from .strongest_paths import StrongestPaths
@@ -42,7 +42,6 @@ class BestPaths:
     bound: dict[Pair, float] = field(default_factory=dict)
     relaxed: int = 0
     searched: int = 0
-    amplified: bool = False
 
 
 def crossings_of(max_connections: int | None) -> float:
@@ -57,27 +56,36 @@ def crosses_twice(graph: HapticGraph, path: Path) -> bool:
 
 
 def best_paths(
-    graph: HapticGraph, pairs: Iterable[Pair], max_connections: int | None, threshold: float, budget: int
+    graph: HapticGraph,
+    pairs: Iterable[Pair],
+    max_connections: int | None,
+    threshold: float,
+    budget: int,
+    amplified: bool,
+    known: Mapping[int, tuple[Labels, int]],
 ) -> BestPaths:
-    """The best path of each pair. ``budget`` bounds the search that is needed where labels are not enough (in partial paths per pair)."""
+    """The best path of each pair. ``budget`` bounds the search that is needed where labels are not enough (in partial paths per pair).
+    ``amplified``: some gain exceeds 1. ``known``: labels that are known already, and the row in them, by row of the source."""
     result = BestPaths()
     wanted = sorted(pairs)
     crossings = crossings_of(max_connections)
     if not wanted or crossings < 0:
         return result
-    result.amplified = amplifying(graph)
     limit = cost_limit(threshold)
-    if result.amplified:
+    if amplified:
         left = wanted
     else:
-        candidates = _label_paths(graph, wanted, limit, result)
+        candidates = _label_paths(graph, [pair for pair in wanted if pair[0] not in known], limit, result)
+        for row, column in wanted:
+            if row in known and (path := known[row][0].trace(graph, known[row][1], int(graph.listener_nodes[column]))):
+                candidates[row, column] = path
         judged = bool(graph.table.special)
         left = [pair for pair, path in candidates.items() if len(path) > 2 * crossings + 2 or (judged and crosses_twice(graph, path))]
         for pair in left:
             del candidates[pair]
         _accept(graph, candidates, limit, result)
     for row in sorted({row for row, _ in left}):
-        _search_row(graph, row, [column for r, column in left if r == row], crossings, limit, budget, result)
+        _search_row(graph, row, [column for r, column in left if r == row], crossings, limit, budget, amplified, result)
     return result
 
 
@@ -90,6 +98,8 @@ def _accept(graph: HapticGraph, candidates: dict[Pair, Path], limit: float, resu
 
 def _label_paths(graph: HapticGraph, wanted: Sequence[Pair], limit: float, result: BestPaths) -> dict[Pair, Path]:
     """Cheapest walks by labels, from the side that has fewer nodes."""
+    if not wanted:
+        return {}
     rows, columns = sorted({row for row, _ in wanted}), sorted({column for _, column in wanted})
     listener_nodes = graph.listener_nodes.tolist()
     forward = len(rows) <= len(columns)
@@ -117,12 +127,12 @@ def _nearest(graph: HapticGraph, labels: Labels, root: int, targets: Sequence[in
 
 
 def _search_row(
-    graph: HapticGraph, row: int, columns: Sequence[int], crossings: float, limit: float, budget: int, result: BestPaths
+    graph: HapticGraph, row: int, columns: Sequence[int], crossings: float, limit: float, budget: int, amplified: bool, result: BestPaths
 ) -> None:
     """Best paths of one source where labels don't do: by layers, and where their walk is no path, by search."""
     roots = graph.sources[row].nodes
     most = min(crossings, graph.contact_count)
-    count = int(min(most, LAYERS_UNLIMITED) if result.amplified and crossings == math.inf else most)
+    count = int(min(most, LAYERS_UNLIMITED) if amplified and crossings == math.inf else most)
     walks = layers(graph, roots, limit + SLACK, count)
     result.relaxed += walks.relaxed
     certain = walks.complete or count == most

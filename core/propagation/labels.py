@@ -40,6 +40,9 @@ BATCH = 1 << 15
 TRICKLE_ROUNDS, TRICKLE = 32, 300
 """After so many steps that relaxed fewer connections each on average, scalars are faster."""
 
+FEW = 250
+"""Up to so many labels scalars are faster from the beginning."""
+
 LARGE = 48
 """From this many nodes on, an object is relaxed as an array even when everything else is scalar."""
 
@@ -100,6 +103,9 @@ def label(
     node = np.array([n for nodes in roots for n in nodes], dtype=np.int64)
     pending = row, node, np.zeros(len(node))
     rounds = 0
+    if len(roots) * graph.node_count <= FEW:
+        _finish_with_heap(work, *pending, targets)
+        return Labels(work.arrival, work.entry, work.relaxed)
     while len(pending[0]):
         pending = _step(work, *pending)
         rounds += 1
@@ -119,7 +125,7 @@ def _step(work: _Work, row: IntArray, node: IntArray, cost: FloatArray) -> tuple
     useful = within & (work.special[index] | (work.arrival[row, node] > cost + graph.table.loss[index]))
     batches = []
     if work.complete:
-        back = np.flatnonzero(within & ~useful)
+        back = np.flatnonzero(within & ~useful & (work.entry[row, node] >= 0))
         back = back[graph.partner[work.entry[row[back], node[back]]] >= 0]
         if len(back):
             other = work.entry[row[back], node[back]]
@@ -184,10 +190,10 @@ def _heap_row(work: _Work, row: int, queue: list[tuple[float, int]], targets: In
     arrives, enters = arrival.data, entry.data
     objects, partner, crossing, start = graph.node_object.data, graph.partner.data, work.crossing.data, graph.start.data
     loss, decay, special = graph.table.loss.data, graph.table.decay.data, work.special.data
-    x, y, z = (np.ascontiguousarray(axis).data for axis in graph.node_position.T)
+    places: dict[int, list[list[float]]] = {}  # positions of the nodes of each object met
+    sought = set() if targets is None else set(targets.tolist())
     settled: set[int] = set()
-    open_targets = set() if targets is None else set(targets.tolist())
-    seeking = bool(open_targets)
+    distance = math.dist
     while queue:
         cost, node = heapq.heappop(queue)
         if cost > limit:
@@ -197,30 +203,41 @@ def _heap_row(work: _Work, row: int, queue: list[tuple[float, int]], targets: In
         settled.add(node)
         index = objects[node]
         first, last = start[index], start[index + 1]
-        if not special[index] and arrives[node] <= cost + loss[index]:
+        base, rate = cost + max(0.0, loss[index]), decay[index]
+        if base == math.inf:
+            continue
+        if not special[index] and arrives[node] <= base:
             first = enters[node]
             if not work.complete or partner[first] < 0:
                 continue
             last = first + 1
+        work.relaxed += last - first
         if special[index] or last - first >= LARGE:
             nodes = np.arange(first, last)
             candidate = cost + np.maximum(0.0, intra_costs(graph, np.full(last - first, node), nodes))
-            better = np.flatnonzero((candidate < arrival[first:last]) & (candidate <= limit) & (nodes != node)).tolist()
-            costs = candidate.tolist()
+            better = ((candidate < arrival[first:last]) & (candidate <= limit) & (nodes != node)).nonzero()[0]
+            found = list(zip((better + first).tolist(), candidate[better].tolist(), strict=True))
         else:
-            base, rate = cost + max(0.0, loss[index]), decay[index]
-            here = x[node], y[node], z[node]
-            costs = [base + rate * math.dist(here, (x[k], y[k], z[k])) for k in range(first, last)]
-            better = [k for k, value in enumerate(costs) if value < arrives[first + k] and value <= limit and first + k != node]
-        work.relaxed += last - first
-        for k in better:
-            other = first + k
-            arrives[other] = costs[k]
+            if index not in places:
+                places[index] = graph.node_position[start[index] : start[index + 1]].tolist()
+            near = places[index]
+            begin = start[index]
+            here = near[node - begin]
+            found = []
+            for other in range(first, last):
+                value = base + rate * distance(here, near[other - begin])
+                if value < arrives[other] and value <= limit and other != node:
+                    found.append((other, value))
+        nearer = False
+        for other, value in found:
+            arrives[other] = value
             enters[other] = node
             through = partner[other]
             if through >= 0:
-                total = costs[k] + crossing[other]
+                total = value + crossing[other]
                 if total <= limit and total < math.inf:
                     heapq.heappush(queue, (total, through))
-        if seeking:  # stop where no target can get cheaper
-            limit = min(limit, max(arrives[k] for k in open_targets))
+            elif other in sought:
+                nearer = True
+        if nearer:  # stop where no target can get cheaper
+            limit = min(limit, max(arrives[k] for k in sought))

@@ -76,7 +76,7 @@ def layers(graph: HapticGraph, roots: Sequence[int], limit: float, crossings: in
         best = arrival.copy()
         entry = np.full(count, -1, dtype=np.int64)
         if complete and not useful.all():
-            back = np.flatnonzero(~useful)
+            back = np.flatnonzero(~useful & (origin[node] >= 0))
             relaxed += _relax(graph, node[back], cost[back], limit, np.arange(len(back)), origin[node[back]], best, entry)
         node, cost, index = node[useful], cost[useful], index[useful]
         size = np.diff(graph.start)[index]

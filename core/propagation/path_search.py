@@ -28,6 +28,9 @@ KeyArray = NDArray[np.uint64]
 PAIRS = 4
 """So many steps are looked at as quickly as one unit of work elsewhere is done."""
 
+FEW = 1000
+"""Up to so many steps or paths, plain ways are faster, and precise enough."""
+
 SPENT_PER_LEVEL = 0.15
 """Part of the error still allowed that one level may use: enough to thin the states out, and something is left for the deeper ones."""
 
@@ -60,19 +63,21 @@ class Found:
 
 @dataclass(slots=True)
 class _States:
-    """Partial paths: the entry where each stands, its ``gain``, its ``value`` (n, lanes) with shares and bands, the patches crossed."""
+    """Partial paths: the entry where each stands, its ``gain``, its ``value`` (n, lanes) with shares and bands, the patches
+    crossed, and the sum of their keys where they are merged."""
 
     entry: IntArray
     gain: FloatArray
     value: FloatArray
-    crossed: NDArray[np.int32]
+    crossed: IntArray
     key: KeyArray
 
     def __len__(self) -> int:
         return len(self.entry)
 
     def pick(self, chosen: IntArray) -> _States:
-        return _States(self.entry[chosen], self.gain[chosen], self.value[chosen], self.crossed[chosen], self.key[chosen])
+        key = self.key[chosen] if len(self.key) == len(self.entry) else self.key
+        return _States(self.entry[chosen], self.gain[chosen], self.value[chosen], self.crossed[chosen], key)
 
 
 def search(arena: Arena, starts: FloatArray, limits: Limits, onwards: Callable[[], FloatArray], merge: bool) -> Found:
@@ -82,25 +87,26 @@ def search(arena: Arena, starts: FloatArray, limits: Limits, onwards: Callable[[
     """
     count = len(arena.nodes)
     roots = np.arange(count - len(starts), count)
-    generator = np.random.default_rng(0)  # keys of patches: equal sets are found by their sums, and compared before they are merged
-    patch_key = generator.integers(0, 1 << 63, count, dtype=np.uint64)
-    entry_key = generator.integers(0, 1 << 63, count, dtype=np.uint64)
-    entering = np.unique(arena.patch, return_inverse=True)[1]
     least = limits.threshold * (1 - ROUNDING)
-    ranked = _rank(arena, limits) if least > 0 and np.all(np.isfinite(limits.ahead)) else None
+    ranked = _rank(arena, limits) if least > 0 and len(arena.steps.to) > FEW and np.all(np.isfinite(limits.ahead)) else None
     steps = arena.steps if ranked is None else ranked[0]
     useful = limits.ahead > 0
-    states = _States(roots, np.ones(len(roots)), starts, np.empty((len(roots), 0), dtype=np.int32), np.zeros(len(roots), dtype=np.uint64))
-    sums: list[FloatArray] = []
+    amplified = not np.all(np.isfinite(limits.ahead))
+    patches = int(min(limits.crossings, arena.patches))
+    each = 1 + len(arena.steps.to) / (PAIRS * count)
+    keys = _keys(arena) if merge else None
+    states = _States(roots, np.ones(len(roots)), starts, np.empty((len(roots), 0), dtype=np.int64), np.zeros(len(roots), dtype=np.uint64))
+    ended: list[tuple[IntArray, FloatArray]] = []
     missing = np.zeros(arena.listeners)
-    paths = np.zeros(arena.listeners, dtype=np.int64)
+    total = np.zeros(arena.listeners)
     work = 0
     level = 0
     while len(states):
         work += len(states)
-        found, number = _finish(arena, states, least)
-        sums.append(found)
-        paths += number
+        to, value = _end(arena, states, least)
+        ended.append((to, value))
+        if limits.tolerance > 0:
+            total += np.bincount(to, weights=value[:, 0], minlength=arena.listeners)
         if level >= limits.crossings:
             break
         which, step = steps.expand(states.entry, None if ranked is None else _promising(steps, ranked[1], states, least))
@@ -109,42 +115,68 @@ def search(arena: Arena, starts: FloatArray, limits: Limits, onwards: Callable[[
         gain = states.gain[which] * steps.gain[step]
         possible = useful[to]
         if least > 0:
-            possible &= (gain * limits.ahead[to] >= least) & (gain >= least) & (states.gain[which] * steps.inside[step] >= least)
-        kept = np.flatnonzero(possible)
-        kept = kept[~(states.crossed[which[kept]] == entering[to[kept], None]).any(axis=1)]
-        which, step, to, gain = which[kept], step[kept], to[kept], gain[kept]
+            possible &= gain * limits.ahead[to] >= least
+            if amplified:  # else the gain of the whole path says it all
+                possible &= (gain >= least) & (states.gain[which] * steps.inside[step] >= least)
+        kept = possible.nonzero()[0]
+        if level:
+            kept = kept[~(states.crossed[which[kept]] == arena.patch[to[kept], None]).any(axis=1)]
+        which, step, to = which[kept], step[kept], to[kept]
         states = _States(
             to,
-            gain,
+            gain[kept],
             states.value[which] * steps.weight[step],
-            np.concatenate([states.crossed[which], entering[to, None].astype(np.int32)], axis=1),
-            states.key[which] + patch_key[entering[to]],
+            np.concatenate([states.crossed[which], arena.patch[to, None]], axis=1),
+            states.key if keys is None else states.key[which] + keys[0][to],
         )
-        if merge:
-            states = _merge(states, entry_key)
+        if keys is not None:
+            states = _merge(states, keys[1])
         level += 1
-        total = np.sum(sums, axis=0)[:, 0]
-        states = _drop(arena, states, limits, onwards, level, np.maximum(total, limits.known), missing, work)
-    return Found(np.array(sums).reshape(-1, arena.listeners, arena.lanes), missing, paths, work)
+        most = max(0, min(limits.states, int((limits.work - work) / each)))
+        if limits.tolerance > 0 or len(states) > most:
+            states = _drop(states, limits, onwards(), level, patches, np.maximum(total, limits.known), missing, most)
+    sums, paths = _add_up(ended, arena)
+    return Found(sums, missing, paths, work)
 
 
-def _finish(arena: Arena, states: _States, least: float) -> tuple[FloatArray, IntArray]:
-    """Sums (l, lanes) and numbers (l,) of the paths that end at a listener now. Added pairwise, so that small terms are not lost."""
+def _keys(arena: Arena) -> tuple[KeyArray, KeyArray]:
+    """Random keys of the patches that lead into the entries, and of the entries. Sets of patches are told apart by the sums of their keys,
+    and compared in full before they are merged."""
+    generator = np.random.default_rng(0)
+    count = len(arena.patch)
+    _, patch = np.unique(arena.patch, return_inverse=True)
+    of_patches: KeyArray = generator.integers(0, 1 << 63, count, dtype=np.uint64)
+    of_entries: KeyArray = generator.integers(0, 1 << 63, count, dtype=np.uint64)
+    return of_patches[patch], of_entries
+
+
+def _end(arena: Arena, states: _States, least: float) -> tuple[IntArray, FloatArray]:
+    """The paths that end at a listener now: which one, and their values (n, lanes)."""
     which, end = arena.ends.expand(states.entry)
-    sums = np.zeros((arena.listeners, arena.lanes))
     if least > 0:
-        kept = np.flatnonzero(states.gain[which] * arena.ends.gain[end] >= least)
+        kept = (states.gain[which] * arena.ends.gain[end] >= least).nonzero()[0]
         which, end = which[kept], end[kept]
-    to = arena.ends.to[end]
-    order = np.argsort(to, kind="stable")
-    numbers = np.bincount(to, minlength=arena.listeners)
-    values = states.value[which[order]] * arena.ends.weight[end[order]]
-    last = 0
-    for listener, number in enumerate(numbers.tolist()):
-        if number:
-            sums[listener] = np.ascontiguousarray(values[last : last + number].T).sum(axis=1)
-            last += number
-    return sums, numbers
+    return arena.ends.to[end], states.value[which] * arena.ends.weight[end]
+
+
+def _add_up(ended: list[tuple[IntArray, FloatArray]], arena: Arena) -> tuple[FloatArray, IntArray]:
+    """Sums (k, l, lanes) and numbers (l,) of paths, from those that ended with 0, 1, ... contacts. Added pairwise, so that small terms are
+    not lost among many."""
+    sums = np.zeros((len(ended), arena.listeners, arena.lanes))
+    numbers = np.zeros((len(ended), arena.listeners), dtype=np.int64)
+    for level, (to, values) in enumerate(ended):
+        numbers[level] = np.bincount(to, minlength=arena.listeners)
+        if len(to) <= FEW:
+            for lane in range(arena.lanes):
+                sums[level, :, lane] = np.bincount(to, weights=values[:, lane], minlength=arena.listeners)
+            continue
+        ordered = values[np.argsort(to, kind="stable")]
+        last = 0
+        for listener, number in enumerate(numbers[level].tolist()):
+            if number:
+                sums[level, listener] = np.ascontiguousarray(ordered[last : last + number].T).sum(axis=1)
+                last += number
+    return sums, numbers.sum(axis=0)
 
 
 def _rank(arena: Arena, limits: Limits) -> tuple[Rows, FloatArray]:
@@ -191,24 +223,21 @@ def _merge(states: _States, entry_key: KeyArray) -> _States:
 
 
 def _drop(
-    arena: Arena,
     states: _States,
     limits: Limits,
-    onwards: Callable[[], FloatArray],
+    onwards: FloatArray,
     level: int,
+    patches: int,
     total: FloatArray,
     missing: FloatArray,
-    work: int,
+    most: int,
 ) -> _States:
     """Leave out the states of least weight: as many as the tolerance allows at this level, and all above the number allowed. What they
     might have added goes to ``missing``."""
-    each = 1 + len(arena.steps.to) / (PAIRS * len(arena.nodes))
-    most = max(0, min(limits.states, int((limits.work - work) / each)))
-    if len(states) == 0 or (limits.tolerance == 0 and len(states) <= most):
+    if len(states) == 0:
         return states
-    sums = onwards()
-    left = int(min(limits.crossings, arena.patches)) - level  # a path crosses each patch once
-    bounds = states.value[:, :1] * sums[min(left, len(sums) - 1)][states.entry]
+    # A path crosses each patch once, so with `level` of them behind it no more than the others are left.
+    bounds = states.value[:, :1] * onwards[min(patches - level, len(onwards) - 1)][states.entry]
     with np.errstate(divide="ignore", invalid="ignore"):
         score = np.nan_to_num(bounds / total, nan=0.0, posinf=math.inf).max(axis=1)
     order = np.lexsort((np.arange(len(states)), score))

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..bands import BAND_COUNT
 from ..graph import HapticGraph
 from ..scene import Mode, Settings, SourceKind, Strategy
-from .all_paths import path_sums
+from .all_paths import PathSums, limited_sums, reach, unlimited_sums
 from .best_path import BestPaths, best_paths, crossings_of, gain_and_error
-from .connections import ROUNDING, path_bands, path_delay
+from .connections import ROUNDING, amplifying, path_bands, path_delay
 from .energy_balance import energy_gains
 from .modes import direct_gains, distance_only, nearest_listener
 from .result import Propagation
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 BUDGET = 1_000_000
-"""Default work per source (partial paths and states looked at): about a second on a slow machine where all of it is needed."""
+"""Default work per source (partial paths, states and transitions looked at): about a second where all of it is needed."""
 
 
 def strategy_of(kind: SourceKind, settings: Settings) -> Strategy:
@@ -39,53 +42,75 @@ def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET) -> P
     strategies = tuple(strategy_of(source.kind, settings) for source in graph.sources)
     if settings.mode in (Mode.MD, Mode.MN):
         return _direct(graph, settings, strategies)
+    wanted = np.ones((len(graph.sources), len(graph.listeners)), dtype=np.bool_)
     if settings.mode is Mode.SD:
-        graph = distance_only(graph)
-        wanted = nearest_listener(graph)
-    else:
-        wanted = np.ones((len(graph.sources), len(graph.listeners)), dtype=np.bool_)
-    pairs = [(int(row), int(column)) for row, column in np.argwhere(wanted)]
-    best = best_paths(graph, pairs, settings.max_connections, settings.threshold, budget)
-    return _gather(graph, settings, strategies, wanted, best, budget)
+        graph, wanted = distance_only(graph), nearest_listener(graph)
+    return _Run(graph, settings, strategies, wanted, budget).result()
 
 
-def _gather(
-    graph: HapticGraph, settings: Settings, strategies: tuple[Strategy, ...], wanted: NDArray[np.bool_], best: BestPaths, budget: int
-) -> Propagation:
-    gain, error = np.zeros(wanted.shape), np.zeros(wanted.shape)
-    paths = np.zeros(wanted.shape, dtype=np.int64)
-    bands = np.zeros((*wanted.shape, BAND_COUNT)) if graph.uses_bands else None
-    work = 0
-    for pair in best.nodes.keys() | best.bound.keys():
-        if strategies[pair[0]] is Strategy.BEST_PATH:
-            gain[pair], error[pair] = gain_and_error(best.cost.get(pair), best.bound.get(pair))
-            paths[pair] = pair in best.nodes
-            if bands is not None and pair in best.nodes:
-                bands[pair] = gain[pair] * path_bands(graph, best.nodes[pair])
-    balance = energy_gains(graph) if Strategy.ENERGY_BALANCE in strategies else np.zeros(wanted.shape)
-    for row, strategy in enumerate(strategies):
-        columns = np.flatnonzero(wanted[row])
-        if strategy is Strategy.ALL_PATHS:
-            targets = graph.listener_nodes[columns].tolist()
-            crossings = crossings_of(settings.max_connections)
-            sums = path_sums(graph, graph.sources[row].nodes, targets, crossings, settings.threshold, settings.tolerance, budget)
+@dataclass(frozen=True, slots=True)
+class _Run:
+    graph: HapticGraph
+    settings: Settings
+    strategies: tuple[Strategy, ...]
+    wanted: BoolArray
+    budget: int
+
+    def result(self) -> Propagation:
+        graph, settings = self.graph, self.settings
+        rows = [row for row, strategy in enumerate(self.strategies) if strategy is Strategy.ALL_PATHS and self.wanted[row].any()]
+        amplified = amplifying(graph)
+        known = None
+        if rows and settings.threshold > 0 and not amplified:
+            known = reach(graph, [graph.sources[row].nodes for row in rows], settings.threshold)
+        best = best_paths(
+            graph,
+            [(int(row), int(column)) for row, column in np.argwhere(self.wanted)],
+            settings.max_connections,
+            settings.threshold,
+            self.budget,
+            amplified,
+            {} if known is None else {row: (known.forward, number) for number, row in enumerate(rows)},
+        )
+        gain, error = np.zeros(self.wanted.shape), np.zeros(self.wanted.shape)
+        paths = np.zeros(self.wanted.shape, dtype=np.int64)
+        bands = np.zeros((*self.wanted.shape, BAND_COUNT)) if graph.uses_bands else None
+        for pair in best.nodes.keys() | best.bound.keys():
+            if self.strategies[pair[0]] is Strategy.BEST_PATH:
+                gain[pair], error[pair] = gain_and_error(best.cost.get(pair), best.bound.get(pair))
+                paths[pair] = pair in best.nodes
+                if bands is not None and pair in best.nodes:
+                    bands[pair] = gain[pair] * path_bands(graph, best.nodes[pair])
+        work = 0
+        crossings = crossings_of(settings.max_connections)
+        for number, row in enumerate(rows if crossings >= 0 else ()):
+            columns = np.flatnonzero(self.wanted[row])
+            ends = graph.sources[row].nodes, graph.listener_nodes[columns].tolist()
+            sums: PathSums
+            if settings.threshold > 0:
+                sums = limited_sums(graph, *ends, crossings, settings.threshold, self.budget, known, number)
+            else:
+                sums = unlimited_sums(graph, *ends, crossings, settings.tolerance, self.budget)
             gain[row, columns], error[row, columns], paths[row, columns] = sums.gain[:, 0], sums.error, sums.paths
-            work += sums.work
             if bands is not None:
                 bands[row, columns] = sums.gain[:, 1:]
-        elif strategy is Strategy.ENERGY_BALANCE:
-            gain[row, columns], paths[row, columns] = balance[row, columns], -1
-    return Propagation(
-        gain=gain,
-        error_bound=error,
-        paths=paths,
-        best_path=best.nodes,
-        strategy=tuple(str(s) for s in strategies),
-        band_gain=bands,
-        delay=_delays(graph, wanted.shape, best),
-        warnings=_warnings(best),
-        statistics={**statistics_of(graph), "connections_relaxed": best.relaxed, "paths_searched": best.searched, "states": work},
-    )
+            work += sums.work
+        if Strategy.ENERGY_BALANCE in self.strategies:
+            balance = energy_gains(graph)
+            for row, strategy in enumerate(self.strategies):
+                if strategy is Strategy.ENERGY_BALANCE:
+                    gain[row], paths[row] = np.where(self.wanted[row], balance[row], 0.0), np.where(self.wanted[row], -1, 0)
+        return Propagation(
+            gain=gain,
+            error_bound=error,
+            paths=paths,
+            best_path=best.nodes,
+            strategy=tuple(str(s) for s in self.strategies),
+            band_gain=bands,
+            delay=_delays(graph, self.wanted.shape, best),
+            warnings=_warnings(amplified, best),
+            statistics={**statistics_of(graph), "connections_relaxed": best.relaxed, "paths_searched": best.searched, "states": work},
+        )
 
 
 def _delays(graph: HapticGraph, shape: tuple[int, ...], best: BestPaths) -> FloatArray | None:
@@ -97,9 +122,9 @@ def _delays(graph: HapticGraph, shape: tuple[int, ...], best: BestPaths) -> Floa
     return delay
 
 
-def _warnings(best: BestPaths) -> tuple[str, ...]:
+def _warnings(amplified: bool, best: BestPaths) -> tuple[str, ...]:
     warnings = []
-    if best.amplified:
+    if amplified:
         warnings.append("some gains are above 1: paths were searched by their number of connections")
     if best.bound:
         warnings.append("the budget was spent before it was certain that the best paths are the best: see error_bound")
