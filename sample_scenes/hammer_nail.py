@@ -89,7 +89,7 @@ def _swing(reach: float) -> dict[float, tuple[float, float, float]]:
     """The elbow's rotation by frame; 0 is the hammer on the nail as it stands before the first blow."""
     angles: dict[float, float] = {1.0: -SWING}
     for number, frame in enumerate(STRIKES):
-        before, after = (math.asin(blows * DEPTH_PER_STRIKE / reach) for blows in (number, number + 1))
+        before, after = (math.asin((blows * DEPTH_PER_STRIKE + SUNK) / reach) for blows in (number, number + 1))
         for k in range(FALL + 1):
             angles[frame - FALL + k] = before - (SWING + before) * (1 - (k / FALL) ** 2)
         angles[frame + 1] = after

@@ -1,0 +1,54 @@
+"""The command that saves a sample as a Blender file, in a process of its own."""
+
+import subprocess
+import sys
+
+import bpy
+import pytest
+from haptic_tracing.command_line import main
+
+
+def run(*arguments, cwd):
+    command = [sys.executable, "-m", "haptic_tracing", "sample", *arguments]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120)
+
+
+def test_saved_file_has_its_rigid_bodies_baked(tmp_path):
+    answer = run("domino_wall", "--count", "8", "--output", "few.blend", cwd=tmp_path)
+    assert answer.returncode == 0, answer.stderr
+    assert "wrote few.blend" in answer.stdout
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "few.blend"))
+    scene = bpy.context.scene
+    assert scene.name == "Wall of Dominoes"
+    assert scene.rigidbody_world.point_cache.is_baked
+    # A jump to the end shows the fallen dominoes, without the frames between.
+    scene.frame_set(scene.frame_end)
+    dominoes = [obj for obj in scene.objects if obj.name.startswith("Domino")]
+    assert len(dominoes) == 8
+    assert all(obj.matrix_world[2][2] < 0.9 for obj in dominoes)
+    assert all(obj.haptics.enabled for obj in dominoes)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (("pyramid",), "invalid choice: 'pyramid'"),
+        (("pile", "--output", "pile.txt"), "ends in .blend"),
+        (("pile", "--output", "nowhere/pile.blend"), "there is no folder"),
+        (("rails", "--count", "3"), "give no count"),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_line(arguments, reason, tmp_path):
+    answer = run(*arguments, cwd=tmp_path)
+    assert answer.returncode == 2
+    assert answer.stderr.count("\n") == 1
+    assert reason in answer.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_help_lists_every_sample(capsys):
+    from haptic_tracing.sample_scenes import SAMPLES
+
+    assert main(["sample", "--help"]) == 0
+    text = capsys.readouterr().out
+    assert all(sample.name in text and sample.description in text for sample in SAMPLES.values())

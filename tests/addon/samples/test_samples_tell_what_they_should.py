@@ -1,0 +1,166 @@
+"""What each sample is there to show, checked by number."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from haptic_tracing.core.body import DEFAULT_LISTENERS
+from haptic_tracing.sample_scenes import domino_wall, hammer_nail, mine_ride
+
+RELATIVE = 1e-5  # Blender keeps positions and properties in single precision
+
+
+def listener(result, body_part):
+    (index,) = [k for k, item in enumerate(result.listeners) if item.body_part == body_part]
+    return index
+
+
+def impacts(result):
+    return [frozenset(result.objects[k] for k in impact.objects) for impact in result.impacts]
+
+
+def test_every_blow_of_the_hammer_is_one_impact_that_the_hammer_hands_on(build, results, gain_along):
+    scene = build("hammer_nail")
+    found = []
+    for result in results(scene, 1, hammer_nail.STRIKES[1] + 4):
+        for pair in impacts(result):
+            found.append((result.number, pair))
+            source, hand = len(result.sources) - 1, listener(result, "hand.L")
+            path = result.path_objects(source, hand)
+            assert path == ("Hammer", "Avatar Hand.L")
+            assert result.gains[source, hand] > 1.5 * np.delete(result.gains[source], hand).max()
+    assert [pair for _, pair in found] == [frozenset(("Hammer", "Nail"))] * 2
+    assert [number for number, _ in found] == pytest.approx(hammer_nail.STRIKES[:2], abs=1)
+
+
+@pytest.mark.parametrize(("name", "source", "frame"), [("fireplace", "Fire", 1), ("air_blast", "Barrel Bottom", 32)])
+def test_what_goes_through_air_takes_no_other_way(build, results, gain_along, name, source, frame):
+    scene = build(name)
+    *_, result = results(scene, frame, frame)
+    for k, item in enumerate(result.listeners):
+        path = result.path_objects(0, k)
+        assert path == (source, "Air", item.object)
+        assert result.gains[0, k] == pytest.approx(gain_along(scene, result, 0, k, path), rel=RELATIVE)
+    assert result.gains.min() > 0.02
+
+
+def test_dishwasher_is_felt_through_the_cupboards_and_not_its_rubber_feet(build, results):
+    *_, result = results(build("dishwasher_kitchen"), 1, 1)
+    for k in range(len(result.listeners)):
+        assert result.path_objects(0, k)[:3] in {("Dishwasher", f"Cupboard {side}", "Floor") for side in ("Left", "Right")}
+    assert result.path_objects(0, listener(result, "middle_back.L"))[3].startswith("Chair Leg")
+
+
+def test_far_train_is_felt_through_the_rails_and_without_them_as_the_closed_form_says(build, results, gain_along):
+    scene = build("rails")
+    *_, result = results(scene, 1, 1)
+    with_rails = {}
+    for k, item in enumerate(result.listeners):
+        path = result.path_objects(0, k)
+        assert path.count("Ground") == 2
+        assert path.index("Ground") < next(n for n, name in enumerate(path) if name.startswith("Near Rail"))
+        with_rails[item.name] = result.gains[0, k]
+        assert result.gains[0, k] == pytest.approx(gain_along(scene, result, 0, k, path), rel=RELATIVE)
+    scene.objects["Near Rail.L"].haptics.enabled = scene.objects["Near Rail.R"].haptics.enabled = False
+    *_, result = results(scene, 2, 2)
+    for k, item in enumerate(result.listeners):
+        path = result.path_objects(0, k)
+        assert path.count("Ground") == 1
+        assert result.gains[0, k] == pytest.approx(gain_along(scene, result, 0, k, path), rel=RELATIVE)
+        assert result.gains[0, k] < 0.1 * with_rails[item.name]
+
+
+def test_every_domino_makes_one_impact_with_the_next_and_there_is_no_other(build, results):
+    count = 32
+    scene = build("domino_wall", count)
+    found = [pair for result in results(scene, 1, scene.frame_end) for pair in impacts(result)]
+    letters = [chr(ord("A") + k) for k in range(domino_wall.ARMS)]
+    expected = [frozenset((f"Domino {a}{k:03d}", f"Domino {a}{k + 1:03d}")) for a in letters for k in range(1, count // domino_wall.ARMS)]
+    assert sorted(map(sorted, found)) == sorted(map(sorted, expected))
+
+
+def test_pile_has_as_many_things_as_asked_for(build):
+    for count in (10, 333):
+        scene = build("pile", count)
+        assert sum(1 for obj in scene.objects if obj.rigid_body and obj.rigid_body.type == "ACTIVE") == count
+
+
+def test_number_of_things_is_refused_where_there_is_no_choice(build):
+    with pytest.raises(ValueError, match="of one size"):
+        build("rails", 5)
+    with pytest.raises(ValueError, match="at least 4"):
+        build("pile", 3)
+
+
+def test_ride_is_150_seconds_in_six_sections(build):
+    scene = build("mine_ride")
+    assert (scene.frame_end - scene.frame_start + 1) / scene.render.fps == 150
+    bounds = [(section.first, section.last) for section in mine_ride.SECTIONS]
+    assert bounds[0][0] == scene.frame_start
+    assert bounds[-1][1] == scene.frame_end
+    assert all(low[1] + 1 == high[0] for low, high in pairwise(bounds))
+    names = [obj.name for obj in scene.objects if obj.haptics.enabled]
+    assert sum(name.startswith("Stalactite") for name in names) == 15
+    assert [sum(name.startswith(f"{kind} Wall") for name in names) for kind in ("Stone", "Wood", "Ribbon")] == [3, 3, 3]
+    assert sum(name.startswith("Projectile") for name in names) == 20
+
+
+def test_falling_stalactite_shakes_both_legs_through_the_ground(build, results, gain_along):
+    scene = build("mine_ride")
+    hits = [result for result in results(scene, 60, 74) if result.impacts]
+    assert [impacts(result) for result in hits] == [[frozenset(("Ground 02", "Stalactite 02"))]]
+    (result,) = hits
+    source = len(result.sources) - 1
+    legs = [listener(result, f"upper_leg.{side}") for side in "LR"]
+    for k in legs:
+        path = result.path_objects(source, k)
+        assert path[0] == "Ground 02"
+        assert path[1].startswith("Rail")
+        assert result.gains[source, k] == pytest.approx(result.gains[source].max(), rel=0.01)
+    assert result.gains[source, legs[0]] == pytest.approx(result.gains[source, legs[1]], rel=0.01)
+
+
+def test_wind_blows_from_below_while_the_cart_is_on_the_bridge(build, results):
+    scene = build("mine_ride")
+    *_, result = results(scene, 900, 901)
+    wind = next(k for k, source in enumerate(result.sources) if source.name == "Wind")
+    legs = [listener(result, f"upper_leg.{side}") for side in "LR"]
+    ears = [listener(result, f"ear.{side}") for side in "LR"]
+    assert result.gains[wind, legs].min() > 1.3 * result.gains[wind, ears].max() > 0.01
+    *_, result = results(scene, 1300, 1301)
+    assert result.gains[wind].max() == 0
+
+
+def test_walls_of_stone_wood_and_ribbons_differ_by_tracing_alone(build, results):
+    scene = build("mine_ride")
+
+    def felt(mode):
+        scene.haptics.mode = mode
+        found = []
+        for number in (0, 3, 6):
+            frame = mine_ride.wall_frame(number)
+            total = np.zeros(len(DEFAULT_LISTENERS))
+            for result in results(scene, frame, frame + 9):
+                total = np.maximum(total, result.gains.sum(axis=0))
+            assert total.max() > 0.05
+            found.append(total)
+        return found
+
+    stone, wood, ribbon = felt("HT")
+    for part in (4, 5):  # the middle of the back, by the order of the names
+        assert stone[part] > 1.05 * wood[part] > 1.1 * ribbon[part]
+    assert stone.sum() > 1.05 * wood.sum() > 1.1 * ribbon.sum()
+    for mode in ("MD", "MN"):
+        stone, wood, ribbon = felt(mode)
+        assert stone == pytest.approx(wood, rel=1e-3)
+        assert wood == pytest.approx(ribbon, rel=1e-3)
+
+
+def test_shock_wave_passes_from_left_to_right(build, results):
+    scene = build("mine_ride")
+    order = []
+    for result in results(scene, mine_ride.SHOCK + 46, mine_ride.SHOCK + 66):
+        order += [next(iter(pair - {"Shock Front"})) for pair in impacts(result)]
+    assert order[0].endswith(".L")
+    assert order[-1].endswith(".R")
+    assert {"Avatar Chest", "Avatar Belly", "Avatar Head"} < set(order[1:-1])
