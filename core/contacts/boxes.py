@@ -148,7 +148,7 @@ def _faces(
     unit = np.stack([1.0 / face[0], 1.0 / face[1], side])
     centre = (shift + turn[:, 2] * down) * unit
     centre[2] -= face[2]
-    area, u, v, lowest, found = _intersection(centre, turn[:, 0] * other[0] * unit, turn[:, 1] * other[1] * unit)
+    area, u, v, lowest, found = _overlap(centre, turn[:, 0] * other[0] * unit, turn[:, 1] * other[1] * unit)
     distance = result.distance[rows]
     lifted = lowest - distance
     apart = distance > 0
@@ -175,9 +175,30 @@ def _faces(
     result.normal[:, rows], result.centre[:, rows] = normal, middle
 
 
-def _intersection(
-    centre: FloatArray, first: FloatArray, second: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray]:
+_Overlap = tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray]
+
+
+def _overlap(centre: FloatArray, first: FloatArray, second: FloatArray) -> _Overlap:
+    """`_intersection`, where no more than one corner of the parallelogram is low enough, and over the square, in one step: the triangle
+    there."""
+    steps = PATCH_GAP / np.maximum(np.abs(np.stack([first[2], second[2]])), 1e-12)
+    low = np.where(np.stack([first[2], second[2]]) < 0, 1.0, -1.0)
+    corner = centre + first * low[0] + second * low[1]
+    leg_1, leg_2 = first * (low[0] * steps[0]), second * (low[1] * steps[1])
+    span = np.abs(np.stack([corner, corner - leg_1, corner - leg_2])[:, :2])
+    alone = (steps <= 2).all(axis=0) & (span <= 1).all(axis=(0, 1))
+    area = np.abs(leg_1[0] * leg_2[1] - leg_1[1] * leg_2[0]) / 2
+    u, v, _ = corner - (leg_1 + leg_2) / 3
+    found = alone.copy()
+    rest = np.flatnonzero(~alone)
+    if len(rest):
+        values = _intersection(centre.take(rest, axis=1), first.take(rest, axis=1), second.take(rest, axis=1))
+        for result, value in zip((area, u, v, corner[2], found), values, strict=True):
+            result[rest] = value
+    return area, u, v, corner[2], found
+
+
+def _intersection(centre: FloatArray, first: FloatArray, second: FloatArray) -> _Overlap:
     """The part of the square |u|, |v| <= 1 under the parallelogram ``centre + s first + t second``, |s|, |t| <= 1, each (3, p) as (u, v,
     height), as far as its height is within ``PATCH_GAP`` of the least there: area, centre (u, v), least height, and whether there is
     any."""

@@ -23,6 +23,9 @@ BoolArray = NDArray[np.bool_]
 _TOUCH = 1e-4
 """Metres of distance at which two bodies on their ways count as touching."""
 
+_INSTANT = 1e-4
+"""Seconds that the time of a hit may be off."""
+
 _MOST_STEPS = 40
 
 _SLOW = 0.05
@@ -122,9 +125,15 @@ class Meetings:
         travel = np.sqrt((relative * relative).sum(axis=0)) * paths.duration
         far = travel > (self._thickness[a] + self._thickness[b]) / 4
         ways = _Ways(self._narrow, paths, pairs, travel + np.minimum(self._radius[a], self._radius[b]))
-        start, ahead, actual = ways.from_start_to_end()
+        ahead = ways.clearances(np.full(len(pairs), paths.duration))
+        rows = np.flatnonzero(far | (ahead <= 0))
+        if len(rows) == 0:
+            return Hits.none()
+        ways, pairs, far, ahead = ways.chosen(rows), pairs[rows], far[rows], ahead[rows]
+        a, b = pairs.T
+        start, actual = ways.at_either_end()
         after = np.where(start <= _TOUCH, 0.0, np.inf)
-        slow = np.flatnonzero(~far & (start > _TOUCH) & (ahead <= 0))
+        slow = np.flatnonzero(~far & (start > _TOUCH))
         if len(slow):
             after[slow] = ways.chosen(slow).first_touch(start[slow], ahead[slow])
         fast = np.flatnonzero(far & (start > _TOUCH))
@@ -167,16 +176,13 @@ class _Ways:
     def clearances(self, time: FloatArray) -> FloatArray:
         return self._narrow.clearances(self._pairs, *relative_pose(*self._poses(time)), self._reach)
 
-    def from_start_to_end(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Signed distances at the start, at the end of the ways, and where the bodies really are then."""
+    def at_either_end(self) -> tuple[FloatArray, FloatArray]:
+        """Signed distances (k,) at the start and where the bodies really are at the end."""
         count = len(self._pairs)
         a, b = self._pairs.T
-        expected_a, expected_b = self._poses(np.full(count, self._paths.duration))
-        start, end = self._paths.start, self._paths.end
-        poses_a = np.concatenate([start[:, a], expected_a, end[:, a]], axis=1)
-        poses_b = np.concatenate([start[:, b], expected_b, end[:, b]], axis=1)
-        distance = self._narrow.clearances(np.tile(self._pairs, (3, 1)), *relative_pose(poses_a, poses_b), np.tile(self._reach, 3))
-        return distance[:count], distance[count : 2 * count], distance[2 * count :]
+        first, second = (np.concatenate([self._paths.start[:, k], self._paths.end[:, k]], axis=1) for k in (a, b))
+        distance = self._narrow.clearances(np.tile(self._pairs, (2, 1)), *relative_pose(first, second), np.tile(self._reach, 2))
+        return distance[:count], distance[count:]
 
     def patches(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Distances (k,), normals and centres (k, 3) in the world, and the speed (k,) at which the material of the two comes together along
@@ -204,6 +210,7 @@ class _Ways:
         slope = (start - end) / duration - pull * (duration / 2)
         falling = 2 * start / np.maximum(slope + np.sqrt(np.maximum(slope * slope + 2 * pull * start, 0.0)), 1e-300)
         time = np.where(slope >= 0, np.clip(falling, 0.0, duration), duration * start / np.maximum(start - end, 1e-300))
+        enough = np.maximum(_TOUCH, (start - end) / duration * _INSTANT)
         active = np.arange(len(start))
         side = np.zeros(len(start), dtype=np.int64)
         for _ in range(_MOST_STEPS):
@@ -214,7 +221,7 @@ class _Ways:
             f_low[active] = np.where(before, f, np.where(side[active] == -1, f_low[active] / 2, f_low[active]))
             low[active], high[active] = np.where(before, t, low[active]), np.where(before, high[active], t)
             side[active] = np.where(before, 1, -1)
-            active = active[(np.abs(f) > _TOUCH) & (high[active] - low[active] > 1e-7)]
+            active = active[(np.abs(f) > enough[active]) & (high[active] - low[active] > 1e-7)]
             if len(active) == 0:
                 break
             a, b, fa, fb = low[active], high[active], f_low[active], f_high[active]
@@ -242,7 +249,7 @@ class _Ways:
             distance, normal = self._narrow.directed_clearances(ways._pairs, *relative_pose(first, second), ways._reach)
             touching = distance <= _TOUCH
             result[active[touching]] = now[touching]
-            outward = (first[:9].reshape(3, 3, -1) * normal.T).sum(axis=1)
+            outward = np.einsum("ijp,jp->ip", first[:9].reshape(3, 3, -1), normal)
             relative = self._paths.velocities(a[active], now) - self._paths.velocities(b[active], now)
             speed = np.maximum((relative * outward).sum(axis=0), 0.0) + bending[active] * (duration - now) + turning[active]
             time[active] = now + np.maximum(distance, _TOUCH / 2) / np.maximum(speed, 1e-9)

@@ -52,7 +52,7 @@ class Paths:
         poses = np.empty_like(start)
         poses[9:] = start[9:] + (velocity + self.acceleration[:, bodies] * (np.asarray(time) / 2)) * time
         turn = rotations(spin * time)
-        poses[:9] = (turn[:, :, None] * start[:9].reshape(1, 3, 3, -1)).sum(axis=1).reshape(9, -1)
+        poses[:9] = np.einsum("ijp,jkp->ikp", turn, start[:9].reshape(3, 3, -1)).reshape(9, -1)
         return poses
 
     def velocities(self, bodies: IntArray, time: FloatArray | float) -> FloatArray:
@@ -168,13 +168,13 @@ class MotionHistory:
 
 def _squared(vectors: FloatArray) -> FloatArray:
     """Squared lengths (n,) of vectors (3, n)."""
-    return np.asarray((vectors * vectors).sum(axis=0))
+    return np.asarray(np.einsum("ip,ip->p", vectors, vectors))
 
 
 def _spins(start: FloatArray, end: FloatArray, time: float) -> FloatArray:
     """Angular velocities (3, n) that turn the one poses into the others within ``time``, by less than half a turn."""
     a, b = start[:9].reshape(3, 3, -1), end[:9].reshape(3, 3, -1)
-    turn = (b[:, None] * a[None]).sum(axis=2)
+    turn = np.einsum("ikp,jkp->ijp", b, a)
     twist = np.stack([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
     sine = np.sqrt(_squared(twist)) / 2
     angle = np.arctan2(sine, (turn[0, 0] + turn[1, 1] + turn[2, 2] - 1) / 2)

@@ -183,7 +183,13 @@ class NarrowPhase:
     def directed_clearances(
         self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """The same, and normals (p, 3) from first to second."""
+        """The same, and normals (3, p) from first to second."""
+        if self._all_boxes:
+            boxes = self._boxes(pairs, rotation, offset)
+            if boxes is not None and not self._table.placed:
+                radius = boxes.radius_a + boxes.radius_b
+                found = box_contacts(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b, np.full(len(pairs), np.inf))
+                return found.distance - radius, found.normal
         count = len(pairs)
         distance = np.full(count, np.inf)
         normal = np.tile([0.0, 0.0, 1.0], (count, 1))
@@ -196,7 +202,7 @@ class NarrowPhase:
             closer = gap[order] < distance[owner]
             normal[owner[closer]] = outward[order][closer]
             np.minimum.at(distance, owner, gap[order])
-        return np.where(np.isinf(distance), reach, distance), normal
+        return np.where(np.isinf(distance), reach, distance), normal.T
 
     def _boxes(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> _Boxes | None:
         """Those of the pairs that are of two single boxes."""

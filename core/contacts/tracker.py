@@ -111,8 +111,8 @@ class _Pairs:
             touching=self.touching[place] & here,
             struck=self.struck[place] & here,
             looked=self.looked[place] | ~here,
-            version=self.version[:, place],
-            values=self.values[:, place],
+            version=self.version.take(place, axis=1),
+            values=self.values.take(place, axis=1),
             corners={k: c for k, c in self.corners.items() if k in set(key.tolist())} if self.corners else {},
         )
 
@@ -238,8 +238,9 @@ class ContactTracker:
         """Lowest and highest corners (3, k) of boxes around ``bodies`` (k,) in ``pose`` (12, k) that overlap wherever two could be
         touching."""
         turn = pose[:9].reshape(3, 3, -1)
-        centre = (turn * self._middle[:, bodies]).sum(axis=1) + pose[9:]
-        half = (np.abs(turn) * self._extent[:, bodies]).sum(axis=1) + (self.settings.tolerance + self.settings.slack) / 2 + 2 * STILL
+        centre = np.einsum("ijp,jp->ip", turn, self._middle.take(bodies, axis=1)) + pose[9:]
+        grow = (self.settings.tolerance + self.settings.slack) / 2 + 2 * STILL
+        half = np.einsum("ijp,jp->ip", np.abs(turn), self._extent.take(bodies, axis=1)) + grow
         return centre - half, centre + half
 
     def _unchanged(self, warnings: tuple[str, ...]) -> FrameContacts:
@@ -292,8 +293,8 @@ class ContactTracker:
         if len(rows) == 0:
             return
         drift = self._history.drift(rows)
-        self._fat_low[:, rows] = low[:, rows] - _FAT + np.minimum(drift, 0.0)
-        self._fat_high[:, rows] = high[:, rows] + _FAT + np.maximum(drift, 0.0)
+        self._fat_low[:, rows] = low[:, rows] - _FAT + 2 * np.minimum(drift, 0.0)
+        self._fat_high[:, rows] = high[:, rows] + _FAT + 2 * np.maximum(drift, 0.0)
         escaped = np.zeros(len(self.bodies), dtype=np.bool_)
         escaped[rows] = True
         found = overlapping_pairs(np.stack([self._fat_low.T, self._fat_high.T], axis=1), escaped)
@@ -309,7 +310,8 @@ class ContactTracker:
     ) -> FrameContacts:
         first_frame = self._last is None
         low, high, larger, smaller = self._low, self._high, self._near_larger, self._near_smaller
-        met = ((low[:, larger] <= high[:, smaller]) & (low[:, smaller] <= high[:, larger])).all(axis=0)
+        met = (low.take(larger, axis=1) <= high.take(smaller, axis=1)).all(axis=0)
+        met &= (low.take(smaller, axis=1) <= high.take(larger, axis=1)).all(axis=0)
         old = self._pairs
         touched, struck = old.key[old.touching & old.looked], old.key[old.struck]
         key = self._near[met]
@@ -331,13 +333,13 @@ class ContactTracker:
         hits = None
         if paths is not None and len(strikers):
             strikers = self._near[strikers]
-            strikers = strikers[~np.isin(strikers, struck)]
+            strikers = strikers[~_among(strikers, struck)]
             arrived = key[pairs.touching & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
-            hits = self._hits(paths, strikers, arrived[np.isin(arrived, strikers)])
+            hits = self._hits(paths, strikers, arrived[_among(arrived, strikers)])
         impacts = self._impacts(time, hits, paths)
         settled = before & (distance - pairs.values[_DISTANCE] <= _CREEP * self._history.step)
         if len(impacts):
-            settled |= np.isin(key, [a * len(self.bodies) + b for a, b in (impact.objects for impact in impacts)])
+            settled |= _among(key, np.sort([a * len(self.bodies) + b for a, b in (impact.objects for impact in impacts)]))
         pairs.struck = pairs.touching & (pairs.struck | settled | first_frame)
         if paths is not None:
             self._disturb(hits, paths)
@@ -347,7 +349,7 @@ class ContactTracker:
 
         reported = pairs.touching & asked
         began = key[reported & apart] if not first_frame else key[:0]
-        lost = touched[~np.isin(touched, key[pairs.touching | ~looked], assume_unique=True)]
+        lost = touched[~_among(touched, key[pairs.touching | ~looked])]
         return FrameContacts(
             contacts=self._contact_set(np.flatnonzero(reported)),
             began=self._numbers(began),
@@ -379,13 +381,13 @@ class ContactTracker:
         larger, smaller = pairs.larger[rows], pairs.smaller[rows]
         pairs.version[0, rows], pairs.version[1, rows] = self._version[larger], self._version[smaller]
         limit: FloatArray = np.where(before[rows], self.settings.tolerance + self.settings.slack, self.settings.tolerance)
-        turn, offset = relative_pose(self._pose[:, larger], self._pose[:, smaller])
-        place = (turn * self._middle[:, smaller]).sum(axis=1) + offset
+        turn, offset = relative_pose(self._pose.take(larger, axis=1), self._pose.take(smaller, axis=1))
+        place = np.einsum("ijp,jp->ip", turn, self._middle.take(smaller, axis=1)) + offset
         stays = self._stays(rows, turn, place, self._radius[smaller], limit, before[rows])
         if stays.any():
             asked = np.flatnonzero(~stays)
             rows, larger, smaller, limit = rows[asked], larger[asked], smaller[asked], limit[asked]
-            turn, offset, place = turn[..., asked], offset[:, asked], place[:, asked]
+            turn, offset, place = turn.take(asked, axis=2), offset.take(asked, axis=1), place.take(asked, axis=1)
         points = self.settings.patch_points
         found = self._narrow.query(np.stack([larger, smaller], axis=1), turn, offset, limit, points)
         values = np.empty((_ROWS, len(rows)))
@@ -394,7 +396,7 @@ class ContactTracker:
         gap = found.normal * (found.distance / 2)
         centre = self._in_media(larger, smaller, found.centre)
         values[_ON_LARGER] = centre - gap
-        values[_ON_SMALLER] = (turn * (centre + gap - offset)[:, None]).sum(axis=0)
+        values[_ON_SMALLER] = np.einsum("ijp,ip->jp", turn, centre + gap - offset)
         pairs.values[:, rows] = values
         pairs.known[rows] = True
         pairs.touching[rows] = found.distance <= limit
@@ -408,9 +410,9 @@ class ContactTracker:
         """Which of the pairs ``rows`` are still what they were: touching and not moved relative to each other, or too far apart to
         touch."""
         pairs = self._pairs
-        values = pairs.values[: _ON_LARGER.start, rows]
+        values = pairs.values[: _ON_LARGER.start].take(rows, axis=1)
         travel, change = place - values[_PLACE], turn.reshape(9, -1) - values[_TURN]
-        motion = np.sqrt((travel * travel).sum(axis=0)) + radius * np.sqrt((change * change).sum(axis=0) / 2)
+        motion = np.sqrt(np.einsum("ip,ip->p", travel, travel)) + radius * np.sqrt(np.einsum("ip,ip->p", change, change) / 2)
         apart = pairs.values[_DISTANCE, rows] - motion > limit
         return np.asarray(pairs.known[rows] & np.where(before, motion <= STILL, apart) & (pairs.touching[rows] == before))
 
@@ -429,13 +431,13 @@ class ContactTracker:
     def _contact_set(self, rows: IntArray) -> ContactSet:
         """Contacts of pairs ``rows``: one each at the centre of its patch, or one per point of it."""
         pairs = self._pairs
-        larger, smaller, key, values = pairs.larger[rows], pairs.smaller[rows], pairs.key[rows], pairs.values[:, rows]
-        pose_l, pose_s = self._pose[:, larger], self._pose[:, smaller]
+        larger, smaller, key, values = pairs.larger[rows], pairs.smaller[rows], pairs.key[rows], pairs.values.take(rows, axis=1)
+        pose_l, pose_s = self._pose.take(larger, axis=1), self._pose.take(smaller, axis=1)
         turn = pose_l[:9].reshape(3, 3, -1)
-        normal = (turn * values[_NORMAL]).sum(axis=1)
+        normal = np.einsum("ijp,jp->ip", turn, values[_NORMAL])
         ends = [
-            (turn * values[_ON_LARGER]).sum(axis=1) + pose_l[9:],
-            (pose_s[:9].reshape(3, 3, -1) * values[_ON_SMALLER]).sum(axis=1) + pose_s[9:],
+            np.einsum("ijp,jp->ip", turn, values[_ON_LARGER]) + pose_l[9:],
+            np.einsum("ijp,jp->ip", pose_s[:9].reshape(3, 3, -1), values[_ON_SMALLER]) + pose_s[9:],
         ]
         count = max(len(self.bodies), 1)
         flipped = larger != key // count
@@ -470,7 +472,8 @@ class ContactTracker:
         hits = self._meetings.hits(paths, self._numbers(strikers))
         if len(hits):
             hits = hits.chosen(took_place(hits, paths.duration, self.settings.tolerance))
-        arrived = arrived[~np.isin(arrived, self._keys(*hits.pairs.T))]
+        if len(arrived):
+            arrived = arrived[~_among(arrived, np.sort(self._keys(*hits.pairs.T)))]
         if len(arrived):
             pairs = self._numbers(arrived)
             expected = self._meetings.ahead(paths, pairs, np.full(len(pairs), self.settings.tolerance))
@@ -499,6 +502,13 @@ class ContactTracker:
         if hits is not None:
             disturbed[hits.pairs] = True
         self._history.disturb(disturbed & self._dynamic)
+
+
+def _among(keys: IntArray, ordered: IntArray) -> BoolArray:
+    """Which ``keys`` are among the ``ordered`` ones."""
+    if len(ordered) == 0:
+        return np.zeros(len(keys), dtype=np.bool_)
+    return np.asarray(ordered.take(np.searchsorted(ordered, keys), mode="clip") == keys)
 
 
 def _same(a: BoolArray | Reach | None, b: BoolArray | Reach | None) -> bool:
