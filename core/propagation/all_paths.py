@@ -1,16 +1,14 @@
 """`all_paths`: the sum of the products of gains over all paths from a source to its listeners.
 
 With a threshold, whether a path counts depends on its own gain, so paths are searched one by one, as arrays, with everything left out that
-can't meet the threshold. Without one, the sum is taken apart at the bridges (`pieces`), and inside a piece it is found without enumeration:
-by dynamic programming over a frontier where the piece is narrow (`frontier`), by a search that merges partial paths where it is not
-(`path_search`), each tried with little work first, then with more. What is found is exact, or an interval: a lower bound that was summed,
-and a bound of the rest.
+can't meet the threshold (`path_search`). Without one, the sum is taken apart at the bridges (`pieces`), and inside a piece it is found
+without enumeration (`piece_sums`). What is found is exact, or an interval: a lower bound that was summed, and a bound of the rest.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,34 +16,23 @@ from numpy.typing import NDArray
 
 from ..bands import BAND_COUNT
 from ..graph import HapticGraph, distances
-from . import frontier
-from .arena import Arena, band_factors, build_arena, intra_gains
+from .arena import band_factors, build_arena
 from .connections import cost_limit
 from .labels import Labels, label
 from .layered import layers
-from .path_search import Found, Limits, search
+from .path_search import Limits, search
+from .piece_sums import ROUNDING, PieceProblem
 from .pieces import Piece, patches_of, pieces
-from .walk_sums import LARGEST, walk_sums
+from .walk_sums import LARGEST, Bounds
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-STAGES = (1 / 256, 1 / 16, 1.0)
-"""Parts of the budget that each method is given in turn, until one of them succeeds."""
 
 SLACK = 1e-9
 """Labels are rounded, so what they leave out is a little beyond the limit; the search then judges exactly."""
 
 LAYERS = 64
-"""Layers computed where gains exceed 1, to leave out what is never reached above the threshold; and contacts for which bounds of what is
-left are kept one by one."""
-
-EXPECTED = 60
-"""The frontier takes from 1 to 170 times as many transitions as its order lets expect, measured on the benchmark's families: where so many
-times are within the budget, it is tried before the search."""
-
-ROUNDING = 1e-11
-"""Relative allowance for rounding in the bound of a sum that is not exact."""
+"""Layers computed where gains exceed 1, to leave out what is never reached above the threshold."""
 
 
 @dataclass(slots=True)
@@ -104,7 +91,7 @@ def limited_sums(
     arena = build_arena(graph, entries, roots, listeners, patches_of(graph), (before, behind, limit))
     ahead = np.full(len(arena.nodes), math.inf) if known is None else np.exp(-behind[arena.nodes])
     limits = Limits(crossings, threshold, ahead, 0.0, np.zeros(len(listeners)), max(1, budget // 4), budget)
-    found = search(arena, np.ones((len(roots), arena.lanes)), limits, _bounds_of(arena, crossings), merge=False)
+    found = search(arena, np.ones((len(roots), arena.lanes)), limits, Bounds(arena, crossings), merge=False)
     return PathSums(found.sums.sum(axis=0), found.missing * (1 + ROUNDING), found.paths, found.work)
 
 
@@ -122,18 +109,6 @@ def unlimited_sums(
 def lanes_of(graph: HapticGraph) -> int:
     """1, or 1 and one per band where bands are used."""
     return 1 + BAND_COUNT if graph.uses_bands else 1
-
-
-def _bounds_of(arena: Arena, crossings: float) -> Callable[[], FloatArray]:
-    """The walk sums of the arena, computed when they are first asked for."""
-    known: list[FloatArray] = []
-
-    def bounds() -> FloatArray:
-        if not known:
-            known.append(walk_sums(arena, crossings))
-        return known[0]
-
-    return bounds
 
 
 @dataclass(slots=True)
@@ -220,7 +195,7 @@ class _Unlimited:
             return {other: on for other in exits if other != node and (on := self._inside(node, other, amplitude)) is not None}
         arrived: dict[int, _Amplitude] = {}
         for node, amplitude in entrances.items():
-            factors, missing = _solve(self, piece, node, exits)
+            factors, missing = self._solve(piece, node, exits)
             for number, other in enumerate(exits):
                 factor, error = factors[number], float(missing[number])
                 if not factor.any() and error == 0:
@@ -230,6 +205,17 @@ class _Unlimited:
                 on = _Amplitude(value, amplitude.cost, amplitude.rest, min(excess, LARGEST))
                 arrived[other] = _add(arrived[other], on) if other in arrived else on
         return arrived
+
+    def _solve(self, piece: Piece, entrance: int, exits: Sequence[int]) -> tuple[FloatArray, FloatArray]:
+        """Sums (exits, k, lanes) over all paths inside a piece from its entrance to its exits, and bounds (exits,) of what is missing."""
+        others = [node for node in exits if node != entrance]
+        problem = PieceProblem(self.graph, piece, entrance, others, self.crossings if self.limited else math.inf, self.patch)
+        found, left, work = problem.solve(self.tolerance, self.budget)
+        self.sums.work += work
+        places = [number for number, node in enumerate(exits) if node != entrance]
+        sums, missing = np.zeros((len(exits), self.steps, self.lanes)), np.zeros(len(exits))
+        sums[places], missing[places] = found, left
+        return sums, missing
 
     def _inside(self, node: int, other: int, amplitude: _Amplitude) -> _Amplitude | None:
         """One intra-connection."""
@@ -276,131 +262,3 @@ def _chain(root: Piece) -> int:
         most = max(most, here)
         stack += [(behind, here) for _, behind in piece.bridges]
     return most
-
-
-def _solve(run: _Unlimited, piece: Piece, entrance: int, exits: Sequence[int]) -> tuple[FloatArray, FloatArray]:
-    """Sums (exits, k, lanes) over all paths inside a piece from its entrance to its exits, and bounds (exits,) of what is missing."""
-    graph = run.graph
-    others = [node for node in exits if node != entrance]
-    places = np.array([number for number, node in enumerate(exits) if node != entrance], dtype=np.int64)
-    sums = np.zeros((len(exits), run.steps, run.lanes))
-    missing = np.zeros(len(exits))
-    nodes = np.array([node for patch in piece.patches for pair in patch for node in pair], dtype=np.int64)
-    arena = build_arena(graph, nodes, [entrance], others, run.patch)
-    crossings = run.crossings if run.limited else math.inf
-    bounds = _bounds_of(arena, crossings)
-    known, unknown = np.zeros(len(others)), np.full(len(arena.nodes), math.inf)
-    best: Found | None = None
-    program = _Frontier(run, piece, entrance, others)
-    for part in STAGES:
-        share = int(run.budget * part)
-        for method in ("sum", "search") if part == STAGES[0] or program.width * EXPECTED <= share else ("search", "sum"):
-            if method == "sum":
-                exact, work = program.sum(share)
-                run.sums.work += work
-                if exact is not None:
-                    sums[places] = exact
-                    return sums, missing
-                continue
-            limits = Limits(crossings, 0.0, unknown, run.tolerance, known, max(1, share // 4), share)
-            found = search(arena, np.ones((1, arena.lanes)), limits, bounds, merge=True)
-            run.sums.work += found.work
-            total = found.sums.sum(axis=0)[:, 0]
-            known = np.maximum(known, total)
-            if best is None or (found.missing.sum(), -total.sum()) < (best.missing.sum(), -best.sums[..., 0].sum()):
-                best = found
-            if np.all(best.missing <= run.tolerance * best.sums.sum(axis=0)[:, 0]):
-                break
-        else:
-            continue
-        break
-    assert best is not None
-    by_count = best.sums.transpose(1, 0, 2)
-    if run.limited:
-        count = min(run.steps, by_count.shape[1])
-        sums[places, :count] = by_count[:, :count]
-    else:
-        sums[places, 0] = by_count.sum(axis=1)
-    missing[places] = best.missing * (1 + ROUNDING)
-    return sums, missing
-
-
-class _Frontier:
-    """The frontier dynamic programme of a piece, prepared once for several attempts."""
-
-    def __init__(self, run: _Unlimited, piece: Piece, entrance: int, exits: Sequence[int]) -> None:
-        self.run = run
-        self.entrance = entrance
-        self.exits = np.array(exits, dtype=np.int64)
-        objects, position = run.graph.node_object, run.graph.node_position
-        edges = [(int(objects[patch[0][0]]), int(objects[patch[0][1]])) for patch in piece.patches]
-        places = {index: position[a].tolist() for patch in piece.patches for a, b in patch for index in (int(objects[a]), int(objects[b]))}
-        start = int(objects[entrance])
-        order, self.expected = frontier.order_patches(edges, places, start)
-        ordered = [[(int(objects[a]), a, int(objects[b]), b) for a, b in piece.patches[number]] for number in order]
-        self.width = self.expected[-1] if self.expected else 0.0
-        try:
-            self.crossings = frontier.plan(ordered, (start, entrance))
-        except frontier.TooWide:
-            self.crossings, self.width = [], math.inf
-        self.weights: list[frontier.Weights] | None = None
-
-    def _factors(self, a: IntArray, b: IntArray) -> FloatArray:
-        """Factors (n, lanes) of intra-connections."""
-        gains, distance = intra_gains(self.run.graph, a, b)
-        if self.run.lanes == 1:
-            return gains[:, None]
-        bands = band_factors(self.run.graph, self.run.graph.node_object[a], distance)
-        return np.concatenate([gains[:, None], gains[:, None] * bands], axis=1)
-
-    def _ends(self, nodes: IntArray) -> list[FloatArray | None]:
-        """Of each node: the factors (exits, lanes) of ending at the exits, or None where there are none in its object."""
-        objects = self.run.graph.node_object
-        inside = (objects[nodes][:, None] == objects[self.exits]) & (nodes[:, None] != self.exits)
-        which, number = np.nonzero(inside)
-        table = np.zeros((*inside.shape, self.run.lanes))
-        table[which, number] = self._factors(nodes[which], self.exits[number])
-        return [row if some else None for row, some in zip(table, inside.any(axis=1).tolist(), strict=True)]
-
-    def _weigh(self) -> list[frontier.Weights]:
-        """The factors of all crossings, computed together."""
-        graph = self.run.graph
-        sides = [(node, waiting) for crossing in self.crossings for node, waiting in zip(crossing.nodes, crossing.waiting, strict=True)]
-        sizes = [len(waiting) for _, waiting in sides]
-        nodes = np.array([node for node, _ in sides], dtype=np.int64)
-        others = np.array([node for _, waiting in sides for node, _ in waiting], dtype=np.int64)
-        joins = self._factors(np.repeat(nodes, sizes), others)
-        ends = self._ends(nodes)
-        contact = graph.contact[nodes[::2]]
-        through = np.repeat((graph.transmission * graph.share)[contact][:, None], self.run.lanes, axis=1)
-        if graph.contact_band_gains is not None:
-            through[:, 1:] *= graph.contact_band_gains[contact]
-        alone = np.ones((1, self.run.lanes))
-        weights = []
-        place = 0
-        for number in range(len(self.crossings)):
-            size_a, size_b = sizes[2 * number : 2 * number + 2]
-            by_a = np.concatenate([joins[place : place + size_a], alone]) * through[number]
-            by_b = np.concatenate([joins[place + size_a : place + size_a + size_b], alone])
-            place += size_a + size_b
-            weights.append(
-                frontier.Weights(by_a[:, None] * by_b, (by_a, by_b * through[number]), (ends[2 * number], ends[2 * number + 1]))
-            )
-        return weights
-
-    def sum(self, allowed: int) -> tuple[FloatArray | None, int]:
-        """(exits, k, lanes), or None where ``allowed`` is not enough; and the work done."""
-        run = self.run
-        if self.width > allowed:
-            return None, 0
-        if self.weights is None:
-            self.weights = self._weigh()
-        start = np.zeros((run.steps, run.lanes))
-        start[0] = 1.0
-        (ends,) = self._ends(np.array([self.entrance]))
-        at_start = np.zeros((len(self.exits), run.lanes)) if ends is None else ends
-        try:
-            total, work = frontier.sum_over_paths(self.crossings, self.weights, start, at_start, run.limited, self.expected, allowed)
-        except frontier.TooWide:
-            return None, allowed
-        return total, int(work)

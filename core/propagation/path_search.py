@@ -12,7 +12,6 @@ sum of what was found and a bound of the rest. How much is dropped follows from 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 
 from .arena import Arena, Rows
 from .connections import ROUNDING
+from .walk_sums import LARGEST, Bounds
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -80,10 +80,10 @@ class _States:
         return _States(self.entry[chosen], self.gain[chosen], self.value[chosen], self.crossed[chosen], key)
 
 
-def search(arena: Arena, starts: FloatArray, limits: Limits, onwards: Callable[[], FloatArray], merge: bool) -> Found:
+def search(arena: Arena, starts: FloatArray, limits: Limits, bounds: Bounds, merge: bool) -> Found:
     """Sum over all paths from the arena's roots, which have the values ``starts`` (r, lanes), to its listeners.
 
-    ``onwards`` gives `walk_sums`, and is called only when something has to be dropped. ``merge`` only without a threshold.
+    ``bounds`` are asked for only when something has to be dropped. ``merge`` only without a threshold.
     """
     count = len(arena.nodes)
     roots = np.arange(count - len(starts), count)
@@ -92,7 +92,6 @@ def search(arena: Arena, starts: FloatArray, limits: Limits, onwards: Callable[[
     steps = arena.steps if ranked is None else ranked[0]
     useful = limits.ahead > 0
     amplified = not np.all(np.isfinite(limits.ahead))
-    patches = int(min(limits.crossings, arena.patches))
     each = 1 + len(arena.steps.to) / (PAIRS * count)
     keys = _keys(arena) if merge else None
     states = _States(roots, np.ones(len(roots)), starts, np.empty((len(roots), 0), dtype=np.int64), np.zeros(len(roots), dtype=np.uint64))
@@ -134,7 +133,7 @@ def search(arena: Arena, starts: FloatArray, limits: Limits, onwards: Callable[[
         level += 1
         most = max(0, min(limits.states, int((limits.work - work) / each)))
         if limits.tolerance > 0 or len(states) > most:
-            states = _drop(states, limits, onwards(), level, patches, np.maximum(total, limits.known), missing, most)
+            states = _drop(states, limits, bounds, level, np.maximum(total, limits.known), missing, most)
     sums, paths = _add_up(ended, arena)
     return Found(sums, missing, paths, work)
 
@@ -222,32 +221,24 @@ def _merge(states: _States, entry_key: KeyArray) -> _States:
     return merged
 
 
-def _drop(
-    states: _States,
-    limits: Limits,
-    onwards: FloatArray,
-    level: int,
-    patches: int,
-    total: FloatArray,
-    missing: FloatArray,
-    most: int,
-) -> _States:
+def _drop(states: _States, limits: Limits, bounds: Bounds, level: int, total: FloatArray, missing: FloatArray, most: int) -> _States:
     """Leave out the states of least weight: as many as the tolerance allows at this level, and all above the number allowed. What they
     might have added goes to ``missing``."""
     if len(states) == 0:
         return states
-    # A path crosses each patch once, so with `level` of them behind it no more than the others are left.
-    bounds = states.value[:, :1] * onwards[min(patches - level, len(onwards) - 1)][states.entry]
+    value = states.value[:, :1]
+    left = np.minimum(value * bounds.sums(level)[states.entry], LARGEST)
     with np.errstate(divide="ignore", invalid="ignore"):
-        score = np.nan_to_num(bounds / total, nan=0.0, posinf=math.inf).max(axis=1)
+        score = np.nan_to_num(value * bounds.importance(level)[states.entry] / total, nan=0.0, posinf=math.inf).max(axis=1)
     order = np.lexsort((np.arange(len(states)), score))
     cut = max(0, len(states) - most)
     if limits.tolerance > 0:
         allowed = np.maximum(limits.tolerance / (1 + limits.tolerance) * total - missing, 0.0)
-        lost = np.cumsum(bounds[order], axis=0)
+        lost = np.cumsum(left[order], axis=0)
         if (lost[-1] <= allowed).all():
             cut = len(states)
         else:
             cut = max(cut, int(np.searchsorted(~(lost <= SPENT_PER_LEVEL * allowed).all(axis=1), True)))
-    missing += bounds[order[:cut]].sum(axis=0)
+    missing += left[order[:cut]].sum(axis=0)
+    np.minimum(missing, LARGEST, out=missing)
     return states.pick(np.sort(order[cut:]))

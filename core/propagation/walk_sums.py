@@ -26,44 +26,91 @@ TERMS = 400
 SETTLED = 8
 """Terms after which their ratio is worth trusting."""
 
+GROWING = 20
+"""A series whose terms grow so many times in a row is taken to diverge."""
+
+MEANINGLESS = 1e4
+"""Bounds so many times above the strongest path say nothing of what matters."""
+
 KEPT = 64
 """So many partial sums are kept, to bound paths that may cross only so many contacts more."""
 
 
-def walk_sums(arena: Arena, crossings: float) -> FloatArray:
-    """(k, e, l): bounds of the sum over all continuations from each entry to each listener with at most 0, 1, ... contacts; the last one
-    holds for any larger number up to ``crossings``. `LARGEST` where there is no bound."""
-    count = len(arena.nodes)
-    term = np.zeros((count, arena.listeners))
-    np.add.at(term, (np.repeat(np.arange(count), np.diff(arena.ends.start)), arena.ends.to), arena.ends.weight[:, 0])
-    most = min(crossings, arena.patches)
+class Bounds:
+    """Computed when they are first asked for: upper bounds of what is left at each entry (`walk_sums`), and the strongest that is left.
+
+    ``crossings``: contacts that a path may cross; ``whole`` False where the arena is only a part, so that nothing bounds the rest.
+    """
+
+    def __init__(self, arena: Arena, crossings: float, whole: bool = True) -> None:
+        self._arena = arena
+        self._crossings = min(crossings, arena.patches)
+        self._whole = whole
+        self._sums: FloatArray | None = None
+        self._strongest: FloatArray | None = None
+
+    def sums(self, level: int) -> FloatArray:
+        """(e, l) for paths that have crossed ``level`` contacts. A path crosses each patch once, so only the others are left."""
+        if self._sums is None:
+            self._sums = walk_sums(self._arena, int(self._crossings)) if self._whole else np.full((1, *self.strongest().shape), LARGEST)
+        return np.asarray(self._sums[min(int(self._crossings) - level, len(self._sums) - 1)])
+
+    def strongest(self) -> FloatArray:
+        """(e, l) the largest gain of any walk from each entry to each listener, or near to it where gains exceed 1."""
+        if self._strongest is None:
+            self._strongest = _ends(self._arena)
+            for _ in range(min(int(self._crossings), KEPT)):
+                better = np.minimum(np.maximum(self._strongest, _step(self._arena, self._strongest, np.maximum)), LARGEST)
+                if np.array_equal(better, self._strongest):
+                    break
+                self._strongest = better
+        return self._strongest
+
+    def importance(self, level: int) -> FloatArray:
+        """(e, l) by which to rank paths that have crossed ``level`` contacts: the bounds, or where they say nothing the strongest way."""
+        sums, strongest = self.sums(level), self.strongest()
+        return strongest if np.any(sums[-1] > MEANINGLESS * strongest[-1]) else sums
+
+
+def walk_sums(arena: Arena, crossings: int) -> FloatArray:
+    """(k, e, l): bounds of the sum over all continuations from each entry to each listener with at most 0, 1, ... ``crossings`` contacts;
+    the last one holds for any number. `LARGEST` where there is no bound."""
+    term = _ends(arena)
     sums = [term]
-    k = 0
-    while k < most:
-        following = _step(arena, term)
+    growing = 0
+    for k in range(crossings):
+        following = _step(arena, term, np.add)
         if not following.any():
             break
-        ratio = _ratio(term, following)
-        if crossings > KEPT and ratio < 1 and k >= SETTLED and np.all(following <= 1e-4 * sums[-1] + 1e-300):
-            return np.minimum(sums[-1] + following / (1 - ratio), LARGEST)[None]
-        if k >= TERMS:
-            return np.full((1, count, arena.listeners), LARGEST)
+        growing = growing + 1 if following.sum() > term.sum() else 0
+        if crossings > KEPT:
+            ratio = _ratio(term, following)
+            if ratio < 1 and k >= SETTLED and np.all(following <= 1e-4 * sums[-1] + 1e-300):
+                return np.minimum(sums[-1] + following / (1 - ratio), LARGEST)[None]
+            if k >= TERMS or growing > GROWING:
+                return np.full((1, *term.shape), LARGEST)
         term = np.minimum(following, LARGEST)
         total = np.minimum(sums[-1] + term, LARGEST)
-        sums = [*sums, total] if most <= KEPT else [total]
-        k += 1
+        sums = [*sums, total] if crossings <= KEPT else [total]
     return np.stack(sums)
 
 
-def _step(arena: Arena, values: FloatArray) -> FloatArray:
-    """W applied to values (e, l)."""
+def _ends(arena: Arena) -> FloatArray:
+    """(e, l) gain of ending at once."""
+    ends = np.zeros((len(arena.nodes), arena.listeners))
+    ends[np.repeat(np.arange(len(ends)), np.diff(arena.ends.start)), arena.ends.to] = arena.ends.weight[:, 0]
+    return ends
+
+
+def _step(arena: Arena, values: FloatArray, together: np.ufunc) -> FloatArray:
+    """Values (e, l) one step before, those of all steps taken together by adding or as the maximum."""
     result = np.zeros_like(values)
     rows = arena.steps
     filled = np.flatnonzero(np.diff(rows.start))
     if len(filled):
         with np.errstate(over="ignore"):
             products = rows.weight[:, :1] * values[rows.to]
-        result[filled] = np.add.reduceat(products, rows.start[:-1][filled], axis=0)
+            result[filled] = together.reduceat(products, rows.start[:-1][filled], axis=0)
     return result
 
 

@@ -1,0 +1,242 @@
+"""The sum over all paths of one piece, exact or to a tolerance.
+
+Two methods compete: the frontier's dynamic programme, whose time grows with the width of the piece and which is exact, and the search that
+merges partial paths, which finds most of the sum where paths lose gain fast and bounds the rest. Each is tried with a small part of the
+budget first, then with more, so that the better one for this piece costs little more than it alone would.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..bands import BAND_COUNT
+from ..graph import HapticGraph
+from . import frontier
+from .arena import band_factors, build_arena, intra_gains
+from .labels import label
+from .path_search import Found, Limits, search
+from .pieces import Piece
+from .walk_sums import LARGEST, Bounds
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+STAGES = (1 / 256, 1 / 16, 1.0)
+"""Parts of the budget that each method is given in turn, until one of them succeeds."""
+
+EXPECTED = 60
+"""The frontier takes from 1 to 170 times as many transitions as its order lets expect, measured on the benchmark's families: where so many
+times are within the budget, it is tried before the search."""
+
+PAIRS = 1 << 22
+"""Pairs of nodes that a search holds at most; of a larger piece it takes the strongest part, without a bound of the rest."""
+
+ROUNDING = 1e-11
+"""Relative allowance for rounding in the bound of a sum that is not exact."""
+
+
+class PieceProblem:
+    """The paths of a piece from its entrance to its exits, over at most ``crossings`` contacts. ``patch`` as of `patches_of`."""
+
+    def __init__(self, graph: HapticGraph, piece: Piece, entrance: int, exits: Sequence[int], crossings: float, patch: IntArray) -> None:
+        self.graph = graph
+        self.piece = piece
+        self.entrance = entrance
+        self.exits = exits
+        self.crossings = crossings
+        self.patch = patch
+        self.lanes = 1 + BAND_COUNT if graph.uses_bands else 1
+
+    @property
+    def limited(self) -> bool:
+        """Whether the number of contacts matters."""
+        return self.crossings < math.inf
+
+    @property
+    def steps(self) -> int:
+        """Numbers of contacts that are told apart."""
+        return int(self.crossings) + 1 if self.limited else 1
+
+    def solve(self, tolerance: float, budget: int) -> tuple[FloatArray, FloatArray, int]:
+        """Sums (exits, contacts crossed, lanes), bounds (exits,) of what is missing of them, and the work done."""
+        programme = Programme(self)
+        entries, whole = self._entries()
+        arena = build_arena(self.graph, entries, [self.entrance], self.exits, self.patch)
+        bounds = Bounds(arena, self.crossings, whole)
+        known, unknown = np.zeros(len(self.exits)), np.full(len(arena.nodes), math.inf)
+        best: Found | None = None
+        spent = 0
+        for part in STAGES:
+            share = int(budget * part)
+            first = part == STAGES[0] or programme.width * EXPECTED <= share
+            for method in ("frontier", "search") if first else ("search", "frontier"):
+                if method == "frontier":
+                    exact, work = programme.sum(share)
+                    spent += work
+                    if exact is not None:
+                        return exact, np.zeros(len(self.exits)), spent
+                    continue
+                limits = Limits(self.crossings, 0.0, unknown, tolerance, known, max(1, share // 4), share)
+                found = search(arena, np.ones((1, arena.lanes)), limits, bounds, merge=True)
+                if not whole:
+                    found.missing[:] = LARGEST
+                spent += found.work
+                known = np.maximum(known, found.sums.sum(axis=0)[:, 0])
+                if best is None or _better(found, best):
+                    best = found
+                if np.all(best.missing <= tolerance * best.sums.sum(axis=0)[:, 0]):
+                    return self._by_count(best), best.missing * (1 + ROUNDING), spent
+        assert best is not None
+        return self._by_count(best), best.missing * (1 + ROUNDING), spent
+
+    def _by_count(self, found: Found) -> FloatArray:
+        sums = np.zeros((len(self.exits), self.steps, self.lanes))
+        by_count = found.sums.transpose(1, 0, 2)
+        if not self.limited:
+            sums[:, 0] = by_count.sum(axis=1)
+        else:
+            count = min(self.steps, by_count.shape[1])
+            sums[:, :count] = by_count[:, :count]
+        return sums
+
+    def _entries(self) -> tuple[IntArray, bool]:
+        """The contact nodes that a search has to enter objects through, and whether these are all that there are."""
+        graph = self.graph
+        nodes = np.array([node for patch in self.piece.patches for pair in patch for node in pair], dtype=np.int64)
+        if self.limited:
+            nodes = nodes[self._contacts_needed(nodes) <= self.crossings]
+        if _pairs(graph, nodes) <= PAIRS:
+            return nodes, True
+        limits = np.array([math.inf])
+        arrival = label(graph, [(self.entrance,)], limits, complete=True).arrival[0]
+        behind = label(graph, [self.exits], limits, complete=True).arrival[0]
+        cost = arrival[graph.partner[nodes]] + graph.transmission_loss[graph.contact[nodes]] + behind[nodes]
+        order = np.lexsort((nodes, cost))
+        few, many = 0, len(nodes)
+        while many - few > 1 + len(nodes) // 64:
+            middle = (few + many) // 2
+            few, many = (middle, many) if _pairs(graph, nodes[order[:middle]]) <= PAIRS else (few, middle)
+        return nodes[order[:few]], False
+
+    def _contacts_needed(self, nodes: IntArray) -> IntArray:
+        """The fewest contacts of any walk from the entrance to an exit that enters an object through each node."""
+        objects, partner = self.graph.node_object, self.graph.partner
+        pairs = list(zip(objects[nodes].tolist(), objects[partner[nodes]].tolist(), strict=True))
+        ways: dict[int, list[int]] = {}
+        for a, b in pairs:
+            ways.setdefault(a, []).append(b)
+        before = _hops(ways, [int(objects[self.entrance])])
+        behind = _hops(ways, [int(objects[node]) for node in self.exits])
+        far = len(nodes)
+        return np.array([1 + before.get(b, far) + behind.get(a, far) for a, b in pairs], dtype=np.int64)
+
+
+def _hops(ways: dict[int, list[int]], starts: Sequence[int]) -> dict[int, int]:
+    reached = dict.fromkeys(starts, 0)
+    queue = list(reached)
+    for index in queue:
+        for other in ways.get(index, ()):
+            if other not in reached:
+                reached[other] = reached[index] + 1
+                queue.append(other)
+    return reached
+
+
+def _pairs(graph: HapticGraph, nodes: IntArray) -> int:
+    """Pairs of these nodes that are in one object."""
+    sizes = np.bincount(graph.node_object[nodes])
+    return int((sizes * sizes).sum())
+
+
+def _better(found: Found, best: Found) -> bool:
+    """Less is missing, or, where nothing is known of that, more is found."""
+    if np.max(found.missing, initial=0.0) >= LARGEST:
+        return bool(found.sums[..., 0].sum() > best.sums[..., 0].sum())
+    return bool(found.missing.sum() <= best.missing.sum())
+
+
+class Programme:
+    """The frontier dynamic programme of a piece, prepared once for several attempts."""
+
+    def __init__(self, problem: PieceProblem) -> None:
+        self.problem = problem
+        self.graph = problem.graph
+        self.lanes = problem.lanes
+        self.exits = np.array(problem.exits, dtype=np.int64)
+        piece, entrance = problem.piece, problem.entrance
+        objects, position = self.graph.node_object, self.graph.node_position
+        edges = [(int(objects[patch[0][0]]), int(objects[patch[0][1]])) for patch in piece.patches]
+        places = {index: position[a].tolist() for patch in piece.patches for a, b in patch for index in (int(objects[a]), int(objects[b]))}
+        start = int(objects[entrance])
+        order, self.expected = frontier.order_patches(edges, places, start)
+        ordered = [[(int(objects[a]), a, int(objects[b]), b) for a, b in piece.patches[number]] for number in order]
+        self.width = self.expected[-1] if self.expected else 0.0
+        try:
+            self.crossings = frontier.plan(ordered, (start, entrance))
+        except frontier.TooWide:
+            self.crossings, self.width = [], math.inf
+        self.weights: list[frontier.Weights] | None = None
+
+    def _factors(self, a: IntArray, b: IntArray) -> FloatArray:
+        """Factors (n, lanes) of intra-connections."""
+        gains, distance = intra_gains(self.graph, a, b)
+        if self.lanes == 1:
+            return gains[:, None]
+        bands = band_factors(self.graph, self.graph.node_object[a], distance)
+        return np.concatenate([gains[:, None], gains[:, None] * bands], axis=1)
+
+    def _ends(self, nodes: IntArray) -> list[FloatArray | None]:
+        """Of each node: the factors (exits, lanes) of ending at the exits, or None where there are none in its object."""
+        objects = self.graph.node_object
+        inside = (objects[nodes][:, None] == objects[self.exits]) & (nodes[:, None] != self.exits)
+        which, number = np.nonzero(inside)
+        table = np.zeros((*inside.shape, self.lanes))
+        table[which, number] = self._factors(nodes[which], self.exits[number])
+        return [row if some else None for row, some in zip(table, inside.any(axis=1).tolist(), strict=True)]
+
+    def _weigh(self) -> list[frontier.Weights]:
+        """The factors of all crossings, computed together."""
+        graph = self.graph
+        sides = [(node, waiting) for crossing in self.crossings for node, waiting in zip(crossing.nodes, crossing.waiting, strict=True)]
+        sizes = [len(waiting) for _, waiting in sides]
+        nodes = np.array([node for node, _ in sides], dtype=np.int64)
+        others = np.array([node for _, waiting in sides for node, _ in waiting], dtype=np.int64)
+        joins = self._factors(np.repeat(nodes, sizes), others)
+        ends = self._ends(nodes)
+        contact = graph.contact[nodes[::2]]
+        through = np.repeat((graph.transmission * graph.share)[contact][:, None], self.lanes, axis=1)
+        if graph.contact_band_gains is not None:
+            through[:, 1:] *= graph.contact_band_gains[contact]
+        alone = np.ones((1, self.lanes))
+        weights = []
+        place = 0
+        for number in range(len(self.crossings)):
+            size_a, size_b = sizes[2 * number : 2 * number + 2]
+            by_a = np.concatenate([joins[place : place + size_a], alone]) * through[number]
+            by_b = np.concatenate([joins[place + size_a : place + size_a + size_b], alone])
+            place += size_a + size_b
+            weights.append(
+                frontier.Weights(by_a[:, None] * by_b, (by_a, by_b * through[number]), (ends[2 * number], ends[2 * number + 1]))
+            )
+        return weights
+
+    def sum(self, allowed: int) -> tuple[FloatArray | None, int]:
+        """(exits, k, lanes), or None where ``allowed`` is not enough; and the work done."""
+        problem = self.problem
+        if self.width > allowed:
+            return None, 0
+        if self.weights is None:
+            self.weights = self._weigh()
+        start = np.zeros((problem.steps, self.lanes))
+        start[0] = 1.0
+        (ends,) = self._ends(np.array([problem.entrance]))
+        at_start = np.zeros((len(self.exits), self.lanes)) if ends is None else ends
+        try:
+            total, work = frontier.sum_over_paths(self.crossings, self.weights, start, at_start, problem.limited, self.expected, allowed)
+        except frontier.TooWide:
+            return None, allowed
+        return total, int(work)
