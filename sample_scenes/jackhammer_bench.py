@@ -18,17 +18,17 @@ from .staging import add_rigid_body_world, make_dynamic, make_source, make_stati
 FRAMES = 120
 SEAT_HEIGHT = 0.45
 LEAN = math.radians(10)
-GROUND = (5.5, 3.3, 0.22)
-BENCH: Point = (0.30, 0.60, 0.0)
-JACKHAMMER: Point = (-1.70, -0.30, -0.006)
+GROUND = (4.95, 3.15, 0.22)
+BENCH: Point = (0.28, 0.58, 0.0)
+JACKHAMMER: Point = (-1.52, -0.30, -0.006)
 
 # Edge (m), height of fall (m), mass (kg), place (x, y), turn about z (degrees): 20 to 200 J, on the ground between frames 12 and 40.
 CRATES = (
-    (0.34, 1.1, 2.2, (1.75, -0.62), 12.0),
-    (0.30, 2.3, 3.0, (1.15, -1.10), -25.0),
-    (0.40, 4.0, 3.2, (2.15, 0.45), 38.0),
-    (0.28, 6.0, 1.0, (0.20, -1.25), 8.0),
-    (0.36, 8.5, 2.4, (1.85, -0.58), -8.0),
+    (0.34, 1.1, 2.2, (1.60, -0.62), 12.0),
+    (0.30, 2.3, 3.0, (1.02, -1.08), -25.0),
+    (0.40, 4.0, 3.2, (1.95, 0.45), 38.0),
+    (0.28, 6.0, 1.0, (0.56, -1.20), 8.0),
+    (0.36, 8.5, 2.4, (1.70, -0.58), -8.0),
 )
 
 
@@ -52,7 +52,7 @@ def build(scene: Scene) -> None:
 def _add_ground(scene: Scene) -> Object:
     """A slab of pavers: one haptic object, its joints mere grooves."""
     width, depth, height = GROUND
-    groove, rows, columns = 0.008, 6, 10
+    groove, rows, columns = 0.008, 6, 9
     body = box((width, depth, height - groove), 0.02).moved(z=-(height - groove) / 2 - groove).painted(1)
     tile_x, tile_y = width / columns, depth / rows
     tiles = [
@@ -112,7 +112,7 @@ def _add_cones(scene: Scene) -> None:
             lathe(((0.063, 0.28), (0.028, 0.45), (0.022, 0.46)), 20),
         )
     )
-    for number, (x, y, turn) in enumerate(((-2.35, -1.25, 10), (-1.15, -1.30, 40), (-2.40, 0.55, -15)), 1):
+    for number, (x, y, turn) in enumerate(((-2.10, -1.18, 10), (-0.98, -1.22, 40), (-2.16, 0.50, -15)), 1):
         place(scene, f"Traffic Cone {number}", cone, materials, (x, y, 0.0), (0.0, 0.0, math.radians(turn)))
 
 
@@ -134,7 +134,7 @@ def _add_barrier(scene: Scene) -> None:
         surface("Barrier White", "#efeee9", 0.45),
         surface("Barrier Grey", "#6c7074", 0.5, 0.6),
     )
-    place(scene, "Barrier", joined([*planks, *legs, *feet]), materials, (-1.85, 0.85, 0.0), (0.0, 0.0, math.radians(9)))
+    place(scene, "Barrier", joined([*planks, *legs, *feet]), materials, (-1.60, 0.85, 0.0), (0.0, 0.0, math.radians(9)))
 
 
 def _add_rubble(scene: Scene) -> None:
@@ -155,4 +155,4 @@ def _add_surroundings(scene: Scene) -> None:
     add_backdrop(scene, surface("Backdrop", "#5f6f7d", 0.9), 40.0, -12.0, 9.0, -GROUND[2], 8.0)
     add_world(scene, "#aebccb", 0.35)
     add_three_point_light(scene, (0.0, 0.0, 0.5), 4.5)
-    add_camera(scene, (-1.7, -7.0, 3.1), (0.06, 0.0, 0.42), 41.0)
+    add_camera(scene, (-1.6, -7.0, 3.0), (0.05, 0.0, 0.45), 45.0)

@@ -164,7 +164,7 @@ def _add_wind(scene: Scene) -> None:
 def _add_streaks(scene: Scene, section: Section) -> None:
     """Leaves that fly up past the bridge: nothing haptic."""
     draw = Random(6)
-    leaf = superellipsoid((0.16, 0.07, 0.015), 0.9, 8, 5)
+    leaf = superellipsoid((0.26, 0.12, 0.02), 0.9, 8, 5)
     materials = (surface("Leaf Gold", "#d9a441", 0.6), surface("Leaf Red", "#c4572f", 0.6))
     for number in range(1, 25):
         start = section.first + 40 + 22 * number
@@ -449,7 +449,7 @@ SHOTS: tuple[tuple[int, float, Point], ...] = (
 
 def _add_camera_and_light(scene: Scene, cart: Object) -> None:
     add_world(scene, "#3d4f70", 0.7)
-    add_sun(scene, "Moonlight", (0.35, 0.45, -0.8), 0.9, "#b8ccff")
+    add_sun(scene, "Moonlight", (0.35, 0.45, -0.8), 2.2, "#b8ccff")
     camera = add_camera(scene, SHOTS[0][2], (0.0, 0.0, 1.3), 26.0)
     camera.parent = cart
     keys = {}
