@@ -283,7 +283,9 @@ class ContactTracker:
         rapid = np.zeros(len(self.bodies), dtype=np.bool_)
         rapid[fast] = True
         a, b = self._near_larger, self._near_smaller
-        able = np.flatnonzero((rapid[a] | rapid[b]) & (energy[a] + energy[b] >= least))
+        # To enter a medium is not to hit it.
+        solid = ~(self._medium[a] | self._medium[b])
+        able = np.flatnonzero(solid & (rapid[a] | rapid[b]) & (energy[a] + energy[b] >= least))
         return paths, able[self._meetings.may_meet(paths, a[able], b[able], *self._before)]
 
     def _widen(self, low: FloatArray, high: FloatArray, moved: IntArray) -> None:

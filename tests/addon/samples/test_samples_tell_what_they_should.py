@@ -120,6 +120,14 @@ def test_falling_stalactite_shakes_both_legs_through_the_ground(build, results, 
     assert result.gains[source, legs[0]] == pytest.approx(result.gains[source, legs[1]], rel=0.01)
 
 
+def test_coming_into_the_wind_is_no_collision(build, results):
+    scene = build("mine_ride")
+    enters, leaves = 620, 650
+    touching = [result.contacts.pairs for result in results(scene, enters - 1, leaves)]
+    assert len(touching[-1]) > len(touching[0]) + 10
+    assert [pair for result in results(scene, enters - 1, leaves) for pair in impacts(result)] == []
+
+
 def test_wind_blows_from_below_while_the_cart_is_on_the_bridge(build, results):
     scene = build("mine_ride")
     *_, result = results(scene, 900, 901)
