@@ -227,15 +227,20 @@ def _intersection(centre: FloatArray, first: FloatArray, second: FloatArray) -> 
     way[4, 4:] = _WAY[1] * g1 - _WAY[0] * g2
     begin[2, 4:] = cz + begin[3, 4:] * e1z + begin[4, 4:] * e2z
     way[2, 4:] = way[3, 4:] * e1z + way[4, 4:] * e2z
-    slab, step = begin[3:], way[3:]
-    step = np.where(np.abs(step) < 1e-300, 1e-300, step)
-    low, high = (-_LIMIT - slab) / step, (_LIMIT - slab) / step
+    step = way[3:]
+    step[np.abs(step) < 1e-300] = 1e-300
+    low, high = -_LIMIT - begin[3:], _LIMIT - begin[3:]
+    low /= step
+    high /= step
     t0 = np.maximum(np.minimum(low, high).max(axis=0), 0.0)
-    t1 = np.minimum(np.maximum(low, high).min(axis=0), 1.0)
+    t1 = np.minimum(np.maximum(low, high, out=high).min(axis=0), 1.0)
     used = t1 > t0
     z, dz = begin[2], way[2]
-    heights = z + np.where(dz < 0, t1, t0) * dz
-    z_low = np.where(used, heights, np.inf).min(axis=0)
+    heights = np.where(dz < 0, t1, t0)
+    heights *= dz
+    heights += z
+    heights[~used] = np.inf
+    z_low = heights.min(axis=0)
     found = used.any(axis=0)
     # Leave out what is higher; the cut closes the outline from where it goes out to where it comes in.
     top = np.where(found, z_low, 0.0) + PATCH_GAP

@@ -109,8 +109,14 @@ class MotionHistory:
             return np.zeros(len(self._still))
         step, known = self.times[-1] - self.times[-2], self.times[-2] - self.times[-3]
         now, last, before = (self._poses[-k][9:] for k in (1, 2, 3))
-        squared = np.maximum(_squared(now - last) / step**2, _squared(last - before) / known**2)
-        return np.asarray(np.sqrt(squared) + _BELIEVABLE * float(np.linalg.norm(gravity)) * (step + known))
+        direct, chord = (now - last) / step, (last - before) / known
+        weight = float(np.linalg.norm(gravity))
+        bend = np.sqrt(_squared(direct - chord)) * (2 / (step + known))
+        if len(self.times) > 3:
+            older = self.times[-3] - self.times[-4]
+            bend = np.maximum(bend, np.sqrt(_squared(chord - (before - self._poses[-4][9:]) / older)) * (2 / (known + older)))
+        bend = np.clip(bend, weight, _BELIEVABLE * weight)
+        return np.asarray(np.sqrt(np.maximum(_squared(direct), _squared(chord))) + bend * (step + known / 2))
 
     def drift(self, bodies: IntArray) -> FloatArray:
         """(3, k) how far bodies have moved in the last interval, 0 before there is one."""
