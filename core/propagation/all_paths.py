@@ -20,7 +20,7 @@ from .arena import band_factors, build_arena
 from .connections import cost_limit
 from .labels import Labels, label
 from .layered import layers
-from .path_search import Limits, search
+from .path_search import Limits, Ranking, search
 from .piece_sums import ROUNDING, PieceProblem
 from .pieces import Piece, patches_of, pieces
 from .walk_sums import LARGEST, Bounds
@@ -91,7 +91,8 @@ def limited_sums(
     arena = build_arena(graph, entries, roots, listeners, patches_of(graph), (before, behind, limit))
     ahead = np.full(len(arena.nodes), math.inf) if known is None else np.exp(-behind[arena.nodes])
     limits = Limits(crossings, threshold, ahead, 0.0, np.zeros(len(listeners)), max(1, budget // 4), budget)
-    found = search(arena, np.ones((len(roots), arena.lanes)), limits, Bounds(arena, crossings), merge=False)
+    starts = np.ones((len(roots), arena.lanes))
+    found = search(arena, starts, limits, Bounds(arena, crossings), False, Ranking.of(arena, ahead))
     return PathSums(found.sums.sum(axis=0), found.missing * (1 + ROUNDING), found.paths, found.work)
 
 

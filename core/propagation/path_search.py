@@ -61,6 +61,37 @@ class Found:
     work: int
 
 
+@dataclass(frozen=True, slots=True)
+class Ranking:
+    """Steps of each entry with the most promising first, and keys ``entry * _SCALE + cost`` that are sorted over all of them."""
+
+    steps: Rows
+    keys: FloatArray
+
+    @classmethod
+    def of(cls, arena: Arena, ahead: FloatArray) -> Ranking | None:
+        """Ranked by what a step and the strongest way on make together; None where it is not worth it, or not known what is ahead."""
+        steps = arena.steps
+        if len(steps.to) <= FEW or not np.all(np.isfinite(ahead)):
+            return None
+        entry = np.repeat(np.arange(len(arena.nodes)), np.diff(steps.start))
+        with np.errstate(divide="ignore"):
+            cost = np.minimum(-np.log(steps.gain * ahead[steps.to]), 800.0, dtype=np.float64)
+        keys: FloatArray = entry * _SCALE + cost
+        order = np.argsort(keys, kind="stable")
+        return cls(Rows(steps.start, steps.to[order], steps.inside[order], steps.gain[order], steps.weight[order]), keys[order])
+
+    def promising(self, entry: IntArray, gain: FloatArray, least: float) -> IntArray:
+        """How many of the ranked steps may still meet the threshold from each state (or a few more: it is checked again exactly)."""
+        allowed = np.minimum(np.log(gain / least) + 1e-6, 900.0)
+        number = np.searchsorted(self.keys, entry * _SCALE + allowed, side="right") - self.steps.start[entry]
+        return np.asarray(np.maximum(number, 0), dtype=np.int64)
+
+
+_SCALE = 1024.0
+"""Larger than any cost of a gain that a float can hold, and a power of two."""
+
+
 @dataclass(slots=True)
 class _States:
     """Partial paths: the entry where each stands, its ``gain``, its ``value`` (n, lanes) with shares and bands, the patches
@@ -80,16 +111,18 @@ class _States:
         return _States(self.entry[chosen], self.gain[chosen], self.value[chosen], self.crossed[chosen], key)
 
 
-def search(arena: Arena, starts: FloatArray, limits: Limits, bounds: Bounds, merge: bool) -> Found:
+def search(
+    arena: Arena, starts: FloatArray, limits: Limits, bounds: Bounds, merge: bool, ranking: Ranking | None = None
+) -> Found:
     """Sum over all paths from the arena's roots, which have the values ``starts`` (r, lanes), to its listeners.
 
     ``bounds`` are asked for only when something has to be dropped. ``merge`` only without a threshold.
+    ``ranking`` of the arena's steps by the same ``ahead`` as in the limits makes a search with a threshold faster where there are many.
     """
     count = len(arena.nodes)
     roots = np.arange(count - len(starts), count)
     least = limits.threshold * (1 - ROUNDING)
-    ranked = _rank(arena, limits) if least > 0 and len(arena.steps.to) > FEW and np.all(np.isfinite(limits.ahead)) else None
-    steps = arena.steps if ranked is None else ranked[0]
+    steps = arena.steps if ranking is None else ranking.steps
     useful = limits.ahead > 0
     amplified = not np.all(np.isfinite(limits.ahead))
     each = 1 + len(arena.steps.to) / (PAIRS * count)
@@ -108,7 +141,7 @@ def search(arena: Arena, starts: FloatArray, limits: Limits, bounds: Bounds, mer
             total += np.bincount(to, weights=value[:, 0], minlength=arena.listeners)
         if level >= limits.crossings:
             break
-        which, step = steps.expand(states.entry, None if ranked is None else _promising(steps, ranked[1], states, least))
+        which, step = steps.expand(states.entry, None if ranking is None else ranking.promising(states.entry, states.gain, least))
         work += len(step) // PAIRS
         to = steps.to[step]
         gain = states.gain[which] * steps.gain[step]
@@ -176,29 +209,6 @@ def _add_up(ended: list[tuple[IntArray, FloatArray]], arena: Arena) -> tuple[Flo
                 sums[level, listener] = np.ascontiguousarray(ordered[last : last + number].T).sum(axis=1)
                 last += number
     return sums, numbers.sum(axis=0)
-
-
-def _rank(arena: Arena, limits: Limits) -> tuple[Rows, FloatArray]:
-    """Steps of each entry with the most promising first, and keys ``entry * scale + cost`` that are sorted over all of them."""
-    steps = arena.steps
-    entry = np.repeat(np.arange(len(arena.nodes)), np.diff(steps.start))
-    with np.errstate(divide="ignore"):
-        cost = -np.log(steps.gain * limits.ahead[steps.to])
-    cost = np.minimum(cost, 800.0)
-    order = np.lexsort((cost, entry))
-    ranked = Rows(steps.start, steps.to[order], steps.inside[order], steps.gain[order], steps.weight[order])
-    return ranked, np.asarray(entry[order] * _SCALE + cost[order], dtype=np.float64)
-
-
-_SCALE = 1024.0
-"""Larger than any cost of a gain that a float can hold, and a power of two."""
-
-
-def _promising(steps: Rows, keys: FloatArray, states: _States, least: float) -> IntArray:
-    """How many of the ranked steps of each state may still meet the threshold (a little more than that: it is checked again exactly)."""
-    allowed = np.minimum(np.log(states.gain / least) + 1e-6, 900.0)
-    number = np.searchsorted(keys, states.entry * _SCALE + allowed, side="right") - steps.start[states.entry]
-    return np.asarray(np.maximum(number, 0), dtype=np.int64)
 
 
 def _merge(states: _States, entry_key: KeyArray) -> _States:

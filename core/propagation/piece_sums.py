@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from ..bands import BAND_COUNT
 from ..graph import HapticGraph
 from . import frontier
-from .arena import band_factors, build_arena, intra_gains
+from .arena import Arena, band_factors, build_arena, intra_gains
 from .labels import label
-from .path_search import Found, Limits, search
+from .path_search import Found, Limits, Ranking, search
 from .pieces import Piece
 from .walk_sums import LARGEST, Bounds
 
@@ -91,7 +91,28 @@ class PieceProblem:
                 if np.all(best.missing <= tolerance * best.sums.sum(axis=0)[:, 0]):
                     return self._by_count(best), best.missing * (1 + ROUNDING), spent
         assert best is not None
+        if np.any(best.missing > best.sums.sum(axis=0)[:, 0]):
+            best, work = self._strongest(arena, bounds, best, budget)
+            spent += work
         return self._by_count(best), best.missing * (1 + ROUNDING), spent
+
+    def _strongest(self, arena: Arena, bounds: Bounds, best: Found, budget: int) -> tuple[Found, int]:
+        """Where the bounds say little: the sum over the strongest paths, as far down as the budget allows, if that is more than what was
+        found. The upper bound stays."""
+        upper = best.sums.sum(axis=0)[:, 0] + best.missing
+        ahead = bounds.strongest().max(axis=1)
+        threshold = float(ahead[-1])
+        ranking = Ranking.of(arena, ahead)
+        spent = 0
+        while spent < budget and threshold > 0:
+            threshold *= 0.1
+            limits = Limits(self.crossings, threshold, ahead, 0.0, np.zeros(len(self.exits)), budget, budget - spent)
+            found = search(arena, np.ones((1, arena.lanes)), limits, bounds, False, ranking)
+            spent += found.work
+            if found.sums[..., 0].sum() > best.sums[..., 0].sum():
+                missing = np.maximum(upper - found.sums.sum(axis=0)[:, 0], 0.0)
+                best = Found(found.sums, np.where(upper >= LARGEST, LARGEST, missing), found.paths, found.work)
+        return best, spent
 
     def _by_count(self, found: Found) -> FloatArray:
         sums = np.zeros((len(self.exits), self.steps, self.lanes))

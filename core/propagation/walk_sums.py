@@ -32,6 +32,9 @@ GROWING = 20
 MEANINGLESS = 1e4
 """Bounds so many times above the strongest path say nothing of what matters."""
 
+FEW = 8
+"""Contacts of the walks among which the strongest is looked for."""
+
 KEPT = 64
 """So many partial sums are kept, to bound paths that may cross only so many contacts more."""
 
@@ -56,10 +59,10 @@ class Bounds:
         return np.asarray(self._sums[min(int(self._crossings) - level, len(self._sums) - 1)])
 
     def strongest(self) -> FloatArray:
-        """(e, l) the largest gain of any walk from each entry to each listener, or near to it where gains exceed 1."""
+        """(e, l) the largest gain of any walk over a few contacts from each entry to each listener."""
         if self._strongest is None:
             self._strongest = _ends(self._arena)
-            for _ in range(min(int(self._crossings), KEPT)):
+            for _ in range(min(int(self._crossings), FEW)):
                 better = np.minimum(np.maximum(self._strongest, _step(self._arena, self._strongest, np.maximum)), LARGEST)
                 if np.array_equal(better, self._strongest):
                     break
