@@ -76,8 +76,8 @@ class Ranking:
             return None
         entry = np.repeat(np.arange(len(arena.nodes)), np.diff(steps.start))
         with np.errstate(divide="ignore"):
-            cost = np.minimum(-np.log(steps.gain * ahead[steps.to]), 800.0, dtype=np.float64)
-        keys: FloatArray = entry * _SCALE + cost
+            cost = np.minimum(-np.log(steps.gain * ahead[steps.to]), 800.0)
+        keys = np.asarray(entry * _SCALE + cost, dtype=np.float64)
         order = np.argsort(keys, kind="stable")
         return cls(Rows(steps.start, steps.to[order], steps.inside[order], steps.gain[order], steps.weight[order]), keys[order])
 

@@ -95,11 +95,14 @@ class _Run:
             if bands is not None:
                 bands[row, columns] = sums.gain[:, 1:]
             work += sums.work
-        if Strategy.ENERGY_BALANCE in self.strategies:
-            balance = energy_gains(graph)
-            for row, strategy in enumerate(self.strategies):
-                if strategy is Strategy.ENERGY_BALANCE:
-                    gain[row], paths[row] = np.where(self.wanted[row], balance[row], 0.0), np.where(self.wanted[row], -1, 0)
+        energies = energy_gains(graph) if Strategy.ENERGY_BALANCE in self.strategies else None
+        for row, strategy in enumerate(self.strategies):
+            if energies is not None and strategy is Strategy.ENERGY_BALANCE:
+                columns = np.flatnonzero(self.wanted[row])
+                gain[row, columns], error[row, columns] = energies.gain[row, columns], energies.error[row, columns]
+                paths[row, columns] = -1
+                if bands is not None and energies.bands is not None:
+                    bands[row, columns] = energies.bands[row, columns]
         return Propagation(
             gain=gain,
             error_bound=error,
