@@ -1,66 +1,113 @@
-"""``haptic-tracing propagate SCENE.json``: the gains of a haptic scene file as one JSON object."""
+"""``haptic-tracing propagate``: the gains of a haptic scene file as one JSON object."""
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
 import json
-import sys
+import math
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ..core.graph import HapticGraph, graph_of_scene
-from ..core.propagation import Propagation, objects_on, propagate
-from ..core.scene import Mode, Strategy
+if TYPE_CHECKING:
+    from ..core.graph import HapticGraph, NoGain
+    from ..core.propagation import Propagation
+    from ..core.scene import HapticScene, Strategy
 
 _UNSET = object()
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the command to the program's."""
-    parser = subparsers.add_parser("propagate", help="gains of a haptic scene file", description=__doc__)
-    parser.add_argument("scene", help="haptic scene, .json or .json.gz")
-    parser.add_argument("--strategy", choices=[s.value for s in Strategy], help="how gains are computed")
-    parser.add_argument("--mode", choices=[m.value for m in Mode], help="rendering of the study: haptic graph, nearest listener, direct")
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Describe the subcommand."""
+    parser = subparsers.add_parser("propagate", help="gains of a haptic scene file")
+    parser.add_argument("scene", metavar="SCENE.json", help="haptic scene; without contacts they are found from shapes and poses")
+    strategies = ("auto", "best_path", "all_paths", "energy_balance")
+    parser.add_argument("--strategy", choices=strategies, help="how gains are computed (the scene's)")
+    parser.add_argument("--mode", choices=("HT", "SD", "MD", "MN"), help="rendering: haptic graph, nearest listener, direct (the scene's)")
     parser.add_argument("--max-connections", type=_connections, default=_UNSET, metavar="N|none", help="most connections on a path")
-    parser.add_argument("--threshold", type=float, help="a path stops where its gain falls below", metavar="X")
-    parser.add_argument("--tolerance", type=float, help="relative error wanted of a sum that is out of reach", metavar="X")
+    parser.add_argument("--threshold", type=_threshold, metavar="X", help="a path stops where its gain falls below; 0: nowhere")
+    parser.add_argument("--tolerance", type=_tolerance, metavar="X", help="relative error wanted of a sum that is out of reach (0.01)")
     parser.set_defaults(run=run)
 
 
 def _connections(text: str) -> int | None:
-    return None if text.lower() == "none" else int(text)
+    if text == "none":
+        return None
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"must be a whole number, 0 or more, or none, got {text}")
+    return int(text)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a number, got {text}") from None
+
+
+def _threshold(text: str) -> float:
+    value = _number(text)
+    if not 0 <= value <= 1:
+        raise argparse.ArgumentTypeError(f"must lie in [0, 1], got {text}")
+    return value
+
+
+def _tolerance(text: str) -> float:
+    value = _number(text)
+    if not 0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"must be finite and >= 0, got {text}")
+    return value
 
 
 def run(args: argparse.Namespace) -> int:
-    """Read, propagate, print. Exit code 0, or 2 with one line on stderr."""
+    """Read, propagate, print."""
     from ..core.formats.scene_json import read_scene
+    from ..core.graph import NoGain, graph_of_scene
+    from ..core.propagation import propagate
 
+    scene = read_scene(args.scene)
+    chosen = {key: value for key in ("strategy", "mode", "threshold", "tolerance") if (value := getattr(args, key)) is not None}
+    if args.max_connections is not _UNSET:
+        chosen["max_connections"] = args.max_connections
+    settings = dataclasses.replace(scene.settings, **chosen)
     try:
-        scene = read_scene(args.scene)
-        chosen = {
-            key: value
-            for key in ("strategy", "mode", "threshold", "tolerance")
-            if (value := getattr(args, key, None)) is not None
-        }
-        if args.max_connections is not _UNSET:
-            chosen["max_connections"] = args.max_connections
-        settings = dataclasses.replace(scene.settings, **chosen)
+        scene = _with_contacts(dataclasses.replace(scene, settings=settings))
         started = time.perf_counter()
-        graph = graph_of_scene(dataclasses.replace(scene, settings=settings))
+        graph = graph_of_scene(scene)
         built = time.perf_counter()
         result = propagate(graph, settings)
         finished = time.perf_counter()
-    except (ValueError, OSError) as error:
-        print(error, file=sys.stderr)
-        return 2
+    except NoGain as error:
+        raise ValueError(f"{args.scene}: {_pointer(scene, error)}: {error}") from None
+    except ValueError as error:
+        raise ValueError(f"{args.scene}: {error}") from None
     seconds = {"graph_seconds": built - started, "propagate_seconds": finished - built}
     print(json.dumps(report(graph, result, settings.strategy, seconds), indent=1, ensure_ascii=False, allow_nan=False))
     return 0
 
 
+def _with_contacts(scene: HapticScene) -> HapticScene:
+    """The scene, with contacts from shapes and poses where it lists none itself."""
+    if scene.contacts or sum(item.shape is not None for item in scene.objects) < 2:
+        return scene
+    from ..core.contacts.scene_contacts import contacts_of_scene
+
+    return dataclasses.replace(scene, contacts=contacts_of_scene(scene).to_contacts([item.name for item in scene.objects]))
+
+
+def _pointer(scene: HapticScene, error: NoGain) -> str:
+    """Where the function stands that gives no gain."""
+    if len(error.objects) == 1:
+        return f"/objects/{[item.name for item in scene.objects].index(error.objects[0])}/propagation"
+    pairs = [frozenset(contact.objects) for contact in scene.contacts]
+    return f"/contacts/{pairs.index(frozenset(error.objects))}/transmission"
+
+
 def report(graph: HapticGraph, result: Propagation, strategy: Strategy, seconds: dict[str, float]) -> dict[str, Any]:
-    """The printed object: every pair present, gains and error bounds with the source's amplitude."""
+    """The printed object: every pair present, gains with the source's amplitude; band gains (relative to the source, in the order of
+    `core.bands`), the delay of the best path [s] and (delay, gain) of the strongest paths where the scene uses them."""
+    from ..core.propagation import objects_on
+
     pairs = []
     for row, source in enumerate(graph.sources):
         for column, listener in enumerate(graph.listeners):
@@ -73,11 +120,13 @@ def report(graph: HapticGraph, result: Propagation, strategy: Strategy, seconds:
                 "paths": None if paths < 0 else paths,
                 "path": list(objects_on(graph, result.best_path.get((row, column), ()))),
             }
+            if result.band_gain is not None:
+                pair["band_gains"] = (source.amplitude * result.band_gain[row, column]).tolist()
+            if result.delay is not None:
+                pair["delay"] = float(result.delay[row, column])
+                pair["taps"] = [[delay, source.amplitude * gain] for delay, gain in result.taps.get((row, column), ())]
             pairs.append(pair)
-    return {
-        "gains": pairs,
-        "strategy": strategy.value,
-        "statistics": {**seconds, **result.statistics},
-        "warnings": list(result.warnings),
-    }
-
+    statistics: dict[str, Any] = {**seconds, **result.statistics}
+    if result.warnings:
+        statistics["warnings"] = list(result.warnings)
+    return {"gains": pairs, "strategy": strategy.value, "statistics": statistics}

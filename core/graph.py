@@ -33,6 +33,14 @@ class NodeKind(IntEnum):
     LISTENER = 2
 
 
+class NoGain(ValueError):
+    """A designer's expression gives no gain where it is needed; ``objects`` names the object, or the two of the contact, that it is of."""
+
+    def __init__(self, message: str, objects: tuple[str, ...]) -> None:
+        super().__init__(message)
+        self.objects = objects
+
+
 @dataclass(frozen=True, slots=True)
 class ObjectTable:
     """The propagation functions of all objects as arrays, in the order of their sorted names.
@@ -80,15 +88,15 @@ class ObjectTable:
         return {name: i for i, name in enumerate(self.names)}
 
     def gain(self, index: int, distance: FloatArray) -> FloatArray:
-        """Gains of object ``index`` over ``distance`` (metres, any shape). Raises ValueError that names the object where its expression
-        gives no gain."""
+        """Gains of object ``index`` over ``distance`` (metres, any shape). Raises NoGain where its expression
+        gives none."""
         if index not in self.special:
             return np.asarray(self.factor[index] * np.exp(-self.decay[index] * distance))
         haptic_object = self.objects[index]
         try:
             return haptic_object.propagation.gain(distance, haptic_object.kappa, haptic_object.rho, self.epsilon)
         except ValueError as error:
-            raise ValueError(f"object {haptic_object.name!r}: {error}") from None
+            raise NoGain(f"object {haptic_object.name!r}: {error}", (haptic_object.name,)) from None
 
     def gain_bounds(self, index: int, max_distance: float) -> tuple[float, float]:
         """Guaranteed (lowest, highest) gain of object ``index`` over any distance up to ``max_distance`` metres."""
@@ -393,5 +401,6 @@ def _transmission_gains(
             try:
                 function.gain(distance[i : i + 1], kappa[i : i + 1], rho[i : i + 1], table.epsilon, here)
             except ValueError as error:
-                raise ValueError(f"contact of {table.names[a]!r} and {table.names[b]!r}: {error}") from None
+                names = table.names[a], table.names[b]
+                raise NoGain(f"contact of {names[0]!r} and {names[1]!r}: {error}", names) from None
         raise

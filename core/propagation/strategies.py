@@ -16,6 +16,8 @@ from .connections import ROUNDING, amplifying, path_bands, path_delay
 from .energy_balance import energy_gains
 from .modes import direct_gains, distance_only, nearest_listener
 from .result import Propagation
+from .taps import strongest_taps
+from .walk_sums import LARGEST
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -111,9 +113,22 @@ class _Run:
             strategy=tuple(str(s) for s in self.strategies),
             band_gain=bands,
             delay=_delays(graph, self.wanted.shape, best),
-            warnings=_warnings(amplified, best),
+            taps=self._taps(best, gain, amplified) if graph.uses_delays else {},
+            warnings=_warnings(amplified, best, error, gain, settings.tolerance),
             statistics={**statistics_of(graph), "connections_relaxed": best.relaxed, "paths_searched": best.searched, "states": work},
         )
+
+
+    def _taps(self, best: BestPaths, gain: FloatArray, amplified: bool) -> dict[tuple[int, int], tuple[tuple[float, float], ...]]:
+        """Of a sum over paths its strongest ones, else the best path with all of the gain."""
+        taps = {}
+        crossings = crossings_of(self.settings.max_connections)
+        for pair, nodes in best.nodes.items():
+            if self.strategies[pair[0]] is Strategy.ALL_PATHS:
+                taps[pair] = strongest_taps(self.graph, *pair, crossings, self.settings.threshold, amplified)
+            else:
+                taps[pair] = ((path_delay(self.graph, nodes), float(gain[pair])),)
+        return taps
 
 
 def _delays(graph: HapticGraph, shape: tuple[int, ...], best: BestPaths) -> FloatArray | None:
@@ -125,12 +140,16 @@ def _delays(graph: HapticGraph, shape: tuple[int, ...], best: BestPaths) -> Floa
     return delay
 
 
-def _warnings(amplified: bool, best: BestPaths) -> tuple[str, ...]:
+def _warnings(amplified: bool, best: BestPaths, error: FloatArray, gain: FloatArray, tolerance: float) -> tuple[str, ...]:
     warnings = []
     if amplified:
-        warnings.append("some gains are above 1: paths were searched by their number of connections")
+        warnings.append("some gains are above 1: paths were searched by their number of connections; energies count them as 1")
     if best.bound:
-        warnings.append("the budget was spent before it was certain that the best paths are the best: see error_bound")
+        warnings.append("the budget was spent before it was certain that the best paths are the best: see the error bounds")
+    if np.any(error >= LARGEST):
+        warnings.append("a sum over paths grows without bound: its gain is a lower bound; energy_balance suits such a scene")
+    elif np.any(error > tolerance * gain * (1 + ROUNDING)) and np.any(error > 1e-6):
+        warnings.append("the budget was spent before a sum over paths was certain: its gain is a lower bound, see the error bounds")
     return tuple(warnings)
 
 
