@@ -7,6 +7,7 @@ without enumeration (`piece_sums`). What is found is exact, or an interval: a lo
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,12 +18,12 @@ from numpy.typing import NDArray
 from ..bands import BAND_COUNT
 from ..graph import HapticGraph, distances
 from .arena import band_factors, build_arena
-from .connections import cost_limit
+from .connections import cost_limit, path_bands, path_costs
 from .labels import Labels, label
 from .layered import layers
 from .path_search import Limits, Ranking, search
 from .piece_sums import ROUNDING, PieceProblem
-from .pieces import Piece, patches_of, pieces
+from .pieces import Piece, acyclic, patches_of, pieces
 from .walk_sums import LARGEST, Bounds
 
 FloatArray = NDArray[np.float64]
@@ -32,7 +33,8 @@ SLACK = 1e-9
 """Labels are rounded, so what they leave out is a little beyond the limit; the search then judges exactly."""
 
 LAYERS = 64
-"""Layers computed where gains exceed 1, to leave out what is never reached above the threshold."""
+"""Layers computed where gains exceed 1, to leave out what is never reached above the threshold; and contacts from which on paths count as
+long."""
 
 
 @dataclass(slots=True)
@@ -88,12 +90,29 @@ def limited_sums(
     before = arrival[graph.partner] + crossing
     before[list(roots)] = 0.0
     entries = np.flatnonzero((graph.partner >= 0) & (before + behind <= limit))
-    arena = build_arena(graph, entries, roots, listeners, patches_of(graph), (before, behind, limit))
+    patch = patches_of(graph)
+    if crossings > LAYERS and known is not None and len(roots) == 1 and acyclic(graph, entries, patch):
+        return _only_paths(graph, listeners, known.forward, row, limit)
+    arena = build_arena(graph, entries, roots, listeners, patch, (before, behind, limit))
     ahead = np.full(len(arena.nodes), math.inf) if known is None else np.exp(-behind[arena.nodes])
     limits = Limits(crossings, threshold, ahead, 0.0, np.zeros(len(listeners)), max(1, budget // 4), budget)
     starts = np.ones((len(roots), arena.lanes))
     found = search(arena, starts, limits, Bounds(arena, crossings), False, Ranking.of(arena, ahead))
     return PathSums(found.sums.sum(axis=0), found.missing * (1 + ROUNDING), found.paths, found.work)
+
+
+def _only_paths(graph: HapticGraph, listeners: Sequence[int], forward: Labels, row: int, limit: float) -> PathSums:
+    """Without a cycle there is one path to each listener, the best one."""
+    sums = PathSums(np.zeros((len(listeners), lanes_of(graph))), np.zeros(len(listeners)), np.zeros(len(listeners), dtype=np.int64), 0)
+    paths = {number: path for number, node in enumerate(listeners) if (path := forward.trace(graph, row, node))}
+    for (number, path), cost in zip(paths.items(), path_costs(graph, list(paths.values())), strict=True):
+        if cost <= limit - SLACK:
+            contacts = [int(graph.contact[a]) for a, b in itertools.pairwise(path) if graph.partner[a] == b]
+            sums.gain[number] = math.exp(-cost) * math.prod(graph.share[contacts].tolist())
+            sums.paths[number] = 1
+            if graph.uses_bands:
+                sums.gain[number, 1:] *= path_bands(graph, path)
+    return sums
 
 
 def unlimited_sums(

@@ -53,7 +53,6 @@ class Arena:
     steps: Rows
     ends: Rows
     listeners: int
-    plain: bool
 
     @property
     def lanes(self) -> int:
@@ -110,7 +109,7 @@ def build_arena(
     ends = _rows(graph, nodes, exits[number], number, local, reach)
     entered = np.full(len(nodes), -1, dtype=np.int64)
     entered[: len(entries)] = patch[graph.contact[entries]]
-    return Arena(nodes, entered, steps, ends, len(exits), bool(np.all(graph.share == 1)))
+    return Arena(nodes, entered, steps, ends, len(exits))
 
 
 def _rows(

@@ -24,12 +24,16 @@ from .walk_sums import LARGEST, Bounds
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 KeyArray = NDArray[np.uint64]
+BitArray = NDArray[np.uint8]
 
 PAIRS = 4
 """So many steps are looked at as quickly as one unit of work elsewhere is done."""
 
 FEW = 1000
 """Up to so many steps or paths, plain ways are faster, and precise enough."""
+
+BYTES = 1 << 28
+"""What the states may take together."""
 
 SPENT_PER_LEVEL = 0.15
 """Part of the error still allowed that one level may use: enough to thin the states out, and something is left for the deeper ones."""
@@ -94,13 +98,13 @@ _SCALE = 1024.0
 
 @dataclass(slots=True)
 class _States:
-    """Partial paths: the entry where each stands, its ``gain``, its ``value`` (n, lanes) with shares and bands, the patches
-    crossed, and the sum of their keys where they are merged."""
+    """Partial paths: the entry where each stands, its ``gain``, its ``value`` (n, lanes) with shares and bands, a bit for each of the
+    patches ``crossed`` (n, bytes), and the sum of their keys where they are merged."""
 
     entry: IntArray
     gain: FloatArray
     value: FloatArray
-    crossed: IntArray
+    crossed: BitArray
     key: KeyArray
 
     def __len__(self) -> int:
@@ -127,7 +131,10 @@ def search(
     amplified = not np.all(np.isfinite(limits.ahead))
     each = 1 + len(arena.steps.to) / (PAIRS * count)
     keys = _keys(arena) if merge else None
-    states = _States(roots, np.ones(len(roots)), starts, np.empty((len(roots), 0), dtype=np.int64), np.zeros(len(roots), dtype=np.uint64))
+    place, bit, size = _bits(arena.patch)
+    none = np.zeros((len(roots), size), dtype=np.uint8)
+    states = _States(roots, np.ones(len(roots)), starts, none, np.zeros(len(roots), dtype=np.uint64))
+    room = min(limits.states, BYTES // (size + 64))
     ended: list[tuple[IntArray, FloatArray]] = []
     missing = np.zeros(arena.listeners)
     total = np.zeros(arena.listeners)
@@ -152,23 +159,33 @@ def search(
                 possible &= (gain >= least) & (states.gain[which] * steps.inside[step] >= least)
         kept = possible.nonzero()[0]
         if level:
-            kept = kept[~(states.crossed[which[kept]] == arena.patch[to[kept], None]).any(axis=1)]
+            kept = kept[(states.crossed[which[kept], place[to[kept]]] & bit[to[kept]]) == 0]
         which, step, to = which[kept], step[kept], to[kept]
+        crossed = states.crossed[which]
+        crossed[np.arange(len(to)), place[to]] |= bit[to]
         states = _States(
             to,
             gain[kept],
             states.value[which] * steps.weight[step],
-            np.concatenate([states.crossed[which], arena.patch[to, None]], axis=1),
+            crossed,
             states.key if keys is None else states.key[which] + keys[0][to],
         )
         if keys is not None:
             states = _merge(states, keys[1])
         level += 1
-        most = max(0, min(limits.states, int((limits.work - work) / each)))
+        most = max(0, min(room, int((limits.work - work) / each)))
         if limits.tolerance > 0 or len(states) > most:
             states = _drop(states, limits, bounds, level, np.maximum(total, limits.known), missing, most)
     sums, paths = _add_up(ended, arena)
     return Found(sums, missing, paths, work)
+
+
+def _bits(patch: IntArray) -> tuple[IntArray, BitArray, int]:
+    """Where the patch that leads into each entry has its bit: byte and bit in it; and the number of bytes. None for -1."""
+    numbers, which = np.unique(patch, return_inverse=True)
+    which = which - int(numbers[0] == -1)
+    bit = np.where(patch == -1, 0, 1 << (which & 7)).astype(np.uint8)
+    return np.maximum(which, 0) >> 3, bit, len(numbers) // 8 + 1
 
 
 def _keys(arena: Arena) -> tuple[KeyArray, KeyArray]:
@@ -222,7 +239,7 @@ def _merge(states: _States, entry_key: KeyArray) -> _States:
         return states
     pairs = np.flatnonzero(same)
     a, b = order[pairs], order[pairs + 1]
-    really = (states.entry[a] == states.entry[b]) & (np.sort(states.crossed[a], axis=1) == np.sort(states.crossed[b], axis=1)).all(axis=1)
+    really = (states.entry[a] == states.entry[b]) & (states.crossed[a] == states.crossed[b]).all(axis=1)
     first = np.ones(len(order), dtype=np.bool_)
     first[pairs[really] + 1] = False
     begin = np.flatnonzero(first)

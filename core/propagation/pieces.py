@@ -90,6 +90,26 @@ def pieces(graph: HapticGraph, root: int, listeners: Iterable[int]) -> Piece | N
     return root_piece if root_piece.listeners or root_piece.bridges else None
 
 
+def acyclic(graph: HapticGraph, entries: IntArray, patch: IntArray) -> bool:
+    """Whether the patches that lead into ``entries`` form no cycle of objects: then there is one way at most between any two nodes."""
+    joined: dict[int, int] = {}
+
+    def representative(index: int) -> int:
+        while (above := joined.setdefault(index, index)) != index:
+            joined[index] = joined[above]
+            index = above
+        return index
+
+    there = graph.node_object[graph.partner[entries]].tolist()
+    ends = dict(zip(patch[graph.contact[entries]].tolist(), zip(graph.node_object[entries].tolist(), there, strict=True), strict=True))
+    for one, other in ends.values():
+        a, b = representative(one), representative(other)
+        if a == b:
+            return False
+        joined[a] = b
+    return True
+
+
 def _edges(graph: HapticGraph) -> tuple[dict[int, tuple[tuple[int, int], ...]], dict[int, list[tuple[int, int]]]]:
     """Contacts of each patch as (node, node) pairs, and (patch, neighbour) of each object."""
     blocked = graph.table.loss == np.inf
