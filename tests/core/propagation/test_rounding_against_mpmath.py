@@ -1,0 +1,161 @@
+"""Rounding errors, judged by mpmath from the same inputs: relative error below 1e-12 wherever the answer is above 1e-300."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from haptic_tracing.core.functions import Constant, Exponential, Identity
+from haptic_tracing.core.graph import HapticGraph, graph_of_scene
+from haptic_tracing.core.propagation import propagate
+from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from path_reference import connected_scene, recursive_paths
+
+FREE = {"max_connections": None, "threshold": 0.0, "tolerance": 0.0}
+SEEDS = st.integers(0, 10**6)
+
+
+def exact_gain(graph: HapticGraph, a: int, b: int) -> mpmath.mpf:
+    """Gain of a connection from the authored numbers alone."""
+    place = [[mpmath.mpf(x) for x in graph.node_position[node].tolist()] for node in (a, b)]
+    distance = mpmath.sqrt(sum((x - y) ** 2 for x, y in zip(*place, strict=True)))
+    if graph.partner[a] == b:
+        return mpmath.mpf(float(graph.transmission[graph.contact[a]]))
+    item = graph.table.objects[graph.node_object[a]]
+    if isinstance(item.propagation, Exponential):
+        return mpmath.exp(-mpmath.mpf(item.propagation.alpha) * distance)
+    if isinstance(item.propagation, Identity):
+        return mpmath.mpf(1)
+    if isinstance(item.propagation, Constant):
+        return mpmath.mpf(item.propagation.gain_value)
+    k = (1 - mpmath.mpf(item.kappa)) * mpmath.mpf(item.rho)
+    return k * mpmath.exp(-max(k, mpmath.mpf(graph.table.epsilon)) * distance)
+
+
+def exact_path(graph: HapticGraph, path: tuple[int, ...]) -> mpmath.mpf:
+    product = mpmath.mpf(1)
+    for a, b in itertools.pairwise(path):
+        product *= exact_gain(graph, a, b)
+    return product
+
+
+def close(got: float, exact: mpmath.mpf, tolerance: float = 1e-12) -> bool:
+    return exact < 1e-300 or abs(mpmath.mpf(got) - exact) <= tolerance * exact
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(SEEDS, st.sampled_from([1e-9, 1.0, 30.0]), st.sampled_from([0.0, 1e9]))
+def test_random_scenes(seed, size, offset):
+    """Small and large scenes, also far from the origin."""
+    scene = connected_scene(seed, size=size, extra=3, most_objects=6)
+    shifted = HapticScene(
+        scene.objects,
+        tuple(
+            Contact(c.objects, tuple(tuple(x + offset for x in p) for p in c.positions), c.transmission, share=c.share)
+            for c in scene.contacts
+        ),
+        scene.sources,
+        scene.listeners,
+    )
+    with mpmath.workdps(40):
+        graph = graph_of_scene(shifted)
+        best = propagate(graph, Settings(strategy=Strategy.BEST_PATH, **FREE))
+        total = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, **FREE))
+        for column in range(len(graph.listeners)):
+            gains = [exact_path(graph, path) for path, _ in recursive_paths(graph, 0, column)]
+            assert close(best.gain[0, column], max(gains, default=mpmath.mpf(0)))
+            assert close(total.gain[0, column], mpmath.fsum(gains))
+
+
+def chain(count: int, functions, step: float = 0.0, kappa: float = 0.0, rho: float = 1.0) -> HapticScene:
+    """Objects in a row, ``step`` metres from contact to contact."""
+    objects = tuple(HapticObject(f"{i:06d}", kappa, rho, functions[i % len(functions)]) for i in range(count))
+    contacts = tuple(Contact((f"{i:06d}", f"{i + 1:06d}"), (((i + 1) * step, 0, 0), ((i + 1) * step, 0, 0))) for i in range(count - 1))
+    return HapticScene(objects, contacts, (Source("s", "000000"),), (Listener("l", f"{count - 1:06d}", (count * step, 0, 0)),))
+
+
+@pytest.mark.parametrize("strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS])
+@pytest.mark.parametrize("threshold", [0.0, 1e-300])
+def test_chain_of_100000_objects(strategy, threshold):
+    """Gains close to 1, so that the answer is not tiny: rounding errors of every link would add up to 1e-11."""
+    count, kappa = 100_000, 3.3e-4
+    graph = graph_of_scene(chain(count, [HapticObject("x", 0, 1).propagation], kappa=kappa))
+    result = propagate(graph, Settings(strategy=strategy, max_connections=None, threshold=threshold))
+    with mpmath.workdps(40):
+        exact = (1 - mpmath.mpf(kappa)) ** count
+        assert exact > 1e-20
+        assert close(result.gain[0, 0], exact)
+    assert result.error_bound[0, 0] == 0
+
+
+@pytest.mark.parametrize("strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE])
+def test_chain_of_100000_gains_of_one_in_a_thousand(strategy):
+    """10^-300000 is 0, the path is known all the same, and nothing overflows on the way."""
+    graph = graph_of_scene(chain(100_000, [Constant(gain_value=1e-3)]))
+    result = propagate(graph, Settings(strategy=strategy, max_connections=None, threshold=0))
+    assert result.gain[0, 0] == 0
+    assert len(result.best_path[0, 0]) == 200_000
+    assert np.isfinite(result.error_bound).all()
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(st.lists(st.tuples(st.integers(0, 10**6), st.floats(0, 1)), min_size=2, max_size=40), st.floats(0, 1e9), st.floats(0, 1e-9))
+def test_values_at_the_ends_of_their_ranges(parts, far, near):
+    """kappa = 1, rho = 0, epsilon = 0, nodes that coincide, 1e9 m and 1e-9 m: finite, in [0, 1], and a blocked way is 0 and no path."""
+    objects = tuple(
+        HapticObject(f"o{i}", [0.0, 1.0, value][seed % 3], [1.0, 0.0, 1 - value][seed // 3 % 3]) for i, (seed, value) in enumerate(parts)
+    )
+    spots = [(0.0, 0.0, 0.0), (far, 0.0, 0.0), (0.0, near, -far)]
+    contacts = tuple(Contact((f"o{i}", f"o{i + 1}"), (spots[seed % 3], spots[seed // 3 % 3])) for i, (seed, _) in enumerate(parts[:-1]))
+    scene = HapticScene(
+        objects, contacts, (Source("s", "o0"),), (Listener("l", f"o{len(parts) - 1}", (far, near, 0)),), Settings(epsilon=0.0)
+    )
+    graph = graph_of_scene(scene)
+    blocked = any(item.kappa == 1 or item.rho == 0 for item in objects)
+    for strategy in (Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE):
+        for threshold in (0.0, 1e-3):
+            result = propagate(graph, Settings(strategy=strategy, max_connections=None, threshold=threshold, epsilon=0.0))
+            assert 0 <= result.gain[0, 0] <= 1
+            assert np.isfinite(result.error_bound).all()
+            if blocked:
+                assert result.gain[0, 0] == 0
+                assert result.best_path == {}
+
+
+def test_10000_contacts_on_one_object():
+    """A ground with 10,000 pebbles and two benches: what a pebble leads to is nothing, and what the bench receives is exact."""
+    pebbles = 10_000
+    random = np.random.default_rng(7)
+    places = random.uniform(-5, 5, (pebbles, 3)).tolist()
+    objects = [HapticObject("ground", 0.2, 0.9), HapticObject("bench", 0.1, 0.8)] + [HapticObject(f"p{i}", 0, 1) for i in range(pebbles)]
+    contacts = [Contact(("ground", f"p{i}"), (tuple(p), tuple(p))) for i, p in enumerate(places)]
+    contacts += [Contact(("ground", "bench"), ((x, 0, 0), (x, 0, 0))) for x in (1.0, 1.5)]
+    scene = HapticScene(tuple(objects), tuple(contacts), (Source("s", "ground"),), (Listener("l", "bench", (1.25, 0, 0.5)),))
+    graph = graph_of_scene(scene)
+    with mpmath.workdps(40):
+        kept = graph_of_scene(HapticScene(tuple(objects[:2]), tuple(contacts[-2:]), scene.sources, scene.listeners))
+        gains = [exact_path(kept, path) for path, _ in recursive_paths(kept, 0, 0)]
+        assert close(propagate(graph, Settings(strategy=Strategy.BEST_PATH)).gain[0, 0], max(gains))
+        assert close(propagate(graph, Settings(strategy=Strategy.ALL_PATHS, **FREE)).gain[0, 0], mpmath.fsum(gains))
+
+
+def test_gains_within_one_unit_in_the_last_place_of_each_other():
+    """Two ways whose gains differ in the last digit, or not at all: either may be taken, the gain is right to the last digits."""
+    for gain in (0.7, math.nextafter(0.7, 1), math.nextafter(0.7, 0)):
+        objects = (
+            HapticObject("a", 0, 1, Identity()),
+            HapticObject("b", 0, 1, Constant(gain_value=0.7)),
+            HapticObject("c", 0, 1, Constant(gain_value=gain)),
+            HapticObject("d", 0, 1, Identity()),
+        )
+        origin = (0.0, 0.0, 0.0)
+        contacts = tuple(Contact(pair, (origin, origin)) for pair in (("a", "b"), ("b", "d"), ("a", "c"), ("c", "d")))
+        scene = HapticScene(objects, contacts, (Source("s", "a"),), (Listener("l", "d"),))
+        graph = graph_of_scene(scene)
+        assert propagate(graph, Settings(strategy=Strategy.BEST_PATH)).gain[0, 0] == pytest.approx(max(0.7, gain), rel=1e-15)
+        assert propagate(graph, Settings(strategy=Strategy.ALL_PATHS)).gain[0, 0] == pytest.approx(0.7 + gain, rel=1e-15)
