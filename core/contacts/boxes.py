@@ -245,6 +245,7 @@ def _intersection(centre: FloatArray, first: FloatArray, second: FloatArray) -> 
     # Leave out what is higher; the cut closes the outline from where it goes out to where it comes in.
     top = np.where(found, z_low, 0.0) + PATCH_GAP
     at = (top - z) / np.where(np.abs(dz) < 1e-15, 1e-15, dz)
+    used &= (np.abs(dz) > 1e-15) | (z <= top)
     leaves, enters = used & (dz > 1e-15) & (at < t1), used & (dz < -1e-15) & (at > t0)
     t1 = np.where(leaves, at, t1)
     t0 = np.where(enters, at, t0)

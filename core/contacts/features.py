@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from .closed_forms import dot, turned, turned_back
 from .cores import CoreTable, Kind
 from .hull import Hull
-from .patch import PATCH_GAP
+from .patch import PATCH_GAP, contact_plane
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -128,9 +128,16 @@ def _box_face(direction: FloatArray, half: FloatArray) -> FloatArray:
 
 
 def _line(middle: FloatArray, along: FloatArray, direction: FloatArray) -> FloatArray:
-    """A narrow strip from ``middle - along`` to ``middle + along`` that faces ``direction``."""
+    """A narrow strip from ``middle - along`` to ``middle + along`` that faces ``direction``; a dot at the end of one that points there."""
     across = np.cross(along, direction)
     length = np.sqrt(dot(across, across))
+    pointing = length < 1e-3 * np.sqrt(dot(along, along))
+    if pointing.any():
+        tip = along * np.where(dot(along, direction) < 0, -1.0, 1.0)[:, None]
+        u, v = contact_plane(direction)
+        middle = np.where(pointing[:, None], middle + tip, middle)
+        along, across = np.where(pointing[:, None], u * _WIDTH, along), np.where(pointing[:, None], v, across)
+        length = np.where(pointing, 1.0, length)
     across = across * (_WIDTH / np.where(length > 0, length, 1.0))[:, None]
     return np.stack([middle - along - across, middle + along - across, middle + along + across, middle - along + across], axis=1)
 

@@ -38,22 +38,32 @@ class Hull:
 
 
 def extreme_points(points: FloatArray, count: int) -> FloatArray:
-    """The points farthest out in ``count`` directions spread evenly over the sphere."""
+    """The points farthest out in ``count`` directions spread evenly over the sphere; of very many, of those farthest from the middle in
+    small solid angles."""
+    if len(points) > 10 * count:
+        points = points[_farthest(points - (points.min(axis=0) + points.max(axis=0)) / 2, 4 * count)]
     k = np.arange(count) + 0.5
     z = 1 - 2 * k / count
     angle = np.pi * (1 + 5**0.5) * k
     ring = np.sqrt(1 - z * z)
-    directions = np.stack([ring * np.cos(angle), ring * np.sin(angle), z])
-    best = np.full(count, -np.inf)
-    index = np.zeros(count, dtype=np.int64)
-    for start in range(0, len(points), 2048):
-        height: FloatArray = points[start : start + 2048] @ directions
-        top = height.argmax(axis=0)
-        value = height[top, np.arange(count)]
-        better = value > best
-        best[better] = value[better]
-        index[better] = top[better] + start
-    return points[np.unique(index)]
+    directions = np.stack([ring * np.cos(angle), ring * np.sin(angle), z], axis=1)
+    index = [np.argmax(part @ points.T, axis=1) for part in np.array_split(directions, max(1, count // 256))]
+    return points[np.unique(np.concatenate(index))]
+
+
+def _farthest(offsets: FloatArray, count: int) -> IntArray:
+    """Numbers of the points farthest from the origin in about ``count`` solid angles, the cells of a grid on the faces of a cube."""
+    side = max(1, int((count / 6) ** 0.5))
+    size = np.abs(offsets)
+    axis = size.argmax(axis=1)
+    row = np.arange(len(offsets))
+    largest = np.maximum(size[row, axis], 1e-300)
+    cell = [np.minimum((offsets[row, (axis + k) % 3] / largest + 1) / 2 * side, side - 1).astype(np.int64) for k in (1, 2)]
+    face = 2 * axis + (offsets[row, axis] < 0)
+    key = (face * side + cell[0]) * side + cell[1]
+    order = np.lexsort((np.einsum("ni,ni->n", offsets, offsets), key))
+    last = np.append(key[order][1:] != key[order][:-1], True)
+    return np.asarray(order[last])
 
 
 def convex_hull(points: FloatArray) -> Hull:

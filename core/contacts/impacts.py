@@ -26,6 +26,9 @@ _TOUCH = 1e-4
 _INSTANT = 1e-4
 """Seconds that the time of a hit may be off."""
 
+_AROUND = 0.05
+"""Metres from each other within which bodies are when they hit, the time being as exact as it is."""
+
 _MOST_STEPS = 40
 
 _SLOW = 0.05
@@ -126,7 +129,7 @@ class Meetings:
         far = travel > (self._thickness[a] + self._thickness[b]) / 4
         ways = _Ways(self._narrow, paths, pairs, travel + np.minimum(self._radius[a], self._radius[b]))
         ahead = ways.clearances(np.full(len(pairs), paths.duration))
-        rows = np.flatnonzero(far | (ahead <= 0))
+        rows = np.flatnonzero(far | (ahead <= _TOUCH))
         if len(rows) == 0:
             return Hits.none()
         ways, pairs, far, ahead = ways.chosen(rows), pairs[rows], far[rows], ahead[rows]
@@ -147,8 +150,9 @@ class Meetings:
         passes = far[met]
         fast = np.flatnonzero(passes)
         if len(fast):
-            thin = np.minimum(self._thickness[a[met[fast]]], self._thickness[b[met[fast]]])
-            passes[fast] = ways.chosen(fast).go_through(after[fast], thin / 4)
+            first, second = self._thickness[a[met[fast]]], self._thickness[b[met[fast]]]
+            within = (first + second) / np.maximum(approach[fast], _SLOW)
+            passes[fast] = ways.chosen(fast).go_through(after[fast], within, np.minimum(first, second) / 4)
         velocities = np.stack([paths.velocities(pairs[met, k], after).T for k in (0, 1)], axis=1)
         return Hits(pairs[met], after, distance, normal, centre, approach, velocities, ahead[met], actual[met], passes)
 
@@ -188,7 +192,7 @@ class _Ways:
         """Distances (k,), normals and centres (k, 3) in the world, and the speed (k,) at which the material of the two comes together along
         the normal there."""
         first, second = self._poses(time)
-        found = self._narrow.query(self._pairs, *relative_pose(first, second), np.full(len(time), np.inf))
+        found = self._narrow.query(self._pairs, *relative_pose(first, second), np.full(len(time), _AROUND))
         turn = first[:9].reshape(3, 3, -1)
         normal = (turn * found.normal).sum(axis=1)
         centre = (turn * found.centre).sum(axis=1) + first[9:]
@@ -200,7 +204,7 @@ class _Ways:
         return found.distance, normal.T, centre.T, ((speeds[0] - speeds[1]) * normal).sum(axis=0)
 
     def first_touch(self, start: FloatArray, end: FloatArray) -> FloatArray:
-        """Times (k,) at which the distance, ``start`` > 0 at first and ``end`` <= 0 at last, vanishes: regula falsi (Illinois), from where
+        """Times (k,) at which the distance, ``start`` > 0 at first and ``end`` at last, vanishes: regula falsi (Illinois), from where
         bodies that fall onto each other would meet."""
         duration = self._paths.duration
         low, high = np.zeros(len(start)), np.full(len(start), duration)
@@ -256,11 +260,11 @@ class _Ways:
             active = active[~touching & (time[active] <= duration)]
         return result
 
-    def go_through(self, after: FloatArray, depth: FloatArray) -> BoolArray:
-        """Which pairs overlap by ``depth`` (k,) somewhere later on their ways."""
+    def go_through(self, after: FloatArray, within: FloatArray, depth: FloatArray) -> BoolArray:
+        """Which pairs overlap by ``depth`` (k,) somewhere on their ways ``within`` (k,) seconds from the touch."""
         deepest = np.full(len(self._pairs), np.inf)
-        for share in (0.1, 0.25, 0.4, 0.6, 0.8):
-            deepest = np.minimum(deepest, self.clearances(after + share * (self._paths.duration - after)))
+        for share in (0.2, 0.4, 0.6, 0.8):
+            deepest = np.minimum(deepest, self.clearances(np.minimum(after + share * within, self._paths.duration)))
         return np.asarray(deepest <= -depth)
 
 

@@ -161,12 +161,13 @@ class MotionHistory:
             from_rest = (fallen > 0) & (fallen <= 0.501 * weight * known**2) & (level <= (0.1 * fallen) ** 2)
             dropped = (self._onset == 1) & airborne & from_rest
             begin = np.where(dropped, down[:, None] * np.sqrt(2 * weight * np.maximum(fallen, 0.0)), begin)
-        # Kinematic: through both ends. Hit in the interval before: what it has done since is all that is known.
+        # Kinematic: through both ends, unless it turned sharply in between, as what hits does. Hit in the interval before: what it has done
+        # since is all that is known.
         curved = 2 * (direct - chord) / (step + known)
         smooth = kinematic & (4 * step**2 * _squared(curved) <= np.maximum(_squared(direct), _squared(chord)))
-        given = kinematic | (clean < 1)
+        given = smooth | (~kinematic & (clean < 1))
         moving = self._still <= _DEPTH
-        acceleration = np.where(moving, np.where(given, np.where(smooth, curved, 0.0), bend), 0.0)
+        acceleration = np.where(moving, np.where(smooth, curved, np.where(given, 0.0, bend)), 0.0)
         velocity = np.where(moving, np.where(given, direct - acceleration * (step / 2), begin), 0.0)
         spin = np.where(given, _spins(start, end, step), _spins(earlier, start, known))
         return Paths(step, start, velocity, acceleration, np.where(moving, spin, 0.0), end)

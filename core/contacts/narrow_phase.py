@@ -47,6 +47,9 @@ _DRAWN_ROUGHLY = (Kind.CYLINDER, Kind.CONE, Kind.HULL)
 _NEAR = 1e-3
 """Metres from the nearest points of two cores within which their patch must lie."""
 
+_BEYOND = 1e-9
+"""Metres beyond the reach that a distance is said to be of which no more is known."""
+
 _TOGETHER = 1e-5
 """Metres by which two parts of a body may be further away than the nearest one and still belong to one patch."""
 
@@ -202,7 +205,7 @@ class NarrowPhase:
             closer = gap[order] < distance[owner]
             normal[owner[closer]] = outward[order][closer]
             np.minimum.at(distance, owner, gap[order])
-        return np.where(np.isinf(distance), reach, distance), normal.T
+        return np.where(np.isinf(distance), reach + _BEYOND, distance), normal.T
 
     def _boxes(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> _Boxes | None:
         """Those of the pairs that are of two single boxes."""
@@ -291,7 +294,7 @@ class NarrowPhase:
         found: list[_Found] = []
         for rows in self._rows(pairs, *_matrices(rotation, offset), reach):
             self._finish(rows, self._separated(rows), reach, distance, found, corners)
-        return _reduced(np.where(np.isinf(distance), reach, distance), found, corners)
+        return _reduced(np.where(np.isinf(distance), reach + _BEYOND, distance), found, corners)
 
     def _rows(self, pairs: IntArray, a: FloatArray, b: FloatArray, reach: FloatArray) -> Iterator[_Rows]:
         """All pairs of cores of all pairs of bodies, in groups of the same kinds, the simpler kind first, meshes as their triangles."""
@@ -547,7 +550,7 @@ def _products(start: IntArray, pairs: IntArray) -> tuple[IntArray, IntArray, Int
 
 def _bounded(rows: _Rows, gap: FloatArray, reach: FloatArray) -> FloatArray:
     """Gaps as lower bounds on the distance of the bodies: beyond its reach not all triangles of a mesh have been looked at."""
-    return gap if rows.triangle_b is None else np.minimum(gap, np.maximum(reach[rows.owner], 0.0) + 1e-12)
+    return gap if rows.triangle_b is None else np.minimum(gap, reach[rows.owner] + _BEYOND)
 
 
 def _exact(separation: Separation) -> AxisSeparation:

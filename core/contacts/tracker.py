@@ -131,7 +131,7 @@ class ContactTracker:
         self._middle = local.mean(axis=1).T.copy()
         self._extent = (np.ptp(local, axis=1) / 2).T.copy()
         self._radius = np.sqrt((self._extent**2).sum(axis=0))
-        arm = np.sqrt((np.abs(local).max(axis=1) ** 2).sum(axis=1))
+        self._arm = arm = np.sqrt((np.abs(local).max(axis=1) ** 2).sum(axis=1))
         self._still = STILL / np.stack([arm, arm, arm, np.ones(len(bodies))] * 3, axis=1).clip(1e-9)
         self._narrow = NarrowPhase([b.shape for b in bodies], [b.medium for b in bodies])
         self._meetings = Meetings(self._narrow, local)
@@ -264,10 +264,14 @@ class ContactTracker:
         paths, none = None, np.zeros(0, dtype=np.int64)
         gravity = np.array(self.settings.gravity) * self.settings.time_scale**2
         least = self.settings.least_energy
-        if np.any(self._energies(self._history.speed_bound(gravity)) >= least / 2):
+        turning = self.settings.energy is ImpactEnergy.NORMAL
+        if turning or np.any(self._energies(self._history.speed_bound(gravity)) >= least / 2):
             paths = self._history.paths(~self._dynamic, self._airborne, gravity)
         if paths is not None:
-            energy = self._energies(paths.fastest())
+            speed = paths.fastest()
+            if turning:
+                speed += np.sqrt(np.einsum("ip,ip->p", paths.spin, paths.spin)) * self._arm
+            energy = self._energies(speed)
             fast = np.flatnonzero(energy >= least / 2)
             if len(fast) == 0:
                 paths = None
@@ -371,7 +375,11 @@ class ContactTracker:
         asked = np.zeros(len(pairs.key), dtype=np.bool_)
         possible = np.flatnonzero(~fresh | pairs.touching)
         a, b = pairs.larger[possible], pairs.smaller[possible]
-        regions = np.stack([np.maximum(self._low[:, a], self._low[:, b]).T, np.minimum(self._high[:, a], self._high[:, b]).T], axis=1)
+        # A contact node lies on its own body, and so up to the tolerance outside the other.
+        around = self.settings.tolerance + self.settings.slack
+        low = np.maximum(self._low[:, a], self._low[:, b]) - around
+        high = np.minimum(self._high[:, a], self._high[:, b]) + around
+        regions = np.stack([low.T, high.T], axis=1)
         asked[possible] = wanted.wanted(np.stack([a, b], axis=1), regions)
         return asked
 

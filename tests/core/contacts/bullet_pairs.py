@@ -1,7 +1,7 @@
 """Random pairs of shapes and what Bullet says of them, through PyBullet.
 
-``python bullet_pairs.py`` records ``bullet_pairs.npz``, which the tests read, so that they need no PyBullet (it has no wheels and takes minutes
-to compile). With PyBullet installed (extra ``bullet``) the tests also ask it about pairs that are not in the record.
+``python bullet_pairs.py`` records ``bullet_pairs.npz``, which the tests read, so that they need no PyBullet (it has no wheels and takes
+minutes to compile). With PyBullet installed (extra ``bullet``) the tests also ask it about pairs that are not in the record.
 """
 
 from __future__ import annotations
@@ -143,8 +143,8 @@ class Bullet:
 
 
 def near_pairs(bullet: Bullet, a: int, b: int, generator: np.random.Generator, count: int) -> np.ndarray:
-    """Poses (count, 2, 7) of pairs whose distance lies between -35 and +35 mm, half of them within a few of 10 mm. float32, so that the record
-    is exactly what Bullet was asked."""
+    """Poses (count, 2, 7) of pairs whose distance lies between -35 and +35 mm, half of them within a few of 10 mm. float32, so that the
+    record is exactly what Bullet was asked."""
     chosen: list[np.ndarray] = []
     while len(chosen) < count:
         poses = np.concatenate([np.zeros((2, 3)), generator.normal(size=(2, 4))], axis=1).astype(np.float32)
@@ -194,5 +194,50 @@ def asked(seed: int, count: int) -> dict[str, np.ndarray]:
     return answers
 
 
+PILE = [name for name in SHAPES if name not in ("plank", "mesh")] * 6
+"""Bodies of a pile, by shape; under them lies a ground."""
+
+GROUND = Box((20.0, 20.0, 2.0), rounding=MARGIN)
+
+
+def pile(seed: int, snapshots: int = 8) -> dict[str, np.ndarray]:
+    """A simulated pile, every half second: poses (snapshots, bodies, 7), the ground first, and all pairs of bodies nearer than ``REACH`` as
+    rows (snapshot, first, second, distance)."""
+    import pybullet as p
+
+    generator = np.random.default_rng(seed)
+    bullet = Bullet()
+    client = bullet._client
+    p.setGravity(0, 0, -9.81, physicsClientId=client)
+    bodies = [int(p.createMultiBody(0, bullet._shape(GROUND), basePosition=[0, 0, -1], physicsClientId=client))]
+    for k, name in enumerate(PILE):
+        place = [*(generator.uniform(-0.9, 0.9, 2)), 0.8 + 0.5 * k]
+        turn = generator.normal(size=4)
+        turn = (turn / np.linalg.norm(turn)).tolist()
+        shape = bullet._shape(SHAPES[name])
+        bodies.append(int(p.createMultiBody(10, shape, basePosition=place, baseOrientation=turn, physicsClientId=client)))
+    poses = np.zeros((snapshots, len(bodies), 7), dtype=np.float32)
+    rows = []
+    for snapshot in range(snapshots):
+        for _ in range(120):
+            p.stepSimulation(physicsClientId=client)
+        for k, body in enumerate(bodies):
+            place, (x, y, z, w) = p.getBasePositionAndOrientation(body, physicsClientId=client)
+            poses[snapshot, k] = (*place, w, x, y, z)
+        kept = [(p.getBasePositionAndOrientation(b, physicsClientId=client), p.getBaseVelocity(b, physicsClientId=client)) for b in bodies]
+        for k, body in enumerate(bodies):
+            bullet.place(body, poses[snapshot, k])
+        for i, a in enumerate(bodies):
+            for j in range(i + 1, len(bodies)):
+                found = bullet.closest(a, bodies[j])
+                if found is not None:
+                    rows.append((snapshot, i, j, found[0]))
+        for body, ((place, turn), (linear, angular)) in zip(bodies, kept, strict=True):
+            p.resetBasePositionAndOrientation(body, place, turn, physicsClientId=client)
+            p.resetBaseVelocity(body, linear, angular, physicsClientId=client)
+    bullet.close()
+    return {"pile poses": poses, "pile pairs": np.array(rows)}
+
+
 if __name__ == "__main__":
-    np.savez_compressed(RECORDED, **asked(seed=1, count=200))
+    np.savez_compressed(RECORDED, **asked(seed=1, count=200), **pile(seed=1))

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.narrow_phase import NarrowPhase, relative_pose
+from haptic_tracing.core.contacts.tracker import Body, ContactSettings, ContactTracker
 
 sys.path.insert(0, str(Path(__file__).parent))
 import bullet_pairs
@@ -78,6 +79,33 @@ def test_recorded_pairs(capsys):
         check(answers, 0.94)
 
 
+def check_pile(answers) -> None:
+    """The pairs that touch in a pile, frame by frame, by the tracker."""
+    bodies = [Body("ground", bullet_pairs.GROUND, motion="static")]
+    bodies += [Body(f"{name} {k}", bullet_pairs.SHAPES[name], 10.0) for k, name in enumerate(bullet_pairs.PILE)]
+    tracker = ContactTracker(bodies, ContactSettings(tolerance=TOLERANCE, slack=0.0))
+    touching = 0
+    for snapshot, matrices in enumerate(bullet_pairs.matrices(answers["pile poses"])):
+        found = tracker.update(snapshot / 2, matrices).contacts
+        ours = {tuple(pair): distance for pair, distance in zip(found.pairs.tolist(), found.distance.tolist(), strict=True)}
+        rows = answers["pile pairs"][answers["pile pairs"][:, 0] == snapshot]
+        theirs = {(int(a), int(b)): distance for _, a, b, distance in rows.tolist()}
+        for pair, distance in theirs.items():
+            if distance <= TOLERANCE - BAND:
+                assert pair in ours, (snapshot, pair, distance)
+        for pair, distance in ours.items():
+            assert pair in theirs and theirs[pair] <= TOLERANCE + BAND, (snapshot, pair, distance)
+            assert abs(theirs[pair] - distance) < 2e-3
+        touching += len(ours)
+    assert touching > 250
+
+
+def test_recorded_pile():
+    with np.load(bullet_pairs.RECORDED) as answers:
+        check_pile(answers)
+
+
 @pytest.mark.skipif(importlib.util.find_spec("pybullet") is None, reason="PyBullet is not installed; its record is checked above")
 def test_fresh_pairs():
+    check_pile(bullet_pairs.pile(seed=2))
     check(bullet_pairs.asked(seed=np.random.SeedSequence().entropy, count=50), 0.8)

@@ -1,0 +1,279 @@
+"""Impacts of bodies whose motion has a closed form, sampled at frames, the bounce included."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from haptic_tracing.core.contacts.shapes import Box, Capsule, Cone, ConvexHull, Cylinder, Mesh, Sphere
+from haptic_tracing.core.contacts.tracker import Body, ContactSettings, ContactTracker
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+G = 9.81
+CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+SHAPES = {  # and how far below its origin each ends
+    "box": (Box((1, 0.6, 0.4)), 0.2),
+    "rounded box": (Box((1, 0.6, 0.4), rounding=0.04), 0.2),
+    "sphere": (Sphere(0.3), 0.3),
+    "capsule": (Capsule(0.2, 0.5), 0.45),
+    "cylinder": (Cylinder(0.3, 0.5, rounding=0.04), 0.25),
+    "cone": (Cone(0.3, 0.5, margin=0.04), 0.29),
+    "cube": (ConvexHull(CUBE, rounding=0.04), 0.5),
+    "hull": (ConvexHull(np.concatenate([CUBE, [[0.7, 0, 0]]])), 0.5),
+}
+GROUNDS = {
+    "box": (Box((50, 50, 1)), -0.5),
+    "mesh": (Mesh([[-25, -25, 0], [25, -25, 0], [25, 25, 0], [-25, 25, 0]], [[0, 1, 2], [0, 2, 3]]), 0.0),
+}
+
+
+def height(h: float, restitution: float, t: float) -> float:
+    """Of a body dropped from h at time 0 over the ground, bouncing."""
+    if t <= 0:
+        return h
+    fall = math.sqrt(2 * h / G)
+    if t < fall:
+        return h - G * t * t / 2
+    t -= fall
+    v = restitution * math.sqrt(2 * G * h)
+    while v > 1e-3:
+        if t < 2 * v / G:
+            return v * t - G * t * t / 2
+        t -= 2 * v / G
+        v *= restitution
+    return 0.0
+
+
+def poses(*places, turns=None):
+    """Matrices of unturned bodies at places, float32 like Blender's."""
+    result = np.tile(np.eye(4), (len(places), 1, 1))
+    result[:, :3, 3] = np.array(places, dtype=np.float32)
+    return result
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    shape=st.sampled_from(sorted(SHAPES)),
+    ground=st.sampled_from(sorted(GROUNDS)),
+    h=st.floats(math.log(0.05), math.log(30)).map(math.exp),
+    mass=st.floats(math.log(0.5), math.log(1e4)).map(math.exp),
+    restitution=st.sampled_from([0.0, 0.2, 0.5, 0.8]),
+    rate=st.sampled_from([24.0, 25.0, 30 / 1.001, 60.0]),
+    scale=st.sampled_from([0.5, 1.0, 2.0]),
+    late=st.floats(0, 1),
+)
+def test_dropped_bodies(shape, ground, h, mass, restitution, rate, scale, late):
+    """Energy m g h, time sqrt(2 h / g); the body is let go ``late`` frames after the first one."""
+    energy, fall = mass * G * h, math.sqrt(2 * h / G) / scale
+    if fall * rate < 2.2 + late:
+        return  # over before there are three frames to see it by
+    (body, below), (floor, origin) = SHAPES[shape], GROUNDS[ground]
+    tracker = ContactTracker([Body("ground", floor, motion="static"), Body("body", body, mass)], ContactSettings(time_scale=scale))
+    impacts = []
+    for frame in range(math.ceil((fall + 0.25) * rate) + 2):
+        z = below + height(h, restitution, (frame - late) / rate * scale)
+        impacts += tracker.update(frame / rate, poses((0, 0, origin), (0.3, 0.2, z))).impacts
+    if energy < 5 * 0.97:
+        assert not impacts
+    elif energy > 5 * 1.03:
+        first = impacts[0]
+        assert first.objects == (0, 1)
+        assert first.energy == pytest.approx(energy, rel=0.03)
+        assert first.amplitude == pytest.approx(min(energy / 100, 1), rel=0.03)
+        assert first.time - late / rate == pytest.approx(fall, abs=0.002)
+        np.testing.assert_allclose(first.normal, [0, 0, 1], atol=1e-4)
+        np.testing.assert_allclose(np.mean(first.positions, axis=0), [0.3, 0.2, 0], atol=0.01)
+        # Bounces: each with e^2 of the energy of the last, after 2 v / g.
+        flight, left, expected = 2 * math.sqrt(2 * h / G) * restitution / scale, energy * restitution**2, 1
+        time = late / rate + fall
+        last, end = time, (frame - 0.01) / rate
+        while left > 5 * 1.05 and time + flight < end and flight * rate > 3:
+            time += flight
+            if time - last >= 0.1:
+                last = time
+                expected += 1
+            flight, left = flight * restitution, left * restitution**2
+        assert len(impacts) >= expected
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    speeds=st.tuples(st.floats(-8, 8), st.floats(-8, 8)).filter(lambda s: s[0] - s[1] > 1),
+    masses=st.tuples(st.floats(1, 50), st.floats(1, 50)),
+    normal_energy=st.booleans(),
+    rate=st.sampled_from([24.0, 60.0]),
+    drift=st.floats(-5, 5),
+)
+def test_balls_that_meet_in_space(speeds, masses, normal_energy, rate, drift):
+    """Elastic impact on a line, everything drifting sideways: the paper's energy has the drift in it, the normal one not."""
+    m1, m2 = masses
+    u1, u2 = speeds
+    meet = 0.31
+    v1 = ((m1 - m2) * u1 + 2 * m2 * u2) / (m1 + m2)
+    v2 = ((m2 - m1) * u2 + 2 * m1 * u1) / (m1 + m2)
+    rules = ContactSettings(energy="normal" if normal_energy else "kinetic", least_energy=0.0, gravity=(0, 0, 0))
+    tracker = ContactTracker([Body("a", Sphere(0.2), m1), Body("b", Sphere(0.3), m2)], rules)
+    impacts = []
+    for frame in range(round(rate)):
+        t = frame / rate
+        s = t - meet
+        a = -0.2 + (u1 if s < 0 else v1) * s
+        b = 0.3 + (u2 if s < 0 else v2) * s
+        impacts += tracker.update(t, poses((a, drift * t, 0), (b, drift * t, 0))).impacts
+    assert len(impacts) == 1
+    impact = impacts[0]
+    if normal_energy:
+        energy = 0.5 * m1 * m2 / (m1 + m2) * (u1 - u2) ** 2
+    else:
+        energy = 0.5 * m1 * (u1**2 + drift**2) + 0.5 * m2 * (u2**2 + drift**2)
+    assert impact.energy == pytest.approx(energy, rel=0.01)
+    assert impact.time == pytest.approx(meet, abs=0.001)
+    np.testing.assert_allclose(impact.positions[0], [0, drift * meet, 0], atol=0.01)
+
+
+@pytest.mark.parametrize("rate", [24.0, 60.0])
+@pytest.mark.parametrize("speed", [10.0, 40.0, 150.0])
+@pytest.mark.parametrize("shape", [Sphere(0.05), Box((0.1, 0.1, 0.1)), ConvexHull(0.1 * CUBE)])
+def test_passing_a_thin_wall_within_a_frame(rate, speed, shape):
+    walls = {"box": Box((0.02, 2, 2)), "mesh": Mesh([[0, -1, -1], [0, 1, -1], [0, 1, 1], [0, -1, 1]], [[0, 1, 2], [0, 2, 3]])}
+    for wall in walls.values():
+        tracker = ContactTracker([Body("wall", wall, motion="static"), Body("shot", shape, 0.2)], ContactSettings(gravity=(0, 0, 0)))
+        front = 0.05 + (0.01 if isinstance(wall, Box) else 0.0)
+        meet = 4.37 / rate
+        impacts = []
+        for frame in range(10):
+            x = -front + speed * (frame / rate - meet)
+            impacts += tracker.update(frame / rate, poses((0, 0, 0), (x, 0.1, 0))).impacts
+        assert len(impacts) == 1
+        assert impacts[0].energy == pytest.approx(0.1 * speed**2, rel=1e-3)
+        assert impacts[0].time == pytest.approx(meet, abs=0.0005)
+
+
+def test_turning_body():
+    """A plank that turns about its middle and hits with its end."""
+    tracker = ContactTracker([Body("post", Sphere(0.1), motion="static"), Body("plank", Box((2, 0.1, 0.1)), 10.0)], ContactSettings(
+        energy="normal", least_energy=0.1, gravity=(0, 0, 0)))
+    spin, rate = -2.0, 24.0
+    meet = None
+    impacts = []
+    for frame in range(30):
+        t = frame / rate
+        angle = 1.0 + spin * t
+        matrices = poses((0.8, 0, 0), (0, 0, 0))
+        c, s = math.cos(angle), math.sin(angle)
+        # The plank's lower side meets the ball where its middle line is 0.15 above it.
+        if meet is None and 0.8 * s <= 0.15:
+            meet = (1.0 - math.asin(0.15 / 0.8)) / -spin
+        matrices[1, :2, :2] = [[c, -s], [s, c]] if meet is None else matrices[1, :2, :2]
+        if meet is not None:
+            stop = math.asin(0.15 / 0.8)
+            matrices[1, :2, :2] = [[math.cos(stop), -math.sin(stop)], [math.sin(stop), math.cos(stop)]]
+        impacts += tracker.update(t, matrices).impacts
+    assert len(impacts) == 1
+    assert impacts[0].time == pytest.approx(meet, abs=0.002)
+    arm = math.sqrt(0.8**2 - 0.15**2)
+    assert impacts[0].energy == pytest.approx(0.5 * 10 * (spin * arm) ** 2, rel=0.03)
+
+
+def test_animated_hammer():
+    """A keyframed body hits one that rests: its own mass and speed count."""
+    tracker = ContactTracker([Body("anvil", Box((1, 1, 1)), 500.0), Body("hammer", Box((0.2, 0.2, 0.2)), 8.0, motion="kinematic")])
+    impacts, rate = [], 24.0
+    for frame in range(48):
+        z = 0.6 + 0.8 * abs(math.cos(math.pi * (frame + 0.3) / rate))
+        impacts += tracker.update(frame / rate, poses((0, 0, 0), (0, 0, z))).impacts
+    assert [round(i.time, 2) for i in impacts] == [pytest.approx(0.49, abs=0.02), pytest.approx(1.49, abs=0.02)]
+    for impact in impacts:
+        assert impact.energy == pytest.approx(4 * (0.8 * math.pi) ** 2, rel=0.1)
+
+
+def fall_of(tracker, frames, rate=24.0, mass=5.0, start=0.0, h=2.0):
+    places = [(frame, (0, 0, 0.2 + height(h, 0.3, frame / rate))) for frame in frames]
+    return [tracker.update(start + frame / rate, poses((0, 0, -0.5), place)) for frame, place in places]
+
+
+def falling():
+    return ContactTracker([Body("ground", Box((50, 50, 1)), motion="static"), Body("box", Box((1, 0.6, 0.4)), 5.0)])
+
+
+def test_the_same_timeline_twice_gives_the_same_bits():
+    first, tracker = falling(), falling()
+    runs = [fall_of(tracker_, range(40)) for tracker_ in (first, tracker)]
+    tracker.reset()
+    runs.append(fall_of(tracker, range(40)))
+    runs.append(fall_of(tracker, range(40)))  # time starts again: history is forgotten by itself
+    for run in runs[1:]:
+        for one, other in zip(runs[0], run, strict=True):
+            assert one.impacts == other.impacts
+            assert one.contacts.positions.tobytes() == other.contacts.positions.tobytes()
+            assert one.contacts.distance.tobytes() == other.contacts.distance.tobytes()
+    assert sum(len(f.impacts) for f in runs[0]) >= 1
+
+
+@pytest.mark.parametrize("jump", ["forwards", "backwards", "said"])
+def test_jumps_make_no_impacts(jump):
+    tracker = falling()
+    fall_of(tracker, range(10))
+    if jump == "said":
+        matrices = poses((0, 0, -0.5), (0, 0, 0.2))
+        found = [tracker.update(10 / 24, matrices, continuous=False), tracker.update(11 / 24, matrices)]
+    elif jump == "forwards":
+        tracker.reset()
+        found = fall_of(tracker, range(30, 40), h=0.001)
+    else:
+        found = fall_of(tracker, range(5), h=0.0)
+    assert not any(f.impacts for f in found)
+    assert len(found[0].began) == 0 and len(found[0].contacts) == 1
+
+
+def test_frames_left_out_do_not_matter():
+    """Every other frame dropped in playback: the same impact."""
+    found = fall_of(falling(), range(0, 60, 2))
+    impacts = [i for f in found for i in f.impacts]
+    assert impacts[0].energy == pytest.approx(5 * G * 2, rel=0.03)
+    assert impacts[0].time == pytest.approx(math.sqrt(4 / G), abs=0.002)
+
+
+def test_no_impacts_of_what_goes_along():
+    """A crate on a lorry at 20 m/s, rattling by a tenth of a millimetre, and the lorry on the road: nothing begins."""
+    generator = np.random.default_rng(1)
+    bodies = [
+        Body("road", Box((500, 10, 1)), motion="static"),
+        Body("lorry", Box((6, 2, 1)), 2000.0, motion="kinematic"),
+        Body("crate", Box((1, 1, 1)), 50.0),
+    ]
+    tracker = ContactTracker(bodies)
+    found = []
+    for frame in range(60):
+        x = 20 * frame / 24
+        shake = generator.normal(size=2) * 1e-4
+        found.append(tracker.update(frame / 24, poses((0, 0, -0.5), (x, 0, 0.5), (x + shake[0], 0, 1.5 + shake[1]))))
+    assert not any(f.impacts for f in found)
+    assert all(len(f.contacts) == 2 for f in found)
+    assert not any(len(f.began) or len(f.ended) for f in found)
+
+
+def test_sliding_from_tile_to_tile_is_no_impact():
+    tiles = [Body(f"tile {k}", Box((1, 1, 0.2)), motion="static") for k in range(12)]
+    tracker = ContactTracker([*tiles, Body("puck", Box((0.4, 0.4, 0.1)), 20.0)])
+    found = []
+    for frame in range(24):
+        x = 0.2 + 9 * frame / 24
+        found.append(tracker.update(frame / 24, poses(*[(k, 0, -0.1) for k in range(12)], (x, 0, 0.05))))
+    assert sum(len(f.began) for f in found) >= 9
+    assert not any(f.impacts for f in found)
+
+
+def test_one_impact_of_many_points_and_one_within_the_refractory_time():
+    """A table lands on four feet at once; a bouncing one makes the next source only after the refractory time."""
+    feet = [[x + dx, y + dy, z] for x in (-0.5, 0.5) for y in (-0.4, 0.4) for dx in (0, 0.1) for dy in (0, 0.1) for z in (-0.4, 0.4)]
+    table = ConvexHull(np.array(feet))
+    for refractory, expected in ((0.1, 3), (1.0, 1)):
+        bodies = [Body("ground", Box((50, 50, 1)), motion="static"), Body("table", table, 20.0)]
+        tracker = ContactTracker(bodies, ContactSettings(refractory=refractory, patch_points=True))
+        impacts = []
+        for frame in range(48):
+            impacts += tracker.update(frame / 24, poses((0, 0, -0.5), (0, 0, 0.4 + height(1.5, 0.5, frame / 24)))).impacts
+        assert len(impacts) == expected

@@ -1,0 +1,270 @@
+"""The tracker against itself from scratch: what it keeps from frame to frame must be what it would find anew."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from haptic_tracing.core.contacts.motion import rotations
+from haptic_tracing.core.contacts.reach import Reach
+from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, ConvexHull, Cylinder, Mesh, Sphere
+from haptic_tracing.core.contacts.tracker import STILL, Body, ContactSettings, ContactTracker
+from haptic_tracing.core.scene import Pose
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+GROUND = Body("ground", Box((20, 20, 1)), motion="static")
+
+
+def moved(places, turns=None):
+    count = len(places)
+    matrices = np.tile(np.eye(4), (count, 1, 1))
+    matrices[:, :3, 3] = places
+    if turns is not None:
+        matrices[:, :3, :3] = rotations(np.asarray(turns, dtype=np.float64).T).transpose(2, 0, 1)
+    return matrices
+
+
+def shapes(generator, count):
+    made = [
+        Box((1, 0.8, 0.6)),
+        Box((1, 1, 1), rounding=0.04),
+        ConvexHull(CUBE, rounding=0.04),
+        ConvexHull(generator.normal(size=(12, 3)) * 0.4),
+        Sphere(0.5),
+        Capsule(0.3, 0.5),
+        Cylinder(0.4, 0.8),
+        Compound(((Box((1, 0.2, 0.2)), Pose((0, 0, 0.3))), (Sphere(0.3), Pose()))),
+        Mesh(CUBE, [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5]], margin=0.02),
+    ]
+    return [made[k] for k in generator.integers(0, len(made), count)]
+
+
+def crowd(seed, count=14, frames=12, still=0.5):
+    """Random bodies that drift and turn, some by next to nothing, some not at all."""
+    generator = np.random.default_rng(seed)
+    bodies = [GROUND, *(Body(f"b{k}", s, 1.0) for k, s in enumerate(shapes(generator, count)))]
+    place, turn = generator.uniform(-1.6, 1.6, (count, 3)) * [1, 1, 0.6] + [0, 0, 1.3], generator.normal(size=(count, 3))
+    shares = [still, *((1 - still) * np.array([0.2, 0.4, 0.4]))]
+    speed = generator.normal(size=(count, 3)) * generator.choice([0.0, 1e-7, 1e-3, 0.02], size=(count, 1), p=shares)
+    sequence = []
+    for frame in range(frames):
+        if frame == frames // 2:
+            speed = speed[::-1]
+        place, turn = place + speed, turn + speed
+        sequence.append(moved([(0, 0, -0.5), *place], [(0, 0, 0), *turn]))
+    return bodies, sequence
+
+
+def rows(contacts):
+    columns = (contacts.positions, contacts.normal, contacts.distance)
+    return {tuple(pair): values for pair, *values in zip(contacts.pairs.tolist(), *columns, strict=True)}
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 10**6))
+def test_what_is_kept_is_what_would_be_found(seed):
+    bodies, sequence = crowd(seed)
+    rules = ContactSettings(slack=0.0, least_energy=1e9)
+    tracker = ContactTracker(bodies, rules)
+    before = None
+    for frame, matrices in enumerate(sequence):
+        found = tracker.update(frame / 24, matrices)
+        anew = ContactTracker(bodies, rules).update(0.0, matrices)
+        one, other = rows(found.contacts), rows(anew.contacts)
+        for pair in one.keys() ^ other.keys():
+            distance = (one.get(pair) or other.get(pair))[2]
+            assert abs(distance - 0.01) < 4 * STILL
+        for pair in one.keys() & other.keys():
+            assert abs(one[pair][2] - other[pair][2]) < 4 * STILL
+        if before is not None:
+            assert {tuple(p) for p in found.began.tolist()} == one.keys() - before
+            assert {tuple(p) for p in found.ended.tolist()} == before - one.keys()
+        assert found.contacts.pairs.tolist() == sorted(found.contacts.pairs.tolist())
+        before = one.keys()
+
+
+def test_nothing_is_asked_where_nothing_moves():
+    bodies, sequence = crowd(3, still=1.0)
+    tracker = ContactTracker(bodies)
+    first = tracker.update(0.0, sequence[0])
+    assert first.statistics.queries == first.statistics.candidates > 0
+    generator = np.random.default_rng(0)
+    for frame in range(1, 5):
+        trembling = sequence[0].copy()
+        trembling[:, :3, 3] += generator.uniform(-4e-7, 4e-7, (len(bodies), 3))
+        found = tracker.update(frame / 24, trembling)
+        assert found.contacts is first.contacts
+        assert found.statistics.queries == 0 and found.statistics.avoided == first.statistics.candidates
+
+
+def test_bodies_that_move_together_keep_their_contacts():
+    """Two crates on a turning platform: their contacts go along without a query."""
+    bodies = [Body("platform", Box((4, 4, 0.2)), motion="kinematic"), Body("a", Box((1, 1, 1))), Body("b", ConvexHull(CUBE))]
+    local = moved([(0, 0, 0), (1, 0, 0.6), (-1, 0.5, 0.6)])
+    tracker = ContactTracker(bodies)
+    queries = 0
+    for frame in range(24):
+        platform = moved([(0.5 * frame, 0, 0.1 * frame)], [(0, 0, 0.1 * frame)])[0]
+        found = tracker.update(frame / 24, platform @ local)
+        queries += found.statistics.queries
+        for k in (0, 1):
+            np.testing.assert_allclose(found.contacts.positions[k, 0], (platform @ [*local[k + 1, :2, 3], 0.1, 1])[:3], atol=1e-4)
+            np.testing.assert_allclose(found.contacts.normal[k], platform[:3, 2], atol=1e-6)
+    assert queries <= 3
+
+
+def test_hysteresis():
+    tracker = ContactTracker([GROUND, Body("ball", Sphere(0.5))], ContactSettings(tolerance=0.01, slack=0.005))
+    gaps = [0.02, 0.012, 0.009, 0.012, 0.0149, 0.016, 0.012, 0.0101, 0.0099]
+    touching, began, ended = [], [], []
+    for frame, gap in enumerate(gaps):
+        found = tracker.update(frame / 24, moved([(0, 0, -0.5), (0, 0, 0.5 + gap)]))
+        touching.append(len(found.contacts))
+        began.append(len(found.began))
+        ended.append(len(found.ended))
+    assert touching == [0, 0, 1, 1, 1, 0, 0, 0, 1]
+    assert began == [0, 0, 1, 0, 0, 0, 0, 0, 1]
+    assert ended == [0, 0, 0, 0, 0, 1, 0, 0, 0]
+
+
+def brute_force_gains(reach, pairs, positions, count):
+    """The strongest signal at each contact, over paths of contacts: relaxed until nothing changes."""
+    best = np.zeros((len(pairs), 2))  # at the node on either body, arriving from its own side
+    nodes = [[] for _ in range(count)]
+    for k, (a, b) in enumerate(pairs):
+        nodes[a].append((k, 0))
+        nodes[b].append((k, 1))
+    for body, place, strength in zip(reach.bodies, reach.positions, reach.strengths, strict=True):
+        for k, side in nodes[body]:
+            far = np.linalg.norm(positions[k, side] - place)
+            best[k, side] = max(best[k, side], strength * reach.factor[body] * np.exp(-reach.decay[body] * far))
+    changed = True
+    while changed:
+        changed = False
+        for k, pair in enumerate(pairs):
+            for side in (0, 1):
+                body = pair[1 - side]
+                for other, there in nodes[body]:
+                    if other == k:
+                        continue
+                    far = np.linalg.norm(positions[other, there] - positions[k, 1 - side])
+                    gain = best[k, side] * reach.factor[body] * np.exp(-reach.decay[body] * far)
+                    if gain > best[other, there] + 1e-15:
+                        best[other, there] = gain
+                        changed = True
+    return best.max(axis=1)
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 10**6), threshold=st.sampled_from([0.5, 0.1, 0.01, 0.0]))
+def test_what_signals_can_reach_is_all_found(seed, threshold):
+    """Contacts that a signal gets to above the threshold are the same as when everything is resolved, frame by frame."""
+    bodies, sequence = crowd(seed, frames=6)
+    generator = np.random.default_rng(seed)
+    count = len(bodies)
+    sources = generator.integers(0, count, 2)
+    lazy, eager = ContactTracker(bodies, ContactSettings(slack=0.0)), ContactTracker(bodies, ContactSettings(slack=0.0))
+    factor, decay = generator.uniform(0.1, 1.0, count), generator.uniform(0.1, 1.0, count)
+    for frame, matrices in enumerate(sequence):
+        reach = Reach(sources, matrices[sources, :3, 3], generator.uniform(0.2, 1, 2), factor, decay, threshold)
+        some = lazy.update(frame / 24, matrices, wanted=reach)
+        every = eager.update(frame / 24, matrices)
+        found, expected = rows(some.contacts), rows(every.contacts)
+        assert found.keys() <= expected.keys()
+        gains = brute_force_gains(reach, every.contacts.pairs.tolist(), every.contacts.positions, count)
+        for pair, gain in zip(every.contacts.pairs.tolist(), gains, strict=True):
+            if gain >= threshold and gain > 0:
+                assert tuple(pair) in found
+        for pair, values in found.items():
+            for one, other in zip(values, expected[pair], strict=True):
+                np.testing.assert_allclose(one, other, atol=1e-3)
+        assert some.impacts == every.impacts
+    nowhere = Reach(np.zeros(0, int), np.zeros((0, 3)), np.zeros(0), factor, decay, 0.1)
+    assert len(lazy.update(1.0, sequence[-1], wanted=nowhere).contacts) == 0
+
+
+def test_far_contacts_are_left_alone():
+    """A row of stacks with a source at one end: the far ones cost no query."""
+    places = [(0, 0, -0.5)] + [(2.0 * k, 0, 0.5 + level) for k in range(-4, 5) for level in range(3)]
+    bodies = [GROUND, *(Body(f"b{k}", Box((1, 1, 1))) for k in range(len(places) - 1))]
+    count = len(bodies)
+    reach = Reach(np.array([0]), np.array([[-8.0, 0, 0]]), np.ones(1), np.full(count, 0.6), np.full(count, 0.6), 0.05)
+    tracker = ContactTracker(bodies)
+    found = tracker.update(0.0, moved(places), wanted=reach)
+    assert 0 < found.statistics.queries < found.statistics.candidates / 2
+    assert found.contacts.positions[:, 0, 0].max() < -8 + np.log(20) / 0.6
+    everything = tracker.update(1 / 24, moved(places))
+    assert len(everything.contacts) == 27
+    assert len(everything.began) == 0  # they were there before, only nobody had looked
+
+
+def test_bodies_wanted_by_number():
+    bodies = [GROUND, *(Body(f"b{k}", Sphere(0.5)) for k in range(4))]
+    wanted = np.array([False, True, False, True, False])
+    found = ContactTracker(bodies).update(0.0, moved([(0, 0, -0.5)] + [(2.0 * k, 0, 0.5) for k in range(4)]), wanted=wanted)
+    assert found.contacts.pairs.tolist() == [[0, 1], [0, 3]]
+
+
+def test_a_transform_that_is_not_finite():
+    bodies = [GROUND, Body("good", Sphere(0.5)), Body("lost", Sphere(0.5), 1e6)]
+    tracker = ContactTracker(bodies)
+    matrices = moved([(0, 0, -0.5), (0, 0, 0.5), (2, 0, 0.5)])
+    assert len(tracker.update(0.0, matrices).contacts) == 2
+    broken = matrices.copy()
+    broken[2, 0, 3] = np.nan
+    for frame in range(1, 6):
+        found = tracker.update(frame / 24, broken)
+        assert found.warnings == ("lost: its transform is not finite; it takes no part",)
+        assert found.contacts.pairs.tolist() == [[0, 1]]
+        assert np.isfinite(found.contacts.positions).all()
+    found = tracker.update(6 / 24, matrices)
+    assert found.contacts.pairs.tolist() == [[0, 1], [0, 2]]
+    assert not found.warnings and not found.impacts
+
+
+def test_wrong_shape_of_transforms():
+    with pytest.raises(ValueError, match="transforms: expected 1 matrices"):
+        ContactTracker([GROUND]).update(0.0, np.zeros((2, 4, 4)))
+
+
+def test_no_bodies_and_one_body():
+    assert len(ContactTracker([]).update(0.0, np.zeros((0, 4, 4))).contacts) == 0
+    tracker = ContactTracker([GROUND])
+    for frame in range(4):
+        assert len(tracker.update(frame / 24, moved([(frame, 0, 0)])).contacts) == 0
+
+
+def test_deforming_bodies_keep_their_motion():
+    """A balloon that is blown up while it falls: its hull changes in every frame, and it hits once."""
+    def balloon(frame):
+        return Body("balloon", ConvexHull(CUBE * (1 + 0.01 * frame)), 10.0)
+
+    tracker = ContactTracker([GROUND, balloon(0)])
+    impacts, contacts = [], 0
+    for frame in range(24):
+        tracker.replace_bodies([GROUND, balloon(frame)])
+        half = 0.5 * (1 + 0.01 * frame)
+        z = max(half, 2.0 - 4.9 * (frame / 24) ** 2)
+        found = tracker.update(frame / 24, moved([(0, 0, -0.5), (0, 0, z)]))
+        impacts += found.impacts
+        contacts += len(found.contacts)
+    assert len(impacts) == 1 and contacts > 5
+    with pytest.raises(ValueError, match="same names"):
+        tracker.replace_bodies([GROUND])
+
+
+@pytest.mark.parametrize(
+    ("values", "word"),
+    [
+        ({"tolerance": -1}, "tolerance"),
+        ({"slack": float("nan")}, "slack"),
+        ({"full_energy": 0}, "full_energy"),
+        ({"time_scale": 0}, "time_scale"),
+        ({"gravity": (0, 0)}, "gravity"),
+        ({"energy": "loud"}, "loud"),
+    ],
+)
+def test_bad_settings(values, word):
+    with pytest.raises(ValueError, match=word):
+        ContactSettings(**values)
