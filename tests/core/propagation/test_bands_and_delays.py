@@ -1,0 +1,125 @@
+"""Bands and delays against the enumeration of all paths, each carrying its own."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+
+import numpy as np
+import pytest
+from haptic_tracing.core.bands import BAND_COUNT
+from haptic_tracing.core.functions import Spectrum
+from haptic_tracing.core.graph import HapticGraph, graph_of_scene
+from haptic_tracing.core.propagation import propagate
+from haptic_tracing.core.scene import HapticScene, Settings, Strategy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from path_reference import METRIC, OTHER, connected_scene, meets, recursive_paths
+
+SEEDS = st.integers(0, 10**6)
+LIMITS = st.sampled_from([(None, 0.0), (32, 1e-3), (9, 0.0), (5, 1e-2)])
+
+
+def filtered(scene: HapticScene, seed: int) -> HapticScene:
+    """Spectra on some of the objects and contacts."""
+    random = np.random.default_rng(seed)
+
+    def spectrum() -> Spectrum:
+        return Spectrum(
+            band_gains=tuple(random.uniform(0, 1, BAND_COUNT).tolist()) if random.random() < 0.5 else (),
+            band_decays=tuple(random.uniform(0, 2, BAND_COUNT).tolist()) if random.random() < 0.5 else (),
+            wave_speed=float(random.choice([0.0, 5.0, 300.0])),
+        )
+
+    return dataclasses.replace(
+        scene,
+        objects=tuple(dataclasses.replace(o, propagation=dataclasses.replace(o.propagation, spectrum=spectrum())) for o in scene.objects),
+        contacts=tuple(
+            dataclasses.replace(c, transmission=dataclasses.replace(c.transmission, spectrum=spectrum())) for c in scene.contacts
+        ),
+    )
+
+
+def carried(scene: HapticScene, graph: HapticGraph, path: tuple[int, ...]) -> tuple[np.ndarray, float]:
+    """Band gains (relative) and delay of a path, from the scene's own values."""
+    by_name = {o.name: o for o in scene.objects}
+    bands, delay = np.ones(BAND_COUNT), 0.0
+    for a, b in itertools.pairwise(path):
+        distance = math.dist(graph.node_position[a], graph.node_position[b])
+        if graph.partner[a] == b:
+            names = frozenset(graph.table.names[graph.node_object[n]] for n in (a, b))
+            places = {tuple(graph.node_position[n].tolist()) for n in (a, b)}
+            spectrum = next(c.transmission.spectrum for c in scene.contacts if frozenset(c.objects) == names and set(c.positions) == places)
+        else:
+            spectrum = by_name[graph.table.names[graph.node_object[a]]].propagation.spectrum
+        bands = bands * np.array(spectrum.band_gains or (1.0,) * BAND_COUNT)
+        bands = bands * np.exp(-np.array(spectrum.band_decays or (0.0,) * BAND_COUNT) * distance)
+        delay += distance / spectrum.wave_speed if spectrum.wave_speed else 0.0
+    return bands, delay
+
+
+@settings(max_examples=120, deadline=None, derandomize=True)
+@given(SEEDS, LIMITS)
+def test_sums_per_band_and_taps(seed, limits):
+    scene = filtered(connected_scene(seed, (*METRIC[:3], *OTHER), extra=3), seed)
+    graph = graph_of_scene(scene)
+    chosen = Settings(strategy=Strategy.ALL_PATHS, max_connections=limits[0], threshold=limits[1], tolerance=0.0)
+    result = propagate(graph, chosen)
+    for column in range(len(graph.listeners)):
+        kept = [
+            (math.prod(gains), *carried(scene, graph, path))
+            for path, gains in recursive_paths(graph, 0, column)
+            if meets(gains, *limits) and math.prod(gains) > 0
+        ]
+        assert result.gain[0, column] == pytest.approx(math.fsum(gain for gain, _, _ in kept), rel=1e-9)
+        if result.band_gain is not None:
+            expected = sum((gain * bands for gain, bands, _ in kept), np.zeros(BAND_COUNT))
+            assert np.allclose(result.band_gain[0, column], expected, rtol=1e-9, atol=1e-300)
+        if result.delay is not None:
+            taps = result.taps.get((0, column), ())
+            strongest = sorted((gain for gain, _, _ in kept), reverse=True)[: len(taps)]
+            assert len(taps) == min(len(kept), 8)
+            assert [gain for _, gain in taps] == pytest.approx(strongest, rel=1e-9)
+            remaining = [(gain, delay) for gain, _, delay in kept]
+            for delay, gain in taps:
+                match = next(k for k in remaining if k == (pytest.approx(gain, rel=1e-9), pytest.approx(delay, rel=1e-9, abs=1e-15)))
+                remaining.remove(match)
+
+
+@settings(max_examples=80, deadline=None, derandomize=True)
+@given(SEEDS)
+def test_best_path_carries_its_own(seed):
+    scene = filtered(connected_scene(seed, METRIC[:3]), seed)
+    graph = graph_of_scene(scene)
+    result = propagate(graph, Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0.0))
+    for pair, path in result.best_path.items():
+        bands, delay = carried(scene, graph, path)
+        if result.band_gain is not None:
+            assert np.allclose(result.band_gain[pair], result.gain[pair] * bands, rtol=1e-9)
+        if result.delay is not None:
+            assert result.delay[pair] == pytest.approx(delay, rel=1e-9, abs=1e-15)
+            assert result.taps[pair] == ((pytest.approx(delay, abs=1e-15, rel=1e-9), result.gain[pair]),)
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(SEEDS)
+def test_energies_per_band(seed):
+    """Bands that all pass are the plain energy; bands that weaken give less."""
+    plain = connected_scene(seed, METRIC[:3])
+    graph = graph_of_scene(plain)
+    whole = propagate(graph, Settings(strategy=Strategy.ENERGY_BALANCE))
+    assert whole.band_gain is None
+    assert whole.delay is None
+
+    def with_bands(*gains: float) -> HapticScene:
+        spectrum = Spectrum(band_gains=gains)
+        objects = tuple(dataclasses.replace(o, propagation=dataclasses.replace(o.propagation, spectrum=spectrum)) for o in plain.objects)
+        return dataclasses.replace(plain, objects=objects)
+
+    result = propagate(graph_of_scene(with_bands(1.0, 0.9, 0.5, 0.2, 0.01, 0.0)), Settings(strategy=Strategy.ENERGY_BALANCE))
+    assert result.band_gain is not None
+    assert np.allclose(result.gain, whole.gain, rtol=1e-12)
+    assert np.allclose(result.band_gain[..., 0], whole.gain, rtol=1e-12)
+    assert np.all(np.diff(result.band_gain, axis=-1) <= 1e-12)
+    assert np.all(result.band_gain[..., -1] == 0)

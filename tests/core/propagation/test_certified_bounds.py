@@ -1,0 +1,157 @@
+"""Intervals: whatever the budget, the true sum lies between the gain and the gain plus its error bound; and nothing runs away."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from haptic_tracing.core.functions import Constant, Expression, Identity
+from haptic_tracing.core.graph import graph_of_scene
+from haptic_tracing.core.propagation import frontier, propagate
+from haptic_tracing.core.propagation.arena import build_arena
+from haptic_tracing.core.propagation.path_search import Limits, search
+from haptic_tracing.core.propagation.pieces import patches_of
+from haptic_tracing.core.propagation.walk_sums import LARGEST, Bounds
+from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from path_reference import AMPLIFYING, METRIC, OTHER, connected_scene, meets, recursive_paths
+
+SEEDS = st.integers(0, 10**6)
+ORIGIN = (0.0, 0.0, 0.0)
+
+
+def true_sums(graph, max_connections=None, threshold=0.0) -> list[float]:
+    return [
+        math.fsum(math.prod(gains) for _, gains in recursive_paths(graph, 0, column) if meets(gains, max_connections, threshold))
+        for column in range(len(graph.listeners))
+    ]
+
+
+@settings(max_examples=150, deadline=None, derandomize=True)
+@given(SEEDS, st.sampled_from([0, 10, 100, 1000, 10000]), st.sampled_from([None, 9]), st.sampled_from([0.0, 0.01, 0.3]))
+def test_any_budget_and_tolerance(seed, budget, max_connections, tolerance):
+    graph = graph_of_scene(connected_scene(seed, (*METRIC[:4], *OTHER), extra=4, listeners=3))
+    chosen = Settings(strategy=Strategy.ALL_PATHS, max_connections=max_connections, threshold=0.0, tolerance=tolerance)
+    result = propagate(graph, chosen, budget)
+    for gain, error, true in zip(result.gain[0], result.error_bound[0], true_sums(graph, max_connections), strict=True):
+        assert gain <= true * (1 + 1e-12)
+        assert true <= (gain + error) * (1 + 1e-9)
+        assert math.isfinite(error)
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(SEEDS, st.sampled_from([0, 4, 40, 400]), st.sampled_from([1e-3, 1e-2, 0.1]))
+def test_any_budget_above_a_threshold(seed, budget, threshold):
+    graph = graph_of_scene(connected_scene(seed, METRIC[:4], extra=4, listeners=3))
+    result = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=threshold), budget)
+    for gain, error, true in zip(result.gain[0], result.error_bound[0], true_sums(graph, None, threshold), strict=True):
+        assert gain <= true * (1 + 1e-12)
+        assert true <= (gain + error) * (1 + 1e-9)
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(SEEDS, st.sampled_from([0, 3, 30]))
+def test_any_budget_for_best_paths_with_gains_above_1(seed, budget):
+    graph = graph_of_scene(connected_scene(seed, (*METRIC[:2], *AMPLIFYING, *OTHER), extra=3))
+    result = propagate(graph, Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0.0), budget)
+    for column in range(len(graph.listeners)):
+        true = max((math.prod(gains) for _, gains in recursive_paths(graph, 0, column)), default=0.0)
+        assert result.gain[0, column] <= true * (1 + 1e-12)
+        assert true <= (result.gain[0, column] + result.error_bound[0, column]) * (1 + 1e-9)
+
+
+@settings(max_examples=120, deadline=None, derandomize=True)
+@given(SEEDS, st.booleans(), st.sampled_from([math.inf, 4.0]))
+def test_search_with_and_without_merging(seed, merge, crossings):
+    """The search alone, without the frontier that usually is quicker in small scenes."""
+    graph = graph_of_scene(connected_scene(seed, METRIC[:3], extra=4, listeners=3))
+    entries = np.flatnonzero(graph.partner >= 0)
+    roots, listeners = list(graph.sources[0].nodes), graph.listener_nodes.tolist()
+    arena = build_arena(graph, entries, roots, listeners, patches_of(graph))
+    limits = Limits(crossings, 0.0, np.full(len(arena.nodes), math.inf), 0.0, np.zeros(len(listeners)), 10**6, 10**7)
+    found = search(arena, np.ones((len(roots), 1)), limits, Bounds(arena, crossings), merge)
+    true = true_sums(graph, None if crossings == math.inf else 9)
+    assert found.sums.sum(axis=0)[:, 0].tolist() == pytest.approx(true, rel=1e-12)
+    assert found.missing.tolist() == [0.0] * len(listeners)
+
+
+def dense(count: int, function) -> HapticScene:
+    """Every two objects touch."""
+    objects = tuple(HapticObject(f"o{i:02d}", 0.0, 1.0, function) for i in range(count))
+    contacts = tuple(Contact((f"o{i:02d}", f"o{j:02d}"), (ORIGIN, ORIGIN)) for i in range(count) for j in range(i))
+    return HapticScene(objects, contacts, (Source("s", "o00"),), (Listener("l", "o01"),))
+
+
+def test_sum_that_grows_without_bound_is_reported():
+    """Hundreds of lossless contacts: more paths than any number can count; a lower bound, a warning, and an end."""
+    graph = graph_of_scene(dense(30, Identity()))
+    result = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0), 20_000)
+    assert result.gain[0, 0] > 1
+    assert result.error_bound[0, 0] == LARGEST
+    assert any("grows without bound" in warning for warning in result.warnings)
+    limited = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=32, threshold=1e-3), 20_000)
+    assert limited.gain[0, 0] > 1
+    assert math.isfinite(limited.error_bound[0, 0])
+    assert limited.error_bound[0, 0] > 0
+    assert limited.warnings
+
+
+def test_amplifying_scene_ends():
+    graph = graph_of_scene(dense(12, Expression(expression="x * (3 + d)")))
+    for strategy in (Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE):
+        for max_connections, threshold in ((32, 1e-3), (None, 0.0)):
+            chosen = Settings(strategy=strategy, max_connections=max_connections, threshold=threshold)
+            result = propagate(graph, chosen, 5_000)
+            assert np.isfinite(result.gain).all()
+            assert np.isfinite(result.error_bound).all()
+            assert any("above 1" in warning for warning in result.warnings)
+    assert result.gain[0, 0] <= 1  # energy is not created
+
+
+def test_limited_connections_stay_exact_where_paths_are_countless():
+    """Up to three contacts from one object to another, of 40 that all touch each other."""
+    result = propagate(
+        graph_of_scene(dense(40, Constant(gain_value=0.5))),
+        Settings(strategy=Strategy.ALL_PATHS, max_connections=7, threshold=0.0, tolerance=0.0),
+    )
+    # No, one or two of the other 38 objects on the way: going back to where one was takes a contact twice.
+    expected = 0.5**2 + 38 * 0.5**3 + 38 * 37 * 0.5**4
+    assert result.gain[0, 0] == pytest.approx(expected, rel=1e-12)
+    assert result.error_bound[0, 0] == 0
+
+
+def test_frontier_gives_up_at_once():
+    scene = dense(12, Constant(gain_value=0.1))
+    graph = graph_of_scene(scene)
+    patches = [
+        [(int(graph.node_object[a]), a, int(graph.node_object[graph.partner[a]]), int(graph.partner[a]))]
+        for a in range(graph.node_count)
+        if a < graph.partner[a]
+    ]
+    edges = [(p[0][0], p[0][2]) for p in patches]
+    order, expected = frontier.order_patches(edges, dict.fromkeys(range(12), ORIGIN), 0)
+    assert sorted(order) == list(range(len(edges)))
+    assert expected == sorted(expected)
+    crossings = frontier.plan([patches[k] for k in order], (0, int(graph.sources[0].nodes[0])))
+    one = np.ones((1, 1))
+    weights = [
+        frontier.Weights(
+            np.ones((len(c.waiting[0]) + 1, len(c.waiting[1]) + 1, 1)),
+            (np.ones((len(c.waiting[0]) + 1, 1)), np.ones((len(c.waiting[1]) + 1, 1))),
+            (None, None),
+        )
+        for c in crossings
+    ]
+    with pytest.raises(frontier.TooWide):
+        frontier.sum_over_paths(crossings, weights, one, np.zeros((1, 1)), False, expected, 1000)
+
+
+def test_same_result_every_time():
+    graph = graph_of_scene(connected_scene(5, METRIC[:3], extra=6, most_objects=9, listeners=4))
+    chosen = Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0)
+    first, second = (propagate(graph, chosen, 500) for _ in range(2))
+    assert dataclasses.asdict(first)["gain"].tolist() == dataclasses.asdict(second)["gain"].tolist()
+    assert first.error_bound.tolist() == second.error_bound.tolist()

@@ -1,0 +1,124 @@
+"""The four renderings by their formulas, and what propagation says to bad input."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from haptic_tracing.core.contacts.contact_set import ContactSet
+from haptic_tracing.core.functions import Expression
+from haptic_tracing.core.graph import NoGain, ObjectTable, build_graph, graph_of_scene
+from haptic_tracing.core.propagation import objects_on, propagate
+from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Mode, Settings, Source, Strategy
+
+SCENE = HapticScene(
+    objects=(HapticObject("ground", 0.2, 0.9), HapticObject("bench", 0.1, 0.8), HapticObject("kite", 0.5, 0.5)),
+    contacts=(Contact(("ground", "bench"), ((1, 0, 0), (1, 0, 0))),),
+    sources=(Source("drill", "ground"), Source("bump", "bench", (1, 0, 0), kind="temporary", second_object="ground")),
+    listeners=(Listener("seat", "bench", (1.2, 0, 0.4)), Listener("hand", "kite", (0, 0, 3)), Listener("foot", "ground", (0, 1, 0))),
+)
+GRAPH = graph_of_scene(SCENE)
+LINE = np.array([[math.dist(s.position, k.position) for k in SCENE.listeners] for s in SCENE.sources])
+
+
+@pytest.mark.parametrize("strategy", list(Strategy))
+def test_direct_modes(strategy):
+    """MD: exp(-0.2 d) straight to everybody, touching or not; MN: 1."""
+    for mode, expected in ((Mode.MD, np.exp(-0.2 * LINE)), (Mode.MN, np.ones_like(LINE))):
+        result = propagate(GRAPH, Settings(mode=mode, strategy=strategy))
+        assert np.allclose(result.gain, expected, rtol=1e-14)
+        assert result.paths.tolist() == np.ones((2, 3), dtype=int).tolist()
+        assert objects_on(GRAPH, result.best_path[0, 1]) == ("ground", "kite")
+    assert (
+        propagate(GRAPH, Settings(mode=Mode.MD, threshold=0.7)).gain.tolist()
+        == np.where(np.exp(-0.2 * LINE) >= 0.7, np.exp(-0.2 * LINE), 0).tolist()
+    )
+    assert propagate(GRAPH, Settings(mode=Mode.MN, max_connections=0)).gain.max() == 0
+
+
+def test_nearest_listener_on_the_graph():
+    """SD: over the graph, by distance alone, and only the listener nearest to each source."""
+    result = propagate(GRAPH, Settings(mode=Mode.SD))
+    assert result.gain[0].tolist() == [0, 0, pytest.approx(math.exp(-0.2), rel=1e-14)]
+    way = math.exp(-0.2 * math.dist((1, 0, 0), (1.2, 0, 0.4)))
+    assert result.gain[1].tolist() == [pytest.approx(way, rel=1e-14), 0, 0]
+
+
+def test_nearest_listener_ties_go_by_name():
+    listeners = (Listener("right", "ground", (1, 0, 0)), Listener("left", "ground", (-1, 0, 0)))
+    scene = HapticScene(SCENE.objects, (), (Source("s", "ground"),), listeners)
+    assert propagate(graph_of_scene(scene), Settings(mode=Mode.SD)).gain[0].tolist() == [0, pytest.approx(math.exp(-0.2))]
+
+
+def test_automatic_strategy():
+    result = propagate(GRAPH, Settings())
+    assert result.strategy == ("all_paths", "best_path")
+
+
+def test_nothing_to_do():
+    for scene in (HapticScene(), HapticScene(SCENE.objects, SCENE.contacts), HapticScene(SCENE.objects, (), SCENE.sources)):
+        for strategy in Strategy:
+            for mode in Mode:
+                result = propagate(graph_of_scene(scene), Settings(mode=mode, strategy=strategy))
+                assert result.gain.shape == (len(scene.sources), len(scene.listeners))
+
+
+def test_budget_is_checked():
+    with pytest.raises(ValueError, match=r"^budget: must be 0 or more, got -1"):
+        propagate(GRAPH, Settings(), -1)
+
+
+@pytest.mark.parametrize(
+    ("argument", "value"),
+    [
+        ("tolerance", -0.1),
+        ("tolerance", math.nan),
+        ("threshold", 1.5),
+        ("threshold", math.nan),
+        ("max_connections", -1),
+        ("epsilon", math.inf),
+    ],
+)
+def test_settings_name_what_is_wrong(argument, value):
+    with pytest.raises(ValueError, match=f"^{argument}: "):
+        Settings(**{argument: value})
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"pairs": [[0, 3]]}, "contacts: pairs must be numbers of objects from 0 to 2"),
+        ({"pairs": [[-1, 1]]}, "contacts: pairs must be numbers"),
+        ({"pairs": [[1, 1]]}, "contacts: 'ground' can't touch itself"),
+        ({"positions": [[[0, 0, math.nan], [0, 0, 0]]]}, "contacts: positions must be finite"),
+        ({"area": [math.inf]}, "contacts: area must be finite"),
+        ({"share": [1.5]}, "contacts: share must lie in"),
+    ],
+)
+def test_contacts_name_what_is_wrong(change, message):
+    table = ObjectTable.of(SCENE.objects, 0.1)
+    contacts = ContactSet.from_contacts(SCENE.contacts, table.index())
+    arrays = {key: getattr(contacts, key) for key in ContactSet.__slots__} | {key: np.array(value) for key, value in change.items()}
+    with pytest.raises(ValueError, match=f"^{message}"):
+        build_graph(table, ContactSet(**arrays), SCENE.sources, SCENE.listeners)
+
+
+@pytest.mark.parametrize(("kind", "value"), [("sources", Source("s", "moon")), ("listeners", Listener("l", "moon"))])
+def test_unknown_objects_are_named(kind, value):
+    table = ObjectTable.of(SCENE.objects, 0.1)
+    ends = {"sources": (), "listeners": (), kind: (value,)}
+    with pytest.raises(ValueError, match=f"^{kind}: '.' is on 'moon', but there is no such object"):
+        build_graph(table, ContactSet.empty(), ends["sources"], ends["listeners"])
+
+
+@pytest.mark.parametrize("strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE])
+@pytest.mark.parametrize("formula", ["1 - d", "1 / (d - 2)", "log(d - 5)"])
+def test_expression_without_a_gain_is_named(strategy, formula):
+    """At a distance of 2 m these are negative, infinite, or nothing at all."""
+    scene = HapticScene(
+        (HapticObject("odd", 0, 1, Expression(expression=formula)),), (), (Source("s", "odd"),), (Listener("l", "odd", (2, 0, 0)),)
+    )
+    with pytest.raises(NoGain, match=r"^object 'odd': expression: ") as error:
+        propagate(graph_of_scene(scene), Settings(strategy=strategy))
+    assert error.value.objects == ("odd",)
