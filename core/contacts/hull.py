@@ -48,7 +48,8 @@ def extreme_points(points: FloatArray, count: int) -> FloatArray:
     ring = np.sqrt(1 - z * z)
     directions = np.stack([ring * np.cos(angle), ring * np.sin(angle), z], axis=1)
     index = [np.argmax(part @ points.T, axis=1) for part in np.array_split(directions, max(1, count // 256))]
-    return points[np.unique(np.concatenate(index))]
+    chosen: FloatArray = points[np.unique(np.concatenate(index))]
+    return chosen
 
 
 def _farthest(offsets: FloatArray, count: int) -> IntArray:

@@ -47,6 +47,9 @@ _DRAWN_ROUGHLY = (Kind.CYLINDER, Kind.CONE, Kind.HULL)
 _NEAR = 1e-3
 """Metres from the nearest points of two cores within which their patch must lie."""
 
+_CERTAIN = 1e-4
+"""Metres by which a lower bound on a distance may be below an upper bound and still pass for it."""
+
 _BEYOND = 1e-9
 """Metres beyond the reach that a distance is said to be of which no more is known."""
 
@@ -286,7 +289,8 @@ class NarrowPhase:
             across = np.arange(3)[:, None] != np.abs(way).argmax(axis=0)
             areas.append(np.where(across, half, 1.0).prod(axis=0))
             ratios.append(np.where(across, self._outline[:, body] / np.maximum(half, 1e-9), 1.0).prod(axis=0))
-        return np.where(areas[0] <= areas[1], ratios[0], ratios[1])
+        flatness: FloatArray = np.where(areas[0] <= areas[1], ratios[0], ratios[1])
+        return flatness
 
     def _general(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray, corners: bool) -> PairPatches:
         """Pairs of any shapes."""
@@ -462,7 +466,7 @@ class NarrowPhase:
         rows = rows.chosen(chosen)
         separation, exact = _chosen(separated.separation, chosen), separated.exact[chosen]
         patch = self._patches(rows, separation)
-        unsure = ~exact & ~patch.found
+        unsure = ~exact & (patch.gap > _CERTAIN)
         if unsure.any():
             again = rows.chosen(unsure)
             measured = self._by_fcl(again)

@@ -74,32 +74,40 @@ def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patche
     b = _counter_clockwise(b[:, :, :2] - origin[:, None])
     size = np.maximum(np.abs(a).max(axis=(1, 2)), np.abs(b).max(axis=(1, 2)))
     slack = 1e-9 * size[:, None]
-    gap_line = np.concatenate([-slope, (PATCH_GAP - level)[:, None]], axis=1)[:, None]
-    lines_a, lines_b = _lines(a), _lines(b)
-    # Boundary of the first inside the second, of the second strictly inside the first (a shared edge counts once), and of the gap.
+    # Boundary of the first inside the second, and of the second strictly inside the first: a shared edge counts once.
     pieces = [
-        _clipped(a, np.roll(a, -1, axis=1), np.concatenate([_moved(lines_b, slack), gap_line], axis=1)),
-        _clipped(b, np.roll(b, -1, axis=1), np.concatenate([_moved(lines_a, -slack), gap_line], axis=1)),
-        _clipped(*_gap_edge(slope, level, size), np.concatenate([_moved(lines_a, slack), _moved(lines_b, slack)], axis=1)),
+        _clipped(a, np.roll(a, -1, axis=1), _moved(_lines(b), slack)),
+        _clipped(b, np.roll(b, -1, axis=1), _moved(_lines(a), -slack)),
     ]
     start, end, used = (np.concatenate([piece[k] for piece in pieces], axis=1) for k in range(3))
+    # Leave out where the gap is larger; the cut closes the outline from where it goes out to where it comes in.
+    from_gap, to_gap = (level[:, None] + np.einsum("nki,ni->nk", ends, slope) for ends in (start, end))
+    least_gap = np.where(used, np.minimum(from_gap, to_gap), np.inf).min(axis=1)
+    top = np.where(np.isinf(least_gap), 0.0, least_gap)[:, None] + PATCH_GAP
+    rise = to_gap - from_gap
+    share = np.divide(top - from_gap, rise, out=np.zeros_like(rise), where=rise != 0)
+    leaves, enters = used & (from_gap <= top) & (to_gap > top), used & (from_gap > top) & (to_gap <= top)
+    used &= (from_gap <= top) | (to_gap <= top)
+    cut = start + (end - start) * share[..., None]
+    start, end = np.where(enters[..., None], cut, start), np.where(leaves[..., None], cut, end)
+    out, back = (end * leaves[..., None]).sum(axis=1), (start * enters[..., None]).sum(axis=1)
+    closing = out[:, 0] * back[:, 1] - out[:, 1] * back[:, 0]
     cross = np.where(used, start[..., 0] * end[..., 1] - start[..., 1] * end[..., 0], 0.0)
-    area = cross.sum(axis=1) / 2
-    moment = np.einsum("nki,nk->ni", start + end, cross) / 6
-    found = (used.sum(axis=1) >= 2) & (area > 0)
+    area = (cross.sum(axis=1) + closing) / 2
+    moment = (np.einsum("nki,nk->ni", start + end, cross) + (out + back) * closing[:, None]) / 6
+    found = used.any(axis=1) & (area > 0)
     # Cancellation could throw the centre of a sliver anywhere: keep it among the corners.
     mask = used[..., None]
     least = np.where(mask, np.minimum(start, end), np.inf).min(axis=1)
     most = np.where(mask, np.maximum(start, end), -np.inf).max(axis=1)
     centre = np.clip(moment / np.where(found, area, 1.0)[:, None], least, most)
     centre = np.where(found[:, None], centre + origin, 0.0)
-    gap = np.where(used, level[:, None] + np.einsum("nki,ni->nk", start, slope), np.inf).min(axis=1)
     corners = start + origin[:, None]
     return Patches(
         centre=u * centre[:, :1] + v * centre[:, 1:],
         area=np.where(found, area, 0.0),
         found=found,
-        gap=np.where(found, np.maximum(gap, 0.0), np.inf),
+        gap=np.where(found, np.maximum(least_gap, 0.0), np.inf),
         corners=u[:, None] * corners[..., :1] + v[:, None] * corners[..., 1:],
         used=used & found[:, None],
         wide=found,
@@ -141,19 +149,6 @@ def _moved(lines: FloatArray, outwards: FloatArray) -> FloatArray:
     moved = lines.copy()
     moved[..., 2] += outwards
     return moved
-
-
-def _gap_edge(slope: FloatArray, level: FloatArray, size: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The line where the gap reaches its limit, as one edge (n, 1, 2) each that has the patch on its left; no length where there is
-    none."""
-    steepness = np.sqrt(dot(slope, slope))
-    tilted = steepness > 1e-12
-    unit = slope / np.where(tilted, steepness, 1.0)[:, None]
-    away = (PATCH_GAP - level) / np.where(tilted, steepness, 1.0)
-    met = tilted & (np.abs(away) < 2 * size)
-    middle = unit * np.where(met, away, 0.0)[:, None]
-    along = np.stack([-unit[:, 1], unit[:, 0]], axis=1) * np.where(met, 4 * size, 0.0)[:, None]
-    return (middle - along)[:, None], (middle + along)[:, None]
 
 
 def _clipped(start: FloatArray, end: FloatArray, lines: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:

@@ -316,8 +316,8 @@ class ContactTracker:
     ) -> FrameContacts:
         first_frame = self._last is None
         low, high, larger, smaller = self._low, self._high, self._near_larger, self._near_smaller
-        met = (low.take(larger, axis=1) <= high.take(smaller, axis=1)).all(axis=0)
-        met &= (low.take(smaller, axis=1) <= high.take(larger, axis=1)).all(axis=0)
+        met: BoolArray = np.all(low.take(larger, axis=1) <= high.take(smaller, axis=1), axis=0)
+        met &= np.all(low.take(smaller, axis=1) <= high.take(larger, axis=1), axis=0)
         old = self._pairs
         touched, struck = old.key[old.touching & old.looked], old.key[old.struck]
         key = self._near[met]

@@ -7,7 +7,6 @@ without enumeration (`piece_sums`). What is found is exact, or an interval: a lo
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -91,7 +90,8 @@ def limited_sums(
     before[list(roots)] = 0.0
     entries = np.flatnonzero((graph.partner >= 0) & (before + behind <= limit))
     patch = patches_of(graph)
-    if crossings > LAYERS and known is not None and len(roots) == 1 and acyclic(graph, entries, patch):
+    single = known is not None and len(roots) == 1 and bool(np.all(graph.share == 1))
+    if known is not None and single and crossings > LAYERS and acyclic(graph, entries, patch):
         return _only_paths(graph, listeners, known.forward, row, limit)
     arena = build_arena(graph, entries, roots, listeners, patch, (before, behind, limit))
     ahead = np.full(len(arena.nodes), math.inf) if known is None else np.exp(-behind[arena.nodes])
@@ -102,13 +102,12 @@ def limited_sums(
 
 
 def _only_paths(graph: HapticGraph, listeners: Sequence[int], forward: Labels, row: int, limit: float) -> PathSums:
-    """Without a cycle there is one path to each listener, the best one."""
+    """Without a cycle, and without patches of several points, there is one path to each listener, the best one."""
     sums = PathSums(np.zeros((len(listeners), lanes_of(graph))), np.zeros(len(listeners)), np.zeros(len(listeners), dtype=np.int64), 0)
     paths = {number: path for number, node in enumerate(listeners) if (path := forward.trace(graph, row, node))}
     for (number, path), cost in zip(paths.items(), path_costs(graph, list(paths.values())), strict=True):
         if cost <= limit - SLACK:
-            contacts = [int(graph.contact[a]) for a, b in itertools.pairwise(path) if graph.partner[a] == b]
-            sums.gain[number] = math.exp(-cost) * math.prod(graph.share[contacts].tolist())
+            sums.gain[number] = math.exp(-cost)
             sums.paths[number] = 1
             if graph.uses_bands:
                 sums.gain[number, 1:] *= path_bands(graph, path)

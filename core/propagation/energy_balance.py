@@ -310,6 +310,6 @@ def _solve(
         following = (residual * scaled).sum(axis=0)
         direction = scaled + np.where(product > 0, following / np.where(product > 0, product, 1.0), 0.0) * direction
         product = following
-    energy = np.maximum(energy, 0.0)
-    true_residual = power - apply(energy)
-    return energy, (np.abs(true_residual) / damping[:, None]).max(axis=0)
+    least: FloatArray = np.maximum(energy, 0.0)
+    doubt = (np.abs(power - apply(least)) / damping[:, None]).max(axis=0)
+    return least, doubt
