@@ -1,0 +1,19 @@
+"""Operators: tag objects, trace, look at problems."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import body, selection, tagging, tracing
+
+CLASSES = tuple(cls for module in (tagging, body, tracing, selection) for cls in module.CLASSES)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,46 @@
+"""Where operators can run."""
+
+from __future__ import annotations
+
+from bpy.types import Context, Object, Operator
+
+UNDO = {"REGISTER", "UNDO"}
+
+
+SOLID_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
+
+
+def editable(objects: list[Object]) -> list[Object]:
+    """Those that are not linked from a library."""
+    return [obj for obj in objects if obj.is_editable]
+
+
+def poll_object_mode(cls: type[Operator], context: Context) -> bool:
+    """Object Mode."""
+    if context.mode != "OBJECT":
+        cls.poll_message_set("Switch to Object Mode first")
+        return False
+    return True
+
+
+def poll_selected(cls: type[Operator], context: Context) -> bool:
+    """Object Mode, and something selected."""
+    if not poll_object_mode(cls, context):
+        return False
+    if not context.selected_objects:
+        cls.poll_message_set("Select one or more objects first")
+        return False
+    return True
+
+
+def poll_active(cls: type[Operator], context: Context) -> bool:
+    """Object Mode, and an active object that can be edited."""
+    if not poll_object_mode(cls, context):
+        return False
+    if context.object is None:
+        cls.poll_message_set("Select an object first")
+        return False
+    if not context.object.is_editable:
+        cls.poll_message_set("The active object is linked from a library; make it local or override it first")
+        return False
+    return True

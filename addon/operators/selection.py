@@ -1,0 +1,40 @@
+"""Operators that go to an object."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bpy.props import BoolProperty, StringProperty
+from bpy.types import Context, Operator
+
+from .polling import UNDO, poll_object_mode
+
+
+class HAPTIC_OT_select_object(Operator):
+    """Select the object and make it active"""
+
+    bl_idname = "haptic.select_object"
+    bl_label = "Select Object"
+    bl_options = UNDO
+
+    name: StringProperty(name="Object", description="Name of the object", options={"SKIP_SAVE"})
+    extend: BoolProperty(name="Extend", description="Keep what is selected", default=False, options={"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_object_mode(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        found: Any = next((obj for obj in context.view_layer.objects if obj.name_full == self.name), None)
+        if found is None:
+            self.report({"WARNING"}, f"There is no object '{self.name}' in this view layer any more")
+            return {"CANCELLED"}
+        if not self.extend:
+            for obj in context.selected_objects:
+                obj.select_set(False)
+        found.select_set(True)
+        context.view_layer.objects.active = found
+        return {"FINISHED"}
+
+
+CLASSES = (HAPTIC_OT_select_object,)

@@ -1,0 +1,28 @@
+"""Operators that trace."""
+
+from __future__ import annotations
+
+from bpy.types import Context, Operator
+
+from .. import session
+from ..overlay import draw
+
+
+class HAPTIC_OT_trace_frame(Operator):
+    """Trace the current frame again, reading everything anew"""
+
+    bl_idname = "haptic.trace_frame"
+    bl_label = "Trace This Frame"
+
+    def execute(self, context: Context) -> set[str]:
+        session.of(context.scene).reader.forget_shapes()
+        result = session.trace(context.scene, context.evaluated_depsgraph_get())
+        if result is None:
+            problems = session.problems_of(context.scene)
+            self.report({"WARNING"}, problems[0].message if problems else "Nothing is tagged: select objects and press Make Haptic")
+            return {"CANCELLED"}
+        draw.redraw()
+        return {"FINISHED"}
+
+
+CLASSES = (HAPTIC_OT_trace_frame,)

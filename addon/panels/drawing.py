@@ -1,0 +1,68 @@
+"""What several panels draw."""
+
+from __future__ import annotations
+
+import textwrap
+
+from bpy.types import Context, Object, UILayout
+
+from .. import session
+from ..scene_reader import haptic_carrier
+
+
+class HapticsPanel:
+    """Where the panels are: the tab "Haptics" of the 3D viewport's sidebar."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Haptics"
+
+
+_SHOWN_PROBLEMS = 5
+
+
+def draw_carrier(layout: UILayout, obj: Object, enabled: bool, verb: str) -> None:
+    """The haptic object that a source shakes or a listener feels through, or that there is none."""
+    if not enabled:
+        return
+    carrier = haptic_carrier(obj)
+    if carrier is None:
+        warn(layout, "Not on a haptic object:", "make it haptic or parent it to one")
+    elif carrier != obj:
+        layout.label(text=f"{verb} {carrier.name}", icon="LINKED")
+
+
+def draw_pair(layout: UILayout, name: str, value: str) -> None:
+    """A name and its value, at the right."""
+    split = layout.split(factor=0.6)
+    split.label(text=name)
+    row = split.row()
+    row.alignment = "RIGHT"
+    row.label(text=value)
+
+
+def warn(layout: UILayout, *lines: str) -> None:
+    """A warning in several lines."""
+    column = layout.column(align=True)
+    for number, line in enumerate(lines):
+        column.label(text=line, icon="ERROR" if number == 0 else "BLANK1")
+
+
+def draw_problems(layout: UILayout, context: Context) -> None:
+    """What a designer should mend, with a button to each object."""
+    problems = session.problems_of(context.scene)
+    if not problems:
+        return
+    box = layout.box()
+    box.label(text=f"{len(problems)} problem{'s' if len(problems) > 1 else ''}", icon="ERROR")
+    for problem in problems[:_SHOWN_PROBLEMS]:
+        column = box.column(align=True)
+        if problem.object:
+            column.operator("haptic.select_object", text=problem.object, icon="RESTRICT_SELECT_OFF").name = problem.object
+        for line in wrapped(problem.message):
+            column.label(text=line)
+
+
+def wrapped(text: str, width: int = 40) -> list[str]:
+    """A sentence as lines that fit into the sidebar."""
+    return textwrap.wrap(text[:1].upper() + text[1:], width)

@@ -1,0 +1,36 @@
+"""Panel "Haptic Listener": what the active object feels."""
+
+from __future__ import annotations
+
+from bpy.types import Context, Panel
+
+from .drawing import HapticsPanel, draw_carrier
+
+
+class HAPTIC_PT_listener(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_listener"
+    bl_label = "Haptic Listener"
+    bl_order = 30
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return context.object is not None
+
+    def draw_header(self, context: Context) -> None:
+        self.layout.prop(context.object.haptics.listener, "enabled", text="")
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        listener = context.object.haptics.listener
+        layout.active = listener.enabled
+        layout.prop(listener, "body_part")
+        layout.prop(listener, "radius")
+        layout.prop(listener, "mixing")
+        column = layout.column(align=True)
+        column.prop(listener, "gain")
+        column.prop(listener, "s_max")
+        draw_carrier(layout, context.object, listener.enabled, "Feels")
+
+
+CLASSES = (HAPTIC_PT_listener,)

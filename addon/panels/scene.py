@@ -1,0 +1,91 @@
+"""Panel "Haptic Tracing": quick start, how a scene is traced and shown, and what is wrong with it."""
+
+from __future__ import annotations
+
+from bpy.types import Context, Panel
+
+from .drawing import HapticsPanel, draw_problems
+
+
+class HAPTIC_PT_scene(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_scene"
+    bl_label = "Haptic Tracing"
+    bl_order = 0
+
+    def draw_header(self, context: Context) -> None:
+        self.layout.prop(context.scene.haptics, "tracing", text="")
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        column = layout.column(align=True)
+        column.operator("haptic.make_objects", icon="OUTLINER_OB_META")
+        row = column.row(align=True)
+        row.operator("haptic.add_source", icon="OUTLINER_OB_FORCE_FIELD")
+        row.operator("haptic.add_listener", icon="OUTLINER_OB_LIGHTPROBE")
+        column.operator("haptic.add_default_listeners", icon="OUTLINER_OB_ARMATURE")
+        draw_problems(layout, context)
+
+
+class HAPTIC_PT_propagation(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_propagation"
+    bl_parent_id = "HAPTIC_PT_scene"
+    bl_label = "Propagation"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        haptics = context.scene.haptics
+        layout.prop(haptics, "mode")
+        layout.prop(haptics, "strategy")
+        column = layout.column(align=True)
+        column.prop(haptics, "threshold")
+        column.prop(haptics, "max_connections")
+        column.prop(haptics, "epsilon")
+        layout.prop(haptics, "contact_tolerance")
+
+
+class HAPTIC_PT_impacts(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_impacts"
+    bl_parent_id = "HAPTIC_PT_scene"
+    bl_label = "Impacts"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context: Context) -> None:
+        self.layout.prop(context.scene.haptics, "impacts", text="")
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        haptics = context.scene.haptics
+        layout.active = haptics.impacts
+        column = layout.column(align=True)
+        column.prop(haptics, "minimum_energy")
+        column.prop(haptics, "maximum_energy")
+
+
+class HAPTIC_PT_overlay(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_overlay"
+    bl_parent_id = "HAPTIC_PT_scene"
+    bl_label = "Overlay"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context: Context) -> None:
+        self.layout.prop(context.scene.haptics, "show_overlay", text="")
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        haptics = context.scene.haptics
+        layout.active = haptics.show_overlay
+        column = layout.column(align=True)
+        column.prop(haptics, "show_intra")
+        column.prop(haptics, "show_best_paths")
+        column.prop(haptics, "show_labels")
+        column.prop(haptics, "show_flow")
+        column.prop(haptics, "xray")
+        layout.operator("haptic.graph_to_geometry", icon="MESH_DATA")
+
+
+CLASSES = (HAPTIC_PT_scene, HAPTIC_PT_propagation, HAPTIC_PT_impacts, HAPTIC_PT_overlay)

@@ -1,0 +1,38 @@
+"""Panel "Haptic Source": what the active object emits."""
+
+from __future__ import annotations
+
+from bpy.types import Context, Panel
+
+from .drawing import HapticsPanel, draw_carrier
+
+
+class HAPTIC_PT_source(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_source"
+    bl_label = "Haptic Source"
+    bl_order = 20
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return context.object is not None
+
+    def draw_header(self, context: Context) -> None:
+        self.layout.prop(context.object.haptics.source, "enabled", text="")
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        source = context.object.haptics.source
+        layout.active = source.enabled
+        layout.prop(source, "amplitude")
+        layout.prop(source, "signal")
+        if source.signal == "FILE":
+            layout.prop(source, "filepath")
+        elif source.signal != "NOISE":
+            layout.prop(source, "frequency")
+        layout.prop(source, "priority")
+        layout.prop(source, "muted")
+        draw_carrier(layout, context.object, source.enabled, "Shakes")
+
+
+CLASSES = (HAPTIC_PT_source,)
