@@ -229,7 +229,13 @@ def _intersection(centre: FloatArray, first: FloatArray, second: FloatArray) -> 
     way[2, 4:] = way[3, 4:] * e1z + way[4, 4:] * e2z
     step = way[3:]
     step[np.abs(step) < 1e-300] = 1e-300
-    low, high = -_LIMIT - begin[3:], _LIMIT - begin[3:]
+    # Outlines that coincide count once: the one of the parallelogram. Both are moved by the same length, so that edges that cross at
+    # next to no angle change over at one place.
+    limit = np.empty((2, 8, count))
+    limit[:, :4] = 1.0 + _EDGE
+    limit[0, 4:] = 1.0 - _EDGE * np.hypot(f1, f2)
+    limit[1, 4:] = 1.0 - _EDGE * np.hypot(g1, g2)
+    low, high = -limit - begin[3:], limit - begin[3:]
     low /= step
     high /= step
     t0 = np.maximum(np.minimum(low, high).max(axis=0), 0.0)
@@ -272,9 +278,6 @@ def _intersection(centre: FloatArray, first: FloatArray, second: FloatArray) -> 
     mu = np.where(solid, moment_u / divisor, mean_u) + ou
     mv = np.where(solid, moment_v / divisor, mean_v) + ov
     return np.maximum(total, 0.0) / 2, np.clip(mu, -1.0, 1.0), np.clip(mv, -1.0, 1.0), z_low, found
-
-
-_LIMIT = np.repeat([1.0 + _EDGE, 1.0 - _EDGE], 4)[:, None]
 
 
 def _edges(

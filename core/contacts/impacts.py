@@ -268,19 +268,20 @@ class _Ways:
         return np.asarray(deepest <= -depth)
 
 
-def took_place(hits: Hits, duration: float, tolerance: float) -> BoolArray:
+def took_place(hits: Hits, paths: Paths, tolerance: float) -> BoolArray:
     """Which hits are borne out by where the bodies are at the end of the interval.
 
     Where the hit left enough way to show, they must be further apart than their ways would have had it, or deep in each other, or have
-    passed through each other; where not, they must touch. Of hits on one body the first counts, and later ones only if those touch, too.
+    passed through each other; where not, they must touch. Of hits on one body the first counts, and later ones only if those touch, too,
+    unless its way is certain.
     """
-    way = hits.approach * (duration - hits.after)
+    way = hits.approach * (paths.duration - hits.after)
     stopped = hits.actual - hits.ahead >= 0.3 * way
     shows = way >= _VISIBLE
     deep = hits.actual <= np.minimum(-_VISIBLE, -0.3 * way)
     touching = hits.actual <= tolerance
     real = (hits.approach > _SLOW) & ((shows & stopped) | (~shows & touching) | deep | hits.passes)
-    spent: dict[int, float] = {}
+    spent: dict[int, float] = dict.fromkeys(np.flatnonzero(paths.turned).tolist(), -np.inf)
     for k in np.lexsort((hits.pairs[:, 1], hits.pairs[:, 0], hits.after)).tolist():
         if not real[k]:
             continue
@@ -289,7 +290,8 @@ def took_place(hits: Hits, duration: float, tolerance: float) -> BoolArray:
             real[k] = False
             continue
         for body in hits.pairs[k].tolist():
-            spent.setdefault(body, time)
+            if not paths.certain[body]:
+                spent.setdefault(body, time)
     return np.asarray(real)
 
 

@@ -31,7 +31,8 @@ _ASTRAY = 0.001
 @dataclass(frozen=True, slots=True)
 class Paths:
     """The ways of bodies from one frame to the next, ``duration`` seconds: from ``start`` (12, n) on with ``velocity`` (3, n), constant
-    ``acceleration`` (3, n) and ``spin`` (3, n) [rad/s] about the body's origin. ``end`` (12, n): where the bodies really are then."""
+    ``acceleration`` (3, n) and ``spin`` (3, n) [rad/s] about the body's origin. ``end`` (12, n): where the bodies really are then.
+    ``certain`` (n,): the way is known all along, and no hit turned it. ``turned`` (n,): it was turned by a hit in the interval before."""
 
     duration: float
     start: FloatArray
@@ -39,6 +40,8 @@ class Paths:
     acceleration: FloatArray
     spin: FloatArray
     end: FloatArray
+    certain: BoolArray
+    turned: BoolArray
 
     def to_the_ends(self) -> Paths:
         """The ways that lead from the same starts with the same accelerations to where the bodies really are at the end."""
@@ -170,7 +173,8 @@ class MotionHistory:
         acceleration = np.where(moving, np.where(smooth, curved, np.where(given, 0.0, bend)), 0.0)
         velocity = np.where(moving, np.where(given, direct - acceleration * (step / 2), begin), 0.0)
         spin = np.where(given, _spins(start, end, step), _spins(earlier, start, known))
-        return Paths(step, start, velocity, acceleration, np.where(moving, spin, 0.0), end)
+        turned = kinematic & ~smooth & (clean < 1)
+        return Paths(step, start, velocity, acceleration, np.where(moving, spin, 0.0), end, smooth, turned)
 
 
 def _squared(vectors: FloatArray) -> FloatArray:

@@ -189,8 +189,8 @@ class ContactTracker:
         moved, warnings = self._take(time, transforms)
         if self._last is not None and len(moved) == 0 and _same(wanted, self._last_wanted):
             return self._unchanged(warnings)
-        paths, strikers = self._near_pairs(moved)
-        result = self._contacts(time, wanted, paths, strikers, warnings)
+        paths, able = self._near_pairs(moved)
+        result = self._contacts(time, wanted, paths, able, warnings)
         self._last, self._last_wanted = result, wanted
         return result
 
@@ -259,7 +259,7 @@ class ContactTracker:
 
     def _near_pairs(self, moved: IntArray) -> tuple[Paths | None, IntArray]:
         """Bring the near pairs up to date. The ways of the bodies if any is fast enough for an impact, and the pairs, by number among the
-        near ones, that could make one."""
+        near ones, that have the energy for one."""
         low, high = self._low, self._high
         paths, none = None, np.zeros(0, dtype=np.int64)
         gravity = np.array(self.settings.gravity) * self.settings.time_scale**2
@@ -289,8 +289,7 @@ class ContactTracker:
         a, b = self._near_larger, self._near_smaller
         # To enter a medium is not to hit it.
         solid = ~(self._medium[a] | self._medium[b])
-        able = np.flatnonzero(solid & (rapid[a] | rapid[b]) & (energy[a] + energy[b] >= least))
-        return paths, able[self._meetings.may_meet(paths, a[able], b[able], *self._before)]
+        return paths, np.flatnonzero(solid & (rapid[a] | rapid[b]) & (energy[a] + energy[b] >= least))
 
     def _widen(self, low: FloatArray, high: FloatArray, moved: IntArray) -> None:
         """Make the wide bounds hold these again, and find the pairs whose wide bounds overlap."""
@@ -312,7 +311,7 @@ class ContactTracker:
             self._near_larger, self._near_smaller = self._by_size(near)
 
     def _contacts(
-        self, time: float, wanted: BoolArray | Reach | None, paths: Paths | None, strikers: IntArray, warnings: tuple[str, ...]
+        self, time: float, wanted: BoolArray | Reach | None, paths: Paths | None, able: IntArray, warnings: tuple[str, ...]
     ) -> FrameContacts:
         first_frame = self._last is None
         low, high, larger, smaller = self._low, self._high, self._near_larger, self._near_smaller
@@ -325,9 +324,9 @@ class ContactTracker:
         fresh = pairs.known & (pairs.version[0] == self._version[pairs.larger]) & (pairs.version[1] == self._version[pairs.smaller])
         asked = self._asked(wanted, fresh)
         looked = asked | fresh
-        if len(strikers):
+        if len(able):
             striking = np.zeros(len(met), dtype=np.bool_)
-            striking[strikers] = True
+            striking[able] = True
             looked |= striking[met]
         before = pairs.touching & pairs.looked
         apart = ~pairs.touching & pairs.looked
@@ -337,11 +336,10 @@ class ContactTracker:
         pairs.looked = looked
 
         hits = None
-        if paths is not None and len(strikers):
-            strikers = self._near[strikers]
-            strikers = strikers[~_among(strikers, struck)]
+        if paths is not None and len(able):
+            able = able[~_among(self._near[able], struck)]
             arrived = key[pairs.touching & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
-            hits = self._hits(paths, strikers, arrived[_among(arrived, strikers)])
+            hits = self._hits(paths, able, arrived[_among(arrived, self._near[able])])
         impacts = self._impacts(time, hits, paths)
         settled = before & (distance - pairs.values[_DISTANCE] <= _CREEP * self._history.step)
         if len(impacts):
@@ -476,12 +474,13 @@ class ContactTracker:
             transmission=np.zeros(len(key), dtype=np.int64),
         )
 
-    def _hits(self, paths: Paths, strikers: IntArray, arrived: IntArray) -> Hits:
-        """The hits among pairs ``strikers`` that took place. Those that have ``arrived`` at each other by the end of the interval although
-        their motion did not lead there have been moved by something else: their ways are then those to where they are."""
-        hits = self._meetings.hits(paths, self._numbers(strikers))
+    def _hits(self, paths: Paths, able: IntArray, arrived: IntArray) -> Hits:
+        """The hits among near pairs ``able`` that took place. Pairs (by key) that have ``arrived`` at each other by the end of the interval
+        although their motion did not lead there have been moved by something else: their ways are then those to where they are."""
+        meeting = self._meetings.may_meet(paths, self._near_larger[able], self._near_smaller[able], *self._before)
+        hits = self._meetings.hits(paths, self._numbers(self._near[able[meeting]]))
         if len(hits):
-            hits = hits.chosen(took_place(hits, paths.duration, self.settings.tolerance))
+            hits = hits.chosen(took_place(hits, paths, self.settings.tolerance))
         if len(arrived):
             arrived = arrived[~_among(arrived, np.sort(self._keys(*hits.pairs.T)))]
         if len(arrived):
@@ -508,10 +507,10 @@ class ContactTracker:
 
     def _disturb(self, hits: Hits | None, paths: Paths) -> None:
         """Bodies that have hit something have to be watched anew: those known to, and those that are not where they would be otherwise."""
-        disturbed = self._history.surprised(paths)
+        disturbed = self._history.surprised(paths) & self._dynamic
         if hits is not None:
             disturbed[hits.pairs] = True
-        self._history.disturb(disturbed & self._dynamic)
+        self._history.disturb(disturbed)
 
 
 def _among(keys: IntArray, ordered: IntArray) -> BoolArray:

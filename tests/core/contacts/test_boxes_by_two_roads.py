@@ -1,8 +1,7 @@
-"""The fast road for pairs of boxes against the general one, which shares no code with it beyond the record of a patch, and against FCL."""
+"""The fast road for pairs of boxes against the general one, which shares no code with it beyond a record, and against SciPy."""
 
 from __future__ import annotations
 
-import fcl
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.boxes import box_contacts
@@ -11,6 +10,7 @@ from haptic_tracing.core.contacts.narrow_phase import NarrowPhase
 from haptic_tracing.core.contacts.shapes import Box
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import lsq_linear
 
 COUNT = 300
 SIZES = ((1.0, 1.0, 1.0), (1.3, 0.6, 0.2))
@@ -33,8 +33,8 @@ def placed(seed: int, tilt: float, square: bool):
     return rotation, offset
 
 
-@settings(max_examples=25, deadline=None)
-@given(seed=st.integers(0, 10**6), tilt=st.sampled_from([0.0, 1e-6, 1e-3, 0.05, 2.0]), square=st.booleans())
+@settings(max_examples=40, derandomize=True, deadline=None)
+@given(seed=st.integers(0, 10**6), tilt=st.sampled_from([0.0, 1e-9, 3e-9, 1e-8, 1e-6, 1e-3, 0.05, 2.0]), square=st.booleans())
 def test_same_contacts(seed, tilt, square):
     rotation, offset = placed(seed, tilt, square)
     half = [np.repeat(np.array(size)[:, None] / 2, COUNT, axis=1) for size in SIZES]
@@ -54,16 +54,17 @@ def test_same_contacts(seed, tilt, square):
     assert (np.linalg.norm(fast.centre - general.centre, axis=0)[same] < 0.01).mean() > 0.9
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), tilt=st.sampled_from([0.0, 1e-3, 0.05, 2.0]))
-def test_distances_against_fcl(seed, tilt):
+def test_distances_against_bounded_least_squares(seed, tilt):
+    """The least distance of a point in the one box to a point in the other; 0 where they overlap."""
     rotation, offset = placed(seed, tilt, False)
     found = NarrowPhase([Box(size) for size in SIZES]).query(np.tile([[0, 1]], (COUNT, 1)), rotation, offset, np.full(COUNT, 0.05))
-    first, second = (fcl.CollisionObject(fcl.Box(*size)) for size in SIZES)
-    for k in range(0, COUNT, 5):
-        second.setTransform(fcl.Transform(np.ascontiguousarray(rotation[..., k]), np.ascontiguousarray(offset[:, k])))
-        theirs = fcl.distance(first, second, fcl.DistanceRequest(), fcl.DistanceResult())
-        if theirs > 0 and found.distance[k] <= 0.05:
-            assert found.distance[k] == pytest.approx(theirs, abs=1.1e-4)
+    limit = np.concatenate(SIZES) / 2
+    for k in range(0, COUNT, 20):
+        nearest = lsq_linear(np.hstack([np.eye(3), -rotation[..., k]]), offset[:, k], (-limit, limit), tol=1e-14)
+        distance = float(np.sqrt(2 * nearest.cost))
+        if found.distance[k] <= 0.05:
+            assert max(found.distance[k], 0.0) == pytest.approx(distance, abs=1.01e-4)
         else:
-            assert (theirs <= 0) == (found.distance[k] <= 1e-12) or theirs > 0.05
+            assert distance > 0.05

@@ -53,7 +53,7 @@ def poses(*places, turns=None):
     return result
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150, derandomize=True, deadline=None)
 @given(
     shape=st.sampled_from(sorted(SHAPES)),
     ground=st.sampled_from(sorted(GROUNDS)),
@@ -65,16 +65,17 @@ def poses(*places, turns=None):
     late=st.floats(0, 1),
 )
 def test_dropped_bodies(shape, ground, h, mass, restitution, rate, scale, late):
-    """Energy m g h, time sqrt(2 h / g); the body is let go ``late`` frames after the first one."""
+    """Energy m g h, time sqrt(2 h / g); the body is let go ``late`` frames after the first one. A bounce makes another impact if the bodies
+    have parted in some frame before it, by more than the tolerance and the slack, and the refractory time is over."""
     energy, fall = mass * G * h, math.sqrt(2 * h / G) / scale
     if fall * rate < 2.2 + late:
         return  # over before there are three frames to see it by
     (body, below), (floor, origin) = SHAPES[shape], GROUNDS[ground]
     tracker = ContactTracker([Body("ground", floor, motion="static"), Body("body", body, mass)], ContactSettings(time_scale=scale))
-    impacts = []
+    impacts, heights = [], []
     for frame in range(math.ceil((fall + 0.25) * rate) + 2):
-        z = below + height(h, restitution, (frame - late) / rate * scale)
-        impacts += tracker.update(frame / rate, poses((0, 0, origin), (0.3, 0.2, z))).impacts
+        heights.append(height(h, restitution, (frame - late) / rate * scale))
+        impacts += tracker.update(frame / rate, poses((0, 0, origin), (0.3, 0.2, below + heights[-1]))).impacts
     if energy < 5 * 0.97:
         assert not impacts
     elif energy > 5 * 1.03:
@@ -90,15 +91,16 @@ def test_dropped_bodies(shape, ground, h, mass, restitution, rate, scale, late):
         time = late / rate + fall
         last, end = time, (frame - 0.01) / rate
         while left > 5 * 1.05 and time + flight < end and flight * rate > 3:
+            in_flight = heights[math.ceil(time * rate) : math.ceil((time + flight) * rate)]
             time += flight
-            if time - last >= 0.1:
+            if time - last >= 0.1 and max(in_flight) > 0.016:
                 last = time
                 expected += 1
             flight, left = flight * restitution, left * restitution**2
         assert len(impacts) >= expected
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60, derandomize=True, deadline=None)
 @given(
     speeds=st.tuples(st.floats(-8, 8), st.floats(-8, 8)).filter(lambda s: s[0] - s[1] > 1),
     masses=st.tuples(st.floats(1, 50), st.floats(1, 50)),

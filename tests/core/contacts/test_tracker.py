@@ -61,7 +61,7 @@ def rows(contacts):
     return {tuple(pair): values for pair, *values in zip(contacts.pairs.tolist(), *columns, strict=True)}
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_what_is_kept_is_what_would_be_found(seed):
     bodies, sequence = crowd(seed)
@@ -156,7 +156,7 @@ def brute_force_gains(reach, pairs, positions, count):
     return best.max(axis=1)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), threshold=st.sampled_from([0.5, 0.1, 0.01, 0.0]))
 def test_what_signals_can_reach_is_all_found(seed, threshold):
     """Contacts that a signal gets to above the threshold are the same as when everything is resolved, frame by frame."""
