@@ -48,10 +48,14 @@ def start_blender() -> None:
         import bpy
     except ImportError:
         raise ValueError("this needs Blender as a Python module: pip install bpy (its version decides the Python version)") from None
+    import atexit
+
     import haptic_tracing
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     haptic_tracing.register()
+    # With handlers or timers still there, Blender 4.2 ends with a segmentation fault and 4.5 not at all.
+    atexit.register(haptic_tracing.unregister)
 
 
 def trace_and_report(args: argparse.Namespace, name: str) -> int:
