@@ -80,7 +80,9 @@ class PieceProblem:
                     if exact is not None:
                         return exact, np.zeros(len(self.exits)), spent
                     continue
-                limits = Limits(self.crossings, 0.0, unknown, tolerance, known, max(1, share // 4), share)
+                # A limited sum is asked for exactly; so is one that costs next to nothing.
+                accepted = 0.0 if self.limited and part != STAGES[-1] else tolerance
+                limits = Limits(self.crossings, 0.0, unknown, 0.0 if first else accepted, known, max(1, share // 4), share)
                 found = search(arena, np.ones((1, arena.lanes)), limits, bounds, merge=True)
                 if not whole:
                     found.missing[:] = LARGEST
@@ -88,7 +90,7 @@ class PieceProblem:
                 known = np.maximum(known, found.sums.sum(axis=0)[:, 0])
                 if best is None or _better(found, best):
                     best = found
-                if np.all(best.missing <= tolerance * best.sums.sum(axis=0)[:, 0]):
+                if np.all(best.missing <= accepted * best.sums.sum(axis=0)[:, 0]):
                     return self._by_count(best), best.missing * (1 + ROUNDING), spent
         assert best is not None
         if np.any(best.missing > best.sums.sum(axis=0)[:, 0]):
@@ -260,4 +262,5 @@ class Programme:
             total, work = frontier.sum_over_paths(self.crossings, self.weights, start, at_start, problem.limited, self.expected, allowed)
         except frontier.TooWide:
             return None, allowed
-        return total, int(work)
+        # What is larger than any number is no sum: the search reports it as one without bound.
+        return (total if np.all(total <= LARGEST) else None), int(work)
