@@ -3,7 +3,7 @@
 PYTHON := .venv/bin/python
 MATRIX := 4.2.23 4.5.15 5.0.1 5.2.3
 
-.PHONY: packages-for-demo packages-for-test help demo test lint test-matrix $(MATRIX:%=test-%) test-gui package wheels bench samples clean
+.PHONY: packages-for-demo packages-for-test help demo test lint test-matrix $(MATRIX:%=test-%) test-gui docs package wheels bench samples clean
 .DELETE_ON_ERROR:
 
 help:
@@ -13,6 +13,7 @@ help:
 	@echo "make test-gui BLENDER=path/to/blender   the suite in Blender's own window"
 	@echo "make package      the extension, one zip per platform in dist/"
 	@echo "make bench        measurements, printed as tables"
+	@echo "make docs         the documentation as web pages in out/docs"
 	@echo "make samples      the sample scenes as .blend files in out/samples"
 	@echo "make clean        remove everything made, the virtual environments included"
 
@@ -50,6 +51,10 @@ samples: packages-for-demo .venv/complete
 	@for name in $$($(PYTHON) -c "from haptic_tracing.sample_scenes import SAMPLES; print(*SAMPLES)"); do \
 		$(PYTHON) -m haptic_tracing sample $$name --output out/samples/$$name.blend || exit 1; done
 
+docs: .venv-docs/complete
+	.venv-docs/bin/python -m sphinx --quiet --fail-on-warning -b html docs out/docs
+	@echo "wrote out/docs/index.html"
+
 clean:
 	rm -rf .venv .venv-* build dist out wheels *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
@@ -59,6 +64,9 @@ clean:
 # Its own environment: types are checked against one NumPy, whichever the Blender at hand needs.
 .venv-lint/complete: pyproject.toml
 	@packaging/make_environment .venv-lint none lint
+
+.venv-docs/complete: pyproject.toml
+	@packaging/make_environment .venv-docs none docs
 
 .venv-%/complete: pyproject.toml
 	@packaging/make_environment .venv-$* $*

@@ -1,0 +1,17 @@
+"""How Sphinx builds the documentation: `make docs`."""
+
+import tomllib
+from pathlib import Path
+
+_project = tomllib.loads((Path(__file__).parent.parent / "pyproject.toml").read_text())["project"]
+
+project = "Haptic Tracing"
+release = _project["version"]
+copyright = "Haptic Tracing developers, GPL-3.0-or-later"
+extensions = ["myst_parser", "sphinx.ext.mathjax"]
+myst_enable_extensions = ["dollarmath", "colon_fence"]
+myst_heading_anchors = 3
+source_suffix = {".md": "markdown"}
+exclude_patterns = ["site"]
+html_theme = "furo"
+html_title = f"Haptic Tracing {release}"
