@@ -84,6 +84,25 @@ def test_renamed_deleted_and_duplicated_objects_keep_being_traced(seesaw, traced
     assert "skin" in [p.object for p in session.problems_of(scene)]  # its parent is gone: it is on no haptic object
 
 
+def test_linked_objects_are_traced_beside_local_ones_of_the_same_name(seesaw, traced, scene, tmp_path: Path):
+    plank, _, _, _ = seesaw
+    before = traced()
+    library = tmp_path / "library.blend"
+    copy = plank.copy()
+    copy.name = plank.name  # Blender numbers it; in the library it is the only one
+    bpy.data.libraries.write(str(library), {plank}, fake_user=True)
+    bpy.data.objects.remove(copy)
+    with bpy.data.libraries.load(str(library), link=True) as (there, here):
+        here.objects = [name for name in there.objects if name == plank.name]
+    (linked,) = here.objects
+    assert linked.name == plank.name and linked.library is not None
+    scene.collection.objects.link(linked)
+    bpy.context.view_layer.update()
+    result = traced()
+    assert sorted(result.objects) == sorted((*before.objects, linked.name_full))
+    assert result.contacts is not None and len(result.contacts) > len(before.contacts)  # it lies in the same place as the local one
+
+
 def box_names(result):
     return sorted(result.objects)
 
