@@ -19,10 +19,11 @@ from .contacts.tracker import Body, ContactSettings, ContactTracker, Impact
 from .frame_result import FrameResult
 from .functions import ModulationFunction
 from .graph import ObjectTable, build_graph
-from .propagation import Propagation, propagate
-from .rendering import SAMPLE_RATE, ListenerMix, Renderer, Voice, sample_index
+from .mixdown import Mixdown
+from .propagation import propagate
+from .rendering import SAMPLE_RATE, sample_index
 from .scene import HapticObject, Listener, Settings, Source, SourceKind
-from .signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Signal
+from .signals import DEFAULT_IMPACT, Signal
 
 FloatArray = NDArray[np.float64]
 
@@ -90,7 +91,7 @@ class Tracer:
         self._objects: tuple[HapticObject, ...] = ()
         self._table = ObjectTable.of((), 0.0)
         self._tracker: ContactTracker | None = None
-        self._renderer: Renderer | None = None
+        self._mixdown = Mixdown(impact_signal, sample_rate)
         self._ringing: list[_Ringing] = []
         self._time: float | None = None
 
@@ -100,8 +101,7 @@ class Tracer:
         self._time = None
         if self._tracker is not None:
             self._tracker.reset()
-        if self._renderer is not None:
-            self._renderer.reset()
+        self._mixdown.reset()
 
     def step(self, frame: Frame) -> FrameResult:
         """Trace one frame. Raises ValueError that names the object where a designer's expression gives no gain."""
@@ -116,7 +116,7 @@ class Tracer:
         watch.lap("graph")
         propagation = propagate(graph, frame.settings)
         watch.lap("propagate")
-        block = self._mix_and_render(frame, sources, propagation)
+        block = self._mixdown.render(self._time, frame.time, sources, frame.listeners, propagation)
         watch.lap("mix")
         first = sample_index(frame.time if self._time is None else self._time, self.sample_rate)
         self._time = frame.time
@@ -209,29 +209,6 @@ class Tracer:
         )
         local = (_local(frame.transforms[first], impact.positions[0]), _local(frame.transforms[second], impact.positions[1]))
         return _Ringing(source, local, impact.time + self.impact_signal.duration)
-
-    def _mix_and_render(self, frame: Frame, sources: Sequence[Source], propagation: Propagation) -> FloatArray | None:
-        """The samples from the previous frame's time up to this one's; None where there is no previous frame or nobody listens."""
-        mixes = tuple(ListenerMix(name=item.name, method=item.mixing, s_max=item.s_max) for item in frame.listeners)  # type: ignore[arg-type]
-        if self._renderer is None or self._renderer.listeners != mixes:
-            self._renderer = Renderer(mixes, self.sample_rate) if mixes else None
-        if self._renderer is None or self._time is None:
-            return None
-        listener_gain = np.array([item.gain for item in frame.listeners])
-        gains = propagation.gain if propagation.band_gain is None else propagation.band_gain
-        voices = [
-            Voice(
-                key=source.name,
-                signal=source.signal or (DEFAULT_PERSISTENT if source.kind is SourceKind.PERSISTENT else self.impact_signal),
-                gains=gains[row] * (listener_gain if gains.ndim == 2 else listener_gain[:, None]),
-                onset=source.onset,
-                amplitude=source.amplitude,
-                delays=None if propagation.delay is None else propagation.delay[row],
-                priority=source.priority,
-            )
-            for row, source in enumerate(sources)
-        ]
-        return self._renderer.render_frame(self._time, frame.time, voices)
 
 
 class _Stopwatch:
