@@ -117,11 +117,15 @@ class ToneActuation:
 
     def __init__(self, profile: Profile, family: RumbleFamily, rate: int, calibrations: Mapping[str, Calibration]) -> None:
         self._actuators = profile.actuators
-        self._calibrations = [calibrations.get(actuator.name, actuator.calibration) for actuator in profile.actuators]
+        self.calibrate(calibrations)
         self._rest = family.silence()
         self._has_tones = family.has_tones
         self._places = [[family.channels.index(channel.name) for channel in actuator.channels] for actuator in profile.actuators]
         self._description = SpectralDescription(rate, [[channel.takes for channel in actuator.channels] for actuator in profile.actuators])
+
+    def calibrate(self, calibrations: Mapping[str, Calibration]) -> None:
+        """Use these calibrations by actuator, in place of the profile's, from the next block on."""
+        self._calibrations = [calibrations.get(actuator.name, actuator.calibration) for actuator in self._actuators]
 
     def process(self, block: Array) -> list[Step]:
         """Steps of a block, in order; silence has the frequencies at rest. block: (actuators, n).
@@ -152,10 +156,15 @@ class SampleActuation:
     """Blocks of samples, one row per actuator, to samples of a stream family's channels at its rate."""
 
     def __init__(self, profile: Profile, family: StreamFamily, rate: int, calibrations: Mapping[str, Calibration]) -> None:
-        self._gains = np.array([[calibrations.get(actuator.name, actuator.calibration).gain] for actuator in profile.actuators])
+        self._actuators = profile.actuators
+        self.calibrate(calibrations)
         self._places = [family.channels.index(actuator.channels[0].name) for actuator in profile.actuators]
         self._channels = len(family.channels)
         self._resampler = Resampler(len(profile.actuators), rate, family.rate)
+
+    def calibrate(self, calibrations: Mapping[str, Calibration]) -> None:
+        """Use the gains of these calibrations by actuator, in place of the profile's, from the next block on."""
+        self._gains = np.array([[calibrations.get(actuator.name, actuator.calibration).gain] for actuator in self._actuators])
 
     def process(self, block: Array) -> Array:
         """(actuators, n) at the input rate -> (channels, m) at the device's. Only the calibration's gain applies to samples."""

@@ -27,6 +27,7 @@ class DriveLimits:
         self._square = sustained_maximum**2
         self._seconds = sustained_seconds
         self._share = -math.expm1(-interval / sustained_seconds)
+        self._scale = 1.0
         self._mean_square = np.zeros_like(ceilings)
         self._driven = np.zeros_like(ceilings)
 
@@ -35,11 +36,15 @@ class DriveLimits:
         """The running mean square of each channel up to the last call."""
         return self._mean_square.copy()
 
+    def scale_ceilings(self, scale: float) -> None:
+        """Lower all ceilings by this factor in [0, 1], from the next call on."""
+        self._scale = scale
+
     def limited(self, wanted: Array, elapsed: float) -> Array:
         """What may be driven now. wanted: (channels,) in [0, 1]; elapsed: seconds since the last call, 0 or more."""
         past = -math.expm1(-elapsed / self._seconds)
         self._mean_square += (self._driven**2 - self._mean_square) * past
         sustainable = np.sqrt(np.maximum(self._mean_square + (self._square - self._mean_square) / self._share, 0.0))
         risen = self._driven + self._slew * min(elapsed, self._interval)
-        self._driven = np.minimum(np.minimum(wanted, self._ceilings), np.minimum(risen, sustainable))
+        self._driven = np.minimum(np.minimum(wanted, self._scale * self._ceilings), np.minimum(risen, sustainable))
         return self._driven.copy()

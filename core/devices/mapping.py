@@ -4,19 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..body import body_part
-from .family import RumbleFamily
-from .profiles import Actuator, Profile
+from .profiles import Actuator
 
 Array = NDArray[np.float64]
 
 LATEST = 0.050
 """Seconds by which touch may lag behind the picture unnoticed (Di Luca and Mahnan, 2019)."""
+
+
+class ActuatedDevice(Protocol):
+    """What the mapping has to know of a device: `Profile` and `SoundCard` are such."""
+
+    @property
+    def title(self) -> str: ...
+    @property
+    def actuators(self) -> tuple[Actuator, ...]: ...
+    @property
+    def plays_frequency(self) -> bool: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,14 +71,14 @@ class ActuatorMapping:
 
 def map_listeners(
     listeners: Mapping[str, str],
-    devices: Mapping[str, Profile],
+    devices: Mapping[str, ActuatedDevice],
     *,
     chosen: Mapping[str, Sequence[Place]] | None = None,
     bands: Mapping[str, tuple[float, float]] | None = None,
 ) -> ActuatorMapping:
     """Give each listener the actuators that are felt at its body part.
 
-    listeners: name to body part, or to an empty text where it has none. devices: a name for each connected device, to its profile.
+    listeners: name to body part, or to an empty text where it has none. devices: a name for each connected device, what it is.
     chosen: listeners whose actuators the user picked instead; none at all means muted, and is no loss.
     bands: the frequencies (low, high) in Hz that a listener's signal has, where known.
     Raises ValueError for an unknown body part, listener, device or actuator.
@@ -95,7 +105,7 @@ def map_listeners(
     return ActuatorMapping(names, weights, tuple(losses))
 
 
-def _places_at(part: str, devices: Mapping[str, Profile]) -> list[Place]:
+def _places_at(part: str, devices: Mapping[str, ActuatedDevice]) -> list[Place]:
     if not part:
         return []
     name = body_part(part).name
@@ -104,14 +114,14 @@ def _places_at(part: str, devices: Mapping[str, Profile]) -> list[Place]:
     ]
 
 
-def _index(profile: Profile, place: Place) -> int:
+def _index(profile: ActuatedDevice, place: Place) -> int:
     for index, actuator in enumerate(profile.actuators):
         if actuator.name == place.actuator:
             return index
     raise ValueError(f"{place.device} has no actuator {place.actuator!r}: use one of {', '.join(a.name for a in profile.actuators)}")
 
 
-def _losses(profile: Profile, weights: Array, names: tuple[str, ...], bands: Mapping[str, tuple[float, float]]) -> list[Loss]:
+def _losses(profile: ActuatedDevice, weights: Array, names: tuple[str, ...], bands: Mapping[str, tuple[float, float]]) -> list[Loss]:
     """What the device can't do, for each listener that it has."""
     losses: list[Loss] = []
     for actuator, felt in zip(profile.actuators, weights, strict=True):
@@ -123,7 +133,7 @@ def _losses(profile: Profile, weights: Array, names: tuple[str, ...], bands: Map
                 losses.append(Loss(listener, "side", f"{listener} is felt together with {', '.join(others)}: they share the {where}"))
             if listener in bands:
                 losses += _band_losses(listener, bands[listener], actuator, where)
-            if isinstance(profile.family, RumbleFamily) and not profile.family.has_tones:
+            if not profile.plays_frequency:
                 losses.append(Loss(listener, "frequency", f"{listener}: the {where} plays strength, not frequency"))
             if actuator.latency > LATEST:
                 late = round(1000 * actuator.latency)

@@ -9,7 +9,6 @@ import atexit
 import threading
 import time
 from collections import deque
-from collections.abc import Mapping
 from dataclasses import dataclass
 from statistics import median
 from typing import Literal
@@ -21,7 +20,7 @@ from .actuation import actuation_of, checked_block
 from .connection import DeviceError, HidModule, Opened, hid_module, open_device
 from .family import AnyFamily, RumbleFamily
 from .pacing import WATCHDOG, Pacing, pacing_of
-from .profiles import Calibration, Profile
+from .profiles import Adjustment, Profile
 from .report import Report
 
 State = Literal["searching", "open", "stopped", "failed"]
@@ -75,30 +74,25 @@ class DeviceOutput:
         *,
         rate: int = SAMPLE_RATE,
         serial: str = "",
-        delay: float = 0.0,
-        calibrations: Mapping[str, Calibration] | None = None,
+        adjustment: Adjustment | None = None,
         hid: HidModule | None = None,
     ) -> None:
-        """rate: samples per second of the blocks. serial: of one device among several alike. delay: seconds, 0 or more, by which
-        touch is held back. calibrations: by actuator, in place of the profile's. hid: in place of cython-hidapi.
+        """rate: samples per second of the blocks. serial: of one device among several alike. adjustment: the user's settings.
+        hid: in place of cython-hidapi.
 
-        Raises ValueError for a rate or delay out of range, or a calibration of an unknown actuator.
+        Raises ValueError for a rate out of range, or a calibration of an unknown actuator.
         """
-        unknown = set(calibrations or {}) - {actuator.name for actuator in profile.actuators}
-        if unknown:
-            raise ValueError(f"calibrations names an unknown actuator: {sorted(unknown)[0]!r}")
         if not 100 <= rate <= 192_000:
             raise ValueError(f"rate {rate} is not in 100..192000")
-        if not 0.0 <= delay <= 1.0:
-            raise ValueError(f"delay {delay} s is not in [0, 1]")
         self.profile = profile
-        self._rate, self._serial, self._delay = rate, serial, delay
-        self._calibrations = dict(calibrations or {})
+        self._rate, self._serial = rate, serial
         self._hid = hid
+        self._adjustment = Adjustment()
         self._wake = threading.Condition()
         # Guarded by _wake:
         self._mail: _Mail | None = None
         self._silence = False
+        self._rest = False
         self._stopping = False
         self._dropped = 0
         # Written by the thread alone, read by anyone:
@@ -109,6 +103,14 @@ class DeviceOutput:
         self._wrote = self._lead = 0.0
         self._delays: deque[float] = deque(maxlen=_MEASURED_BLOCKS)
         self._thread = threading.Thread(target=self._run, name=f"haptics {profile.name}", daemon=True)
+        self.adjust(adjustment or Adjustment())
+
+    def adjust(self, adjustment: Adjustment) -> None:
+        """Follow these settings from now on. Never blocks. Raises ValueError for a calibration of an unknown actuator."""
+        unknown = set(adjustment.calibrations) - {actuator.name for actuator in self.profile.actuators}
+        if unknown:
+            raise ValueError(f"calibrations names an unknown actuator: {sorted(unknown)[0]!r}")
+        self._adjustment = adjustment
 
     def start(self) -> None:
         """Look for the device and drive it from now on. Raises RuntimeError if started before."""
@@ -132,6 +134,13 @@ class DeviceOutput:
         with self._wake:
             self._mail = None
             self._silence = True
+            self._wake.notify()
+
+    def rest(self) -> None:
+        """Zero, then release, as at the end, but stay open: the next block plays again. Never blocks."""
+        with self._wake:
+            self._mail = None
+            self._rest = True
             self._wake.notify()
 
     def request_stop(self) -> None:
@@ -169,7 +178,7 @@ class DeviceOutput:
             dropped_blocks=self._dropped,
             writing_for=0.0 if since is None else time.perf_counter() - since,
             delay=delay,
-            lag=None if delay is None else delay + self._lead + self._delay + self.profile.latency,
+            lag=None if delay is None else delay + self._lead + self._adjustment.delay + self.profile.latency,
         )
 
     # From here on: the thread.
@@ -212,11 +221,16 @@ class DeviceOutput:
             family: AnyFamily = self.profile.family
             if isinstance(family, RumbleFamily) and family.variant is not None:
                 family = family.variant(opened.hid, opened.interface) or family
-            actuation = actuation_of(self.profile, family, self._rate, self._calibrations)
-            pacing = pacing_of(self.profile, family, opened.interface.transport, actuation, self._delay)
+            actuation = actuation_of(self.profile, family, self._rate, {})
+            pacing = pacing_of(self.profile, family, opened.interface.transport, actuation, self._adjustment)
             self._lead = pacing.lead
             self._state = "open"
-            self._follow(opened, pacing)
+            while self._follow(opened, pacing) == "rest":
+                if not self._end(opened, pacing):
+                    self._lose()
+                    break
+                self._sleep()
+                pacing.restart()
         finally:
             try:
                 if pacing is not None and self._state == "open":
@@ -225,15 +239,28 @@ class DeviceOutput:
                 if not _exiting.is_set():
                     opened.close()
 
-    def _follow(self, opened: Opened, pacing: Pacing) -> None:
-        """Write what is due when it is due, until the device is to stop or is gone."""
+    def _sleep(self) -> None:
+        """Until a block comes, or the output is to stop."""
+        with self._wake:
+            self._silence = self._rest = False
+            self._wake.wait_for(lambda: self._mail is not None or self._stopping)
+
+    def _follow(self, opened: Opened, pacing: Pacing) -> Literal["stop", "rest", "lost"]:
+        """Write what is due when it is due, until the device is to stop or to rest, or is gone."""
         failures = 0
+        adjustment: Adjustment | None = None
         unmeasured: float | None = None
         while not self._stopping:
             with self._wake:
                 mail, self._mail = self._mail, None
                 silence, self._silence = self._silence, False
-            if silence:
+                rest, self._rest = self._rest, False
+            if rest and mail is None:
+                return "rest"
+            if adjustment is not self._adjustment:
+                adjustment = self._adjustment
+                pacing.adjust(adjustment)
+            if silence or rest:
                 pacing.silence()
             # What waited for the device to be opened is no longer news.
             if mail is not None and time.perf_counter() - mail.sent < WATCHDOG:
@@ -252,14 +279,14 @@ class DeviceOutput:
             pacing.failed()
             failures += 1
             if failures == _FAILURES_TO_CLOSE:
-                self._state = "searching"
-                self._losses += 1
-                return
+                self._lose()
+                return "lost"
+        return "stop"
 
     def _wait(self, pacing: Pacing) -> None:
         """Until something is due, a block comes, or the output is to stop."""
         with self._wake:
-            if self._mail is None and not self._silence and not self._stopping:
+            if self._mail is None and not (self._silence or self._rest or self._stopping):
                 now = time.perf_counter()
                 due = pacing.wake(now)
                 self._wake.wait(None if due is None else max(due - now, 0.0))
@@ -283,12 +310,24 @@ class DeviceOutput:
             self._message = f"{self.profile.title}: write failed: {reason or 'the device does not answer'}"
         return done
 
-    def _end(self, opened: Opened, pacing: Pacing) -> None:
-        """Zero and release, keeping the device's pace."""
-        for report in pacing.ending():
-            time.sleep(max(self._wrote + pacing.interval - time.perf_counter(), 0.0))
-            if _exiting.is_set() or not self._write(opened, report):
-                return
+    def _lose(self) -> None:
+        """The device is gone: look for it."""
+        self._state = "searching"
+        self._losses += 1
+
+    def _end(self, opened: Opened, pacing: Pacing) -> bool:
+        """Zero and release, keeping the device's pace. Returns whether the device took them."""
+        return all(self._insist(opened, report, pacing.interval) for report in pacing.ending())
+
+    def _insist(self, opened: Opened, report: Report, interval: float) -> bool:
+        """Write a report, again where that fails."""
+        for _ in range(_FAILURES_TO_CLOSE):
+            time.sleep(max(self._wrote + interval - time.perf_counter(), 0.0))
+            if _exiting.is_set():
+                return False
+            if self._write(opened, report):
+                return True
+        return False
 
 
 _exiting = threading.Event()
@@ -305,6 +344,12 @@ def silence_all() -> None:
     """All devices to zero, at once. They play again when blocks come. Never blocks."""
     for output in _all_running():
         output.silence()
+
+
+def rest_all() -> None:
+    """All devices to zero, then release, at once. They play again when blocks come. Never blocks."""
+    for output in _all_running():
+        output.rest()
 
 
 def stop_all(timeout: float = _EXIT_SECONDS) -> bool:

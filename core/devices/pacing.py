@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .actuation import SampleActuation, ToneActuation
 from .family import RumbleFamily, StreamFamily
 from .limits import DriveLimits
-from .profiles import Profile
+from .profiles import Adjustment, Profile
 from .report import Report, Tones, Transport
 
 Array = NDArray[np.float64]
@@ -40,6 +40,9 @@ class Pacing(Protocol):
     def accept(self, block: Array, sent: float) -> None:
         """A fresh block of (actuators, n) samples, whose first is to be felt at ``sent``."""
 
+    def adjust(self, adjustment: Adjustment) -> None:
+        """Follow the user's settings from now on."""
+
     def silence(self) -> None:
         """Forget everything that is not written yet, and go to zero."""
 
@@ -54,6 +57,9 @@ class Pacing(Protocol):
 
     def ending(self) -> tuple[Report, ...]:
         """The reports that stop the device, to be written one ``interval`` apart: zero, then release."""
+
+    def restart(self) -> None:
+        """The device was stopped and is to play again: what was driven still counts for the limits."""
 
 
 def _limits(profile: Profile, channels: Sequence[str], interval: float) -> DriveLimits:
@@ -73,11 +79,13 @@ class RumblePacing:
     Between two commands the largest amplitude of each channel counts, so that a slow device does not miss a short impact.
     """
 
-    def __init__(self, profile: Profile, family: RumbleFamily, transport: Transport, actuation: ToneActuation, delay: float = 0.0) -> None:
-        """delay: seconds, 0 or more, by which everything is held back."""
-        self._family, self._transport, self._actuation, self._delay = family, transport, actuation, delay
+    def __init__(
+        self, profile: Profile, family: RumbleFamily, transport: Transport, actuation: ToneActuation, adjustment: Adjustment
+    ) -> None:
+        self._family, self._transport, self._actuation = family, transport, actuation
         self.interval, self.lead = profile.interval(transport), 0.0
         self._limits = _limits(profile, family.channels, self.interval)
+        self.adjust(adjustment)
         self._startup = deque(family.startup(transport, 0))
         self._starting = False
         self._sequence = 0
@@ -91,6 +99,11 @@ class RumblePacing:
         self._fresh = -np.inf
         self._looked = -np.inf
         self._wrote = -np.inf
+
+    def adjust(self, adjustment: Adjustment) -> None:
+        self._delay = adjustment.delay
+        self._actuation.calibrate(adjustment.calibrations)
+        self._limits.scale_ceilings(adjustment.ceiling)
 
     def accept(self, block: Array, sent: float) -> None:
         start = sent + self._delay
@@ -134,7 +147,16 @@ class RumblePacing:
 
     def ending(self) -> tuple[Report, ...]:
         zero = self._family.encode(self._rest, self._transport, self._sequence)
-        return (zero, *self._family.release(self._transport, self._sequence + 1))
+        reports = (zero, *self._family.release(self._transport, self._sequence + 1))
+        self._sequence += len(reports)
+        return reports
+
+    def restart(self) -> None:
+        self.silence()
+        self._startup = deque(self._family.startup(self._transport, self._sequence))
+        # Whatever happened since the release, the device is told anew.
+        self._written = b""
+        self._zeros_left = self._family.zero_repeats
 
     def _due(self, now: float) -> Tones:
         """The strongest of what was due since the last look, channel by channel; what is due last stays."""
@@ -175,12 +197,12 @@ class StreamPacing:
     """Pace of a device that takes samples: one report after the other, each when the one before it has been played."""
 
     def __init__(
-        self, profile: Profile, family: StreamFamily, transport: Transport, actuation: SampleActuation, delay: float = 0.0
+        self, profile: Profile, family: StreamFamily, transport: Transport, actuation: SampleActuation, adjustment: Adjustment
     ) -> None:
-        """delay: seconds, 0 or more, by which everything is held back."""
-        self._family, self._transport, self._actuation, self._delay = family, transport, actuation, delay
+        self._family, self._transport, self._actuation = family, transport, actuation
         self.interval, self.lead = profile.interval(transport), family.period + _MARGIN
         self._limits = _limits(profile, family.channels, family.period)
+        self.adjust(adjustment)
         self._startup = deque(family.startup(transport, 0))
         self._starting = False
         self._queue = np.zeros((len(family.channels), 0))
@@ -190,6 +212,11 @@ class StreamPacing:
         self._seam = False
         self._last = np.zeros((len(family.channels), 1))
         self._fresh = -np.inf
+
+    def adjust(self, adjustment: Adjustment) -> None:
+        self._delay = adjustment.delay
+        self._actuation.calibrate(adjustment.calibrations)
+        self._limits.scale_ceilings(adjustment.ceiling)
 
     def accept(self, block: Array, sent: float) -> None:
         kept = self._queue[:, : round((self.lead + _MARGIN) * self._family.rate)]
@@ -235,7 +262,14 @@ class StreamPacing:
 
     def ending(self) -> tuple[Report, ...]:
         zero = np.zeros((len(self._family.channels), self._family.frames), dtype=np.int8)
-        return (self._family.encode(zero, self._sequence), *self._family.release(self._transport, self._sequence + 1))
+        reports = (self._family.encode(zero, self._sequence), *self._family.release(self._transport, self._sequence + 1))
+        self._sequence += len(reports)
+        return reports
+
+    def restart(self) -> None:
+        self.silence()
+        self._startup = deque(self._family.startup(self._transport, self._sequence))
+        self._due = None
 
     def _packet(self) -> Report:
         samples = self._limited(self._next_frames())
@@ -277,13 +311,12 @@ def pacing_of(
     family: RumbleFamily | StreamFamily,
     transport: Transport,
     actuation: ToneActuation | SampleActuation,
-    delay: float = 0.0,
+    adjustment: Adjustment | None = None,
 ) -> Pacing:
-    """The pacing that fits the family. Raises ValueError if the actuation is of the other kind, or delay is negative."""
-    if not delay >= 0.0:
-        raise ValueError(f"delay {delay} s is below 0")
+    """The pacing that fits the family. Raises ValueError if the actuation is of the other kind."""
+    adjustment = adjustment or Adjustment()
     if isinstance(family, RumbleFamily) and isinstance(actuation, ToneActuation):
-        return RumblePacing(profile, family, transport, actuation, delay)
+        return RumblePacing(profile, family, transport, actuation, adjustment)
     if isinstance(family, StreamFamily) and isinstance(actuation, SampleActuation):
-        return StreamPacing(profile, family, transport, actuation, delay)
+        return StreamPacing(profile, family, transport, actuation, adjustment)
     raise ValueError("actuation is not of the family's kind")

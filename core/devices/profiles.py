@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal, NoReturn
@@ -17,6 +17,8 @@ from .report import Transport
 Kind = Literal["VCM", "LRA", "ERM", "PCM"]
 
 BUILT_IN = Path(__file__).parent / "profiles"
+EARLIEST = -0.050
+"""Least delay in seconds: a frame's block is worth no more."""
 _SCHEMA = Path(__file__).parent / "device.schema.json"
 
 
@@ -38,6 +40,25 @@ class Calibration:
             raise ValueError(f"floor {self.floor} is not in [0, 1)")
         if not 0.1 <= self.exponent <= 10.0:
             raise ValueError(f"exponent {self.exponent} is not in [0.1, 10]")
+
+
+@dataclass(frozen=True, slots=True)
+class Adjustment:
+    """How the user wants one device to feel, on top of its profile.
+
+    calibrations: by actuator, in place of the profile's. ceiling: factor in [0, 1] on every safe maximum.
+    delay: seconds from -0.05 to 1 by which touch is held back; below 0 it is brought forward, as far as it has not passed by then.
+    """
+
+    calibrations: Mapping[str, Calibration] = field(default_factory=dict)
+    ceiling: float = 1.0
+    delay: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.ceiling <= 1.0:
+            raise ValueError(f"ceiling {self.ceiling} is not in [0, 1]")
+        if not EARLIEST <= self.delay <= 1.0:
+            raise ValueError(f"delay {self.delay} s is not in [{EARLIEST}, 1]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +114,11 @@ class Profile:
     def latency(self) -> float:
         """Seconds from command to touch of the slowest actuator."""
         return max(actuator.latency for actuator in self.actuators)
+
+    @property
+    def plays_frequency(self) -> bool:
+        """Whether frequency is felt, not strength alone."""
+        return not isinstance(self.family, RumbleFamily) or self.family.has_tones
 
 
 @cache

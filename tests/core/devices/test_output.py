@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from haptic_tracing.core.devices.connection import DeviceError, connected, hid_module, open_device
-from haptic_tracing.core.devices.output import DeviceOutput, silence_all, stop_all
-from haptic_tracing.core.devices.profiles import Calibration, profile
+from haptic_tracing.core.devices.output import DeviceOutput, rest_all, silence_all, stop_all
+from haptic_tracing.core.devices.profiles import Adjustment, Calibration, profile
 from haptic_tracing.core.devices.registry import family, rumble_report
 
 RATE = 8000
@@ -298,6 +298,47 @@ def test_silence_all_silences_what_plays_and_blocks_play_again(started):
     until(lambda: sounding(pad))
 
 
+def test_at_rest_the_device_is_silent_and_released_but_open_and_plays_again(started):
+    pad = FakePad()
+    output = started(FakeHid(pad))
+    for _ in range(2):
+        playing(output)
+        until(lambda: sounding(pad))
+        rest_all()
+        until(lambda: pad.written[-2:] == [ZERO, RELEASE])
+        assert output.status.state == "open" and pad.closed == 0
+        pad.written.clear()
+        rest_all()
+    time.sleep(0.05)
+    assert pad.written == [], "a device at rest is left alone"
+    playing(output)
+    until(lambda: sounding(pad))
+
+
+def test_settings_can_be_changed_while_it_plays(started):
+    pad = FakePad()
+    output = started(FakeHid(pad))
+    playing(output)
+    until(lambda: sounding(pad))
+    output.adjust(Adjustment(ceiling=0.0))
+    until(lambda: (output.send(wave()), pad.written[-1] == ZERO)[-1])
+    output.adjust(Adjustment({"left grip": Calibration(gain=0.0)}))
+    until(lambda: (output.send(wave()), pad.written[-1][3] > 0)[-1])
+    assert pad.written[-1][4] == 0
+
+
+def test_the_last_zero_is_repeated_where_it_fails(started):
+    for end in (DeviceOutput.rest, DeviceOutput.stop):
+        pad = FakePad()
+        output = started(FakeHid(pad))
+        playing(output)
+        until(lambda pad=pad: sounding(pad))
+        pad.failing = 2
+        end(output)
+        until(lambda pad=pad: pad.written[-2:] == [ZERO, RELEASE])
+        output.stop()
+
+
 def test_the_watchdog_needs_nobody(started):
     pad = FakePad()
     output = started(FakeHid(pad))
@@ -392,13 +433,16 @@ def test_nothing_connected_is_said_in_one_line():
     ("options", "message"),
     [
         ({"rate": 0}, "rate 0"),
-        ({"delay": -0.1}, "delay -0.1"),
-        ({"delay": 5.0}, "delay 5.0"),
-        ({"calibrations": {"left wing": Calibration()}}, "unknown actuator: 'left wing'"),
+        ({"adjustment": {"delay": -0.1}}, "delay -0.1"),
+        ({"adjustment": {"delay": 5.0}}, "delay 5.0"),
+        ({"adjustment": {"ceiling": 1.5}}, "ceiling 1.5"),
+        ({"adjustment": {"calibrations": {"left wing": Calibration()}}}, "unknown actuator: 'left wing'"),
     ],
 )
 def test_options_out_of_range_are_refused(options, message):
     with pytest.raises(ValueError, match=message):
+        if "adjustment" in options:
+            options = {"adjustment": Adjustment(**options["adjustment"])}
         DeviceOutput(profile("dualsense"), **options)
 
 
