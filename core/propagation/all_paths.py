@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ..bands import BAND_COUNT
 from ..graph import HapticGraph, distances
 from .arena import band_factors, build_arena
+from .best_path import bounded_exp
 from .connections import cost_limit, path_bands, path_costs
 from .labels import Labels, label
 from .layered import layers
@@ -98,7 +99,8 @@ def limited_sums(
     limits = Limits(crossings, threshold, ahead, 0.0, np.zeros(len(listeners)), max(1, budget // 4), budget)
     starts = np.ones((len(roots), arena.lanes))
     found = search(arena, starts, limits, Bounds(arena, crossings), False, Ranking.of(arena, ahead))
-    return PathSums(found.sums.sum(axis=0), found.missing * (1 + ROUNDING), found.paths, found.work)
+    sums = np.minimum(found.sums.sum(axis=0), LARGEST)
+    return PathSums(sums, np.minimum(found.missing * (1 + ROUNDING), LARGEST), found.paths, found.work)
 
 
 def _only_paths(graph: HapticGraph, listeners: Sequence[int], forward: Labels, row: int, limit: float) -> PathSums:
@@ -122,6 +124,8 @@ def unlimited_sums(
     sums = PathSums(np.zeros((len(listeners), lanes_of(graph))), np.zeros(len(listeners)), np.full(len(listeners), -1), 0)
     for root in roots:
         _Unlimited(graph, root, listeners, crossings, tolerance, budget, sums).run()
+    sums.error[sums.gain[:, 0] >= LARGEST] = LARGEST
+    np.minimum(sums.gain, LARGEST, out=sums.gain)
     return sums
 
 
@@ -133,7 +137,8 @@ def lanes_of(graph: HapticGraph) -> int:
 @dataclass(slots=True)
 class _Amplitude:
     """What arrives at a node: ``value`` (k, lanes) by the number of contacts crossed, times ``exp(-cost)``; ``cost`` in two parts that
-    add up to it (a long chain would lose digits in one); ``excess`` bounds how much more it may be, relative to exp(-cost)."""
+    add up to it (a long chain would lose digits in one); ``excess`` bounds how much more it may be, relative to exp(-cost), infinite where
+    nothing bounds it."""
 
     value: FloatArray
     cost: float
@@ -144,6 +149,12 @@ class _Amplitude:
         total = self.cost + cost
         back = total - self.cost
         return _Amplitude(self.value, total, self.rest + ((self.cost - (total - back)) + (cost - back)), self.excess)
+
+    def within_range(self) -> _Amplitude:
+        """As it is, or where it is above all numbers at the largest, with an unbounded excess."""
+        if np.all(self.value <= LARGEST):
+            return self
+        return _Amplitude(np.minimum(self.value, LARGEST), self.cost, self.rest, math.inf)
 
 
 class _Unlimited:
@@ -191,10 +202,11 @@ class _Unlimited:
                     stack.append((behind, onwards))
 
     def _hear(self, amplitude: _Amplitude, columns: Sequence[int]) -> None:
-        scale = math.exp(-(amplitude.cost + amplitude.rest))
+        scale = bounded_exp(-(amplitude.cost + amplitude.rest))
+        excess = min(scale * amplitude.excess, LARGEST) if amplitude.excess < math.inf else LARGEST
         for column in columns:
             self.sums.gain[column] += scale * amplitude.value.sum(axis=0)
-            self.sums.error[column] = min(self.sums.error[column] + scale * amplitude.excess, LARGEST)
+            self.sums.error[column] = min(self.sums.error[column] + excess, LARGEST)
 
     def _cross(self, amplitude: _Amplitude, node: int) -> _Amplitude:
         """Over the contact of a bridge, from its node ``node`` on."""
@@ -220,8 +232,10 @@ class _Unlimited:
                 if not factor.any() and error == 0:
                     continue
                 value = _convolve(amplitude.value, factor)
-                excess = float(amplitude.value[:, 0].sum()) * error + amplitude.excess * (float(factor[:, 0].sum()) + error)
-                on = _Amplitude(value, amplitude.cost, amplitude.rest, min(excess, LARGEST))
+                entered, through = float(amplitude.value[:, 0].sum()), float(factor[:, 0].sum())
+                error = math.inf if error >= LARGEST else error
+                excess = (entered * error if entered else 0.0) + (amplitude.excess * (through + error) if amplitude.excess else 0.0)
+                on = _Amplitude(value, amplitude.cost, amplitude.rest, excess).within_range()
                 arrived[other] = _add(arrived[other], on) if other in arrived else on
         return arrived
 
@@ -256,9 +270,12 @@ class _Unlimited:
 
 
 def _add(a: _Amplitude, b: _Amplitude) -> _Amplitude:
-    """Both amplitudes together, on the scale of the first."""
+    """Both amplitudes together, on the scale of the stronger one: the other way round its factor might be above all numbers."""
+    if a.cost + a.rest > b.cost + b.rest:
+        a, b = b, a
     scale = math.exp((a.cost - b.cost) + (a.rest - b.rest))
-    return _Amplitude(a.value + scale * b.value, a.cost, a.rest, min(a.excess + scale * b.excess, LARGEST))
+    excess = a.excess + (scale * b.excess if b.excess < math.inf else math.inf)
+    return _Amplitude(a.value + scale * b.value, a.cost, a.rest, excess).within_range()
 
 
 def _convolve(a: FloatArray, b: FloatArray) -> FloatArray:

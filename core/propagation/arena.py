@@ -18,6 +18,9 @@ from ..graph import HapticGraph
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+OVERFLOWN = 2e300
+"""Products above this are given as this: above all that is taken for a sum, and still a number."""
+
 CHUNK = 1 << 18
 """Pairs of nodes looked at in one vectorised step, a bound on memory."""
 
@@ -135,7 +138,7 @@ def _rows(
         gain = weight = inside
         if number is None:
             to = graph.partner[b]
-            gain = inside * graph.transmission[graph.contact[b]]
+            gain = np.minimum(inside * graph.transmission[graph.contact[b]], OVERFLOWN)
             weight = gain * graph.share[graph.contact[b]]
             onwards = behind[to]
         else:

@@ -25,6 +25,9 @@ SLACK = 1e-9
 LABELS_AT_ONCE = 1 << 22
 """Labels of so many root and node pairs are held at a time, a bound on memory."""
 
+EXPANSION = 32
+"""One partial path of this search takes as long as so many states elsewhere, which is what a budget counts."""
+
 LAYERS_UNLIMITED = 64
 """Layers computed where gains exceed 1 and nothing limits the connections."""
 
@@ -64,7 +67,7 @@ def best_paths(
     amplified: bool,
     known: Mapping[int, tuple[Labels, int]],
 ) -> BestPaths:
-    """The best path of each pair. ``budget`` bounds the search that is needed where labels are not enough (in partial paths per pair).
+    """The best path of each pair. ``budget`` bounds the search that is needed where labels are not enough, per source.
     ``amplified``: some gain exceeds 1. ``known``: labels that are known already, and the row in them, by row of the source."""
     result = BestPaths()
     wanted = sorted(pairs)
@@ -136,13 +139,14 @@ def _search_row(
     walks = layers(graph, roots, limit + SLACK, count)
     result.relaxed += walks.relaxed
     certain = walks.complete or count == most
+    share = budget // (EXPANSION * len(columns))
     for column in columns:
         target = int(graph.listener_nodes[column])
         path = walks.trace(graph, target)
         if path and certain and not crosses_twice(graph, path):
             _accept(graph, {(row, column): path}, limit, result)
         elif path or not certain:
-            _search_pair(graph, (row, column), walks, crossings, limit, budget, certain, result)
+            _search_pair(graph, (row, column), walks, crossings, limit, share, certain, result)
 
 
 def _search_pair(
@@ -185,6 +189,8 @@ def amplification(graph: HapticGraph) -> float:
 def gain_and_error(cost: float | None, bound: float | None) -> tuple[float, float]:
     """Gain of a path of this cost (None: no path) and how far the best one may exceed it."""
     gain = 0.0 if cost is None else bounded_exp(-cost)
+    if gain >= ERROR_LIMIT:
+        return ERROR_LIMIT, ERROR_LIMIT
     return gain, 0.0 if bound is None else max(0.0, bounded_exp(-bound) - gain)
 
 

@@ -38,6 +38,9 @@ ITERATIONS = 2000
 PRECISION = 1e-15
 """Conjugate gradients stop when no energy can be wrong by more than this part of the power put in."""
 
+HIGHEST = 1e150
+"""Gains above this are taken as this: their squares have to be numbers."""
+
 SAMPLES = 65
 """Distances at which a function without a closed form is looked at, to find where it damps."""
 
@@ -138,6 +141,7 @@ def _energy_gain(graph: HapticGraph, index: IntArray, distance: FloatArray, band
             gains = gains * graph.table.band_gains[index, band]
         if graph.table.band_decays is not None:
             gains = gains * np.exp(-graph.table.band_decays[index, band] * distance)
+    gains = np.minimum(gains, HIGHEST)
     return np.asarray(gains * gains)
 
 
@@ -147,7 +151,7 @@ def _lengths(graph: HapticGraph, extents: FloatArray) -> FloatArray:
         lengths = np.asarray(1.0 / (2.0 * graph.table.decay))
     for index in graph.table.special:
         along = np.linspace(0.0, extents[index], SAMPLES)
-        energy = np.square(graph.table.gain(index, along))
+        energy = np.square(np.minimum(graph.table.gain(index, along), HIGHEST))
         below = np.flatnonzero(energy < np.max(energy) / math.e)
         lengths[index] = along[below[0]] if len(below) and below[0] > 0 else math.inf
     return lengths

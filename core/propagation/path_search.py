@@ -165,19 +165,23 @@ def search(
         crossed[np.arange(len(to)), place[to]] |= bit[to]
         states = _States(
             to,
-            gain[kept],
+            np.minimum(gain[kept], LARGEST),
             states.value[which] * steps.weight[step],
             crossed,
             states.key if keys is None else states.key[which] + keys[0][to],
         )
         if keys is not None:
             states = _merge(states, keys[1])
+        if not np.all(states.value <= LARGEST):
+            np.minimum(states.value, LARGEST, out=states.value)
+            missing[:] = LARGEST
         level += 1
         most = max(0, min(room, int((limits.work - work) / each)))
         if limits.tolerance > 0 or len(states) > most:
             states = _drop(states, limits, bounds, level, np.maximum(total, limits.known), missing, most)
     sums, paths = _add_up(ended, arena)
-    return Found(sums, missing, paths, work)
+    missing[(sums[..., 0].sum(axis=0) > LARGEST) | (np.max(steps.gain, initial=0.0) > LARGEST)] = LARGEST
+    return Found(np.minimum(sums, LARGEST), missing, paths, work)
 
 
 def _bits(patch: IntArray) -> tuple[IntArray, BitArray, int]:

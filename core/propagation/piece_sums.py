@@ -252,14 +252,17 @@ class Programme:
         problem = self.problem
         if self.width > allowed:
             return None, 0
-        if self.weights is None:
-            self.weights = self._weigh()
         start = np.zeros((problem.steps, self.lanes))
         start[0] = 1.0
         (ends,) = self._ends(np.array([problem.entrance]))
         at_start = np.zeros((len(self.exits), self.lanes)) if ends is None else ends
         try:
-            total, work = frontier.sum_over_paths(self.crossings, self.weights, start, at_start, problem.limited, self.expected, allowed)
+            with np.errstate(over="ignore", invalid="ignore"):
+                if self.weights is None:
+                    self.weights = self._weigh()
+                total, work = frontier.sum_over_paths(
+                    self.crossings, self.weights, start, at_start, problem.limited, self.expected, allowed
+                )
         except frontier.TooWide:
             return None, allowed
         # What is larger than any number is no sum: the search reports it as one without bound.

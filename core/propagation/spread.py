@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..graph import HapticGraph
 from ..scene import Settings
-from .best_path import SLACK, crossings_of
+from .best_path import ERROR_LIMIT, SLACK, crossings_of
 from .connections import amplifying, cost_limit
 from .labels import label
 from .layered import layers
@@ -48,7 +48,7 @@ def spread(graph: HapticGraph, settings: Settings, sources: Collection[str] | No
     for first in range(0, len(emitting), at_once):
         part = emitting[first : first + at_once]
         cost, came_from = _strongest(graph, [source.nodes for source in part], settings)
-        gain = np.array([source.amplitude for source in part])[:, None] * np.exp(-cost)
+        gain = np.array([source.amplitude for source in part])[:, None] * np.exp(np.minimum(-cost, math.log(ERROR_LIMIT)))
         best = gain.argmax(axis=0)[None, :]
         strongest = np.take_along_axis(gain, best, axis=0)[0]
         stronger = strongest > result.gain

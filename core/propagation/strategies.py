@@ -89,10 +89,11 @@ class _Run:
             columns = np.flatnonzero(self.wanted[row])
             ends = graph.sources[row].nodes, graph.listener_nodes[columns].tolist()
             sums: PathSums
-            if settings.threshold > 0:
-                sums = limited_sums(graph, *ends, crossings, settings.threshold, self.budget, known, number)
-            else:
-                sums = unlimited_sums(graph, *ends, crossings, settings.tolerance, self.budget)
+            with np.errstate(over="ignore"):  # gains above 1 may multiply to more than a number can say: such a sum has no bound
+                if settings.threshold > 0:
+                    sums = limited_sums(graph, *ends, crossings, settings.threshold, self.budget, known, number)
+                else:
+                    sums = unlimited_sums(graph, *ends, crossings, settings.tolerance, self.budget)
             gain[row, columns], error[row, columns], paths[row, columns] = sums.gain[:, 0], sums.error, sums.paths
             if bands is not None:
                 bands[row, columns] = sums.gain[:, 1:]
@@ -114,10 +115,25 @@ class _Run:
             band_gain=bands,
             delay=_delays(graph, self.wanted.shape, best),
             taps=self._taps(best, gain, amplified) if graph.uses_delays else {},
-            warnings=_warnings(amplified, best, error, gain, settings.tolerance),
+            warnings=self._warnings(amplified, best, gain, error),
             statistics={**statistics_of(graph), "connections_relaxed": best.relaxed, "paths_searched": best.searched, "states": work},
         )
 
+    def _warnings(self, amplified: bool, best: BestPaths, gain: FloatArray, error: FloatArray) -> tuple[str, ...]:
+        warnings = []
+        if amplified:
+            warnings.append("some gains are above 1: paths were searched by their number of connections; energies count them as 1")
+        if best.bound:
+            warnings.append("the budget was spent before it was certain that the best paths are the best: see the error bounds")
+        summed = [row for row, strategy in enumerate(self.strategies) if strategy is Strategy.ALL_PATHS]
+        uncertain = error[summed] > self.settings.tolerance * gain[summed] * (1 + ROUNDING)
+        if np.any(error[summed] >= LARGEST):
+            warnings.append("a sum over paths grows without bound: its gain is a lower bound; energy_balance suits such a scene")
+        elif np.any(uncertain & (error[summed] > 1e-6)):
+            warnings.append("the budget was spent before a sum over paths was certain: its gain is a lower bound, see the error bounds")
+        if np.any(gain >= LARGEST):
+            warnings.append("a gain is too large for a number: it is given as 1e300, a lower bound")
+        return tuple(warnings)
 
     def _taps(self, best: BestPaths, gain: FloatArray, amplified: bool) -> dict[tuple[int, int], tuple[tuple[float, float], ...]]:
         """Of a sum over paths its strongest ones, else the best path with all of the gain."""
@@ -138,19 +154,6 @@ def _delays(graph: HapticGraph, shape: tuple[int, ...], best: BestPaths) -> Floa
     for pair, nodes in best.nodes.items():
         delay[pair] = path_delay(graph, nodes)
     return delay
-
-
-def _warnings(amplified: bool, best: BestPaths, error: FloatArray, gain: FloatArray, tolerance: float) -> tuple[str, ...]:
-    warnings = []
-    if amplified:
-        warnings.append("some gains are above 1: paths were searched by their number of connections; energies count them as 1")
-    if best.bound:
-        warnings.append("the budget was spent before it was certain that the best paths are the best: see the error bounds")
-    if np.any(error >= LARGEST):
-        warnings.append("a sum over paths grows without bound: its gain is a lower bound; energy_balance suits such a scene")
-    elif np.any(error > tolerance * gain * (1 + ROUNDING)) and np.any(error > 1e-6):
-        warnings.append("the budget was spent before a sum over paths was certain: its gain is a lower bound, see the error bounds")
-    return tuple(warnings)
 
 
 def _direct(graph: HapticGraph, settings: Settings, strategies: tuple[Strategy, ...]) -> Propagation:

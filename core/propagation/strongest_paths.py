@@ -24,6 +24,12 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
+WALKED = 64
+"""To look at so many nodes of the way so far takes about as long as one partial path does else."""
+
+_NOTHING = np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0)
+
+
 @dataclass(frozen=True, slots=True)
 class FoundPath:
     """A path and its cost ``-log(gain)``."""
@@ -37,12 +43,21 @@ class _Partial:
     """A partial path that has just entered an object through ``node``, and its continuations, the most promising first."""
 
     node: int
-    cost: float
-    crossed: frozenset[int]
-    trail: tuple[int, ...]
+    before: tuple[_Partial, int] | None  # what it continues, and by which of the continuations
+    contacts: int
     ends: IntArray
     bounds: FloatArray
     costs: FloatArray
+
+    def trail(self) -> list[int]:
+        """The nodes from the root to its own, backwards."""
+        nodes = [self.node]
+        before = self.before
+        while before is not None:
+            partial, place = before
+            nodes += [int(partial.ends[place]), partial.node]
+            before = partial.before
+        return nodes
 
 
 class StrongestPaths(Iterator[FoundPath]):
@@ -67,7 +82,7 @@ class StrongestPaths(Iterator[FoundPath]):
         self._numbers = itertools.count()
         self.expanded = 0
         for root in roots:
-            self._expand(root, 0.0, frozenset(), (root,))
+            self._expand(root, 0.0, None)
 
     @property
     def bound(self) -> float:
@@ -83,24 +98,25 @@ class StrongestPaths(Iterator[FoundPath]):
             end = int(partial.ends[place])
             cost = float(partial.costs[place])
             if end == self._target:
-                return FoundPath(cost, (*partial.trail, end))
-            through = int(self._graph.partner[end])
-            self._expand(through, cost, partial.crossed | {int(self._graph.contact[end])}, (*partial.trail, end, through))
+                return FoundPath(cost, (*reversed(partial.trail()), end))
+            self._expand(int(self._graph.partner[end]), cost, (partial, place))
         raise StopIteration
 
-    def _expand(self, node: int, cost: float, crossed: frozenset[int], trail: tuple[int, ...]) -> None:
+    def _expand(self, node: int, cost: float, before: tuple[_Partial, int] | None) -> None:
         """Find the continuations of a partial path that has just entered an object through ``node``."""
-        self.expanded += 1
         graph = self._graph
+        partial = _Partial(node, before, 0 if before is None else before[0].contacts + 1, *_NOTHING)
+        crossed = partial.trail()[1:]
+        self.expanded += 1 + len(crossed) // WALKED
         nodes = graph.nodes_of(int(graph.node_object[node]))
         others = np.arange(nodes.start, nodes.stop)
         inside = cost + intra_costs(graph, np.full(len(others), node), others)
         costs = inside + self._crossing[others]
-        left = self._crossings - len(crossed) - 1
+        left = self._crossings - partial.contacts - 1
         if left >= 0:
             row = self._ahead[int(min(left, len(self._ahead) - 1))]
             bounds = costs + row[graph.partner[others]]  # partner -1 only where the crossing costs infinity
-            taken = np.fromiter(crossed, dtype=np.int64, count=len(crossed))
+            taken = graph.contact[np.array(crossed, dtype=np.int64)]
             bounds[np.isin(graph.contact[others], taken) & (graph.contact[others] >= 0)] = math.inf
         else:
             bounds = np.full(len(others), math.inf)
@@ -112,7 +128,8 @@ class StrongestPaths(Iterator[FoundPath]):
         bounds[(inside > self._limit) | (bounds > self._limit)] = math.inf
         useful = np.flatnonzero(bounds < math.inf)
         order = useful[np.lexsort((useful, bounds[useful]))]
-        self._push(_Partial(node, cost, crossed, trail, others[order], bounds[order], costs[order]), 0)
+        partial.ends, partial.bounds, partial.costs = others[order], bounds[order], costs[order]
+        self._push(partial, 0)
 
     def _push(self, partial: _Partial, place: int) -> None:
         if place < len(partial.ends):

@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from ..graph import HapticGraph
+from .best_path import bounded_exp
 from .connections import cost_limit, path_delay
 from .labels import label
 from .layered import layers
@@ -41,7 +42,7 @@ def strongest_taps(
         contacts = [int(graph.contact[a]) for a, b in itertools.pairwise(path.nodes) if graph.partner[a] == b]
         if len({int(patch[contact]) for contact in contacts}) == len(contacts):
             share = math.prod(float(graph.share[contact]) for contact in contacts)
-            found.append((path_delay(graph, path.nodes), share * math.exp(-path.cost)))
+            found.append((path_delay(graph, path.nodes), share * bounded_exp(-path.cost)))
         if len(found) == TAPS:
             break
     return tuple(found)

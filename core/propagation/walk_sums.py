@@ -101,7 +101,7 @@ def walk_sums(arena: Arena, crossings: int) -> FloatArray:
 def _ends(arena: Arena) -> FloatArray:
     """(e, l) gain of ending at once."""
     ends = np.zeros((len(arena.nodes), arena.listeners))
-    ends[np.repeat(np.arange(len(ends)), np.diff(arena.ends.start)), arena.ends.to] = arena.ends.weight[:, 0]
+    ends[np.repeat(np.arange(len(ends)), np.diff(arena.ends.start)), arena.ends.to] = np.minimum(arena.ends.weight[:, 0], LARGEST)
     return ends
 
 
@@ -112,7 +112,7 @@ def _step(arena: Arena, values: FloatArray, together: np.ufunc) -> FloatArray:
     filled = np.flatnonzero(np.diff(rows.start))
     if len(filled):
         with np.errstate(over="ignore"):
-            products = rows.weight[:, :1] * values[rows.to]
+            products = np.minimum(rows.weight[:, :1], LARGEST) * values[rows.to]
             result[filled] = together.reduceat(products, rows.start[:-1][filled], axis=0)
     return result
 

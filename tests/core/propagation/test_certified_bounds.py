@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 
+import mpmath
 import numpy as np
 import pytest
 from haptic_tracing.core.functions import Constant, Expression, Identity
@@ -109,6 +110,40 @@ def test_amplifying_scene_ends():
             assert np.isfinite(result.error_bound).all()
             assert any("above 1" in warning for warning in result.warnings)
     assert result.gain[0, 0] <= 1  # energy is not created
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(SEEDS, st.sampled_from([1e60, 1e160, 1e308]), st.sampled_from([(None, 0.0), (32, 1e-3), (9, 0.0)]), st.sampled_from([100, 10000]))
+def test_gains_too_large_for_a_number(seed, gain, limits, budget):
+    """Products above 1e308 are no infinity but a lower bound, and nothing claims to be certain of them."""
+    graph = graph_of_scene(connected_scene(seed, (Constant(gain_value=0.9), Expression(expression=f"{gain} / (1 + d)")), extra=3))
+    for strategy in (Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE):
+        chosen = Settings(strategy=strategy, max_connections=limits[0], threshold=limits[1])
+        result = propagate(graph, chosen, budget)
+        for column in range(len(graph.listeners)):
+            got, error = float(result.gain[0, column]), float(result.error_bound[0, column])
+            assert 0 <= got <= LARGEST
+            assert 0 <= error <= LARGEST
+            if strategy is Strategy.ENERGY_BALANCE:
+                assert got <= 1
+                continue
+            kept = [math.prod(map(mpmath.mpf, gains)) for _, gains in recursive_paths(graph, 0, column) if meets(gains, *limits)]
+            true = max(kept, default=mpmath.mpf(0)) if strategy is Strategy.BEST_PATH else mpmath.fsum(kept)
+            assert got <= true * (1 + 1e-12)
+            assert error == LARGEST or true <= (mpmath.mpf(got) + error) * (1 + 1e-9)
+
+
+def test_long_amplifying_chain_ends():
+    """More contacts than layers are looked at: a bound instead of a path, and no memory of all the ways so far."""
+    count = 3000
+    objects = tuple(HapticObject(f"o{i:04d}", 0.0, 1.0, Expression(expression="1.01 * x")) for i in range(count))
+    contacts = tuple(Contact((f"o{i:04d}", f"o{i + 1:04d}"), (ORIGIN, ORIGIN)) for i in range(count - 1))
+    graph = graph_of_scene(HapticScene(objects, contacts, (Source("s", "o0000"),), (Listener("l", f"o{count - 1:04d}"),)))
+    best = propagate(graph, Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0.0), 100_000)
+    total = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0), 100_000)
+    assert total.gain[0, 0] == pytest.approx(1.01**count, rel=1e-9)
+    assert best.gain[0, 0] <= 1.01**count * (1 + 1e-9) <= best.gain[0, 0] + best.error_bound[0, 0]
+    assert any("budget was spent" in warning for warning in best.warnings)
 
 
 def test_limited_connections_stay_exact_where_paths_are_countless():

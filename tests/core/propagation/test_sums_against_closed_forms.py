@@ -114,6 +114,18 @@ def test_refining_a_patch_changes_no_total(strategy, points):
     assert limited[1].gain[0].tolist() == pytest.approx(limited[0].gain[0].tolist(), rel=1e-12)
 
 
+def test_points_of_one_patch_far_apart():
+    """The way over a point 1500 m away is nothing beside that over the near one, in whichever order they come."""
+    for places in ((1500.0, 0.0), (0.0, 1500.0)):
+        scene = HapticScene(
+            tuple(HapticObject(name, 0, 1, Exponential(alpha=1.0)) for name in "ab"),
+            tuple(Contact(("a", "b"), ((x, 0, 0), (x, 0, 0)), share=0.5) for x in places),
+            (Source("s", "a"),),
+            (Listener("l", "b"),),
+        )
+        assert run(scene).gain[0, 0] == 0.5
+
+
 def test_pebble_changes_nothing():
     """What lies on the ground without leading anywhere is on no path."""
     objects = (HapticObject("ground", 0.2, 0.9), HapticObject("bench", 0.1, 0.8), HapticObject("pebble", 0.0, 1.0))
