@@ -4,6 +4,8 @@ Each haptic connection applies one. Intra-connections use the propagation functi
 function of their contact. A function returns the gain of a signal over a distance, between 0 and 1 unless an author drives it higher.
 """
 
+from .checking import Finding, check_expression, excerpt
+from .conduction import Conduction
 from .modulation import (
     FUNCTIONS,
     Constant,
@@ -19,13 +21,17 @@ from .modulation import (
 
 __all__ = [
     "FUNCTIONS",
+    "Conduction",
     "Constant",
     "Exponential",
     "Expression",
+    "Finding",
     "HapticTracing",
     "Identity",
     "Linear",
     "ModulationFunction",
     "Spectrum",
+    "check_expression",
+    "excerpt",
     "function_from_dict",
 ]

@@ -64,10 +64,11 @@ _COMPARE: dict[type[ast.cmpop], Callable[..., Any]] = {
 
 
 class ExpressionError(ValueError):
-    """A formula that is not accepted; ``column`` is the 0-based place in it."""
+    """A formula that is not accepted: the ``reason`` and the ``column``, its 0-based place in the formula."""
 
-    def __init__(self, message: str, column: int = 0) -> None:
-        super().__init__(f"expression: {message} (column {column + 1})")
+    def __init__(self, reason: str, column: int = 0) -> None:
+        super().__init__(f"expression: {reason} (column {column + 1})")
+        self.reason = reason
         self.column = column
 
 
@@ -106,15 +107,23 @@ def compile_expression(source: str) -> CompiledExpression:
         raise ExpressionError(f"expected text, got {type(source).__name__}")
     if len(source) > MAX_LENGTH:
         raise ExpressionError(f"longer than {MAX_LENGTH} characters", MAX_LENGTH)
+    formula = source.strip()
+    indent = len(source) - len(source.lstrip())
     try:
-        tree = ast.parse(source.strip(), mode="eval").body
+        tree = ast.parse(formula, mode="eval").body
     except SyntaxError as error:
-        raise ExpressionError(f"not a formula: {error.msg}", max(0, (error.offset or 1) - 1)) from None
+        if not error.offset:  # the parser ran out of text
+            raise ExpressionError("not a formula: something is missing at its end", indent + len(formula)) from None
+        raise ExpressionError(f"not a formula: {error.msg}", indent + error.offset - 1) from None
     except (ValueError, MemoryError, RecursionError):
         raise ExpressionError("not a formula") from None
     if sum(1 for _ in ast.walk(tree)) > 3 * MAX_NODES:
         raise ExpressionError(f"more than {MAX_NODES} parts")
-    degree = _degree(tree)
+    try:
+        degree = _degree(tree)
+    except ExpressionError as error:  # the parser counts the bytes of UTF-8
+        before = formula.encode()[: error.column].decode(errors="ignore")
+        raise ExpressionError(error.reason, indent + len(before)) from None
     if degree not in (0, 1, None):
         raise ExpressionError(f"must be proportional to x, but grows with x to the power {degree}")
     return CompiledExpression(source, tree)

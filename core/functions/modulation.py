@@ -64,7 +64,8 @@ class Spectrum:
         return used
 
 
-def _require(key: str, value: float, low: float = 0.0) -> None:
+def require(key: str, value: float, low: float = 0.0) -> None:
+    """Raise ValueError that names ``key`` where a parameter is not finite or is less than ``low``."""
     if not (math.isfinite(value) and value >= low):
         raise ValueError(f"{key}: must be finite and >= {low:g}, got {value!r}")
 
@@ -133,7 +134,7 @@ class Constant(ModulationFunction):
     gain_value: float = field(default=0.5, metadata={"key": "gain"})
 
     def __post_init__(self) -> None:
-        _require("gain", self.gain_value)
+        require("gain", self.gain_value)
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return self.gain_value, 0.0
@@ -150,7 +151,7 @@ class Exponential(ModulationFunction):
     alpha: float = 0.2
 
     def __post_init__(self) -> None:
-        _require("alpha", self.alpha)
+        require("alpha", self.alpha)
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return 1.0, self.alpha
@@ -184,7 +185,7 @@ class Linear(ModulationFunction):
     range: float = 10.0
 
     def __post_init__(self) -> None:
-        _require("range", self.range)
+        require("range", self.range)
         if self.range == 0:
             raise ValueError("range: must be greater than 0 m")
 
@@ -253,15 +254,15 @@ FUNCTIONS: dict[str, type[ModulationFunction]] = {
 _SPECTRUM_KEYS = ("band_gains", "band_decays", "wave_speed")
 
 
-def function_from_dict(form: Mapping[str, Any]) -> ModulationFunction:
-    """The function of a scene file's ``{"function": name, parameters...}``.
+def function_from_dict(form: Mapping[str, Any], functions: Mapping[str, type[ModulationFunction]] = FUNCTIONS) -> ModulationFunction:
+    """The function of a scene file's ``{"function": name, parameters...}``; ``functions``: those that its modality knows.
 
     Raises ValueError that names the key for an unknown name, an unknown parameter or a value out of range.
     """
     name = form.get("function")
-    cls = FUNCTIONS.get(name) if isinstance(name, str) else None
+    cls = functions.get(name) if isinstance(name, str) else None
     if cls is None:
-        raise ValueError(f"function: unknown {name!r}; one of {', '.join(FUNCTIONS)}")
+        raise ValueError(f"function: unknown {name!r}; one of {', '.join(functions)}")
     parameters: dict[str, Any] = {f.metadata.get("key", f.name): f.name for f in fields(cls) if f.init and f.name != "spectrum"}
     arguments: dict[str, Any] = {}
     for key, value in form.items():

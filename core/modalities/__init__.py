@@ -1,0 +1,19 @@
+"""Modalities: ways to feel that share the objects, contacts and listeners of a scene, each with functions, values and a unit of its own.
+
+A further modality is a module with one `Modality` value, and its line in `MODALITIES`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from .modality import Modality, Quantity
+from .propagation import Emitter, Felt, feel, propagation_function
+from .thermal import THERMAL
+from .vibrotactile import VIBROTACTILE
+
+MODALITIES: Mapping[str, Modality] = MappingProxyType({modality.name: modality for modality in (VIBROTACTILE, THERMAL)})
+"""The modalities by name."""
+
+__all__ = ["MODALITIES", "THERMAL", "VIBROTACTILE", "Emitter", "Felt", "Modality", "Quantity", "feel", "propagation_function"]

@@ -1,0 +1,102 @@
+"""What a modality without samples gives at every listener: one value per frame."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..contacts.contact_set import ContactSet
+from ..functions import Constant, ModulationFunction, function_from_dict
+from ..graph import ObjectTable, build_graph
+from ..propagation import objects_on, propagate
+from ..scene import HapticObject, Listener, Settings, Source
+from .modality import Modality
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Emitter:
+    """Where a modality's signal comes from: the object it stands on, its place (metres, world) and its value in the modality's unit."""
+
+    name: str
+    object: str
+    position: tuple[float, float, float]
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Felt:
+    """``gains`` (s, l) of the emitters at the listeners, ``values`` (l,) in the modality's unit, and the objects of each best path."""
+
+    modality: Modality
+    emitters: tuple[Emitter, ...]
+    listeners: tuple[str, ...]
+    gains: FloatArray
+    values: FloatArray
+    paths: Mapping[tuple[int, int], tuple[str, ...]]
+
+
+def propagation_function(modality: Modality, values: Mapping[str, float], form: Mapping[str, Any] | None = None) -> ModulationFunction:
+    """The function of an object: ``form`` as in a scene file where its author chose one, else the modality's default.
+
+    An object's ``values`` are the parameters that ``form`` does not give. Raises ValueError that names the key.
+    """
+    name = (form or {}).get("function", modality.default_function)
+    function = modality.functions.get(name)
+    known = set() if function is None else {key for key in values if key in function.__dataclass_fields__}
+    return function_from_dict({"function": name, **{key: values[key] for key in known}, **(form or {})}, modality.functions)
+
+
+def feel(
+    modality: Modality,
+    names: Sequence[str],
+    values: Mapping[str, Mapping[str, float]],
+    contacts: ContactSet,
+    emitters: Sequence[Emitter],
+    listeners: Sequence[Listener],
+    settings: Settings,
+    forms: Mapping[str, Mapping[str, Any]] | None = None,
+) -> Felt:
+    """Propagate a modality through the contacts that the tracer found.
+
+    names: objects in the order that ``contacts`` number them, which is sorted. values: what each has for the modality, its defaults
+    where it is not named; forms: the function of those whose author chose one. Raises ValueError that names what is wrong.
+    """
+    if modality.sampled:
+        raise ValueError(f"modality: {modality.name!r} has sampled signals, which the tracer renders")
+    own = {name: {**modality.defaults(), **values.get(name, {})} for name in names}
+    objects = [HapticObject(name, 0.0, 1.0, propagation_function(modality, own[name], (forms or {}).get(name))) for name in names]
+    sources = tuple(Source(emitter.name, emitter.object, emitter.position) for emitter in emitters)
+    table = ObjectTable.of(objects, settings.epsilon)
+    graph = build_graph(table, _with_transmission(modality, names, own, contacts), sources, tuple(listeners))
+    found = propagate(graph, replace(settings, strategy=modality.strategy, threshold=0.0, max_connections=None))
+    strengths = np.array([emitter.value for emitter in emitters], dtype=np.float64)
+    return Felt(
+        modality=modality,
+        emitters=tuple(emitters),
+        listeners=tuple(listener.name for listener in listeners),
+        gains=found.gain,
+        values=strengths @ found.gain,
+        paths={pair: objects_on(graph, nodes) for pair, nodes in found.best_path.items()},
+    )
+
+
+def _with_transmission(
+    modality: Modality, names: Sequence[str], values: Mapping[str, Mapping[str, float]], contacts: ContactSet
+) -> ContactSet:
+    """The contacts with the modality's gains. One function serves both ways through a contact: the geometric mean of the two gains, so that
+    a way there and back loses what it should."""
+    gains = [
+        math.sqrt(modality.transmission(values[names[first]]) * modality.transmission(values[names[second]]))
+        for first, second in contacts.pairs.tolist()
+    ]
+    known = {gain: number for number, gain in enumerate(dict.fromkeys(gains))}
+    functions = tuple(Constant(gain_value=gain) for gain in known)
+    numbers = np.array([known[gain] for gain in gains], dtype=np.int64)
+    return replace(contacts, transmission=numbers, transmissions=functions or contacts.transmissions)

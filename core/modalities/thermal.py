@@ -1,0 +1,44 @@
+"""Warmth, in the steady state: what a listener feels long after a fire was lit.
+
+Temperatures are excesses over the room's, in kelvin. Along an object they fall as along a long plate that leaks into the air
+(`Conduction`). At a contact, what flows through the joint warms the next plate: with the joint's conductance ``h_c`` and the flux ``k m T``
+that a long plate draws, ``T2 / T1 = h_c / (h_c + k m)``. That is the closed form for a chain of long plates; of several ways from a source
+the warmest counts, and the excesses of several sources add up, since the equation is linear.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from ..functions import FUNCTIONS, Conduction
+from ..scene import Strategy
+from .modality import Modality, Quantity
+
+JOINT = 500.0
+"""Conductance of a dry joint between two bodies that lie on each other, W/(m^2 K): rough solids are between 100 and 10,000."""
+
+
+def joint_gain(values: Mapping[str, float]) -> float:
+    """``h_c / (h_c + k m)`` into an object of these values."""
+    drawn = math.sqrt(2.0 * values["exchange"] * values["conductivity"] / values["thickness"])
+    return JOINT / (JOINT + drawn)
+
+
+THERMAL = Modality(
+    name="thermal",
+    title="Warmth",
+    description="Heat that is conducted through touching objects, in the steady state",
+    functions={"conduction": Conduction, **{name: FUNCTIONS[name] for name in ("exponential", "linear", "constant", "expression")}},
+    object_values=(
+        Quantity("conductivity", "Conductivity", "How well heat is conducted: steel 50, stone 2.8, wood 0.15", "W/(m·K)", 1.0, 0.01, 500.0),
+        Quantity("thickness", "Thickness", "Extent across the way of the heat; thick things carry it further", "m", 0.1, 0.001, 10.0),
+        Quantity("exchange", "Heat Loss", "What a face gives off to air: 5 still, 10 a calm room, 25 wind", "W/(m²·K)", 10.0, 0.1, 200.0),
+    ),
+    source_value=Quantity("temperature", "Temperature", "How much warmer than the room the source is", "K", 60.0, -100.0, 1000.0),
+    sampled=False,
+    strategy=Strategy.BEST_PATH,
+    # Skin is at about 33 °C: in a room of 21 °C what it touches is no warmer until 12 K over the room; from 45 °C on it hurts.
+    sensations=((0.5, "hardly warmer"), (4.0, "lukewarm"), (12.0, "warm"), (18.0, "hot"), (24.0, "burns")),
+    transmission=joint_gain,
+)
