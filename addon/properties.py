@@ -8,6 +8,7 @@ from bpy.types import Context, Object, PropertyGroup, Scene
 
 from ..core.body import BODY_PARTS
 from . import session
+from .bake import properties as bake
 
 FUNCTION_ITEMS = (
     ("haptic_tracing", "Haptic Tracing", "K e^(-max(K, ε) d) with K = (1 - κ) ρ: fades with distance as the two properties say"),
@@ -22,6 +23,7 @@ SIGNAL_ITEMS = (
     ("PULSE", "Pulse Train", "Regular blows, like those of a jackhammer"),
     ("NOISE", "Noise", "A rough, random vibration"),
     ("FILE", "WAV File", "A recorded signal"),
+    ("KEPT", "Imported", "The signal of an imported file, kept in this one"),
 )
 MIXING_ITEMS = (
     ("cumulative", "Cumulative", "Adds all signals up and holds the sum at the ceiling"),
@@ -120,6 +122,9 @@ class HapticSourceProperties(PropertyGroup):
         soft_max=10.0,
         update=_changed,
     )
+    imported: StringProperty(
+        name="Imported", description="What an imported file says beyond these properties", options={"HIDDEN"}, update=_changed
+    )
 
 
 class HapticListenerProperties(PropertyGroup):
@@ -163,6 +168,9 @@ class HapticListenerProperties(PropertyGroup):
         subtype="FACTOR",
         update=_changed,
     )
+    imported: StringProperty(
+        name="Imported", description="What an imported file says beyond these properties", options={"HIDDEN"}, update=_changed
+    )
 
 
 class HapticObjectProperties(PropertyGroup, HapticFunction):
@@ -202,8 +210,12 @@ class HapticObjectProperties(PropertyGroup, HapticFunction):
     medium: BoolProperty(
         name="Medium", description="A volume such as air or water: it touches everything that it overlaps", default=False, update=_changed
     )
+    imported: StringProperty(
+        name="Imported", description="What an imported file says beyond these properties", options={"HIDDEN"}, update=_changed
+    )
     source: PointerProperty(type=HapticSourceProperties)
     listener: PointerProperty(type=HapticListenerProperties)
+    felt: PointerProperty(type=bake.HapticFeltProperties)
 
 
 class HapticSceneProperties(PropertyGroup):
@@ -309,9 +321,13 @@ class HapticSceneProperties(PropertyGroup):
     xray: BoolProperty(
         name="In Front", description="Draw the graph over objects instead of being hidden by them", default=True, update=_view_changed
     )
+    bake: PointerProperty(type=bake.HapticBakeProperties)
+    imported: StringProperty(
+        name="Imported", description="What an imported file says beyond these properties", options={"HIDDEN"}, update=_changed
+    )
 
 
-CLASSES = (HapticSourceProperties, HapticListenerProperties, HapticObjectProperties, HapticSceneProperties)
+CLASSES = (*bake.CLASSES, HapticSourceProperties, HapticListenerProperties, HapticObjectProperties, HapticSceneProperties)
 
 
 def register() -> None:

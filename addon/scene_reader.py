@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from ..core.contacts.tracker import Body, ContactSettings, Motion
 from ..core.functions import ModulationFunction, function_from_dict
-from ..core.scene import HapticObject, Listener, Pose, Settings, Source
-from ..core.signals import Loop, Noise, Pulse, Signal, Sine, read_wav
+from ..core.scene import HapticObject, Listener, Pose, Settings, Source, SourceKind
+from ..core.signals import DEFAULT_IMPACT, Loop, Noise, Pulse, Signal, Sine, read_wav
 from . import compatibility
 from .collision_shapes import collision_shape
+from .formats.kept import kept_object, kept_source
 
 FloatArray = NDArray[np.float64]
 
@@ -109,7 +110,8 @@ class SceneReader:
         self._read_changed(depsgraph, matrices)
         rows, objects, bodies, places, problems = self._assembled()
         transforms, _ = rigid_transforms(matrices[rows])
-        moved = [replace(item, position=tuple(matrices[row, :3, 3].tolist())) for row, item in places]
+        now, duration = seconds_of(scene, scene.frame_current), scene.render.fps_base / scene.render.fps
+        moved = [replace(item, position=tuple(matrices[row, :3, 3].tolist())) for row, item in places if _sounds(item, now, duration)]
         return Reading(
             objects=objects,
             bodies=bodies,
@@ -201,6 +203,10 @@ class SceneReader:
     def _shape(self, obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Any:
         body = obj.rigid_body
         settings = () if body is None else (body.collision_shape, body.mesh_source, body.use_margin, body.collision_margin)
+        if body is None and np.allclose(scale, 1.0, atol=1e-5):
+            kept = kept_object(obj.haptics.imported).shape
+            if kept is not None:
+                return kept
         key = (tuple(scale.tolist()), settings)
         known = self._shapes.get(obj.session_uid)
         if known is None or known[0] != key:
@@ -238,19 +244,26 @@ def read_object(obj: Object) -> HapticObject:
         kappa=haptics.kappa,
         rho=haptics.rho,
         propagation=read_function(haptics),
-        mass=obj.rigid_body.mass if obj.rigid_body is not None else None,
+        mass=obj.rigid_body.mass if obj.rigid_body is not None else kept_object(haptics.imported).mass,
         medium=haptics.medium,
     )
 
 
 def read_source(obj: Object, carrier: str) -> Source:
-    """The persistent source of a Blender object that stands on the haptic object ``carrier``; its position is filled in per frame."""
+    """The source of a Blender object that stands on the haptic object ``carrier``; its position is filled in per frame."""
     properties = obj.haptics.source
+    kept = kept_source(properties.imported)
+    second = bpy.data.objects.get(kept.second_object or "")
+    struck = second is not None and second.haptics.enabled and second.name_full != carrier
     return Source(
         name=obj.name_full,
         object=carrier,
         amplitude=0.0 if properties.muted else properties.amplitude,
-        signal=read_signal(properties),
+        kind=kept.kind,
+        signal=kept.signal if properties.signal == "KEPT" else read_signal(properties),
+        second_object=kept.second_object if struck else None,
+        second_position=kept.second_position if struck else None,
+        onset=kept.onset,
         priority=properties.priority,
     )
 
@@ -306,6 +319,13 @@ def read_contact_settings(scene: Scene) -> ContactSettings:
 def seconds_of(scene: Scene, frame: float) -> float:
     """Time of a frame in seconds from the scene's first frame."""
     return (frame - scene.frame_start) * scene.render.fps_base / scene.render.fps
+
+
+def _sounds(item: Source | Listener, now: float, duration: float) -> bool:
+    """False for a temporary source that is not heard in the frame of ``duration`` seconds that ends ``now``."""
+    if not isinstance(item, Source) or item.kind is SourceKind.PERSISTENT:
+        return True
+    return item.onset <= now < item.onset + (item.signal or DEFAULT_IMPACT).duration + duration
 
 
 def _motion(obj: Object) -> Motion:
