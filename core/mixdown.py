@@ -33,23 +33,34 @@ class Mixdown:
     ) -> FloatArray | None:
         """The samples (l, n) from ``start`` to ``end`` [s], gains reaching those of ``propagation`` at the end; None where there is no
         start or nobody listens."""
-        mixes = tuple(ListenerMix(name=item.name, method=item.mixing, s_max=item.s_max) for item in listeners)  # type: ignore[arg-type]
+        mixes = listener_mixes(listeners)
         if self._renderer is None or self._renderer.listeners != mixes:
             self._renderer = Renderer(mixes, self.sample_rate) if mixes else None
         if self._renderer is None or start is None:
             return None
-        listener_gain = np.array([item.gain for item in listeners])
-        gains = propagation.gain if propagation.band_gain is None else propagation.band_gain
-        voices = [
-            Voice(
-                key=source.name,
-                signal=source.signal or (DEFAULT_PERSISTENT if source.kind is SourceKind.PERSISTENT else self.impact_signal),
-                gains=gains[row] * (listener_gain if gains.ndim == 2 else listener_gain[:, None]),
-                onset=source.onset,
-                amplitude=source.amplitude,
-                delays=None if propagation.delay is None else propagation.delay[row],
-                priority=source.priority,
-            )
-            for row, source in enumerate(sources)
-        ]
-        return self._renderer.render_frame(start, end, voices)
+        return self._renderer.render_frame(start, end, source_voices(sources, listeners, propagation, self.impact_signal))
+
+
+def listener_mixes(listeners: Sequence[Listener]) -> tuple[ListenerMix, ...]:
+    """How listeners mix, for a `Renderer`."""
+    return tuple(ListenerMix(name=item.name, method=item.mixing, s_max=item.s_max) for item in listeners)  # type: ignore[arg-type]
+
+
+def source_voices(
+    sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation, impact_signal: Signal = DEFAULT_IMPACT
+) -> list[Voice]:
+    """What a `Renderer` plays of sources: a voice each, with its gains at the listeners. ``impact_signal``: of impacts without one."""
+    listener_gain = np.array([item.gain for item in listeners])
+    gains = propagation.gain if propagation.band_gain is None else propagation.band_gain
+    return [
+        Voice(
+            key=source.name,
+            signal=source.signal or (DEFAULT_PERSISTENT if source.kind is SourceKind.PERSISTENT else impact_signal),
+            gains=gains[row] * (listener_gain if gains.ndim == 2 else listener_gain[:, None]),
+            onset=source.onset,
+            amplitude=source.amplitude,
+            delays=None if propagation.delay is None else propagation.delay[row],
+            priority=source.priority,
+        )
+        for row, source in enumerate(sources)
+    ]

@@ -1,0 +1,80 @@
+"""What live outputs play: blocks that follow the picture while the timeline runs, short grains where it is scrubbed.
+
+Each block holds the samples of the frame that has just become visible, whatever was dropped, repeated or jumped over before it, so that
+touch never shifts against the picture. Frame by frame it is what a bake gives, sample for sample.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .frame_result import FrameResult
+from .mixdown import listener_mixes, source_voices
+from .rendering import Renderer, sample_index
+
+FloatArray = NDArray[np.float64]
+
+GRAIN = 0.100
+"""Seconds that a frame is felt for when it is scrubbed to."""
+_GRAIN_RISE, _GRAIN_FALL = 0.005, 0.040
+# So that a device that is told levels, looking at 40 ms of signal, comes to zero within the grain's own block.
+_GRAIN_SILENCE = 0.060
+# Frames that are dropped are rendered and left out; what jumps further is another place of the timeline.
+_LONGEST_STEP = 1.0
+
+
+class Playback:
+    """The stream of blocks of one scene while it plays."""
+
+    def __init__(self) -> None:
+        self._renderer: Renderer | None = None
+        self._time: float | None = None
+
+    def start(self, time: float) -> None:
+        """Begin at ``time`` [s], from silence."""
+        self._renderer, self._time = None, time
+
+    def block(self, result: FrameResult, frame_seconds: float) -> FloatArray:
+        """The samples of the frame that ends at ``result``, (listeners, n): ``frame_seconds`` long, or nothing where it was played already.
+
+        At a jump (a loop, a step back, a long gap) what sounded fades out while what sounds there fades in.
+        """
+        mixes = listener_mixes(result.listeners)
+        if self._time == result.time and self._renderer is not None:
+            return np.zeros((len(mixes), 0))
+        voices = source_voices(result.sources, result.listeners, result.propagation)
+        before = self._renderer if self._renderer is not None and self._renderer.listeners == mixes else None
+        begun = self._time
+        if begun is not None and 0.0 < result.time - begun <= max(_LONGEST_STEP, 1.5 * frame_seconds) and self._renderer in (None, before):
+            renderer = before or Renderer(mixes, result.sample_rate)
+            samples = renderer.render_frame(begun, result.time, voices)
+            start = begun if result.time - begun < 1.5 * frame_seconds else result.time - frame_seconds
+            block = samples[:, samples.shape[1] - _count(start, result.time, result.sample_rate) :]
+        else:
+            renderer = Renderer(mixes, result.sample_rate)
+            block = renderer.render_frame(result.time - frame_seconds, result.time, voices)
+            if before is not None and begun is not None:
+                ending = before.render_frame(begun, begun + frame_seconds, ())[:, : block.shape[1]]
+                block[:, : ending.shape[1]] += ending
+                ceilings = np.array([mix.s_max for mix in mixes])[:, None]
+                block = np.clip(block, -ceilings, ceilings)
+        self._renderer, self._time = renderer, result.time
+        return block
+
+
+def grain(result: FrameResult, frame_seconds: float) -> FloatArray:
+    """A short touch of a frame, (listeners, n), that begins and ends in silence: its last frame and what goes on from there."""
+    start = result.time - frame_seconds
+    renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
+    voices = source_voices(result.sources, result.listeners, result.propagation)
+    renderer.render_frame(start, start, voices)
+    samples = renderer.render_frame(start, start + GRAIN, voices)
+    seconds = (np.arange(samples.shape[1]) + 0.5) / result.sample_rate
+    rise, fall = np.clip(seconds / _GRAIN_RISE, 0.0, 1.0), np.clip((seconds[-1] - seconds) / _GRAIN_FALL, 0.0, 1.0)
+    silence = np.zeros((samples.shape[0], round(_GRAIN_SILENCE * result.sample_rate)))
+    return np.concatenate([samples * np.sin(0.5 * np.pi * np.minimum(rise, fall)) ** 2, silence], axis=1)
+
+
+def _count(start: float, end: float, sample_rate: float) -> int:
+    return sample_index(end, sample_rate) - sample_index(start, sample_rate)
