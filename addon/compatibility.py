@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import bpy
@@ -24,3 +25,59 @@ def is_animated(datablock: Any) -> bool:
     """True where an action, the NLA or drivers may change the datablock's properties."""
     data = datablock.animation_data
     return data is not None and (data.action is not None or len(data.drivers) > 0 or len(data.nla_tracks) > 0)
+
+
+def fcurves_of(datablock: Any) -> list[Any]:
+    """The F-curves that animate the datablock through its action: those of its slot where actions have slots (Blender 4.4 on)."""
+    data = datablock.animation_data
+    if data is None or data.action is None:
+        return []
+    action = data.action
+    if not hasattr(action, "layers"):
+        return list(action.fcurves)
+    slot = data.action_slot
+    return [curve for bag in _channelbags(action) if slot is not None and bag.slot_handle == slot.handle for curve in bag.fcurves]
+
+
+def remove_fcurves(datablock: Any, data_paths: Collection[str]) -> None:
+    """Take F-curves out of the datablock's action."""
+    data = datablock.animation_data
+    if data is None or data.action is None:
+        return
+    owners = _channelbags(data.action) if hasattr(data.action, "layers") else [data.action]
+    handle = data.action_slot.handle if hasattr(data.action, "layers") and data.action_slot is not None else None
+    for owner in owners:
+        if handle is None or owner.slot_handle == handle:
+            for curve in [curve for curve in owner.fcurves if curve.data_path in data_paths]:
+                owner.fcurves.remove(curve)
+
+
+def ensure_fcurve(datablock: Any, data_path: str, group: str) -> Any:
+    """The F-curve of a property in the datablock's action; both are made where there are none."""
+    if datablock.animation_data is None:
+        datablock.animation_data_create()
+    data = datablock.animation_data
+    if data.action is None:
+        data.action = bpy.data.actions.new(f"{datablock.name}Action")
+    ensure = data.action.bl_rna.functions.get("fcurve_ensure_for_datablock")
+    if ensure is not None:
+        named = {"group_name": group} if "group_name" in ensure.parameters else {}
+        return data.action.fcurve_ensure_for_datablock(datablock, data_path, **named)
+    found = data.action.fcurves.find(data_path)
+    return found or data.action.fcurves.new(data_path, action_group=group)
+
+
+def strips_of(editor: Any) -> Any:
+    """All strips of the sequencer; they were called sequences."""
+    return editor.strips if hasattr(editor, "strips") else editor.sequences
+
+
+def strip_ends(strip: Any) -> tuple[float, float]:
+    """The frames at which a strip begins and ends."""
+    if hasattr(strip, "left_handle"):
+        return strip.left_handle, strip.right_handle
+    return strip.frame_final_start, strip.frame_final_end
+
+
+def _channelbags(action: Any) -> list[Any]:
+    return [bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags]

@@ -10,22 +10,27 @@ from bpy.app.handlers import persistent
 from bpy.types import Depsgraph, Scene
 
 from . import session
+from .bake import playback
 from .overlay import draw
-from .suspension import is_suspended
+from .suspension import is_stepped, is_suspended
 
 
 @persistent
 def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
-    """Trace the frame that Blender has just evaluated."""
-    if not scene.haptics.tracing or is_suspended() or depsgraph.mode == "RENDER":
+    """Trace the frame that Blender has just evaluated, or read it from the baked track."""
+    if is_suspended() or depsgraph.mode == "RENDER":
         return
-    session.trace(scene, depsgraph)
+    if is_stepped(scene) or (scene.haptics.tracing and not playback.play(scene)):
+        session.trace(scene, depsgraph)
 
 
 @persistent
 def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
     """Trace the frame again after an edit; while the timeline plays, `frame_change_post` does it."""
-    if not scene.haptics.tracing or is_suspended() or depsgraph.mode == "RENDER" or _is_playing():
+    if is_suspended() or is_stepped(scene) or depsgraph.mode == "RENDER" or _is_playing():
+        return
+    session.mark_edited()
+    if not scene.haptics.tracing or playback.plays(scene):
         return
     if _edited(depsgraph):
         session.of(scene).reader.forget()
@@ -37,6 +42,8 @@ def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
 def forget_everything(*_: Any) -> None:
     """Before and after another file is loaded."""
     session.clear()
+    draw.forget()
+    playback.forget()
 
 
 @persistent

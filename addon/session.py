@@ -9,6 +9,7 @@ from bpy.types import Depsgraph, Scene
 
 from ..core.frame_result import FrameResult
 from ..core.tracer import Frame, Tracer
+from .modalities import feeling
 from .scene_reader import Problem, Reading, SceneReader, seconds_of
 
 
@@ -27,12 +28,24 @@ class Session:
 
 _sessions: dict[int, Session] = {}
 _version = 0
+_edits = 0
 
 
 def mark_changed() -> None:
     """Something an author can change has changed, in some scene."""
     global _version
     _version += 1
+
+
+def mark_edited() -> None:
+    """Something in Blender was edited, that an author's settings may or may not depend on."""
+    global _edits
+    _edits += 1
+
+
+def edits() -> int:
+    """A number that changes with every edit."""
+    return _version + _edits
 
 
 def of(scene: Scene) -> Session:
@@ -52,9 +65,16 @@ def problems_of(scene: Scene) -> tuple[Problem, ...]:
     return session.problems if session is not None else ()
 
 
+def show(scene: Scene, result: FrameResult) -> None:
+    """Keep a result that was read from a track instead of being traced."""
+    session = of(scene)
+    session.result, session.frame = result, None
+
+
 def clear() -> None:
     """Forget every scene."""
     _sessions.clear()
+    feeling.forget()
     mark_changed()
 
 
@@ -83,7 +103,7 @@ def trace(scene: Scene, depsgraph: Depsgraph) -> FrameResult | None:
         session.problems = (*reading.problems, Problem("", str(error)))
         return None
     session.result = replace(result, milliseconds={"read": read_milliseconds, **result.milliseconds})
-    session.problems = reading.problems + tuple(Problem("", warning) for warning in result.warnings)
+    session.problems = reading.problems + tuple(Problem("", warning) for warning in result.warnings) + feeling.trace(scene, result)
     return session.result
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import dataclass
 
 import bpy
@@ -15,6 +16,7 @@ from ..core.frame_result import FrameResult
 from ..core.scene import Source
 from . import session
 from .scene_reader import Reading, seconds_of
+from .suspension import stepped, suspended
 
 FloatArray = NDArray[np.float64]
 
@@ -46,36 +48,68 @@ class Played:
     liveliest: FrameResult  # the frame of the strongest impact; the last one where there was none
 
 
-def play(scene: Scene, start: int, end: int, progress: Callable[[int], None] = lambda frame: None) -> Played:
-    """Step through the frames ``start`` to ``end`` in order; the scene's frame is then what it was. ``progress`` is told every frame.
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A traced frame, and how long Blender took for it."""
 
-    Raises ValueError in words where a frame can't be traced, or where the listeners change on the way.
+    result: FrameResult
+    blender_milliseconds: float
+    tracing_milliseconds: float
+
+
+def steps(scene: Scene, start: int, end: int) -> Iterator[Step]:
+    """Step through the frames ``start`` to ``end`` in order, tracing each; when it ends or is closed, the scene's frame is what it was.
+
+    A simulation that begins earlier and is not baked runs up to ``start`` first. Raises ValueError in words where a frame can't be traced,
+    or where the listeners change on the way.
     """
     before = scene.frame_current
-    session.of(scene).frame = None  # a fresh start, whatever was traced before
+    result: FrameResult | None = None
+    try:
+        for frame in range(_simulation_start(scene, start), start):
+            with suspended():
+                scene.frame_set(frame)
+        session.of(scene).frame = None  # a fresh start, whatever was traced before
+        for frame in range(start, end + 1):
+            began = time.perf_counter()
+            with stepped(scene):
+                scene.frame_set(frame)
+            total = 1000 * (time.perf_counter() - began)
+            result = _checked(scene, result)
+            traced = sum(result.milliseconds.values())
+            yield Step(result, total - traced, traced)
+    finally:
+        scene.frame_set(before)
+
+
+def _simulation_start(scene: Scene, start: int) -> int:
+    """The frame from which rigid bodies have to be simulated to stand right at ``start``."""
+    world = scene.rigidbody_world
+    if world is None or not world.enabled or world.point_cache.is_baked:
+        return start
+    return min(world.point_cache.frame_start, start)
+
+
+def play(scene: Scene, start: int, end: int, progress: Callable[[int], None] = lambda frame: None) -> Played:
+    """What playing the frames ``start`` to ``end`` gives, see `steps`. ``progress`` is told every frame."""
     blocks: list[FloatArray] = []
     blender, tracing = [], []
     impacts: list[ImpactFelt] = []
     result: FrameResult | None = None
     liveliest: FrameResult | None = None
-    try:
-        for frame in range(start, end + 1):
-            began = time.perf_counter()
-            scene.frame_set(frame)
-            total = 1000 * (time.perf_counter() - began)
-            result = _checked(scene, result)
-            traced = sum(result.milliseconds.values())
-            tracing.append(traced)
-            blender.append(total - traced)
+    reading: Reading | None = None
+    with closing(steps(scene, start, end)) as played:
+        for step in played:
+            result = step.result
+            reading = session.of(scene).reading
+            blender.append(step.blender_milliseconds)
+            tracing.append(step.tracing_milliseconds)
             impacts += _new_impacts(result)
             if result.impacts and (liveliest is None or _strength(result) > _strength(liveliest)):
                 liveliest = result
             if result.block is not None:
                 blocks.append(result.block)
-            progress(frame)
-        reading = session.of(scene).reading
-    finally:
-        scene.frame_set(before)
+            progress(result.number)
     if result is None or reading is None:
         raise ValueError(f"The frame range {start} to {end} is empty")
     return Played(
@@ -101,7 +135,7 @@ def _checked(scene: Scene, previous: FrameResult | None) -> FrameResult:
     result = session.result_of(scene)
     if result is None or result.number != scene.frame_current:
         problems = session.problems_of(scene)
-        reason = problems[0].message if problems else "no object is tagged, or tracing is switched off"
+        reason = problems[0].message if problems else "no object is tagged"
         raise ValueError(f"Frame {scene.frame_current} can't be traced: {reason}")
     if previous is not None and [item.name for item in previous.listeners] != [item.name for item in result.listeners]:
         raise ValueError(f"The listeners change at frame {result.number}")

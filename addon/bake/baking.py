@@ -1,0 +1,86 @@
+"""A bake as it goes: frame after frame, then what is made of the track; a piece at a time, so that Blender stays alive meanwhile."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import closing
+
+from bpy.types import Scene
+
+from .. import timeline
+from ..suspension import suspended
+from . import curves, sound, storage
+from .digest import digest_of
+from .playback import play, wanted_range
+from .track import TrackRecorder, check_size
+
+_TRACING = 0.92  # of the progress bar
+
+
+class Baking:
+    """One bake. ``part``: how much is done, 0 to 1; ``words``: what is being done; ``warnings``: what could not be done, in words."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Raises ValueError in words where there is nothing to bake, or too much."""
+        first, last = wanted_range(scene)
+        if last < first:
+            raise ValueError(f"The frame range {first} to {last} is empty")
+        self.part = 0.0
+        self.words = "Baking haptics"
+        self.frame_count = last - first + 1
+        self.warnings: list[str] = []
+        self._work = self._pieces(scene, first, last)
+
+    def advance(self, seconds: float) -> bool:
+        """Go on for about so long. True when everything is done. Raises ValueError in words where a frame can't be traced."""
+        end = time.perf_counter() + seconds
+        return all(time.perf_counter() < end for _ in self._work)
+
+    def finish(self) -> None:
+        """Do all that is left."""
+        for _ in self._work:
+            pass
+
+    def close(self) -> None:
+        """Stop. The scene's frame is then what it was; before the last frame was traced nothing has changed."""
+        self._work.close()
+
+    def _pieces(self, scene: Scene, first: int, last: int) -> Iterator[None]:
+        recorder = TrackRecorder()
+        digest = digest_of(scene)
+        frame_duration = scene.render.fps_base / scene.render.fps
+        with closing(timeline.steps(scene, first, last)) as steps:
+            for number, step in enumerate(steps, 1):
+                result = step.result
+                if number == 1:
+                    if not result.listeners:
+                        raise ValueError("There is no listener: add one to feel something")
+                    check_size(len(result.listeners), self.frame_count, frame_duration, result.sample_rate)
+                recorder.add(result)
+                self.part = _TRACING * number / self.frame_count
+                self.words = f"Baking haptics: frame {result.number}, {number} of {self.frame_count}"
+                yield
+        self.words = "Baking haptics: keeping the track"
+        yield
+        track = recorder.track(digest, frame_duration)
+        del recorder
+        storage.keep(scene, track)
+        bake = scene.haptics.bake
+        with suspended():
+            if bake.write_curves:
+                self.words = "Baking haptics: writing F-curves"
+                yield
+                left_out = curves.write_curves(scene, track)
+                if left_out:
+                    names = ", ".join(left_out[:3]) + (", ..." if len(left_out) > 3 else "")
+                    self.warnings.append(f"no F-curves on what can't be edited: {names}")
+            if bake.write_sound:
+                self.words = "Baking haptics: adding the sound strip"
+                yield
+                try:
+                    sound.add_strip(scene, track)
+                except (OSError, ValueError) as error:
+                    self.warnings.append(f"no sound strip: {error}")
+        self.part = 1.0
+        play(scene)

@@ -1,0 +1,71 @@
+"""Intensity and frequency of a track as F-curves on the listeners, all keys of a curve in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+from bpy.types import Object, Scene
+from numpy.typing import NDArray
+
+from ...core.formats.envelopes import coarse_envelope
+from .. import compatibility
+from .track import HapticTrack
+
+INTENSITY, FREQUENCY = "haptics.felt.intensity", "haptics.felt.frequency"
+_GROUP = "Haptics"
+_LINEAR = 1
+
+
+def write_curves(scene: Scene, track: HapticTrack, progress: Callable[[float], None] = lambda part: None) -> tuple[str, ...]:
+    """Write the F-curves; a frame's key is what is felt up to that frame. Returns the names of the listeners that can't be written on,
+    because they are gone or linked from a library. ``progress`` is told how much is done, 0 to 1."""
+    left_out = []
+    frames = np.arange(track.frame_start, track.frame_end + 1, dtype=np.float32)
+    for index, listener in enumerate(track.listeners):
+        obj = _object(scene, listener.name)
+        if obj is None or not obj.is_editable:
+            left_out.append(listener.name)
+            continue
+        intensity, frequency = felt(track, index)
+        _write(obj, INTENSITY, frames, intensity)
+        _write(obj, FREQUENCY, frames, frequency)
+        progress((index + 1) / len(track.listeners))
+    return tuple(left_out)
+
+
+def remove_curves(scene: Scene) -> None:
+    """Take the F-curves of a bake away."""
+    for obj in scene.objects:
+        if obj.is_editable and obj.animation_data is not None:
+            compatibility.remove_fcurves(obj, {INTENSITY, FREQUENCY})
+
+
+def felt(track: HapticTrack, index: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Intensity and frequency (hertz) of a listener at every frame; where nothing is felt the frequency stays where it was."""
+    count = track.frame_count
+    intensity, frequency = np.zeros(count), np.zeros(count)
+    if count > 1 and track.samples.shape[1]:
+        found = coarse_envelope(track.listener_samples(index), track.sample_rate, track.frame_duration)
+        filled = min(len(found[0]), count - 1)
+        intensity[1 : 1 + filled], frequency[1 : 1 + filled] = found[0][:filled], found[1][:filled]
+    felt = intensity > 1e-5
+    last = np.maximum.accumulate(np.where(felt, np.arange(count), -1))
+    frequency = np.where(last >= 0, frequency[np.maximum(last, 0)], 0.0)
+    return intensity.astype(np.float32), frequency.astype(np.float32)
+
+
+def _object(scene: Scene, full_name: str) -> Object | None:
+    obj = bpy.data.objects.get(full_name)
+    return obj if obj is not None and obj.name in scene.objects else next((o for o in scene.objects if o.name_full == full_name), None)
+
+
+def _write(obj: Object, path: str, frames: NDArray[np.float32], values: NDArray[np.float32]) -> None:
+    compatibility.remove_fcurves(obj, {path})
+    curve = compatibility.ensure_fcurve(obj, path, _GROUP)
+    points = curve.keyframe_points
+    points.add(len(frames))
+    points.foreach_set("co", np.column_stack([frames, values]).ravel())
+    points.foreach_set("interpolation", np.full(len(frames), _LINEAR, dtype=np.int32))
+    curve.update()

@@ -1,0 +1,177 @@
+"""What a track was baked from, in short: to say later what has changed since.
+
+A digest is plain data: the settings and the frame rate as they are, and for every object of the scene that can matter a few check sums, one
+per aspect. Comparing two gives sentences.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from bpy.types import ID, Object, Scene
+
+from ..scene_reader import is_tagged
+
+Digest = dict[str, Any]
+
+_MOST_REASONS = 6
+_ASPECTS = {
+    "haptics": "its haptic settings changed",
+    "pose": "it was moved, turned or scaled",
+    "shape": "its shape changed",
+    "animation": "its animation changed",
+    "physics": "its rigid body changed",
+    "relations": "its parent, constraints or modifiers changed",
+}
+_TRANSFORM = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
+
+
+def digest_of(scene: Scene) -> Digest:
+    """What is baked of a scene as it stands now; it does not depend on the current frame."""
+    haptics, render = scene.haptics, scene.render
+    settings = {
+        key: _plain(getattr(haptics, key))
+        for key in (
+            "mode", "localise", "strategy", "max_connections", "threshold", "epsilon", "contact_tolerance", "impacts", "minimum_energy",
+            "maximum_energy",
+        )
+        if hasattr(haptics, key)
+    }  # fmt: skip
+    world = scene.rigidbody_world
+    world_keys = ("enabled", "time_scale", "substeps_per_frame", "solver_iterations")
+    return {
+        "settings": settings,
+        "frame rate": [render.fps, round(render.fps_base, 6)],
+        "gravity": [round(v, 6) for v in scene.gravity] if scene.use_gravity else None,
+        "physics": None if world is None else _sum(_properties(world, world_keys)),
+        "objects": {obj.name_full: _object(obj) for obj in scene.objects if _matters(obj)},
+    }
+
+
+def changes(before: Mapping[str, Any], now: Digest) -> tuple[str, ...]:
+    """What changed from one digest to another, as sentences: a few, and how many more. Nothing in ``before`` is trusted."""
+    reasons = []
+    was, settings = _mapping(before.get("settings")), now["settings"]
+    differing = [key for key in settings if key in was and was[key] != settings[key]]
+    reasons += [f"{key.replace('_', ' ')} was {was[key]}, is {settings[key]}" for key in differing]
+    if before.get("frame rate") != now["frame rate"]:
+        reasons.append("the frame rate changed")
+    if before.get("gravity") != now["gravity"]:
+        reasons.append("gravity changed")
+    if before.get("physics") != now["physics"]:
+        reasons.append("the rigid body world changed")
+    old, objects = _mapping(before.get("objects")), now["objects"]
+    reasons += [f"'{name}' was added" for name in objects if name not in old]
+    reasons += [f"'{name}' was removed" for name in old if name not in objects]
+    for name, aspects in objects.items():
+        known = _mapping(old.get(name, aspects))
+        reasons += [f"'{name}': {words}" for aspect, words in _ASPECTS.items() if known.get(aspect) != aspects[aspect]]
+    more = len(reasons) - _MOST_REASONS
+    return (*reasons[:_MOST_REASONS], *((f"and {more} more",) if more > 0 else ()))
+
+
+def _mapping(value: Any) -> Mapping[str, Any]:
+    return value if isinstance(value, dict) else {}
+
+
+def _matters(obj: Object) -> bool:
+    """What has a role, a rigid body or a child, or moves: cameras, lights and scenery do not matter."""
+    return (
+        is_tagged(obj)
+        or obj.rigid_body is not None
+        or obj.type in {"ARMATURE", "LATTICE"}
+        or (obj.type in {"MESH", "EMPTY"} and obj.animation_data is not None)
+    )
+
+
+def _object(obj: Object) -> dict[str, str]:
+    paths, animation = _animation(obj)
+    pose = [list(getattr(obj, key)) for key in _TRANSFORM if key not in paths]
+    haptics = obj.haptics
+    groups = (("", haptics), ("source.", haptics.source), ("listener.", haptics.listener))
+    roles = [
+        _settings(group, {path for path in paths if path.startswith(f"haptics.{prefix}")}) for prefix, group in groups if is_tagged(obj)
+    ]
+    body = obj.rigid_body
+    physics = (
+        []
+        if body is None
+        else _properties(
+            body,
+            ("type", "enabled", "kinematic", "collision_shape", "mesh_source", "mass", "friction", "restitution", "use_margin",
+             "collision_margin", "linear_damping", "angular_damping"),
+        )
+    )  # fmt: skip
+    parent = obj.parent.name_full if obj.parent is not None else ""
+    relations = [
+        [parent, obj.parent_type, obj.parent_bone, [[round(v, 5) for v in row] for row in obj.matrix_parent_inverse]],
+        [(item.name, item.type, item.mute) for item in obj.constraints],
+        [(item.name, item.type, item.show_viewport) for item in obj.modifiers],
+    ]
+    shape = _shape(obj) if is_tagged(obj) or body is not None else ""
+    return {
+        "haptics": _sum(roles),
+        "pose": _sum(pose),
+        "shape": shape,
+        "animation": animation,
+        "physics": _sum(physics),
+        "relations": _sum(relations),
+    }
+
+
+def _settings(group: Any, animated: Iterable[str]) -> list[Any]:
+    """The plain properties of a group that no F-curve changes: the values of those would be the current frame's."""
+    skipped = {path.rpartition(".")[2] for path in animated}
+    keys = [p.identifier for p in group.bl_rna.properties if p.type not in {"POINTER", "COLLECTION"}]
+    return _properties(group, [key for key in keys if key not in skipped and key not in {"rna_type", "name"}])
+
+
+def _properties(owner: Any, keys: Iterable[str]) -> list[Any]:
+    return [(key, _plain(getattr(owner, key))) for key in keys]
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, float):
+        return float(f"{value:.6g}")
+    return value if isinstance(value, (bool, int, str)) else str(value)
+
+
+def _shape(obj: Object) -> str:
+    mesh = obj.data if obj.type == "MESH" else None
+    if mesh is None:
+        return _sum([round(v, 5) for corner in obj.bound_box for v in corner])
+    places = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.attributes["position"].data.foreach_get("vector", places)
+    return f"{len(mesh.polygons)}:{zlib.crc32(places.tobytes()):08x}"
+
+
+def _animation(datablock: ID) -> tuple[frozenset[str], str]:
+    """The data paths that are animated, and a check sum of their keys, drivers and strips."""
+    from ..compatibility import fcurves_of
+
+    data = datablock.animation_data
+    if data is None:
+        return frozenset(), ""
+    paths, parts = set(), []
+    for curve in fcurves_of(datablock):
+        if curve.data_path.startswith("haptics.felt."):
+            continue  # written by the bake itself
+        paths.add(curve.data_path)
+        keys = np.empty(2 * len(curve.keyframe_points), dtype=np.float32)
+        curve.keyframe_points.foreach_get("co", keys)
+        parts.append((curve.data_path, curve.array_index, zlib.crc32(keys.tobytes()), curve.mute, len(curve.modifiers)))
+    for driver in data.drivers:
+        paths.add(driver.data_path)
+        parts.append((driver.data_path, driver.array_index, driver.driver.expression, driver.mute))
+    parts += [
+        (track.mute, [(s.frame_start, s.frame_end, s.mute, s.action.name if s.action else "") for s in track.strips])
+        for track in data.nla_tracks
+    ]
+    return frozenset(paths), _sum(parts) if parts else ""
+
+
+def _sum(value: Any) -> str:
+    return f"{zlib.crc32(repr(value).encode()):08x}"

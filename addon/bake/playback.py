@@ -1,0 +1,99 @@
+"""Playing a baked scene: its frames come from the track, nothing is traced. And whether the track still fits the scene."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+
+from bpy.types import Scene
+
+from .. import session
+from . import storage
+from .digest import changes, digest_of
+from .track import HapticTrack
+
+_REST = 20.0  # comparing scene and track may take one part in so many of the time
+
+
+@dataclass(slots=True)
+class _Compared:
+    """When a scene was last compared with its track, how long it took, and what had changed."""
+
+    stamp: str
+    version: int
+    at: float
+    seconds: float
+    reasons: tuple[str, ...]
+
+
+_compared: dict[int, _Compared] = {}  # by session id of the scene
+
+
+def plays(scene: Scene) -> bool:
+    """Whether the current frame comes from the track."""
+    bake = scene.haptics.bake
+    if not bake.use_track or bake.track is None:
+        return False
+    track = storage.track_of(scene)
+    return track is not None and track.frame_start <= scene.frame_current <= track.frame_end
+
+
+def play(scene: Scene) -> bool:
+    """Take the current frame from the track. False where that is not wanted or the frame was not baked."""
+    if not plays(scene):
+        return False
+    started = time.perf_counter()
+    track = storage.track_of(scene)
+    result = None if track is None else track.result(scene.frame_current)
+    if result is None:
+        return False
+    session.show(scene, replace(result, milliseconds={"read_track": 1000 * (time.perf_counter() - started)}))
+    return True
+
+
+def show_current(scene: Scene) -> None:
+    """After the choice between track and tracing: the current frame anew."""
+    from ..overlay import draw
+
+    session.mark_changed()
+    play(scene)
+    draw.redraw()
+
+
+def stale_reasons(scene: Scene, *, at_once: bool = False) -> tuple[str, ...]:
+    """What has changed since the bake, in words; () where nothing has, or where there is no track.
+
+    Looked up again where something was edited, and only now and then unless ``at_once``: a panel asks at every redraw.
+    """
+    track = storage.track_of(scene)
+    if track is None:
+        return ()
+    mark, version, now = storage.stamp(scene), session.edits(), time.perf_counter()
+    known = _compared.get(scene.session_uid)
+    recent = known is not None and (known.version == version or now - known.at < _REST * known.seconds)
+    if recent and known.stamp == mark and not at_once:
+        return known.reasons
+    reasons = compare(scene, track)
+    _compared[scene.session_uid] = _Compared(mark, version, time.perf_counter(), time.perf_counter() - now, reasons)
+    return reasons
+
+
+def compare(scene: Scene, track: HapticTrack) -> tuple[str, ...]:
+    """What differs between a scene and what was baked of it, in words."""
+    first, last = wanted_range(scene)
+    reasons = changes(track.digest, digest_of(scene))
+    if first < track.frame_start or last > track.frame_end:
+        reasons = (f"frames {first} to {last} are played, {track.frame_start} to {track.frame_end} were baked", *reasons)
+    return reasons
+
+
+def wanted_range(scene: Scene) -> tuple[int, int]:
+    """The frames to bake."""
+    bake = scene.haptics.bake
+    return (bake.frame_start, bake.frame_end) if bake.use_range else (scene.frame_start, scene.frame_end)
+
+
+def forget() -> None:
+    """Another file is loaded, or the add-on ends."""
+    storage.forget()
+    _compared.clear()

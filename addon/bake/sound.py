@@ -1,0 +1,97 @@
+"""A track as sound in the sequencer: the left side of the body left, the right side right, packed into the file."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+import wave
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.types import Scene
+from numpy.typing import NDArray
+
+from ...core.body import BODY_PART
+from .. import compatibility
+from .track import FULL_SCALE, HapticTrack
+
+NAME = "Haptics"
+_HEADROOM = 0.9
+_CHUNK = 1 << 18
+
+
+def add_strip(scene: Scene, track: HapticTrack) -> Any:
+    """Add the sound strip, in place of an earlier one, on the lowest channel that is free. Returns the strip.
+
+    Raises ValueError in words where this Blender was built without sound.
+    """
+    channel = remove_strip(scene)
+    editor = scene.sequence_editor or scene.sequence_editor_create()
+    strips = compatibility.strips_of(editor)
+    first = track.frame_start + round((track.first_sample / track.sample_rate - track.start) / track.frame_duration)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"{NAME}.wav"
+        write_stereo(track, path)
+        try:
+            strip = strips.new_sound(NAME, str(path), channel or _free_channel(strips, track), first)
+        except RuntimeError as error:
+            raise ValueError(str(error).strip().removeprefix("Error: ")) from None
+        strip.sound.pack()
+    sound = strip.sound
+    sound.name = f"{NAME} {scene.name}"
+    sound.filepath = f"//{NAME}.wav"  # it is packed: a name to unpack it to
+    scene.haptics.bake.sound = sound
+    return strip
+
+
+def remove_strip(scene: Scene) -> int:
+    """Remove the strip of an earlier bake, and its sound where nothing else uses it. Returns the strip's channel, or 0."""
+    sound = scene.haptics.bake.sound
+    channel = 0
+    if sound is None:
+        return channel
+    if scene.sequence_editor is not None:
+        strips = compatibility.strips_of(scene.sequence_editor)
+        for strip in [strip for strip in strips if strip.type == "SOUND" and strip.sound == sound]:
+            channel = strip.channel
+            strips.remove(strip)
+    scene.haptics.bake.sound = None
+    if sound.users == 0:
+        bpy.data.sounds.remove(sound)
+    return channel
+
+
+def write_stereo(track: HapticTrack, path: Path) -> None:
+    """A WAV file of 16 bits: each side the sum of its listeners, the middle of the body on both, as loud as fits."""
+    sides = np.array([_sides(item.body_part) for item in track.listeners], dtype=np.float64).reshape(-1, 2)
+    weights = sides / np.sqrt(np.maximum((sides**2).sum(axis=0), 1.0))
+    pieces = [
+        _mixed(track.samples[:, first : first + _CHUNK], weights) for first in range(0, max(track.samples.shape[1], 1), _CHUNK)
+    ]
+    peak = max((float(np.abs(piece).max(initial=0.0)) for piece in pieces), default=0.0)
+    factor = _HEADROOM * FULL_SCALE / max(peak, 1e-9) if peak > _HEADROOM else float(FULL_SCALE)
+    with wave.open(str(path), "wb") as file:
+        file.setnchannels(2)
+        file.setsampwidth(2)
+        file.setframerate(track.sample_rate)
+        for piece in pieces:
+            file.writeframes(np.rint(piece * factor).astype("<i2").tobytes())
+        if not track.samples.shape[1]:
+            file.writeframes(bytes(4))
+
+
+def _mixed(samples: NDArray[np.int16], weights: NDArray[np.float64]) -> NDArray[np.float32]:
+    return np.asarray((samples.T / FULL_SCALE) @ weights, dtype=np.float32)
+
+
+def _sides(body_part: str) -> tuple[float, float]:
+    part = BODY_PART.get(body_part)
+    return {"L": (1.0, 0.0), "R": (0.0, 1.0)}.get(part.side if part is not None else "", (math.sqrt(0.5), math.sqrt(0.5)))
+
+
+def _free_channel(strips: Any, track: HapticTrack) -> int:
+    ends = ((strip.channel, *compatibility.strip_ends(strip)) for strip in strips)
+    taken = {channel for channel, start, end in ends if start <= track.frame_end and end >= track.frame_start}
+    return next(channel for channel in range(1, 129) if channel not in taken or channel == 128)

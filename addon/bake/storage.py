@@ -1,0 +1,98 @@
+"""Where a track is kept: as bytes in a property of a text that belongs to the scene. A text is saved with the file, shared by nothing that
+Blender evaluates, and says to whoever opens it what it is."""
+
+from __future__ import annotations
+
+import uuid
+from typing import Any
+
+import bpy
+from bpy.types import Scene, Text
+
+from .track import HapticTrack, TrackError, track_from_bytes
+
+_DATA, _STAMP = "haptic_track", "haptic_track_stamp"
+
+_read: dict[int, tuple[str, HapticTrack | None, str]] = {}  # by session id of the text: its stamp, the track or why there is none
+
+
+def keep(scene: Scene, track: HapticTrack) -> None:
+    """Keep a track with the scene, in place of an earlier one."""
+    text = scene.haptics.bake.track
+    if text is None or not text.is_editable or _belongs_to_another(text, scene):
+        text = bpy.data.texts.new(f"Haptic Track {scene.name}")
+        scene.haptics.bake.track = text
+    text.use_fake_user = False
+    text[_DATA] = track.to_bytes()
+    text[_STAMP] = uuid.uuid4().hex
+    text.clear()
+    text.write(_summary(scene, track))
+    _read[text.session_uid] = (text[_STAMP], track, "")
+
+
+def drop(scene: Scene) -> None:
+    """Remove the scene's track."""
+    text = scene.haptics.bake.track
+    scene.haptics.bake.track = None
+    if text is not None and text.is_editable and text.users == 0:
+        bpy.data.texts.remove(text)
+
+
+def track_of(scene: Scene) -> HapticTrack | None:
+    """The scene's track; None where there is none, or none that can be read."""
+    return _kept(scene)[0]
+
+
+def trouble(scene: Scene) -> str:
+    """Why the scene's track can't be read; "" where it can, or where there is none."""
+    return _kept(scene)[1]
+
+
+def stamp(scene: Scene) -> str:
+    """What tells one bake of the scene from the next; "" where there is none."""
+    text = scene.haptics.bake.track
+    value = None if text is None else text.get(_STAMP)
+    return value if isinstance(value, str) else ""
+
+
+def forget() -> None:
+    """Drop what was read."""
+    _read.clear()
+
+
+def _kept(scene: Scene) -> tuple[HapticTrack | None, str]:
+    text = scene.haptics.bake.track
+    if text is None:
+        return None, ""
+    known = _read.get(text.session_uid)
+    mark = stamp(scene)
+    if known is None or known[0] != mark:
+        known = (mark, *_decoded(text.get(_DATA)))
+        _read[text.session_uid] = known
+    return known[1], known[2]
+
+
+def _decoded(data: Any) -> tuple[HapticTrack | None, str]:
+    if not isinstance(data, bytes):
+        return None, "The text that should hold the haptic track does not: bake again"
+    try:
+        return track_from_bytes(data), ""
+    except TrackError as error:
+        message = str(error)
+        return None, message[:1].upper() + message[1:]
+
+
+def _belongs_to_another(text: Text, scene: Scene) -> bool:
+    return any(other.haptics.bake.track == text for other in bpy.data.scenes if other != scene)
+
+
+def _summary(scene: Scene, track: HapticTrack) -> str:
+    lines = [
+        f"Haptic track of scene {scene.name}: frames {track.frame_start} to {track.frame_end}, {track.duration:.2f} s.",
+        f"{track.samples.shape[1]} samples a listener at {track.sample_rate} Hz, {len(track.sources)} sources.",
+        "The track itself is a property of this text; baking again replaces it.",
+        "",
+        "Listeners:",
+        *(f"  {item.name}  {item.body_part}".rstrip() for item in track.listeners),
+    ]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,373 @@
+"""The haptic track: what every listener feels in every frame of a range, as plain values that can be kept in a file.
+
+No Blender here. As bytes: `MAGIC`, the version, the length of the header, the header as JSON, then the arrays one after the other, each
+packed by zlib. Whatever comes from a file is checked before it is used.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.contacts.contact_set import ContactSet
+from ...core.formats.strict_json import parse_json
+from ...core.frame_result import FrameResult
+from ...core.graph import ObjectTable, build_graph
+from ...core.propagation import Propagation
+from ...core.scene import HapticObject, Listener, Source, SourceKind
+
+FloatArray = NDArray[np.float64]
+
+MAGIC = b"HAPTRACK"
+VERSION = 1
+FULL_SCALE = 32767
+"""The sample 1.0 as a whole number: steps of 1/32767 are 90 dB below full scale, far below anything that is felt."""
+MAX_BYTES = 1 << 28
+"""Of samples: 256 MB are 4.6 hours of one listener, 28 minutes of ten."""
+MAX_FRAMES, MAX_LISTENERS, MAX_SOURCES, MAX_HEADER = 1_000_000, 1_000, 100_000, 1 << 26
+
+
+class TrackError(ValueError):
+    """Bytes that are no haptic track, or one of a later version."""
+
+
+@dataclass(frozen=True, slots=True)
+class TrackListener:
+    """Whose track it is."""
+
+    name: str
+    body_part: str = ""
+    radius: float = 0.0
+    s_max: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class TrackSource:
+    """Something that was felt; ``second_object`` is the other side of an impact."""
+
+    name: str
+    object: str
+    second_object: str | None = None
+    onset: float = 0.0
+
+    @property
+    def kind(self) -> SourceKind:
+        return SourceKind.PERSISTENT if self.second_object is None else SourceKind.TEMPORARY
+
+
+# Name, type, and of how many axes: those of the shape in `_shapes`.
+_ARRAYS = (
+    ("samples", "<i2"),
+    ("offsets", "<i8"),
+    ("places", "<f4"),
+    ("rows", "<i8"),
+    ("row_source", "<i4"),
+    ("row_amplitude", "<f4"),
+    ("row_place", "<f4"),
+    ("row_gain", "<f4"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class HapticTrack:
+    """Frames ``frame_start`` to ``frame_start + f - 1``, ``frame_duration`` seconds each, the first at ``start`` seconds.
+
+    ``samples`` (l, n) int16 at ``sample_rate``, the first is sample number ``first_sample`` of the scene; frame k has
+    ``offsets[k] : offsets[k + 1]`` of them. ``places`` (f, l, 3): where the listeners are [m]. ``rows[k] : rows[k + 1]`` are the sources
+    that sound in frame k: ``row_source`` (r,) their number, ``row_amplitude`` (r,), ``row_place`` (r, 3), ``row_gain`` (r, l) amplitude
+    included. ``digest``: what was baked, see `digest`.
+    """
+
+    frame_start: int
+    frame_duration: float
+    start: float
+    sample_rate: int
+    first_sample: int
+    listeners: tuple[TrackListener, ...]
+    sources: tuple[TrackSource, ...]
+    samples: NDArray[np.int16]
+    offsets: NDArray[np.int64]
+    places: NDArray[np.float32]
+    rows: NDArray[np.int64]
+    row_source: NDArray[np.int32]
+    row_amplitude: NDArray[np.float32]
+    row_place: NDArray[np.float32]
+    row_gain: NDArray[np.float32]
+    digest: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def frame_count(self) -> int:
+        return len(self.offsets) - 1
+
+    @property
+    def frame_end(self) -> int:
+        """The last frame."""
+        return self.frame_start + self.frame_count - 1
+
+    @property
+    def duration(self) -> float:
+        """Seconds of samples."""
+        return self.samples.shape[1] / self.sample_rate
+
+    def listener_samples(self, index: int) -> FloatArray:
+        """All samples of a listener, in [-1, 1]."""
+        return self.samples[index].astype(np.float64) / FULL_SCALE
+
+    def result(self, frame: int) -> FrameResult | None:
+        """A frame as if it had just been traced, without contacts and paths; None outside the range."""
+        k = frame - self.frame_start
+        if not 0 <= k < self.frame_count:
+            return None
+        first, last = self.offsets[k : k + 2].tolist()
+        rows = slice(*self.rows[k : k + 2].tolist())
+        sources = tuple(
+            self._source(*row)
+            for row in zip(
+                self.row_source[rows].tolist(), self.row_amplitude[rows].tolist(), self.row_place[rows].tolist(), strict=True
+            )
+        )
+        listeners = tuple(
+            Listener(item.name, item.name, tuple(place), item.body_part, item.radius, 1.0, "cumulative", item.s_max)
+            for item, place in zip(self.listeners, self.places[k].tolist(), strict=True)
+        )
+        gains = self.row_gain[rows].astype(np.float64)
+        shape = gains.shape
+        return FrameResult(
+            number=frame,
+            time=self.start + k * self.frame_duration,
+            objects=self._table.names,
+            contacts=ContactSet.empty(),
+            graph=build_graph(self._table, ContactSet.empty(), self._alone(sources), self._alone(listeners)),
+            propagation=Propagation(
+                gain=gains, error_bound=np.zeros(shape), paths=np.zeros(shape, dtype=np.int64), best_path={}, strategy=("",) * shape[0]
+            ),
+            sources=sources,
+            listeners=listeners,
+            gains=gains,
+            impacts=(),
+            block=self.samples[:, first:last].astype(np.float64) / FULL_SCALE if last > first else None,
+            first_sample=self.first_sample + first,
+            sample_rate=float(self.sample_rate),
+            milliseconds={},
+            statistics={"sources": shape[0], "listeners": shape[1]},
+        )
+
+    def _source(self, number: int, amplitude: float, place: list[float]) -> Source:
+        item = self.sources[number]
+        position = (place[0], place[1], place[2])
+        return Source(
+            item.name, item.object, position, min(max(amplitude, 0.0), 1.0), item.kind, None, item.second_object, None, item.onset
+        )  # fmt: skip
+
+    @cached_property
+    def _table(self) -> ObjectTable:
+        """One object for each node: nothing is joined to anything, so that nothing is drawn between them."""
+        count = max(len(self.listeners), int(np.diff(self.rows).max(initial=0)))
+        return ObjectTable.of([HapticObject(f"{kind} {k}", 0.0, 1.0) for kind in ("Listener", "Source") for k in range(count)], 0.1)
+
+    def _alone(self, items: Sequence[Any]) -> list[Any]:
+        """Sources or listeners, each on an object of its own."""
+        return [
+            Source(item.name, f"Source {k}", item.position, item.amplitude, item.kind)
+            if isinstance(item, Source)
+            else Listener(item.name, f"Listener {k}", item.position)
+            for k, item in enumerate(items)
+        ]
+
+    def to_bytes(self) -> bytes:
+        """The track for a file."""
+        header = {
+            "frame_start": self.frame_start,
+            "frames": self.frame_count,
+            "frame_duration": self.frame_duration,
+            "start": self.start,
+            "sample_rate": self.sample_rate,
+            "first_sample": self.first_sample,
+            "samples": self.samples.shape[1],
+            "rows": len(self.row_source),
+            "listeners": [[item.name, item.body_part, item.radius, item.s_max] for item in self.listeners],
+            "sources": [[item.name, item.object, item.second_object, item.onset] for item in self.sources],
+            "digest": self.digest,
+        }
+        packed = [zlib.compress(np.ascontiguousarray(getattr(self, name), dtype=kind).tobytes(), 4) for name, kind in _ARRAYS]
+        text = zlib.compress(json.dumps({**header, "packed": [len(data) for data in packed]}, allow_nan=False).encode(), 6)
+        return b"".join([MAGIC, struct.pack("<II", VERSION, len(text)), text, *packed])
+
+
+def track_from_bytes(data: bytes) -> HapticTrack:
+    """The track in ``data``. Raises TrackError in words."""
+    if len(data) < len(MAGIC) + 8 or not data.startswith(MAGIC):
+        raise TrackError("this is no haptic track")
+    version, length = struct.unpack_from("<II", data, len(MAGIC))
+    if version > VERSION:
+        raise TrackError(f"the haptic track has version {version}; this add-on reads up to {VERSION}: bake again")
+    place = len(MAGIC) + 8
+    try:
+        header = parse_json(_unpacked(data[place : place + length], MAX_HEADER), "haptic track")
+        return _track(header, data, place + length)
+    except TrackError:
+        raise
+    except (ValueError, TypeError, KeyError, IndexError, OverflowError, AttributeError, zlib.error) as error:
+        raise TrackError(f"the haptic track is damaged: bake again ({error})") from None
+
+
+def _unpacked(data: bytes, most: int) -> bytes:
+    unpacker = zlib.decompressobj()
+    result = unpacker.decompress(data, most)
+    if not unpacker.eof:
+        raise TrackError("the haptic track is damaged: bake again (it is cut off, or larger than it says)")
+    return result
+
+
+def _count(value: Any, most: int) -> int:
+    if type(value) is not int or not 0 <= value <= most:
+        raise TrackError(f"the haptic track is damaged: bake again ({value!r} is not from 0 to {most})")
+    return value
+
+
+def _number(value: Any, low: float, high: float) -> float:
+    if type(value) not in (int, float) or not low <= value <= high:
+        raise TrackError(f"the haptic track is damaged: bake again ({value!r} is not from {low:g} to {high:g})")
+    return float(value)
+
+
+def _text(value: Any, empty: bool = False) -> str:
+    if not isinstance(value, str) or not (empty or value) or len(value) > 1024:
+        raise TrackError("the haptic track is damaged: bake again (a name is missing)")
+    return value
+
+
+def _track(header: Mapping[str, Any], data: bytes, place: int) -> HapticTrack:
+    listeners = tuple(
+        TrackListener(_text(name), _text(part, True), _number(radius, 0, 1e6), _number(s_max, 1e-9, 1))
+        for name, part, radius, s_max in header["listeners"]
+    )
+    sources = tuple(
+        TrackSource(_text(name), _text(obj), None if second is None else _text(second), _number(onset, -1e9, 1e9))
+        for name, obj, second, onset in header["sources"]
+    )
+    width = _count(len(listeners), MAX_LISTENERS)
+    _count(len(sources), MAX_SOURCES)
+    frames, rows = _count(header["frames"], MAX_FRAMES), _count(header["rows"], 1 << 28)
+    samples = _count(header["samples"], MAX_BYTES // 2 // max(width, 1))
+    shapes = {
+        "samples": (width, samples),
+        "offsets": (frames + 1,),
+        "places": (frames, width, 3),
+        "rows": (frames + 1,),
+        "row_source": (rows,),
+        "row_amplitude": (rows,),
+        "row_place": (rows, 3),
+        "row_gain": (rows, width),
+    }
+    arrays = {}
+    for (name, kind), packed in zip(_ARRAYS, header["packed"], strict=True):
+        size = math.prod(shapes[name]) * np.dtype(kind).itemsize
+        if size > 2 * MAX_BYTES:
+            raise TrackError("the haptic track is damaged: bake again (it is larger than any)")
+        values = _unpacked(data[place : place + _count(packed, len(data))], size + 1)
+        if len(values) != size:
+            raise TrackError(f"the haptic track is damaged: bake again ({name} has {len(values)} bytes, not {size})")
+        arrays[name] = np.frombuffer(values, dtype=kind).reshape(shapes[name])
+        place += packed
+    for name, values in arrays.items():
+        if values.dtype.kind == "f" and not (np.abs(values) <= 1e9).all():
+            raise TrackError(f"the haptic track is damaged: bake again ({name} is not finite)")
+    for name, end in (("offsets", samples), ("rows", rows)):
+        steps = arrays[name]
+        if steps[0] != 0 or steps[-1] != end or (np.diff(steps) < 0).any():
+            raise TrackError(f"the haptic track is damaged: bake again ({name} are out of order)")
+    number = arrays["row_source"]
+    if ((number < 0) | (number >= len(sources))).any() or (arrays["row_gain"] < 0).any():
+        raise TrackError("the haptic track is damaged: bake again (a source is missing)")
+    digest = header["digest"]
+    return HapticTrack(
+        frame_start=_count(header["frame_start"] + 2**31, 2**32) - 2**31,
+        frame_duration=_number(header["frame_duration"], 1e-6, 1e4),
+        start=_number(header["start"], -1e9, 1e9),
+        sample_rate=max(_count(header["sample_rate"], 192_000), 1),
+        first_sample=_count(header["first_sample"] + 2**62, 2**63) - 2**62,
+        listeners=listeners,
+        sources=sources,
+        digest=digest if isinstance(digest, dict) else {},
+        **arrays,
+    )
+
+
+class TrackRecorder:
+    """Collects traced frames into a track. What it keeps of a frame are whole numbers of its samples and a row per source."""
+
+    def __init__(self) -> None:
+        self._first: FrameResult | None = None
+        self._first_sample: int | None = None
+        self._blocks: list[NDArray[np.int16]] = []
+        self._places: list[Any] = []
+        self._numbers: dict[TrackSource, int] = {}
+        self._rows: list[tuple[int, float, tuple[float, ...], FloatArray]] = []
+        self._row_counts: list[int] = []
+
+    @property
+    def frame_count(self) -> int:
+        """Frames recorded so far."""
+        return len(self._blocks)
+
+    def add(self, result: FrameResult) -> None:
+        """Record the next frame."""
+        if self._first is None:
+            self._first = result
+        if result.block is None:
+            self._blocks.append(np.zeros((len(result.listeners), 0), dtype=np.int16))
+        else:
+            if self._first_sample is None:
+                self._first_sample = result.first_sample
+            self._blocks.append(np.rint(np.clip(result.block, -1, 1) * FULL_SCALE).astype(np.int16))
+        self._places.append([listener.position for listener in result.listeners])
+        for source, gains in zip(result.sources, result.gains, strict=True):
+            item = TrackSource(source.name, source.object, source.second_object, source.onset)
+            number = self._numbers.setdefault(item, len(self._numbers))
+            self._rows.append((number, source.amplitude, source.position, gains.astype(np.float32)))
+        self._row_counts.append(len(result.sources))
+
+    def track(self, digest: Mapping[str, Any], frame_duration: float) -> HapticTrack:
+        """All that was recorded. Raises ValueError in words where that is nothing."""
+        if self._first is None:
+            raise ValueError("There is no frame to keep")
+        listeners = self._first.listeners
+        count = len(self._rows)
+        return HapticTrack(
+            frame_start=self._first.number,
+            frame_duration=frame_duration,
+            start=self._first.time,
+            sample_rate=round(self._first.sample_rate),
+            first_sample=self._first_sample or 0,
+            listeners=tuple(TrackListener(item.name, item.body_part, item.radius, item.s_max) for item in listeners),
+            sources=tuple(self._numbers),
+            samples=np.concatenate(self._blocks, axis=1),
+            offsets=np.cumsum([0, *(block.shape[1] for block in self._blocks)], dtype=np.int64),
+            places=np.array(self._places, dtype=np.float32).reshape(len(self._places), len(listeners), 3),
+            rows=np.cumsum([0, *self._row_counts], dtype=np.int64),
+            row_source=np.array([row[0] for row in self._rows], dtype=np.int32),
+            row_amplitude=np.array([row[1] for row in self._rows], dtype=np.float32),
+            row_place=np.array([row[2] for row in self._rows], dtype=np.float32).reshape(count, 3),
+            row_gain=np.array([row[3] for row in self._rows], dtype=np.float32).reshape(count, len(listeners)),
+            digest=digest,
+        )
+
+
+def check_size(listeners: int, frames: int, frame_duration: float, sample_rate: float) -> None:
+    """Raises ValueError in words where a track would be larger than `MAX_BYTES`."""
+    size = 2 * listeners * frames * frame_duration * sample_rate
+    if size > MAX_BYTES or frames > MAX_FRAMES or listeners > MAX_LISTENERS:
+        raise ValueError(
+            f"{frames} frames of {listeners} listeners are more than a file should keep ({size / 1e6:.0f} of {MAX_BYTES / 1e6:.0f} MB): "
+            "bake fewer frames"
+        )

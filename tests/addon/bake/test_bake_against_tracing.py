@@ -1,0 +1,250 @@
+"""What is baked is what is traced, survives saving and loading, and is played without tracing."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from haptic_tracing.addon import compatibility, session, timeline
+from haptic_tracing.addon.bake import playback, storage
+from haptic_tracing.addon.bake.baking import Baking
+from haptic_tracing.addon.bake.curves import FREQUENCY, INTENSITY, felt
+from haptic_tracing.addon.bake.sound import write_stereo
+from haptic_tracing.addon.bake.track import FULL_SCALE
+from haptic_tracing.core.signals.wav import wav_channels
+from haptic_tracing.core.tracer import Tracer
+
+
+def _curve(obj, path):
+    return next(curve for curve in compatibility.fcurves_of(obj) if curve.data_path == path)
+
+
+def test_samples_are_those_that_playing_gives(shaken):
+    played = timeline.play(shaken, 1, 24)
+    shaken.frame_set(5)
+    assert bpy.ops.haptic.bake() == {"FINISHED"}
+    assert shaken.frame_current == 5
+    track = storage.track_of(shaken)
+    assert (track.frame_start, track.frame_end) == (1, 24)
+    assert [item.name for item in track.listeners] == list(played.listeners)
+    assert track.samples.shape == played.samples.shape
+    assert np.abs(track.samples / FULL_SCALE - played.samples).max() <= 0.5 / FULL_SCALE + 1e-9
+    assert np.abs(track.samples[1, -3000:]).max() == 0  # the crate has left the ground
+
+
+def test_frames_of_the_track_are_those_that_were_traced(shaken):
+    traced = [step.result for step in timeline.steps(shaken, 1, 24)]
+    bpy.ops.haptic.bake()
+    for expected in traced:
+        result = storage.track_of(shaken).result(expected.number)
+        assert result.time == pytest.approx(expected.time, abs=1e-12)
+        assert [s.name for s in result.sources] == [s.name for s in expected.sources]
+        assert result.gains == pytest.approx(expected.gains, abs=1e-6)
+        for again, listener in zip(result.listeners, expected.listeners, strict=True):
+            assert again.position == pytest.approx(listener.position, abs=1e-6)
+        assert (result.block is None) == (expected.block is None)
+        if expected.block is not None:
+            assert result.first_sample == expected.first_sample
+            assert result.block == pytest.approx(expected.block, abs=1 / FULL_SCALE)
+            assert result.peak(0) == pytest.approx(expected.peak(0), abs=1 / FULL_SCALE)
+
+
+def test_playing_a_baked_scene_traces_nothing(shaken, monkeypatch):
+    bpy.ops.haptic.bake()
+    before = session.result_of(shaken)
+    assert "read_track" in before.milliseconds  # the current frame comes from the track as soon as it is there
+    steps = []
+    monkeypatch.setattr(Tracer, "step", lambda self, frame: steps.append(frame.number))
+    for frame in (2, 9, 3, 24):
+        shaken.frame_set(frame)
+        assert session.result_of(shaken).number == frame
+    assert steps == []
+    monkeypatch.undo()
+    shaken.frame_set(25)  # beyond what was baked
+    assert session.result_of(shaken).number == 25
+    assert "propagate" in session.result_of(shaken).milliseconds
+    shaken.haptics.bake.use_track = False
+    shaken.frame_set(9)
+    assert "propagate" in session.result_of(shaken).milliseconds
+
+
+def test_a_bake_traces_although_a_track_is_there_and_tracing_is_off(shaken):
+    bpy.ops.haptic.bake()
+    first = storage.track_of(shaken)
+    bpy.data.objects["shaker"].haptics.source.amplitude = 0.5
+    shaken.haptics.tracing = False
+    bpy.ops.haptic.bake()
+    second = storage.track_of(shaken)
+    assert np.abs(second.samples * 2.0 - first.samples).max() <= 2
+    assert len(bpy.data.texts) == 1
+
+
+def test_track_survives_saving_and_loading(shaken, tmp_path):
+    bpy.ops.haptic.bake()
+    before = storage.track_of(shaken)
+    path = str(tmp_path / "baked.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path, compress=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    assert storage.track_of(bpy.context.scene) is None
+    bpy.ops.wm.open_mainfile(filepath=path)
+    scene = bpy.context.scene
+    after = storage.track_of(scene)
+    assert np.array_equal(after.samples, before.samples)
+    assert np.array_equal(after.row_gain, before.row_gain)
+    assert playback.stale_reasons(scene, at_once=True) == ()
+    scene.frame_set(7)
+    assert "read_track" in session.result_of(scene).milliseconds
+    assert bpy.data.texts[0].as_string().startswith("Haptic track of scene")
+
+
+def test_intensity_and_frequency_of_a_sine_on_curves(shaken):
+    shaken.haptics.bake.write_sound = False
+    bpy.ops.haptic.bake()
+    for name, index in (("foot", 0), ("hand", 1)):
+        obj = bpy.data.objects[name]
+        gain = storage.track_of(shaken).result(8).gains[0, index]
+        keys = np.empty(48, dtype=np.float32)
+        for path, expected, tolerance in ((INTENSITY, gain, 0.03), (FREQUENCY, 60.0, 0.03)):
+            _curve(obj, path).keyframe_points.foreach_get("co", keys)
+            frames, values = keys.reshape(-1, 2).T
+            assert frames.tolist() == list(range(1, 25))
+            assert values[4:11] == pytest.approx(expected, rel=tolerance)
+            assert {point.interpolation for point in _curve(obj, path).keyframe_points} == {"LINEAR"}
+    shaken.frame_set(8)
+    assert bpy.data.objects["hand"].haptics.felt.intensity == pytest.approx(gain, rel=0.03)
+    shaken.frame_set(20)
+    assert bpy.data.objects["hand"].haptics.felt.intensity == 0
+    assert bpy.data.objects["hand"].haptics.felt.frequency == pytest.approx(60, rel=0.2)  # stays where it was
+
+
+def test_curves_of_the_designer_are_left_alone(shaken):
+    foot = bpy.data.objects["foot"]
+    foot.haptics.listener.keyframe_insert("gain", frame=3)
+    for _ in range(2):
+        bpy.ops.haptic.bake()
+        assert {c.data_path for c in compatibility.fcurves_of(foot)} == {"haptics.listener.gain", INTENSITY, FREQUENCY}
+    bpy.ops.haptic.delete_bake()
+    assert {c.data_path for c in compatibility.fcurves_of(foot)} == {"haptics.listener.gain"}
+    assert shaken.haptics.bake.track is None
+    assert len(bpy.data.texts) == len(bpy.data.sounds) == 0
+    assert not bpy.ops.haptic.delete_bake.poll()
+
+
+def _sound_is_there(scene):
+    return scene.haptics.bake.sound is not None
+
+
+def test_sound_strip_plays_with_the_frames_it_was_baked_from(shaken):
+    for _ in range(2):
+        bpy.ops.haptic.bake()
+        if not _sound_is_there(shaken):
+            assert bpy.app.version < (4, 5), "Blender's wheels have sound from 4.5 on"
+            return
+        (strip,) = compatibility.strips_of(shaken.sequence_editor)
+        assert compatibility.strip_ends(strip)[0] == 1
+        assert strip.sound == shaken.haptics.bake.sound
+        assert strip.sound.packed_file is not None
+        assert len(bpy.data.sounds) == 1
+    channels, rate = wav_channels(strip.sound.packed_file.data)
+    track = storage.track_of(shaken)
+    assert rate == track.sample_rate
+    assert channels[:, 0] == pytest.approx(track.listener_samples(0), abs=1e-4)  # left foot
+    assert channels[:, 1] == pytest.approx(track.listener_samples(1), abs=1e-4)  # right hand
+
+
+def test_the_middle_of_the_body_is_on_both_sides_and_nothing_clips(shaken, tmp_path):
+    for name in ("foot", "hand"):
+        bpy.data.objects[name].haptics.listener.body_part = "belly"
+    shaken.haptics.bake.write_sound = False
+    bpy.ops.haptic.bake()
+    track = storage.track_of(shaken)
+    write_stereo(track, tmp_path / "a.wav")
+    channels, _ = wav_channels((tmp_path / "a.wav").read_bytes())
+    assert np.array_equal(channels[:, 0], channels[:, 1])
+    both = (track.listener_samples(0) + track.listener_samples(1)) * math.sqrt(0.5)
+    assert np.abs(channels).max() < 1
+    assert np.corrcoef(channels[:, 0], both)[0, 1] > 0.999
+
+
+def test_what_can_not_be_baked_is_said_in_words(shaken):
+    bake = shaken.haptics.bake
+    bake.use_range, bake.frame_start, bake.frame_end = True, 9, 4
+    with pytest.raises(RuntimeError, match="frame range 9 to 4 is empty"):
+        bpy.ops.haptic.bake()
+    bake.frame_end = 10
+    for name in ("foot", "hand"):
+        bpy.data.objects[name].haptics.listener.enabled = False
+    with pytest.raises(RuntimeError, match="no listener"):
+        bpy.ops.haptic.bake()
+    assert storage.track_of(shaken) is None
+    assert bpy.data.texts.keys() == []
+    for obj in shaken.objects:
+        obj.haptics.enabled = obj.haptics.source.enabled = False
+    with pytest.raises(RuntimeError, match="no object is tagged"):
+        bpy.ops.haptic.bake()
+
+
+def test_a_bake_that_is_stopped_leaves_everything_as_it_was(shaken):
+    shaken.frame_set(3)
+    baking = Baking(shaken)
+    assert not baking.advance(0.0)
+    assert not baking.advance(0.0)
+    assert 0 < baking.part < 1
+    assert "2 of 24" in baking.words
+    baking.close()
+    assert shaken.frame_current == 3
+    assert storage.track_of(shaken) is None
+    assert bpy.data.texts.keys() == []
+    assert compatibility.fcurves_of(bpy.data.objects["foot"]) == []
+
+
+def test_a_bake_in_pieces_is_the_bake_in_one_go(shaken):
+    bpy.ops.haptic.bake()
+    whole = storage.track_of(shaken)
+    baking = Baking(shaken)
+    while not baking.advance(0.0):
+        pass
+    pieces = storage.track_of(shaken)
+    assert pieces is not whole
+    assert np.array_equal(pieces.samples, whole.samples)
+    assert baking.part == 1
+
+
+def test_scenes_that_share_a_track_part_when_one_is_baked_again(shaken):
+    bpy.ops.haptic.bake()
+    other = shaken.copy()
+    assert other.haptics.bake.track == shaken.haptics.bake.track
+    shaken.haptics.bake.use_range, shaken.haptics.bake.frame_end = True, 5
+    bpy.ops.haptic.bake()
+    assert storage.track_of(other).frame_end == 24
+    assert storage.track_of(shaken).frame_end == 5
+
+
+def test_what_is_no_track_is_not_played_but_named(shaken):
+    text = bpy.data.texts.new("mine")
+    shaken.haptics.bake.track = text
+    assert "bake again" in storage.trouble(shaken)
+    for content in (b"", b"HAPTRACK", 5, "text", b"x" * 100):
+        text["haptic_track"], text["haptic_track_stamp"] = content, repr(content)
+        assert storage.track_of(shaken) is None
+        assert storage.trouble(shaken)
+        shaken.frame_set(shaken.frame_current + 1)
+        assert "propagate" in session.result_of(shaken).milliseconds
+
+
+def test_rigid_bodies_run_up_to_a_later_start(scene, add_box):
+    add_box("floor", (0, 0, -0.1), (4, 4, 0.2), "PASSIVE").haptics.source.enabled = True
+    ball = add_box("ball", (0, 0, 2.5), (0.5, 0.5, 0.5), "ACTIVE", mass=20.0)
+    ball.haptics.listener.enabled = True
+    whole = timeline.play(scene, 1, 40)
+    late = timeline.play(scene, 10, 40)
+    assert [impact.source.onset for impact in late.impacts] == pytest.approx([impact.source.onset for impact in whole.impacts], abs=1e-6)
+    assert len(whole.impacts) >= 1
+
+
+def test_nothing_felt_gives_silent_curves(shaken):
+    bpy.data.objects["shaker"].haptics.source.muted = True
+    bpy.ops.haptic.bake()
+    intensity, frequency = felt(storage.track_of(shaken), 0)
+    assert not intensity.any()
+    assert not frequency.any()
