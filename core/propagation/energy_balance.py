@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from ..bands import BAND_COUNT
 from ..graph import HapticGraph, NodeKind, distances
+from .elimination import Elimination
 from .pieces import patches_of
 
 FloatArray = NDArray[np.float64]
@@ -31,8 +32,8 @@ IntArray = NDArray[np.int64]
 REGIONS = 256
 """Regions of one object at most."""
 
-DENSE = 300
-"""Up to so many subsystems the equations are solved by elimination, above by conjugate gradients."""
+DENSE = 1500
+"""Up to so many subsystems with many couplings are solved as a dense matrix, more by conjugate gradients."""
 
 ITERATIONS = 2000
 PRECISION = 1e-15
@@ -93,7 +94,7 @@ def _lane(graph: HapticGraph, regions: Regions, band: int | None) -> tuple[Float
             region = int(regions.of_node[node])
             if region >= 0 and alive[region]:
                 power[region, number] += sources[node] / len(source.nodes)
-    energy, doubt = _solve(total, damping, rows, columns, coupling, power)
+    energy, doubt = _solve(damping, rows, columns, coupling, power)
     heard = regions.of_node[graph.listener_nodes]
     usable = (heard >= 0) & alive[heard]
     level = np.where(usable[None], energy[heard].T * listeners[None], 0.0)
@@ -276,18 +277,30 @@ def _ends(graph: HapticGraph, regions: Regions, band: int | None) -> tuple[Float
 
 
 def _solve(
-    total: FloatArray, damping: FloatArray, rows: IntArray, columns: IntArray, coupling: FloatArray, power: FloatArray
+    damping: FloatArray, rows: IntArray, columns: IntArray, coupling: FloatArray, power: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Energies (r, s), and for each source (s,) a bound of how wrong any of them is.
+    """Energies (r, s), and for each source (s,) a bound of how wrong any of them is: 0 where all of it is elimination."""
+    parts = Elimination(damping, rows, columns, coupling)
+    passed = parts.forward(power)
+    equations = parts.damping, parts.rows, parts.columns, parts.coupling, passed[parts.core]
+    energy, doubt = (_dense if len(parts.core) <= DENSE else _iterated)(*equations)
+    return parts.back(energy, passed), doubt
 
-    The rows of the matrix add up to the damping, so ``|M⁻¹ r| <= max |r_i| / Λ_i``: the residual of any solution bounds its error.
-    """
-    count = len(total)
-    if count <= DENSE:
-        matrix = np.diag(total)
-        np.add.at(matrix, (rows, columns), -coupling)
-        energy = np.linalg.solve(matrix, power)
-        return np.maximum(energy, 0.0), np.zeros(power.shape[1])
+
+def _dense(
+    damping: FloatArray, rows: IntArray, columns: IntArray, coupling: FloatArray, power: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    matrix = np.diag(damping + np.bincount(rows, weights=coupling, minlength=len(damping)))
+    matrix[rows, columns] -= coupling
+    return np.maximum(np.linalg.solve(matrix, power), 0.0), np.zeros(power.shape[1])
+
+
+def _iterated(
+    damping: FloatArray, rows: IntArray, columns: IntArray, coupling: FloatArray, power: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """By conjugate gradients. The rows of the matrix add up to the damping, so ``|M⁻¹ r| <= max |r_i| / Λ_i``: the residual of any solution
+    bounds its error."""
+    total = damping + np.bincount(rows, weights=coupling, minlength=len(damping))
     filled, first = np.unique(rows, return_index=True)
 
     def apply(values: FloatArray) -> FloatArray:

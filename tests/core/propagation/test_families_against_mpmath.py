@@ -1,0 +1,220 @@
+"""Every family of the benchmarks, judged by mpmath: best path, sum over all paths, energies and bounds of walks, to 1e-12."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import sys
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+from haptic_tracing.core.functions import Constant, Exponential
+from haptic_tracing.core.graph import HapticGraph, graph_of_scene
+from haptic_tracing.core.propagation import energy_balance, propagate
+from haptic_tracing.core.propagation.arena import build_arena
+from haptic_tracing.core.propagation.elimination import Elimination
+from haptic_tracing.core.propagation.pieces import patches_of
+from haptic_tracing.core.propagation.walk_sums import walk_sums
+from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from path_reference import connected_scene, recursive_paths
+
+spec = importlib.util.spec_from_file_location("benchmark_families", Path(__file__).parents[3] / "benchmarks" / "families.py")
+assert spec is not None
+assert spec.loader is not None
+families = importlib.util.module_from_spec(spec)
+sys.modules[spec.name] = families
+spec.loader.exec_module(families)
+
+FREE = {"max_connections": None, "threshold": 0.0, "tolerance": 0.0}
+SMALL = {
+    "tree": families.tree(60),
+    "ladder": families.ladder(6),
+    "wall": families.wall(3),
+    "random contacts": families.random_contacts(9),
+    "hub with arches": families.hub(4),
+    "pile on a ground": families.pile(7, sources=1, listeners=4),
+}
+LARGER = {
+    "tree": families.tree(60),
+    "ladder": families.ladder(30),
+    "wall": families.wall(15),
+    "random contacts": families.random_contacts(60),
+    "hub with arches": families.hub(30),
+    "pile on a ground": families.pile(60, sources=2),
+}
+
+
+def close(got: float, exact: mpmath.mpf, tolerance: float = 1e-12) -> bool:
+    return exact < 1e-300 or abs(mpmath.mpf(got) - exact) <= tolerance * exact
+
+
+def length(graph: HapticGraph, a: int, b: int) -> mpmath.mpf:
+    place = [[mpmath.mpf(x) for x in graph.node_position[node].tolist()] for node in (a, b)]
+    return mpmath.sqrt(sum((x - y) ** 2 for x, y in zip(*place, strict=True)))
+
+
+def exact_gain(item: HapticObject, distance: mpmath.mpf) -> mpmath.mpf:
+    """The default function, from the authored numbers."""
+    k = (1 - mpmath.mpf(item.kappa)) * mpmath.mpf(item.rho)
+    return k * mpmath.exp(-max(k, mpmath.mpf(0.1)) * distance)
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_paths(name):
+    graph = SMALL[name].graph()
+    best = propagate(graph, Settings(strategy=Strategy.BEST_PATH, **FREE))
+    total = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, **FREE))
+    limited = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=13, threshold=0.0, tolerance=0.0))
+    with mpmath.workdps(40):
+        cache: dict[tuple[int, int], mpmath.mpf] = {}
+        for column in range(len(graph.listeners)):
+            gains, few = [], []
+            for path, _ in recursive_paths(graph, 0, column):
+                product = mpmath.mpf(1)
+                for a, b in zip(path[::2], path[1::2], strict=True):  # the transmissions between are 1
+                    if (a, b) not in cache:
+                        cache[a, b] = exact_gain(graph.table.objects[graph.node_object[a]], length(graph, a, b))
+                    product *= cache[a, b]
+                gains.append(product)
+                if len(path) <= 14:
+                    few.append(product)
+            assert close(best.gain[0, column], max(gains, default=mpmath.mpf(0)))
+            assert close(total.gain[0, column], mpmath.fsum(gains))
+            assert close(limited.gain[0, column], mpmath.fsum(few))
+    assert total.error_bound.max() == 0
+
+
+def equations(graph: HapticGraph):
+    """Damping, couplings and powers as the strategy makes them: one unit into every subsystem."""
+    regions = energy_balance._regions(graph)
+    inside = np.minimum(energy_balance._energy_gain(graph, regions.of_object, regions.distance, None), 1.0)
+    damping = 1 / inside
+    rows, columns, coupling, _ = energy_balance._couplings(graph, regions, damping, inside > 0, None)
+    return damping, rows, columns, coupling
+
+
+def solved(damping, rows, columns, coupling, power) -> mpmath.matrix:
+    count = len(damping)
+    matrix = mpmath.zeros(count, count)
+    for i in range(count):
+        matrix[i, i] = mpmath.mpf(float(damping[i]))
+    for i, j, value in zip(rows.tolist(), columns.tolist(), coupling.tolist(), strict=True):
+        matrix[i, i] += mpmath.mpf(value)
+        matrix[i, j] -= mpmath.mpf(value)
+    return mpmath.lu_solve(matrix, mpmath.matrix([mpmath.mpf(float(value)) for value in power]))
+
+
+@pytest.mark.parametrize("name", LARGER)
+def test_energies_of_every_subsystem(name):
+    """Also the smallest ones, relative to themselves."""
+    damping, rows, columns, coupling = equations(LARGER[name].graph())
+    power = np.zeros((len(damping), 1))
+    power[0] = 1.0
+    energy, doubt = energy_balance._solve(damping, rows, columns, coupling, power)
+    with mpmath.workdps(60):
+        exact = solved(damping, rows, columns, coupling, power[:, 0])
+        assert all(close(got, value) for got, value in zip(energy[:, 0].tolist(), exact, strict=True))
+    assert doubt.max() == 0
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(st.integers(0, 10**6), st.integers(14, 24), st.floats(1e-3, 1.0))
+def test_dense_core(seed, count, weakest):
+    """Where everything is coupled to everything, nothing is eliminated but by the dense solution."""
+    random = np.random.default_rng(seed)
+    matrix = np.triu(random.uniform(weakest**3, 1, (count, count)), 1)
+    matrix += matrix.T
+    rows, columns = np.nonzero(matrix)
+    damping = random.uniform(1, 1e6, count)
+    power = np.zeros((count, 1))
+    power[0] = 1.0
+    assert len(Elimination(damping, rows, columns, matrix[rows, columns]).core) == count
+    energy, _ = energy_balance._solve(damping, rows, columns, matrix[rows, columns], power)
+    with mpmath.workdps(40):
+        exact = solved(damping, rows, columns, matrix[rows, columns], power[:, 0])
+        assert all(close(got, value) for got, value in zip(energy[:, 0].tolist(), exact, strict=True))
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(st.integers(0, 10**6), st.integers(3, 9))
+def test_energies_from_authored_numbers(seed, count):
+    """The documented equations once more, for objects small enough to be one subsystem each."""
+    random = np.random.default_rng(seed)
+    functions = [Exponential(alpha=float(random.uniform(0, 0.05))), Constant(gain_value=float(random.uniform(0.01, 1)))]
+    objects = tuple(HapticObject(f"o{i}", 0.0, 1.0, functions[random.integers(2)]) for i in range(count))
+    edges = [(i, int(random.integers(i))) for i in range(1, count)] + [(0, count - 1)]
+    contacts = tuple(
+        Contact((f"o{a}", f"o{b}"), (p := tuple(random.uniform(0, 1, 3).tolist()), p), Constant(gain_value=float(random.uniform(0.1, 1))))
+        for a, b in edges
+    )
+    ends = [(float(random.uniform()), float(random.uniform()), 0.5) for _ in range(2)]
+    scene = HapticScene(objects, contacts, (Source("s", "o0", ends[0]),), (Listener("l", f"o{count - 1}", ends[1]),))
+    graph = graph_of_scene(scene)
+    with mpmath.workdps(40):
+
+        def squared(index: int, distance: mpmath.mpf) -> mpmath.mpf:
+            function = objects[index].propagation
+            if isinstance(function, Exponential):
+                return mpmath.exp(-2 * mpmath.mpf(function.alpha) * distance)
+            return mpmath.mpf(function.gain_value) ** 2
+
+        def apart(a, b) -> mpmath.mpf:
+            return mpmath.sqrt(sum((mpmath.mpf(x) - mpmath.mpf(y)) ** 2 for x, y in zip(a, b, strict=True)))
+
+        places = [[c.positions[0] for c, edge in zip(contacts, edges, strict=True) if index in edge] for index in range(count)]
+        damping, middles = [], []
+        for index, here in enumerate(places):
+            pairs = [apart(a, b) ** 2 for k, a in enumerate(here) for b in here[:k]]
+            typical = mpmath.sqrt(sum(pairs) / len(pairs)) if pairs else mpmath.mpf(0)
+            damping.append(1 / squared(index, typical))
+            middles.append([sum(mpmath.mpf(p[k]) for p in here) / len(here) for k in range(3)])
+        matrix = mpmath.diag(damping)
+        for (a, b), contact in zip(edges, contacts, strict=True):
+            coupling = mpmath.mpf(contact.transmission.gain_value) ** 2
+            for i, j in ((a, b), (b, a)):
+                matrix[i, i] += coupling
+                matrix[i, j] -= coupling
+        last = count - 1
+        power = mpmath.zeros(count, 1)
+        power[0] = squared(0, apart(ends[0], middles[0])) / squared(0, mpmath.mpf(0))
+        heard = squared(last, apart(ends[1], middles[last])) / squared(last, mpmath.mpf(0))
+        exact = mpmath.sqrt(mpmath.lu_solve(matrix, power)[last] * heard)
+        assert close(propagate(graph, Settings(strategy=Strategy.ENERGY_BALANCE)).gain[0, 0], exact)
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(st.integers(0, 10**6))
+def test_walks(seed):
+    """The bound of all walks is none too small, and not larger than rounding and its own remainder make it."""
+    graph = graph_of_scene(connected_scene(seed, (Exponential(alpha=0.4), Constant(gain_value=0.3), Constant(gain_value=0.1)), extra=3))
+    entries = np.flatnonzero(graph.partner >= 0)
+    arena = build_arena(graph, entries, list(graph.sources[0].nodes), graph.listener_nodes.tolist(), patches_of(graph))
+    count = len(arena.nodes)
+    with mpmath.workdps(40):
+        step = mpmath.zeros(count, count)
+        ends = mpmath.zeros(count, arena.listeners)
+        for rows, matrix in ((arena.steps, step), (arena.ends, ends)):
+            for entry in range(count):
+                for place in range(int(rows.start[entry]), int(rows.start[entry + 1])):
+                    matrix[entry, int(rows.to[place])] += mpmath.mpf(float(rows.weight[place, 0]))
+        few = walk_sums(arena, 5)
+        term = total = ends
+        for k in range(1, 6):
+            term = step * term
+            total = total + term
+            got = few[min(k, len(few) - 1)]
+            assert all(close(got[i, j], total[i, j]) for i in range(count) for j in range(arena.listeners))
+        largest = max((abs(value) for value in mpmath.eig(step, left=False, right=False)), default=0)
+        bound = walk_sums(arena, 1000)[-1]
+        if largest < 0.9:
+            exact = (mpmath.eye(count) - step) ** -1 * ends
+            for i in range(count):
+                for j in range(arena.listeners):
+                    assert exact[i, j] * (1 - mpmath.mpf(1e-12)) <= bound[i, j]
+                    assert math.isfinite(bound[i, j])
+        else:
+            assert np.isfinite(bound).all()
