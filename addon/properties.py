@@ -7,17 +7,14 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 from bpy.types import Context, Object, PropertyGroup, Scene
 
 from ..core.body import BODY_PARTS
+from ..core.functions import FUNCTIONS
 from . import session
 from .bake import properties as bake
+from .function_properties import FUNCTION_TITLES, FunctionParameters
+from .materials import properties as materials
+from .modalities import properties as modalities
 
-FUNCTION_ITEMS = (
-    ("haptic_tracing", "Haptic Tracing", "K e^(-max(K, ε) d) with K = (1 - κ) ρ: fades with distance as the two properties say"),
-    ("exponential", "Exponential", "e^(-α d): fades with distance alone"),
-    ("linear", "Linear", "1 - d / range: silent from the range on"),
-    ("constant", "Constant", "The same gain over any distance"),
-    ("identity", "Identity", "Passes everything on unchanged"),
-    ("expression", "Expression", "Your own formula of x, d, kappa, rho, epsilon"),
-)
+FUNCTION_ITEMS = tuple((name, *FUNCTION_TITLES[name]) for name in FUNCTIONS)
 SIGNAL_ITEMS = (
     ("SINE", "Sine", "A pure vibration"),
     ("PULSE", "Pulse Train", "Regular blows, like those of a jackhammer"),
@@ -47,43 +44,14 @@ def _view_changed(self: PropertyGroup, context: Context) -> None:
     draw.redraw()
 
 
-class HapticFunction:
-    """Mixin: a modulation function and its parameters."""
+class HapticFunction(FunctionParameters):
+    """Mixin: a modulation function of vibration and its parameters."""
 
     function: EnumProperty(
         name="Function",
         description="How the signal fades on its way through",
         items=FUNCTION_ITEMS,
         default="haptic_tracing",
-        update=_changed,
-    )
-    alpha: FloatProperty(
-        name="Alpha",
-        description="Attenuation per metre; 0.2 is the paper's distance-only function",
-        default=0.2,
-        min=0.0,
-        soft_max=5.0,
-        precision=3,
-        update=_changed,
-    )
-    range: FloatProperty(
-        name="Range",
-        description="Distance from which on nothing is felt",
-        default=10.0,
-        min=0.001,
-        soft_max=100.0,
-        unit="LENGTH",
-        update=_changed,
-    )
-    constant: FloatProperty(
-        name="Gain", description="The gain over any distance", default=0.5, min=0.0, max=1.0, subtype="FACTOR", update=_changed
-    )
-    expression: StringProperty(
-        name="Expression",
-        description="Formula of x (the signal), d (metres), kappa, rho, epsilon. "
-        "Functions: exp, log, sqrt, tanh, atan, sin, cos, abs, min, max, where",
-        default="x * exp(-0.2 * d)",
-        maxlen=500,
         update=_changed,
     )
 
@@ -215,6 +183,11 @@ class HapticObjectProperties(PropertyGroup, HapticFunction):
     )
     source: PointerProperty(type=HapticSourceProperties)
     listener: PointerProperty(type=HapticListenerProperties)
+    material: PointerProperty(type=materials.HapticObjectMaterial)
+    modalities: PointerProperty(type=modalities.HapticObjectModalities)
+    body: PointerProperty(
+        type=Object, name="Body", description="The haptic object through which the listeners on this armature feel", update=_changed
+    )
     felt: PointerProperty(type=bake.HapticFeltProperties)
 
 
@@ -322,12 +295,22 @@ class HapticSceneProperties(PropertyGroup):
         name="In Front", description="Draw the graph over objects instead of being hidden by them", default=True, update=_view_changed
     )
     bake: PointerProperty(type=bake.HapticBakeProperties)
+    materials: PointerProperty(type=materials.HapticMaterialLibrary)
+    modalities: PointerProperty(type=modalities.HapticSceneModalities)
     imported: StringProperty(
         name="Imported", description="What an imported file says beyond these properties", options={"HIDDEN"}, update=_changed
     )
 
 
-CLASSES = (*bake.CLASSES, HapticSourceProperties, HapticListenerProperties, HapticObjectProperties, HapticSceneProperties)
+CLASSES = (
+    *bake.CLASSES,
+    *materials.CLASSES,
+    *modalities.CLASSES,
+    HapticSourceProperties,
+    HapticListenerProperties,
+    HapticObjectProperties,
+    HapticSceneProperties,
+)
 
 
 def register() -> None:

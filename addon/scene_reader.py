@@ -22,16 +22,9 @@ from ..core.signals import DEFAULT_IMPACT, Loop, Noise, Pulse, Signal, Sine, rea
 from . import compatibility
 from .collision_shapes import collision_shape
 from .formats.kept import kept_object, kept_source
+from .function_properties import PARAMETERS
 
 FloatArray = NDArray[np.float64]
-
-# Which properties are the parameters of which function, and their names in the core.
-_PARAMETERS = {
-    "exponential": {"alpha": "alpha"},
-    "linear": {"range": "range"},
-    "constant": {"gain": "constant"},
-    "expression": {"expression": "expression"},
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,17 +215,20 @@ def is_tagged(obj: Object) -> bool:
 
 
 def haptic_carrier(obj: Object | None) -> Object | None:
-    """The object itself if it is haptic, else its nearest haptic ancestor, else None."""
+    """The object itself if it is haptic, else its nearest haptic ancestor, else None; for an armature the haptic body that it moves."""
     while obj is not None and not obj.haptics.enabled:
-        obj = obj.parent
+        body = obj.haptics.body
+        obj = body if body is not None and body.haptics.enabled else obj.parent
     return obj
 
 
 def read_function(haptics: Any) -> ModulationFunction:
     """The propagation function of an object's properties. Raises ValueError in words."""
-    parameters = {key: getattr(haptics, name) for key, name in _PARAMETERS.get(haptics.function, {}).items()}
+    parameters = {key: getattr(haptics, name) for key, name in PARAMETERS.get(haptics.function, {}).items()}
     if haptics.wave_speed > 0:
         parameters["wave_speed"] = haptics.wave_speed
+    if haptics.material.use_bands:
+        parameters["band_decays"] = tuple(haptics.material.band_decays)
     return function_from_dict({"function": haptics.function, **parameters})
 
 
