@@ -4,9 +4,9 @@ from __future__ import annotations
 
 
 def _modules() -> tuple:
-    from . import bake, export, handlers, operators, overlay, panels, properties
+    from . import bake, formats, handlers, operators, overlay, panels, properties
 
-    return (properties, operators, panels, bake, export, overlay, handlers)
+    return (properties, operators, panels, bake, formats, overlay, handlers)
 
 
 def register() -> None:

@@ -63,7 +63,8 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
     import bpy
     from tqdm import tqdm
 
-    from ..addon import export, timeline
+    from ..addon import timeline
+    from ..addon.formats.frame_scene import scene_of_result
     from ..addon.suspension import suspended
     from ..core.formats.scene_json import read_scene, write_scene
     from ..core.formats.tracks import Tracks
@@ -77,7 +78,7 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
         played = timeline.play(scene, start, end, lambda frame: bar.update())
 
     written = [args.out / f"{name}.json", args.out / f"{name}.wav"]
-    write_scene(export.scene_of_result(played.last, played.last_reading), written[0])
+    write_scene(scene_of_result(played.last, played.last_reading, scene), written[0])
     read_scene(written[0])  # validates what was written
     write_wav(Tracks.of(played), written[1])
     if not args.no_picture:

@@ -1,9 +1,10 @@
-"""Panel "Export"."""
+"""Panel "Export": the entries of File > Export and File > Import that are about haptics, where haptics are."""
 
 from __future__ import annotations
 
 from bpy.types import Context, Panel
 
+from ..formats import job
 from .drawing import HapticsPanel
 
 
@@ -14,7 +15,15 @@ class HAPTIC_PT_export(HapticsPanel, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
-        self.layout.operator("export_scene.haptic_scene", icon="EXPORT")
+        layout = self.layout
+        running = job.running()
+        if running is not None:
+            job.draw_progress(layout, running)
+            layout.label(text="Press Esc to cancel")
+            return
+        column = layout.column(align=True)
+        column.operator("export_scene.haptic_scene", text="Haptic Scene", icon="EXPORT")
+        column.operator("export_scene.haptic_tracks", text="Haptic Tracks", icon="EXPORT")
 
 
 CLASSES = (HAPTIC_PT_export,)

@@ -1,0 +1,165 @@
+"""Work that takes long: in pieces between the events of Blender's window, with a progress bar and cancelled by ESC; or at a stretch."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+
+import bpy
+from bpy.types import Context, Event, Header, Operator, WindowManager
+
+BUDGET = 0.1
+"""Seconds of work between two looks at the window."""
+
+Report = tuple[set[str], str]
+
+
+class Job:
+    """``work`` yields after every one of ``total`` steps; ``finish`` is called after the last and returns what to report.
+
+    Nothing is written before ``finish``: what is cancelled leaves nothing behind.
+    """
+
+    def __init__(self, label: str, total: int, work: Iterator[object], finish: Callable[[], list[Report]]) -> None:
+        self.label, self.total, self.done = label, max(total, 1), 0
+        self._work, self._finish = work, finish
+
+    @property
+    def factor(self) -> float:
+        """How much is done, 0 to 1."""
+        return min(self.done / self.total, 1.0)
+
+    def advance(self, seconds: float) -> list[Report] | None:
+        """Work for so long, one step at least. None: there is more to do. Raises what the work raises."""
+        until = time.perf_counter() + seconds
+        for _ in self._work:
+            self.done += 1
+            if time.perf_counter() >= until:
+                return None
+        return self._finish()
+
+    def cancel(self) -> None:
+        """Give up; the work puts back what it changed."""
+        close = getattr(self._work, "close", None)
+        if close is not None:
+            close()
+
+
+_running: Job | None = None
+
+
+def running() -> Job | None:
+    """The job that runs in the window."""
+    return _running
+
+
+def run(operator: Operator, context: Context, job: Job) -> set[str]:
+    """Run a job for an operator: in pieces where a person waits at a window, else at a stretch. ValueError and OSError are reported."""
+    if operator.options.is_invoke and not bpy.app.background and context.window is not None and job.total > 1:
+        global _running
+        if _running is not None:
+            operator.report({"ERROR"}, f"{_running.label} is not done yet")
+            return {"CANCELLED"}
+        _running = job
+        bpy.ops.haptic.run_job("INVOKE_DEFAULT")
+        return {"FINISHED"}
+    manager = context.window_manager
+    manager.progress_begin(0, job.total)
+    try:
+        while (reports := job.advance(BUDGET)) is None:
+            manager.progress_update(job.done)
+    except (ValueError, OSError) as error:
+        operator.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
+    finally:
+        manager.progress_end()
+        job.cancel()
+    for kind, text in reports:
+        operator.report(kind, text)
+    return {"FINISHED"}
+
+
+class HAPTIC_OT_run_job(Operator):
+    """Step through the frames; ESC cancels"""
+
+    bl_idname = "haptic.run_job"
+    bl_label = "Haptics"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return _running is not None
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        self._timer = context.window_manager.event_timer_add(0.01, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        context.workspace.status_text_set(draw_status)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: Context, event: Event) -> set[str]:
+        assert _running is not None
+        if event.type == "ESC":
+            self.cancel(context)
+            self.report({"WARNING"}, "Cancelled: nothing was written")
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"RUNNING_MODAL"}  # nothing else happens while the frames are stepped
+        try:
+            reports = _running.advance(BUDGET)
+        except (ValueError, OSError) as error:
+            self.cancel(context)
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        except BaseException:
+            self.cancel(context)
+            raise
+        context.workspace.status_text_set(draw_status)  # draws the status bar again
+        _redraw(context.window_manager)
+        if reports is None:
+            return {"RUNNING_MODAL"}
+        self.cancel(context)
+        for kind, text in reports:
+            self.report(kind, text)
+        return {"FINISHED"}
+
+    def cancel(self, context: Context) -> None:
+        """The end, whatever it is; Blender calls it too, when the window closes."""
+        global _running
+        if _running is not None:
+            _running.cancel()
+            _running = None
+        context.window_manager.event_timer_remove(self._timer)
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+        _redraw(context.window_manager)
+
+
+def draw_status(header: Header, context: Context) -> None:
+    """The status bar of Blender's window."""
+    if _running is not None:
+        row = header.layout.row()
+        row.label(text="Cancel", icon="EVENT_ESC")
+        draw_progress(row, _running)
+
+
+def draw_progress(layout: bpy.types.UILayout, job: Job) -> None:
+    """How far it is."""
+    layout.progress(factor=job.factor, text=f"{job.label}: {job.done} of {job.total} frames")
+
+
+def _redraw(manager: WindowManager) -> None:
+    for window in manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+def stop() -> None:
+    """Give up what runs: the add-on goes."""
+    global _running
+    if _running is not None:
+        _running.cancel()
+        _running = None
+
+
+CLASSES = (HAPTIC_OT_run_job,)

@@ -1,0 +1,16 @@
+"""The layout that records what is drawn."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+_spec = importlib.util.spec_from_file_location("formats_recording_layout", Path(__file__).parents[1] / "recording_layout.py")
+_module = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(_module)
+
+
+@pytest.fixture
+def recording_layout():
+    """Its class."""
+    return _module.RecordingLayout

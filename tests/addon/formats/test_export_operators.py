@@ -1,0 +1,178 @@
+"""File > Export, run as Blender runs it: what is written is what was traced, whole or not at all."""
+
+import json
+import math
+
+import bpy
+import numpy as np
+import pytest
+from haptic_tracing.core.formats import registry
+from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.core.formats.recording import traced as traced_again
+
+
+@pytest.fixture
+def shaken(add_box, add_empty):
+    """A floor that is shaken, a table on it that someone sits at, and a crate that slides along."""
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 13
+    scene.render.fps, scene.render.fps_base = 30, 1.001
+    floor = add_box("floor", (0, 0, -0.5), (10, 10, 1))
+    floor.haptics.source.enabled = True
+    floor.haptics.source.frequency = 80
+    table = add_box("table", (1, 0, 0.5), (1, 1, 1))
+    hand = add_empty("hand", (0, 0, 0.5), parent=table)
+    hand.haptics.listener.enabled = True
+    hand.haptics.listener.body_part = "hand.L"
+    crate = add_box("crate", (-2, 0, 0.25), (0.5, 0.5, 0.5))
+    crate.haptics.listener.enabled = True
+    for frame, x in ((1, -2.0), (13, -1.0)):
+        crate.location.x = x
+        crate.keyframe_insert("location", frame=frame)
+    scene.frame_set(1)
+    return scene
+
+
+def test_a_range_traced_again_by_the_core_gives_the_same_samples(shaken, tmp_path):
+    path = tmp_path / "range.json"
+    arguments = {"frames": "RANGE", "frame_start": 1, "frame_end": 13, "tracks": "wav", "encoding": "float32"}
+    assert bpy.ops.export_scene.haptic_scene(filepath=str(path), **arguments) == {"FINISHED"}
+    export = read_export(path)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["range.json", "range.tracks.wav"]
+    assert [frame.number for frame in export.recording.frames] == list(range(1, 14))
+    assert export.recording.frame_rate == pytest.approx(30 / 1.001)
+    blocks = [result.block for result in traced_again(export.scene, export.recording) if result.block is not None]
+    samples = np.concatenate(blocks, axis=1)
+    assert samples.shape[1] == math.ceil(12 * 1.001 / 30 * 8000)
+    np.testing.assert_allclose(export.tracks.samples, samples, atol=1e-5)
+    assert np.abs(export.tracks.samples).max() > 0.01
+    assert bpy.context.scene.frame_current == 1
+
+
+def test_packed_and_inline(shaken, tmp_path):
+    path = tmp_path / "packed.json.gz"
+    bpy.ops.export_scene.haptic_scene(filepath=str(path), frames="RANGE", frame_end=3, tracks="inline", compressed=True)
+    export = read_export(path)
+    assert len(export.recording.frames) == 3 and export.tracks.count == math.ceil(2 * 1.001 / 30 * 8000)
+    bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "without"), frames="RANGE", frame_end=3)
+    assert read_export(tmp_path / "without.json").tracks is None
+
+
+@pytest.mark.parametrize("name", [name for name in registry.FORMATS if name != "scene"])
+def test_every_format_is_written(shaken, tmp_path, name):
+    suffix = registry.suffix(name)
+    target = tmp_path / f"ride{suffix}"
+    assert bpy.ops.export_scene.haptic_tracks(filepath=str(target), format=name, frame_start=1, frame_end=13) == {"FINISHED"}
+    files = [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert any(path.name.endswith(suffix) for path in files) and not any(path.suffix == ".part" for path in files)
+    if suffix in registry.READERS:
+        channels = [c for path in files if path.suffix == suffix for c in registry.read(path).channels]
+        assert any(channel.at_rate(8000).any() for channel in channels)
+
+
+def test_options_reach_the_format(shaken, tmp_path):
+    bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "a.hjif"), format="hjif", frame_end=5, hjif_profile="Simple Parametric")
+    assert json.loads((tmp_path / "a.hjif").read_text())["profile"] == "Simple Parametric"
+    bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "a.wav"), format="wav", frame_end=5, wav_sample_rate=4000)
+    (channel, _) = registry.read(tmp_path / "a.wav").channels
+    assert channel.sample_rate == 4000
+
+
+def test_a_collection_exports_what_is_in_it(shaken, tmp_path):
+    collection = bpy.data.collections.new("crates")
+    bpy.context.scene.collection.children.link(collection)
+    collection.objects.link(bpy.data.objects["crate"])
+    collection.objects.link(bpy.data.objects["floor"])
+    bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "part.json"), collection="crates")
+    scene = read_export(tmp_path / "part.json").scene
+    assert [item.name for item in scene.objects] == ["crate", "floor"] and [item.name for item in scene.listeners] == ["crate"]
+    assert {contact.objects for contact in scene.contacts} == {("crate", "floor")}
+    bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "part.wav"), collection="crates", frame_end=5)
+    assert [channel.name for channel in registry.read(tmp_path / "part.wav").channels] == ["crate"]
+
+
+def test_blenders_own_collection_exporter_takes_both(shaken, tmp_path):
+    """As the collection's panel does it: an exporter is added, its path chosen, and everything exported."""
+    collection = bpy.data.collections.new("all")
+    bpy.context.scene.collection.children.link(collection)
+    for obj in list(bpy.context.scene.collection.objects):
+        collection.objects.link(obj)
+    layer = bpy.context.view_layer.layer_collection.children["all"]
+    bpy.context.view_layer.active_layer_collection = layer
+    for number, (handler, name) in enumerate((("HAPTIC_FH_scene", "all.json"), ("HAPTIC_FH_tracks", "all.wav"))):
+        assert bpy.ops.collection.exporter_add(name=handler) == {"FINISHED"}
+        collection.exporters[number].export_properties.filepath = str(tmp_path / name)
+        assert bpy.ops.collection.exporter_export(index=number) == {"FINISHED"}
+    assert (tmp_path / "all.json").is_file() and (tmp_path / "all.wav").is_file()
+
+
+def test_what_can_not_be_traced_writes_nothing(shaken, tmp_path):
+    shaken.frame_end = 5
+    for obj in shaken.objects:
+        obj.haptics.listener.enabled = False
+    with pytest.raises(RuntimeError, match="no listener"):
+        bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "a.wav"))
+    with pytest.raises(RuntimeError, match="is empty"):
+        bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "a.json"), frames="RANGE", frame_start=5, frame_end=1)
+    with pytest.raises(RuntimeError, match="no collection 'gone'"):
+        bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "a.json"), collection="gone")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_job_goes_in_pieces_and_is_cancelled_without_a_trace(shaken, tmp_path):
+    from haptic_tracing.addon.formats.capture import Capture
+    from haptic_tracing.addon.formats.job import Job
+
+    shaken.frame_set(7)
+    finished = []
+    capture = Capture(shaken, 1, 13, True, True)
+    work = Job("Exporting", capture.frames, capture.steps(), lambda: finished.append(capture.export("x")) or [])
+    assert work.advance(0.0) is None and work.done == 1 and work.factor == pytest.approx(1 / 13)
+    work.cancel()
+    assert shaken.frame_current == 7 and not finished
+    capture = Capture(shaken, 1, 13, True, True)
+    work = Job("Exporting", capture.frames, capture.steps(), lambda: finished.append(capture.export("x")) or [])
+    assert work.advance(math.inf) == [] and work.factor == 1.0
+    assert finished[0].tracks.count == math.ceil(12 * 1.001 / 30 * 8000) and shaken.frame_current == 7
+
+
+def test_a_bake_is_exported_without_tracing(shaken, tmp_path):
+    from haptic_tracing.addon.formats import capture
+
+    arguments = {"format": "wav", "frame_start": 2, "frame_end": 9}
+    bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "traced.wav"), **arguments)
+    assert capture.baked(shaken, 1, 13) is None
+    bpy.ops.haptic.bake()
+    assert capture.baked(shaken, 1, 13) is not None and capture.baked(shaken, 1, 14) is None
+    bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "baked.wav"), **arguments)
+    one, two = (registry.read(tmp_path / f"{name}.wav").channels for name in ("traced", "baked"))
+    for first, second in zip(one, two, strict=True):
+        np.testing.assert_allclose(first.samples[1000:], second.samples[1000:], atol=2e-3)
+    bpy.data.objects["crate"].haptics.kappa = 0.9
+    assert capture.baked(shaken, 1, 13) is None
+
+
+def test_losses_are_drawn_before_anything_is_written(shaken, recording_layout):
+    from haptic_tracing.addon.formats.export_operators import draw_losses, expected
+
+    layout = recording_layout()
+    draw_losses(layout, "tact", expected(shaken, True), {})
+    assert layout.labels[0] == "Not in these files" and any("crate" in text for text in layout.labels)
+    layout = recording_layout()
+    draw_losses(layout, "scene", expected(shaken, True), {"tracks": "wav", "encoding": "float32"})
+    assert layout.labels == ["Everything is carried"]
+    for obj in shaken.objects:
+        obj.haptics.listener.enabled = False
+    layout = recording_layout()
+    draw_losses(layout, "wav", expected(shaken, True), {})
+    assert layout.labels[0] == "Can't be written"
+
+
+def test_endings_follow_the_format():
+    from haptic_tracing.addon.formats.export_operators import export_name, with_ending
+
+    assert with_ending("/a/b.json", (".json.gz", ".json"), ".json.gz") == "/a/b.json.gz"
+    assert with_ending("/a/b.JSON.GZ", (".json.gz", ".json"), ".json") == "/a/b.json"
+    assert with_ending("/a/b.v2", (".wav", ".hjif"), ".hjif") == "/a/b.v2.hjif"
+    assert with_ending("/a/", (".wav",), ".hjif") == "/a/"
+    assert [export_name(p) for p in ("/a/b.json.gz", "/a/b.v2.hjif", "/a/b.v2", "/a/.wav")] == ["b", "b.v2", "b.v2", ".wav"]
