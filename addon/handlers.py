@@ -11,6 +11,7 @@ from bpy.types import Depsgraph, Scene
 
 from . import session
 from .bake import playback
+from .live_output import handlers as live_output
 from .overlay import draw
 from .suspension import is_stepped, is_suspended
 
@@ -20,8 +21,14 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
     """Trace the frame that Blender has just evaluated, or read it from the baked track."""
     if is_suspended() or depsgraph.mode == "RENDER":
         return
-    if is_stepped(scene) or (scene.haptics.tracing and not playback.play(scene)):
+    if is_stepped(scene):
         session.trace(scene, depsgraph)
+        return
+    try:
+        if scene.haptics.tracing and not playback.play(scene):
+            session.trace(scene, depsgraph)
+    finally:
+        live_output.frame_changed(scene)
 
 
 @persistent

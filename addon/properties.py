@@ -11,6 +11,7 @@ from ..core.functions import FUNCTIONS
 from . import session
 from .bake import properties as bake
 from .function_properties import FUNCTION_TITLES, FunctionParameters
+from .live_output import properties as live_output
 from .materials import properties as materials
 from .modalities import properties as modalities
 
@@ -189,6 +190,7 @@ class HapticObjectProperties(PropertyGroup, HapticFunction):
         type=Object, name="Body", description="The haptic object through which the listeners on this armature feel", update=_changed
     )
     felt: PointerProperty(type=bake.HapticFeltProperties)
+    live_output: PointerProperty(type=live_output.HapticActuatorProperties)
 
 
 class HapticSceneProperties(PropertyGroup):
@@ -295,6 +297,7 @@ class HapticSceneProperties(PropertyGroup):
         name="In Front", description="Draw the graph over objects instead of being hidden by them", default=True, update=_view_changed
     )
     bake: PointerProperty(type=bake.HapticBakeProperties)
+    live_output: PointerProperty(type=live_output.HapticLiveOutputProperties)
     materials: PointerProperty(type=materials.HapticMaterialLibrary)
     modalities: PointerProperty(type=modalities.HapticSceneModalities)
     imported: StringProperty(
@@ -304,6 +307,7 @@ class HapticSceneProperties(PropertyGroup):
 
 CLASSES = (
     *bake.CLASSES,
+    *live_output.CLASSES,
     *materials.CLASSES,
     *modalities.CLASSES,
     HapticSourceProperties,

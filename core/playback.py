@@ -20,6 +20,8 @@ GRAIN = 0.100
 _GRAIN_RISE, _GRAIN_FALL = 0.005, 0.040
 # So that a device that is told levels, looking at 40 ms of signal, comes to zero within the grain's own block.
 _GRAIN_SILENCE = 0.060
+# A recorded block that is not the continuation of the last one begins at its last value, and leaves it within so many seconds.
+_SEAM = 0.008
 # Frames that are dropped are rendered and left out; what jumps further is another place of the timeline.
 _LONGEST_STEP = 1.0
 
@@ -30,10 +32,26 @@ class Playback:
     def __init__(self) -> None:
         self._renderer: Renderer | None = None
         self._time: float | None = None
+        self._last = np.zeros((0, 1))
+        self._next = -1
 
     def start(self, time: float) -> None:
         """Begin at ``time`` [s], from silence."""
         self._renderer, self._time = None, time
+        self._last, self._next = np.zeros((0, 1)), -1
+
+    def recorded(self, result: FrameResult) -> FloatArray:
+        """The samples of a frame that was read from a track, (listeners, n), joined to those before where frames lie between."""
+        if result.block is None or result.time == self._time:
+            return np.zeros((len(result.listeners), 0))
+        block = result.block.copy()
+        if result.first_sample != self._next and block.shape[1]:
+            last = self._last if self._last.shape[0] == block.shape[0] else np.zeros((block.shape[0], 1))
+            seam = block[:, : round(_SEAM * result.sample_rate)]
+            seam += (last - seam) * (1.0 - (np.arange(seam.shape[1]) + 1.0) / seam.shape[1])
+        self._renderer, self._time = None, result.time
+        self._last, self._next = block[:, -1:], result.first_sample + block.shape[1]
+        return block
 
     def block(self, result: FrameResult, frame_seconds: float) -> FloatArray:
         """The samples of the frame that ends at ``result``, (listeners, n): ``frame_seconds`` long, or nothing where it was played already.
@@ -69,10 +87,22 @@ def grain(result: FrameResult, frame_seconds: float) -> FloatArray:
     renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
     voices = source_voices(result.sources, result.listeners, result.propagation)
     renderer.render_frame(start, start, voices)
-    samples = renderer.render_frame(start, start + GRAIN, voices)
-    seconds = (np.arange(samples.shape[1]) + 0.5) / result.sample_rate
+    return _shaped(renderer.render_frame(start, start + GRAIN, voices), result.sample_rate)
+
+
+def recorded_grain(result: FrameResult) -> FloatArray:
+    """A short touch of a frame that was read from a track."""
+    block = np.zeros((len(result.listeners), 0)) if result.block is None else result.block
+    return _shaped(block[:, : round(GRAIN * result.sample_rate)], result.sample_rate)
+
+
+def _shaped(samples: FloatArray, sample_rate: float) -> FloatArray:
+    """Samples that begin and end in silence."""
+    if not samples.shape[1]:
+        return samples
+    seconds = (np.arange(samples.shape[1]) + 0.5) / sample_rate
     rise, fall = np.clip(seconds / _GRAIN_RISE, 0.0, 1.0), np.clip((seconds[-1] - seconds) / _GRAIN_FALL, 0.0, 1.0)
-    silence = np.zeros((samples.shape[0], round(_GRAIN_SILENCE * result.sample_rate)))
+    silence = np.zeros((samples.shape[0], round(_GRAIN_SILENCE * sample_rate)))
     return np.concatenate([samples * np.sin(0.5 * np.pi * np.minimum(rise, fall)) ** 2, silence], axis=1)
 
 

@@ -1,0 +1,104 @@
+"""Blender's events: frames are felt while the timeline plays, and everything stops at anything else."""
+
+from __future__ import annotations
+
+import atexit
+from collections.abc import Callable
+from typing import Any
+
+import bpy
+from bpy.app.handlers import persistent
+from bpy.types import Scene
+
+from .. import session
+from ..bake import playback
+from ..scene_reader import seconds_of
+from . import outputs, player, preview, refresh
+
+
+def frame_changed(scene: Scene) -> None:
+    """Let the frame be felt that has just been traced; be silent where it was not, because tracing failed or is off."""
+    if not player.is_wanted():
+        return
+    result = session.result_of(scene) if scene.haptics.tracing else None
+    try:
+        if result is None or result.number != scene.frame_current:
+            player.rest()
+            return
+        player.play(scene.session_uid, result, frame_seconds(scene), choices(result), playback.plays(scene))
+    except Exception:
+        player.rest()
+        raise
+
+
+@persistent
+def animation_playback_pre(scene: Scene, *_: Any) -> None:
+    """Playback starts."""
+    player.start(scene.session_uid, seconds_of(scene, scene.frame_current))
+
+
+@persistent
+def animation_playback_post(*_: Any) -> None:
+    """Playback was stopped or paused."""
+    player.stop()
+
+
+@persistent
+def rest(*_: Any) -> None:
+    """Something happened that has nothing to do with playing: silence until the next frame."""
+    player.rest()
+
+
+@persistent
+def load_pre(*_: Any) -> None:
+    """Another file is loaded: its settings are not these devices', which are let go."""
+    player.stop()
+    outputs.disconnect_all()
+    preview.switch_off()
+
+
+def frame_seconds(scene: Scene) -> float:
+    """How long a frame lasts."""
+    return scene.render.fps_base / scene.render.fps
+
+
+def choices(result: Any) -> dict[str, str]:
+    """What the listeners of a frame are to be felt through, where that is not automatic."""
+    objects = ((listener.name, bpy.data.objects.get(listener.name)) for listener in result.listeners)
+    return {name: obj.haptics.live_output.actuators for name, obj in objects if obj is not None and obj.haptics.live_output.actuators}
+
+
+def stop_everything() -> None:
+    """Silence and let go of everything, and wait for it a little."""
+    player.stop()
+    preview.switch_off()
+    outputs.stop_all()
+
+
+_HANDLERS: dict[str, Callable[..., None]] = {
+    "animation_playback_pre": animation_playback_pre,
+    "animation_playback_post": animation_playback_post,
+    "load_pre": load_pre,
+    "undo_pre": rest,
+    "redo_pre": rest,
+    "render_pre": rest,
+    "exit_pre": load_pre,
+}
+
+
+def register() -> None:
+    for event, handler in _HANDLERS.items():
+        if hasattr(bpy.app.handlers, event):  # exit_pre: Blender 5.1 on
+            getattr(bpy.app.handlers, event).append(handler)
+    atexit.register(stop_everything)
+
+
+def unregister() -> None:
+    atexit.unregister(stop_everything)
+    for event, handler in _HANDLERS.items():
+        handlers = getattr(bpy.app.handlers, event, [])
+        if handler in handlers:
+            handlers.remove(handler)
+    stop_everything()
+    outputs.forget()
+    refresh.stop()

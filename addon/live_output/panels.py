@@ -1,0 +1,148 @@
+"""Panel "Live Output": devices, how they do, what listeners are felt through, and what gets lost."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.types import Context, Panel, Scene, UILayout
+
+from ...core.devices.connection import UDEV_FILE
+from ...core.devices.mapping import LATEST
+from ...core.devices.output import Status
+from .. import session
+from ..panels.drawing import HapticsPanel, draw_pair, wrapped
+from . import handlers, outputs, player, preview
+
+EARLIEST = -0.015
+"""Seconds by which touch may lead the picture unnoticed (Di Luca and Mahnan, 2019)."""
+_BLOCKED = 0.25
+
+
+class HAPTIC_PT_live_output(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_live_output"
+    bl_label = "Live Output"
+    bl_order = 50
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        row = layout.row(align=True)
+        row.operator("haptic.find_devices", text="Looking..." if outputs.is_finding() else "Find Devices", icon="VIEWZOOM")
+        row.operator("haptic.panic", text="", icon="CANCEL")
+        row = layout.row(align=True)
+        row.operator("haptic.toggle_preview", icon="PLAY_SOUND", depress=preview.is_on())
+        row.prop(context.scene.haptics.live_output, "preview_volume", text="")
+        _draw_devices(layout, context.scene)
+
+
+class HAPTIC_PT_actuators(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_actuators"
+    bl_parent_id = "HAPTIC_PT_live_output"
+    bl_label = "Listeners"
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        result = session.result_of(context.scene)
+        if result is None or not result.listeners:
+            layout.label(text="No listener was traced yet", icon="INFO")
+            return
+        choices = handlers.choices(result)
+        mapping = player.mapping_of(result, choices)
+        for row_number, listener in enumerate(result.listeners):
+            column = layout.column(align=True)
+            row = column.split(factor=0.45)
+            row.label(text=listener.name)
+            felt = [
+                f"{outputs.running()[key].profile.title}: {actuator.name}"
+                for key, weights in mapping.weights.items()
+                for actuator, weight in zip(outputs.running()[key].profile.actuators, weights[:, row_number], strict=True)
+                if weight
+            ]
+            automatic = listener.name not in choices
+            text = ("Auto: " if automatic else "") + (", ".join(felt) or "none")
+            row.operator_menu_enum("haptic.choose_actuator", "place", text=text).listener = listener.name
+            for loss in mapping.losses:
+                if loss.listener == listener.name and outputs.running():
+                    _draw_text(column, loss.text)
+
+
+def _draw_devices(layout: UILayout, scene: Scene) -> None:
+    inventory = outputs.inventory()
+    for key, output in outputs.running().items():
+        found = outputs.found(key)
+        box = _draw_title(layout, output.profile.title, found.kind if found else "")
+        box.operator("haptic.disconnect_device", icon="UNLINKED").device = key
+        _draw_status(box, output.status, handlers.frame_seconds(scene))
+        settings = scene.haptics.live_output.devices.get(key)
+        if settings is not None:
+            column = box.column(align=True)
+            column.use_property_split = True
+            column.use_property_decorate = False
+            for name in ("gain", "floor", "curve", "ceiling", "offset"):
+                column.prop(settings, name)
+    if inventory is None:
+        return
+    for found in inventory.devices:
+        if found.key in outputs.running():
+            continue
+        box = _draw_title(layout, found.title, found.kind)
+        if found.permission:
+            _draw_text(box, "You may not use it yet. Put the rule into", icon="ERROR")
+            box.label(text=UDEV_FILE, icon="BLANK1")
+            _draw_text(box, "and plug the device in again")
+            box.operator("haptic.copy_udev_rule", icon="COPYDOWN").device = found.key
+        box.operator("haptic.connect_device", icon="LINKED").device = found.key
+    for name in inventory.strangers:
+        layout.label(text=f"{name} is not supported", icon="QUESTION")
+    for problem in inventory.problems:
+        _draw_text(layout, problem, icon="ERROR")
+    if not inventory.devices and not inventory.strangers:
+        layout.label(text="No haptic device is connected", icon="INFO")
+
+
+def _draw_title(layout: UILayout, title: str, kind: str) -> UILayout:
+    box = layout.box()
+    box.label(text=f"{title} ({kind})" if kind else title, icon="MOUSE_MOVE")
+    return box
+
+
+def _draw_status(layout: UILayout, status: Status, frame_seconds: float) -> None:
+    column = layout.column(align=True)
+    state = {"searching": "Looking for it", "open": "Connected", "stopped": "Stopped", "failed": "Failed"}[status.state]
+    column.label(text=state, icon="CHECKMARK" if status.state == "open" else "ERROR")
+    if status.message:
+        _draw_text(column, status.message)
+    if status.writing_for > _BLOCKED:
+        _draw_text(column, f"A write has been blocked for {status.writing_for:.1f} s")
+    draw_pair(column, "Reports written", f"{status.written}")
+    draw_pair(column, "Failed, lost", f"{status.failed_writes}, {status.losses}")
+    lag = lag_of_picture(status, frame_seconds)
+    if lag is not None:
+        late = lag > LATEST or lag < EARLIEST
+        draw_pair(column, "Touch follows by", f"{1000 * lag:.0f} ms" + (" (noticed)" if late else ""))
+        column.label(text="-15 to 50 ms go unnoticed", icon="ERROR" if late else "BLANK1")
+
+
+def lag_of_picture(status: Status, frame_seconds: float) -> float | None:
+    """Seconds by which touch follows the picture. A picture stands for its frame, so its middle counts: samples of the frame before it are
+    felt while it is shown, half a frame late on average."""
+    return None if status.lag is None else status.lag + frame_seconds / 2
+
+
+def _draw_text(layout: UILayout, text: str, icon: str = "NONE") -> None:
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for number, line in enumerate(wrapped(text)):
+        column.label(text=line, icon=icon if number == 0 else "NONE")
+
+
+CLASSES = (HAPTIC_PT_live_output, HAPTIC_PT_actuators)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

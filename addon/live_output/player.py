@@ -1,0 +1,123 @@
+"""From traced frames to devices: blocks while the timeline plays, grains while it is scrubbed, silence otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.devices.mapping import ActuatorMapping, Loss, Place, map_listeners
+from ...core.frame_result import FrameResult
+from ...core.playback import Playback, grain, recorded_grain
+from . import outputs, preview
+
+AUTOMATIC = ""
+"""A listener's choice: the actuators at its body part."""
+MUTED = "-"
+"""A listener's choice: none."""
+
+
+@dataclass(slots=True)
+class _State:
+    playing: bool = False
+    scene: int | None = None
+    result: FrameResult | None = None  # the last one that was played
+    playback: Playback = field(default_factory=Playback)
+    mapping: ActuatorMapping | None = None
+    mapped: tuple = ()
+
+
+_state = _State()
+
+
+def is_playing() -> bool:
+    """True between the start and the end of playback."""
+    return _state.playing
+
+
+def is_wanted() -> bool:
+    """True where there is anything to play on."""
+    return bool(outputs.running()) or preview.is_on()
+
+
+def start(scene: int, time: float) -> None:
+    """Playback begins in a scene (its session id), at ``time`` [s]."""
+    _state.playing, _state.scene, _state.result = True, scene, None
+    _state.playback.start(time)
+
+
+def stop() -> None:
+    """Playback ends: silence."""
+    _state.playing = False
+    rest()
+
+
+def rest() -> None:
+    """Zero, then release, now; the next frame plays again."""
+    _state.result = None
+    _state.playback = Playback()
+    outputs.rest()
+    preview.silence()
+
+
+def play(scene: int, result: FrameResult, frame_seconds: float, choices: Mapping[str, str], recorded: bool = False) -> None:
+    """Let a fresh frame be felt. ``choices``: by listener, as `places_of` reads them. ``recorded``: it was read from a track."""
+    if _state.playing and scene != _state.scene:
+        rest()
+        _state.scene = scene
+    if _state.result is result or not result.listeners:
+        return
+    _state.result = result
+    samples = _samples(result, frame_seconds, recorded)
+    if not samples.shape[1]:
+        return
+    for key, block in mapping_of(result, choices).blocks(samples).items():
+        outputs.running()[key].send(block)
+    preview.play([listener.body_part for listener in result.listeners], samples, result.sample_rate)
+
+
+def _samples(result: FrameResult, frame_seconds: float, recorded: bool) -> NDArray[np.float64]:
+    if _state.playing:
+        return _state.playback.recorded(result) if recorded else _state.playback.block(result, frame_seconds)
+    return recorded_grain(result) if recorded else grain(result, frame_seconds)
+
+
+def mapping_of(result: FrameResult, choices: Mapping[str, str]) -> ActuatorMapping:
+    """Which actuators the listeners of a frame are felt through, and what gets lost."""
+    listeners = tuple((listener.name, listener.body_part) for listener in result.listeners)
+    key = (outputs.version(), listeners, tuple(sorted(choices.items())))
+    if _state.mapping is None or _state.mapped != key:
+        _state.mapping, _state.mapped = _mapped(dict(listeners), choices), key
+    return _state.mapping
+
+
+def places_of(choice: str) -> list[Place] | None:
+    """The actuators of a choice, as "device/actuator" separated by semicolons; None where it is automatic."""
+    if choice == AUTOMATIC:
+        return None
+    return [Place(*text.rsplit("/", 1)) for text in choice.split(";") if "/" in text]
+
+
+def choice_of(places: Sequence[Place]) -> str:
+    """The choice that stands for actuators."""
+    return ";".join(f"{place.device}/{place.actuator}" for place in places) or MUTED
+
+
+def _mapped(listeners: Mapping[str, str], choices: Mapping[str, str]) -> ActuatorMapping:
+    devices = {key: output.profile for key, output in outputs.running().items()}
+    known = {Place(key, actuator.name) for key, device in devices.items() for actuator in device.actuators}
+    chosen: dict[str, list[Place]] = {}
+    absent: list[Loss] = []
+    for listener, choice in choices.items():
+        places = places_of(choice)
+        if places is None or listener not in listeners:
+            continue
+        chosen[listener] = [place for place in places if place in known]
+        missing = [place for place in places if place not in known]
+        if missing:
+            names = ", ".join(f"{place.actuator} of {place.device}" for place in missing)
+            absent.append(Loss(listener, "actuator", f"{listener} is not felt through {names}: not connected"))
+    mapping = map_listeners(listeners, devices, chosen=chosen)
+    return ActuatorMapping(mapping.listeners, mapping.weights, (*absent, *mapping.losses))

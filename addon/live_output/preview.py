@@ -1,0 +1,159 @@
+"""The preview: what listeners feel, as sound, through Blender's own audio system. Needs no device but a loudspeaker.
+
+Listeners on the left are heard on the left. Blocks follow each other without a gap: they are cut into pieces that begin where Blender's
+sequencer begins one anyway.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.body import BODY_PART
+from ...core.devices.resampling import Resampler
+
+FloatArray = NDArray[np.float64]
+
+RATE = 48_000
+PIECE = 480
+"""Samples of a piece: 10 ms."""
+LEAD = 0.060
+"""Seconds between a block and its sound, so that a frame may be late without a gap."""
+_LATE = 0.300
+# Half a sample early, or rounding would begin some pieces a sample late.
+_EARLY = 0.5 / RATE
+
+
+class AudioUnavailable(Exception):
+    """There is nothing to play the preview on; the text says why, in one line."""
+
+
+class _Stream:
+    """A sequence that plays, and grows while it does."""
+
+    def __init__(self, sample_rate: float, volume: float) -> None:
+        aud, device = _audio()
+        self.sample_rate = sample_rate
+        self._aud = aud
+        self._sequence = aud.Sequence(channels=aud.CHANNELS_STEREO, rate=RATE, fps=RATE / PIECE)
+        self._handle = device.play(self._sequence)
+        self._handle.volume = volume
+        self._resampler = Resampler(2, round(sample_rate), RATE)
+        self._pending = np.zeros((2, 0))
+        self._next = 0  # number of the next piece
+        self._entries: deque[tuple[int, Any]] = deque()
+
+    def set_volume(self, volume: float) -> None:
+        self._handle.volume = volume
+
+    def append(self, stereo: FloatArray) -> None:
+        """The next samples, (2, n)."""
+        position = float(self._handle.position)
+        now = int(max(position, 0.0) * RATE / PIECE)
+        if self._next < now or self._next > now + _LATE * RATE / PIECE:
+            self._drop(now)
+            self._next = now + round(LEAD * RATE / PIECE)
+        samples = np.concatenate([self._pending, self._resampler.process(stereo)], axis=1)
+        whole = samples.shape[1] // PIECE * PIECE
+        for start in range(0, whole, PIECE):
+            self._add(samples[:, start : start + PIECE])
+        self._pending = samples[:, whole:]
+        while self._entries and self._entries[0][0] < now - 1:
+            self._sequence.remove(self._entries.popleft()[1])
+
+    def silence(self) -> None:
+        """What is left of the last piece, faded out; then nothing."""
+        self._drop(int(max(float(self._handle.position), 0.0) * RATE / PIECE) + 2)
+        self._pending = self._pending[:, :0]
+        self._resampler.reset()
+
+    def stop(self) -> None:
+        self._handle.stop()
+
+    def _add(self, piece: FloatArray) -> None:
+        begin = max(self._next * PIECE / RATE - _EARLY, 0.0)
+        sound = self._aud.Sound.buffer(np.ascontiguousarray(piece.T, dtype=np.float32), RATE)
+        self._entries.append((self._next, self._sequence.add(sound, begin, begin + PIECE / RATE, 0.0)))
+        self._next += 1
+
+    def _drop(self, first: int) -> None:
+        """Take away the pieces from number ``first`` on."""
+        while self._entries and self._entries[-1][0] >= first:
+            self._sequence.remove(self._entries.pop()[1])
+        self._next = min(self._next, first)
+
+
+_stream: _Stream | None = None
+_on = False
+_volume = 0.5
+
+
+def is_on() -> bool:
+    """True where the preview is switched on."""
+    return _on
+
+
+def switch_on() -> None:
+    """From now on frames are heard. Raises AudioUnavailable."""
+    global _on
+    _audio()
+    _on = True
+
+
+def switch_off() -> None:
+    """Silence, for good."""
+    global _on, _stream
+    _on = False
+    if _stream is not None:
+        _stream.stop()
+        _stream = None
+
+
+def set_volume(volume: float) -> None:
+    """How loud, 0 to 1."""
+    global _volume
+    _volume = volume
+    if _stream is not None:
+        _stream.set_volume(volume)
+
+
+def silence() -> None:
+    """Nothing more of what was sent so far."""
+    if _stream is not None:
+        _stream.silence()
+
+
+def play(body_parts: list[str], samples: FloatArray, sample_rate: float) -> None:
+    """Let the next block be heard: ``samples`` (listeners, n). Nothing where the preview is off."""
+    global _stream
+    if not _on:
+        return
+    if _stream is None or _stream.sample_rate != sample_rate:
+        _stream = _Stream(sample_rate, _volume)
+    _stream.append(stereo_mix(body_parts, samples))
+
+
+def stereo_mix(body_parts: list[str], samples: FloatArray) -> FloatArray:
+    """(listeners, n) as (2, n): left parts of the body on the left, right ones on the right, the rest on both, at equal power, and kept
+    within [-1, 1] where they add up."""
+    sides = [BODY_PART[part].side if part in BODY_PART else "" for part in body_parts]
+    gains = np.array([{"L": (1.0, 0.0), "R": (0.0, 1.0), "": (np.sqrt(0.5), np.sqrt(0.5))}[side] for side in sides]).reshape(-1, 2)
+    return np.tanh(gains.T @ samples)
+
+
+def _audio() -> tuple[Any, Any]:
+    """Blender's audio module and its output. Raises AudioUnavailable."""
+    try:
+        import aud
+    except ImportError:
+        raise AudioUnavailable("this Blender is built without audio") from None
+    try:
+        device = aud.Device()
+    except aud.error as error:
+        raise AudioUnavailable(f"there is no audio device: {error}") from None
+    if not device.rate > 0:
+        raise AudioUnavailable("there is no audio device: see Preferences > System > Sound")
+    return aud, device

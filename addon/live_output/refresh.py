@@ -1,0 +1,44 @@
+"""The panel drawn anew twice a second while there is something to see: a device's state changes without Blender noticing."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import outputs
+
+_SECONDS = 0.5
+
+
+def start() -> None:
+    """Keep the panel fresh until no device is driven or looked for."""
+    if not bpy.app.background and not bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.register(_tick, first_interval=0.1, persistent=True)
+
+
+def stop() -> None:
+    """No more."""
+    if bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.unregister(_tick)
+
+
+def redraw() -> None:
+    """Draw the sidebars anew."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                for region in area.regions:
+                    if region.type == "UI":
+                        region.tag_redraw()
+
+
+def _tick() -> float | None:
+    redraw()
+    return _SECONDS if outputs.running() or outputs.is_finding() else None
+
+
+def register() -> None:
+    pass
+
+
+def unregister() -> None:
+    stop()

@@ -1,0 +1,131 @@
+"""Blocks of live playback: those of the bake frame by frame, never shifted by dropped frames, never clicking at jumps."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from haptic_tracing.core.playback import GRAIN, Playback, grain, recorded_grain
+from haptic_tracing.core.scene import HapticObject, Listener, Source, SourceKind
+from haptic_tracing.core.signals import DecayingSine, Sine
+from haptic_tracing.core.tracer import Frame, Tracer
+
+RATE = 8000.0
+FPS = 24.0
+TONE = 100.0
+# A 100 Hz sine of amplitude 1 never moves faster than this from sample to sample.
+STEEPEST = 2 * np.pi * TONE / RATE
+
+
+def traced(numbers, fps=FPS, impact=None):
+    """One object with a source and a listener on it, traced frame by frame; gains are constant."""
+    tracer = Tracer()
+    thing = HapticObject("thing", 0.0, 1.0)
+    hum = Source("hum", "thing", signal=Sine(TONE))
+    listener = Listener("skin", "thing", body_part="hand.L")
+    results, last = [], None
+    for number in numbers:
+        sources = (hum,)
+        if impact is not None:
+            sources += (Source("blow", "thing", kind=SourceKind.TEMPORARY, signal=DecayingSine(150.0, 0.03), onset=impact),)
+        frame = Frame(number, number / fps, (thing,), sources, (listener,), continuous=last is not None and number == last + 1)
+        results.append(tracer.step(frame))
+        last = number
+    return results
+
+
+def played(results, start, fps=FPS):
+    playback = Playback()
+    playback.start(start / fps)
+    return [playback.block(result, 1 / fps) for result in results]
+
+
+@pytest.mark.parametrize("fps", [24.0, 25.0, 29.97, 60.0])
+def test_frame_by_frame_it_is_the_bake_bit_for_bit(fps):
+    results = traced(range(50), fps, impact=0.5)
+    for block, result in zip(played(results[1:], 0, fps), results[1:], strict=True):
+        assert block.tobytes() == result.block.tobytes()
+
+
+def test_dropped_frames_do_not_shift_what_is_felt():
+    """Each block is the last frame before its picture; the steady tone has the phase that the scene's time gives it."""
+    numbers = [1, 2, 4, 5, 9, 10, 11]
+    for number, block in zip(numbers[1:], played(traced(numbers), 0)[1:], strict=True):
+        last = np.arange(np.ceil(number / FPS * RATE - 1e-6)) / RATE
+        expected = np.sin(2 * np.pi * TONE * last)[-block.shape[1] :]
+        assert abs(block.shape[1] - RATE / FPS) < 1
+        assert block[0] == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("second", [0, 3, 17, 40, 900])
+def test_loops_and_jumps_do_not_click(second):
+    first = list(range(25))
+    jumped = list(range(second, second + 10))
+    samples = np.concatenate(played(traced([*first[1:], *jumped]), 0), axis=1)[0]
+    # While one tone fades out another fades in: together they move little faster than one does.
+    assert np.abs(np.diff(samples)).max() <= 1.2 * STEEPEST
+    assert np.abs(samples).max() <= 1.0
+    blocks = len(first) - 1 + len(jumped)
+    assert abs(len(samples) - blocks * RATE / FPS) <= blocks
+
+
+def test_playing_backwards_does_not_click():
+    samples = np.concatenate(played(traced(range(30, 5, -1)), 31), axis=1)[0]
+    assert np.abs(np.diff(samples)).max() <= 1.2 * STEEPEST
+
+
+def test_a_frame_that_comes_twice_is_played_once():
+    results = traced([1, 2, 2])
+    assert [block.shape[1] > 0 for block in played(results, 0)] == [True, True, False]
+
+
+def test_thirty_minutes_do_not_drift():
+    """The sample that each block ends with is the picture's, within one sample, at every frame of half an hour."""
+    fps = 30000 / 1001
+    playback = Playback()
+    playback.start(0.0)
+    template = traced([0, 1], fps)[1]
+    silent = replace(template, sources=(), propagation=replace(template.propagation, gain=np.zeros((0, 1))))
+    count = round(30 * 60 * fps)
+    total = 0
+    worst = 0.0
+    for number in range(1, count + 1):
+        total += playback.block(replace(silent, number=number, time=number / fps), 1 / fps).shape[1]
+        worst = max(worst, abs(total - number / fps * RATE))
+    assert count == 53946
+    assert worst <= 1.0
+
+
+def test_a_grain_is_short_begins_and_ends_in_silence_and_holds_the_tone():
+    (result,) = traced([12])
+    samples = grain(result, 1 / FPS)[0]
+    sounding = np.flatnonzero(samples)
+    assert sounding[-1] / RATE <= GRAIN
+    assert abs(samples[0]) < 0.01 and np.abs(np.diff(samples)).max() <= STEEPEST
+    times = np.arange(np.ceil(11 / FPS * RATE - 1e-6), len(samples) + np.ceil(11 / FPS * RATE - 1e-6)) / RATE
+    middle = slice(round(0.010 * RATE), round(0.055 * RATE))
+    assert samples[middle] == pytest.approx(np.sin(2 * np.pi * TONE * times)[middle], abs=1e-9)
+
+
+def test_an_impact_is_in_the_grain_of_its_frame():
+    results = traced([11, 12], impact=11.5 / FPS)
+    quiet = traced([11, 12])
+    difference = np.abs(grain(results[1], 1 / FPS)[0] - grain(quiet[1], 1 / FPS)[0])
+    assert difference.max() > 0.3
+    assert np.flatnonzero(difference > 1e-9)[0] == pytest.approx(0.5 / FPS * RATE, abs=2)
+
+
+def test_a_recorded_track_is_played_as_it_is_and_joined_at_jumps():
+    results = traced(range(40))
+    playback = Playback()
+    playback.start(0.0)
+    blocks = [playback.recorded(result) for result in results[1:20]]
+    tracked = np.concatenate([result.block for result in results[1:20]], axis=1)
+    assert np.array_equal(np.concatenate(blocks, axis=1)[:, 64:], tracked[:, 64:]), "it begins from silence, within 8 ms"
+    after = playback.recorded(results[30])
+    step = np.abs(np.diff(np.concatenate([blocks[-1][0], after[0]])))
+    assert step.max() <= STEEPEST + 2.0 / (0.008 * RATE)
+    assert np.array_equal(after[:, 64:], results[30].block[:, 64:])
+    assert playback.recorded(results[30]).shape == (1, 0)
+    assert playback.recorded(results[0]).shape == (1, 0)
+    assert recorded_grain(results[0]).shape == (1, 0)
+    assert abs(recorded_grain(results[30])[0, 0]) < 0.01
