@@ -27,11 +27,12 @@ CHUNK = 1 << 18
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """Connections by the entry that they start from: those of entry e are ``start[e] : start[e + 1]``. ``to`` an entry or the number of a
+    """Connections by the entry that they start from: those of entry e are the ``size[e]`` from ``start[e]`` on. ``to`` an entry or the number of a
     listener; ``inside`` gain of the intra-connection; ``gain`` with that of the inter-connection; ``weight`` (n, lanes) is ``gain`` times
     the share of the contact, in lane 0 alone and in the others with the gain of each band."""
 
     start: IntArray
+    size: IntArray
     to: IntArray
     inside: FloatArray
     gain: FloatArray
@@ -40,7 +41,7 @@ class Rows:
     def expand(self, entry: IntArray, count: IntArray | None = None) -> tuple[IntArray, IntArray]:
         """For states at ``entry``: which state, and which connection, for all connections of each (or its first ``count``)."""
         first = self.start[entry]
-        size = self.start[entry + 1] - first if count is None else count
+        size = self.size[entry] if count is None else count
         last = size.cumsum()
         which = np.arange(len(entry)).repeat(size)
         return which, np.arange(len(which)) + (first - last + size)[which]
@@ -128,7 +129,8 @@ def _rows(
     size = np.searchsorted(graph.node_object[targets], graph.node_object[nodes], side="right") - first
     before, behind, limit = (np.zeros(graph.node_count), np.zeros(graph.node_count), np.inf) if reach is None else reach
     parts = []
-    for chosen in np.split(np.arange(len(nodes)), np.flatnonzero(np.diff(np.cumsum(size) // CHUNK)) + 1):
+    cuts = np.flatnonzero(np.diff(np.cumsum(size) // CHUNK)) + 1
+    for chosen in np.split(np.arange(len(nodes)), cuts) if len(cuts) else (np.arange(len(nodes)),):
         which = np.repeat(chosen, size[chosen])
         place = np.arange(len(which)) + np.repeat(first[chosen] - np.cumsum(size[chosen]) + size[chosen], size[chosen])
         a, b = nodes[which], targets[place]
@@ -154,6 +156,6 @@ def _rows(
             lanes = np.concatenate([lanes, lanes * bands], axis=1)
         end = local[to[useful]] if number is None else number[place[useful]]
         parts.append((which[useful], end, inside[useful], gain[useful], lanes))
-    which, end, inside, gain, lanes = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
-    start = np.concatenate([[0], np.cumsum(np.bincount(which, minlength=len(nodes)))])
-    return Rows(start, end, inside, gain, lanes)
+    which, end, inside, gain, lanes = parts[0] if len(parts) == 1 else (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    size = np.bincount(which, minlength=len(nodes))
+    return Rows(np.concatenate([[0], np.cumsum(size)]), size, end, inside, gain, lanes)

@@ -76,7 +76,7 @@ class Elimination:
     def forward(self, power: FloatArray) -> FloatArray:
         """Powers (n, s) with what is put into subsystems passed on to those that are eliminated later, and to the core."""
         passed = power.copy()
-        busy = list(map(bool, power.any(axis=1)))
+        busy = [bool(value) for value in np.atleast_1d(power.any(axis=1))]
         for index, ends, factors, _ in self._stars:
             if busy[index]:
                 for end, factor in zip(ends, factors.tolist(), strict=True):
@@ -88,7 +88,7 @@ class Elimination:
         """Energies (n, s) of all from those of the core (k, s). No error in these grows: the factors of a star add up to less than 1."""
         result = np.zeros_like(passed)
         result[self.core] = energy
-        busy = list(map(bool, passed.any(axis=1)))
+        busy = [bool(value) for value in np.atleast_1d(passed.any(axis=1))]
         for index, ends, factors, inverse in reversed(self._stars):
             result[index] = factors @ result[ends]
             if busy[index]:

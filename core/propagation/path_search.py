@@ -83,7 +83,7 @@ class Ranking:
             cost = np.minimum(-np.log(steps.gain * ahead[steps.to]), 800.0)
         keys = np.asarray(entry * _SCALE + cost, dtype=np.float64)
         order = np.argsort(keys, kind="stable")
-        return cls(Rows(steps.start, steps.to[order], steps.inside[order], steps.gain[order], steps.weight[order]), keys[order])
+        return cls(Rows(steps.start, steps.size, steps.to[order], steps.inside[order], steps.gain[order], steps.weight[order]), keys[order])
 
     def promising(self, entry: IntArray, gain: FloatArray, least: float) -> IntArray:
         """How many of the ranked steps may still meet the threshold from each state (or a few more: it is checked again exactly)."""
@@ -128,6 +128,7 @@ def search(
     least = limits.threshold * (1 - ROUNDING)
     steps = arena.steps if ranking is None else ranking.steps
     useful = limits.ahead > 0
+    growing = bool(np.max(steps.gain, initial=0.0) > 1 or np.max(arena.ends.gain, initial=0.0) > 1)
     amplified = not np.all(np.isfinite(limits.ahead))
     each = 1 + len(arena.steps.to) / (PAIRS * count)
     keys = _keys(arena) if merge else None
@@ -165,23 +166,26 @@ def search(
         crossed[np.arange(len(to)), place[to]] |= bit[to]
         states = _States(
             to,
-            np.minimum(gain[kept], LARGEST),
+            gain[kept],
             states.value[which] * steps.weight[step],
             crossed,
             states.key if keys is None else states.key[which] + keys[0][to],
         )
         if keys is not None:
             states = _merge(states, keys[1])
-        if not np.all(states.value <= LARGEST):
+        if growing and not np.all(states.value <= LARGEST):
             np.minimum(states.value, LARGEST, out=states.value)
+            np.minimum(states.gain, LARGEST, out=states.gain)
             missing[:] = LARGEST
         level += 1
         most = max(0, min(room, int((limits.work - work) / each)))
         if limits.tolerance > 0 or len(states) > most:
             states = _drop(states, limits, bounds, level, np.maximum(total, limits.known), missing, most)
     sums, paths = _add_up(ended, arena)
-    missing[(sums[..., 0].sum(axis=0) > LARGEST) | (np.max(steps.gain, initial=0.0) > LARGEST)] = LARGEST
-    return Found(np.minimum(sums, LARGEST), missing, paths, work)
+    if growing:
+        missing[(sums[..., 0].sum(axis=0) > LARGEST) | (np.max(steps.gain) > LARGEST)] = LARGEST
+        np.minimum(sums, LARGEST, out=sums)
+    return Found(sums, missing, paths, work)
 
 
 def _bits(patch: IntArray) -> tuple[IntArray, BitArray, int]:
@@ -215,21 +219,22 @@ def _end(arena: Arena, states: _States, least: float) -> tuple[IntArray, FloatAr
 def _add_up(ended: list[tuple[IntArray, FloatArray]], arena: Arena) -> tuple[FloatArray, IntArray]:
     """Sums (k, l, lanes) and numbers (l,) of paths, from those that ended with 0, 1, ... contacts. Added pairwise, so that small terms are
     not lost among many."""
-    sums = np.zeros((len(ended), arena.listeners, arena.lanes))
-    numbers = np.zeros((len(ended), arena.listeners), dtype=np.int64)
-    for level, (to, values) in enumerate(ended):
-        numbers[level] = np.bincount(to, minlength=arena.listeners)
-        if len(to) <= FEW:
-            for lane in range(arena.lanes):
-                sums[level, :, lane] = np.bincount(to, weights=values[:, lane], minlength=arena.listeners)
-            continue
-        ordered = values[np.argsort(to, kind="stable")]
+    cells = len(ended) * arena.listeners
+    cell = np.concatenate([to for to, _ in ended])
+    cell += np.repeat(np.arange(0, cells, arena.listeners), [len(to) for to, _ in ended]) if arena.listeners else 0
+    values = np.concatenate([values for _, values in ended])
+    numbers = np.bincount(cell, minlength=cells)
+    sums = np.zeros((cells, arena.lanes))
+    if len(cell) <= FEW:
+        for lane in range(arena.lanes):
+            sums[:, lane] = np.bincount(cell, weights=values[:, lane], minlength=cells)
+    else:
+        ordered = values[np.argsort(cell, kind="stable")]
         last = 0
-        for listener, number in enumerate(numbers[level].tolist()):
-            if number:
-                sums[level, listener] = np.ascontiguousarray(ordered[last : last + number].T).sum(axis=1)
-                last += number
-    return sums, numbers.sum(axis=0)
+        for place in np.flatnonzero(numbers).tolist():
+            first, last = last, last + int(numbers[place])
+            sums[place] = np.ascontiguousarray(ordered[first:last].T).sum(axis=1)
+    return sums.reshape(len(ended), arena.listeners, arena.lanes), numbers.reshape(len(ended), -1).sum(axis=0)
 
 
 def _merge(states: _States, entry_key: KeyArray) -> _States:
