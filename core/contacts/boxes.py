@@ -71,12 +71,12 @@ def best_axes(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half
     worth = np.empty((15, offset.shape[1]))
     np.subtract(np.abs(offset), half_a + np.einsum("ijp,jp->ip", size, half_b), out=worth[:3])
     np.subtract(np.abs(offset_b), half_b + np.einsum("ijp,ip->jp", size, half_a), out=worth[3:6])
-    # Axis i of the first x axis j of the second: e_i x r_j, with r_j column j of the rotation, has length sqrt(1 - r_ij^2).
+    # Axis i of the first x axis j of the second: e_i x r_j, with r_j column j of the rotation.
     turned_1, turned_2, size_1, size_2 = rotation[_NEXT], rotation[_AFTER], size[_NEXT], size[_AFTER]
     along = offset[_AFTER, None] * turned_1 - offset[_NEXT, None] * turned_2
     reach = half_a[_NEXT, None] * size_2 + half_a[_AFTER, None] * size_1
     reach += half_b[_NEXT] * size[:, _AFTER] + half_b[_AFTER] * size[:, _NEXT]
-    squared = 1.0 - size * size
+    squared = turned_1 * turned_1 + turned_2 * turned_2
     edges = (np.abs(along) - reach) / np.sqrt(np.maximum(squared, 1e-8)) - _FACE_PREFERENCE
     edges[squared < 1e-8] = -np.inf
     worth[6:] = edges.reshape(9, -1)

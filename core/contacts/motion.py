@@ -83,6 +83,7 @@ class MotionHistory:
         self._still = np.zeros(count, dtype=np.int64)
         self._clean = np.zeros(count, dtype=np.int64)
         self._onset = np.full(count, -2)
+        self._begun = np.zeros(count, dtype=np.bool_)
 
     @property
     def step(self) -> float:
@@ -101,10 +102,26 @@ class MotionHistory:
             return
         self._onset[moved[self._still[moved] > 1]] = 0
         self._still[moved] = 0
+        self._begun[moved] = True
 
     def disturb(self, bodies: IntArray | BoolArray) -> None:
         """These have hit something in the last interval: their motion in it and before says nothing about what follows."""
         self._clean[bodies] = 0
+
+    @property
+    def last_poses(self) -> FloatArray:
+        """Poses (12, n) in the last frame but one."""
+        return self._poses[-2]
+
+    def moving(self) -> BoolArray:
+        """(n,) which bodies have moved lately."""
+        return np.asarray(self._begun & (self._still <= _DEPTH))
+
+    def speeds(self) -> FloatArray:
+        """(n,) mean speed of each body in the last interval; 0 before there is one."""
+        if len(self.times) < 2:
+            return np.zeros(len(self._still))
+        return np.asarray(np.sqrt(_squared(self._poses[-1][9:] - self._poses[-2][9:])) / self.step)
 
     def speed_bound(self, gravity: FloatArray) -> FloatArray:
         """(n,) what the speed of each body in the last interval can have been at most, as far as poses tell; 0 before there are three."""
@@ -133,7 +150,7 @@ class MotionHistory:
         t = paths.duration
         straight = paths.end[9:] - paths.start[9:] - paths.velocity * t
         bent = straight - paths.acceleration * (t * t / 2)
-        return np.asarray((self._still <= _DEPTH) & (np.minimum(_squared(straight), _squared(bent)) > _ASTRAY**2))
+        return np.asarray(self.moving() & (np.minimum(_squared(straight), _squared(bent)) > _ASTRAY**2))
 
     def paths(self, kinematic: BoolArray, airborne: BoolArray, gravity: FloatArray) -> Paths | None:
         """Ways from the last frame but one to the last. None before there are three poses.
@@ -169,7 +186,7 @@ class MotionHistory:
         curved = 2 * (direct - chord) / (step + known)
         smooth = kinematic & (4 * step**2 * _squared(curved) <= np.maximum(_squared(direct), _squared(chord)))
         given = smooth | (~kinematic & (clean < 1))
-        moving = self._still <= _DEPTH
+        moving = self.moving()
         acceleration = np.where(moving, np.where(smooth, curved, np.where(given, 0.0, bend)), 0.0)
         velocity = np.where(moving, np.where(given, direct - acceleration * (step / 2), begin), 0.0)
         spin = np.where(given, _spins(start, end, step), _spins(earlier, start, known))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ class Reach:
     """Upper bounds on gains. Signals start at ``positions`` (k, 3) [m] on ``bodies`` (k,) with at most ``strengths`` (k,); the gain through
     body b over d metres is at most ``factor[b] * exp(-decay[b] * d)``, that of any contact at most ``transmission``. What falls below
     ``threshold`` is of no interest; 0 wants everything that is connected. Sources or listeners, whichever are fewer: paths run both ways.
+    ``from_impacts``: they start at the impacts of the frame, too, with strength 1.
     """
 
     bodies: IntArray
@@ -28,12 +29,17 @@ class Reach:
     decay: FloatArray
     threshold: float
     transmission: float = 1.0
+    from_impacts: bool = False
 
     def __post_init__(self) -> None:
         if len(self.factor) != len(self.decay):
             raise ValueError(f"decay: {len(self.decay)} values for {len(self.factor)} of factor")
         if not 0 <= self.threshold < np.inf:
             raise ValueError(f"threshold: must be finite and >= 0, got {self.threshold!r}")
+
+    def started_at(self, bodies: IntArray, positions: FloatArray) -> Reach:
+        """Of signals that start at ``positions`` (m, 3) on ``bodies`` (m,) alone, with strength 1."""
+        return replace(self, bodies=bodies, positions=positions, strengths=np.ones(len(bodies)))
 
     def wanted(self, pairs: IntArray, regions: FloatArray) -> BoolArray:
         """Which of the possible contacts ``pairs`` (p, 2), lying somewhere in ``regions`` (p, 2, 3) [world], a signal can get to.

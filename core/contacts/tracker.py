@@ -34,6 +34,9 @@ _FIRM = 2e-3
 _CREEP = 0.05
 """Metres per second of approach up to which touching bodies have nothing left to hit."""
 
+_SOON = 3
+"""Frames within which a body may have been pulled to an impact by gravity: so long before its contacts are watched, wanted or not."""
+
 _FAT = 0.05
 """Metres by which the bounds of the broad phase are wider than they need be, so that they hold for some frames."""
 
@@ -154,6 +157,7 @@ class ContactTracker:
         self._pairs = _Pairs.of(none, none, none)
         self._airborne = self._dynamic.copy()
         self._last_impact: dict[int, float] = {}
+        self._queries = 0
         self._last: FrameContacts | None = None
         self._last_wanted: BoolArray | Reach | None = None
 
@@ -186,11 +190,18 @@ class ContactTracker:
             raise ValueError(f"transforms: expected {len(self.bodies)} matrices of 4 x 4, got an array of shape {transforms.shape}")
         if not continuous or (self._history.times and time <= self._history.times[-1]):
             self.reset()
+        self._queries = 0
         moved, warnings = self._take(time, transforms)
         if self._last is not None and len(moved) == 0 and _same(wanted, self._last_wanted):
             return self._unchanged(warnings)
         paths, able = self._near_pairs(moved)
-        result = self._contacts(time, wanted, paths, able, warnings)
+        lively = self._lively()
+        if wanted is not None:
+            pairs = self._pairs
+            late = np.flatnonzero(~pairs.looked & (lively[pairs.larger] | lively[pairs.smaller]))
+            if self._catch_up(late):
+                paths, able = self._near_pairs(moved)
+        result = self._contacts(time, wanted, paths, lively, able, warnings)
         self._last, self._last_wanted = result, wanted
         return result
 
@@ -257,6 +268,33 @@ class ContactTracker:
             mass = 4 * np.where(self._dynamic, mass, np.max(mass, where=self._dynamic, initial=0.0))
         return np.asarray(mass / 2 * (speed / self.settings.time_scale) ** 2)
 
+    def _lively(self) -> BoolArray:
+        """(n,) which bodies move and could take part in an impact soon: all with a mass, as soon as one has the energy for it."""
+        gain = float(np.linalg.norm(self.settings.gravity)) * self.settings.time_scale**2 * self._history.step * _SOON
+        energy = self._energies(self._history.speeds() + gain)
+        moving = self._history.moving()
+        if not np.any(moving & (energy >= self.settings.least_energy / 2)):
+            return np.zeros(len(moving), dtype=np.bool_)
+        return np.asarray(moving & (self._mass > 0))
+
+    def _catch_up(self, rows: IntArray) -> bool:
+        """Find out of pairs ``rows`` whether they touched in the last frame, where nobody wanted to know then. Whether any did."""
+        if len(rows) == 0:
+            return False
+        pairs = self._pairs
+        larger, smaller = pairs.larger[rows], pairs.smaller[rows]
+        poses = self._history.last_poses
+        self._queries += len(rows)
+        limit = np.full(len(rows), self.settings.tolerance)
+        relative = relative_pose(poses.take(larger, axis=1), poses.take(smaller, axis=1))
+        distance = self._narrow.clearances(np.stack([larger, smaller], axis=1), *relative, limit)
+        touching = distance <= limit
+        pairs.looked[rows], pairs.known[rows] = True, False
+        pairs.touching[rows] = pairs.struck[rows] = touching
+        pairs.values[_DISTANCE, rows] = distance
+        self._airborne[larger[touching]] = self._airborne[smaller[touching]] = False
+        return bool(touching.any())
+
     def _near_pairs(self, moved: IntArray) -> tuple[Paths | None, IntArray]:
         """Bring the near pairs up to date. The ways of the bodies if any is fast enough for an impact, and the pairs, by number among the
         near ones, that have the energy for one."""
@@ -311,7 +349,13 @@ class ContactTracker:
             self._near_larger, self._near_smaller = self._by_size(near)
 
     def _contacts(
-        self, time: float, wanted: BoolArray | Reach | None, paths: Paths | None, able: IntArray, warnings: tuple[str, ...]
+        self,
+        time: float,
+        wanted: BoolArray | Reach | None,
+        paths: Paths | None,
+        lively: BoolArray,
+        able: IntArray,
+        warnings: tuple[str, ...],
     ) -> FrameContacts:
         first_frame = self._last is None
         low, high, larger, smaller = self._low, self._high, self._near_larger, self._near_smaller
@@ -324,23 +368,34 @@ class ContactTracker:
         fresh = pairs.known & (pairs.version[0] == self._version[pairs.larger]) & (pairs.version[1] == self._version[pairs.smaller])
         asked = self._asked(wanted, fresh)
         looked = asked | fresh
+        if wanted is not None:
+            looked |= lively[pairs.larger] | lively[pairs.smaller]
         if len(able):
             striking = np.zeros(len(met), dtype=np.bool_)
             striking[able] = True
             looked |= striking[met]
+        self._catch_up(np.flatnonzero(looked & ~pairs.looked))
         before = pairs.touching & pairs.looked
         apart = ~pairs.touching & pairs.looked
         distance = pairs.values[_DISTANCE].copy()
-        queries = self._look(np.flatnonzero(looked & ~fresh), before)
-        pairs.touching &= looked
-        pairs.looked = looked
+        self._look(np.flatnonzero(looked & ~fresh), before)
 
         hits = None
         if paths is not None and len(able):
             able = able[~_among(self._near[able], struck)]
-            arrived = key[pairs.touching & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
+            arrived = key[pairs.touching & looked & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
             hits = self._hits(paths, able, arrived[_among(arrived, self._near[able])])
         impacts = self._impacts(time, hits, paths)
+        if impacts and isinstance(wanted, Reach) and wanted.from_impacts:
+            asked |= self._asked(_from_impacts(wanted, impacts), fresh)
+            rows = np.flatnonzero(asked & ~looked)
+            self._catch_up(rows[~pairs.looked[rows]])
+            before[rows] = pairs.touching[rows]
+            distance[rows] = pairs.values[_DISTANCE, rows]
+            self._look(rows, before)
+            looked |= asked
+        pairs.touching &= looked
+        pairs.looked = looked
         settled = before & (distance - pairs.values[_DISTANCE] <= _CREEP * self._history.step)
         if len(impacts):
             settled |= _among(key, np.sort([a * len(self.bodies) + b for a, b in (impact.objects for impact in impacts)]))
@@ -359,7 +414,7 @@ class ContactTracker:
             began=self._numbers(began),
             ended=self._numbers(lost),
             impacts=impacts,
-            statistics=ContactStatistics(len(key), queries, len(key) - queries),
+            statistics=ContactStatistics(len(key), self._queries, max(0, len(key) - self._queries)),
             warnings=warnings,
         )
 
@@ -381,10 +436,10 @@ class ContactTracker:
         asked[possible] = wanted.wanted(np.stack([a, b], axis=1), regions)
         return asked
 
-    def _look(self, rows: IntArray, before: BoolArray) -> int:
-        """Bring pairs ``rows`` up to date, by a query where they have moved relative to each other; how many were made."""
+    def _look(self, rows: IntArray, before: BoolArray) -> None:
+        """Bring pairs ``rows`` up to date, by a query where they have moved relative to each other."""
         if len(rows) == 0:
-            return 0
+            return
         pairs = self._pairs
         larger, smaller = pairs.larger[rows], pairs.smaller[rows]
         pairs.version[0, rows], pairs.version[1, rows] = self._version[larger], self._version[smaller]
@@ -410,7 +465,7 @@ class ContactTracker:
         pairs.touching[rows] = found.distance <= limit
         if points:
             pairs.corners.update(zip(pairs.key[rows].tolist(), found.corners, strict=True))
-        return len(rows)
+        self._queries += len(rows)
 
     def _stays(
         self, rows: IntArray, turn: FloatArray, place: FloatArray, radius: FloatArray, limit: FloatArray, before: BoolArray
@@ -511,6 +566,12 @@ class ContactTracker:
         if hits is not None:
             disturbed[hits.pairs] = True
         self._history.disturb(disturbed)
+
+
+def _from_impacts(reach: Reach, impacts: Sequence[Impact]) -> Reach:
+    """Of signals that start at ``impacts``, on both sides of the contact."""
+    positions = np.array([impact.positions for impact in impacts], dtype=np.float64).reshape(-1, 3)
+    return reach.started_at(np.array([impact.objects for impact in impacts], dtype=np.int64).reshape(-1), positions)
 
 
 def _among(keys: IntArray, ordered: IntArray) -> BoolArray:

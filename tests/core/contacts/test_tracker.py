@@ -184,6 +184,52 @@ def test_what_signals_can_reach_is_all_found(seed, threshold):
     assert len(lazy.update(1.0, sequence[-1], wanted=nowhere).contacts) == 0
 
 
+def hopping(generator, frames, rate):
+    """Boxes at rest on the ground that are kicked, one after the other, and hop and slide until friction has stopped them; some stand on
+    others or against a wall, and all turn a little while they move."""
+    count = 12
+    bodies = [GROUND, Body("wall", Box((20, 0.2, 3)), motion="static")]
+    bodies += [Body(f"b{k}", Box((0.5, 0.5, 0.5)), float(10 ** generator.uniform(-1, 3))) for k in range(count)]
+    start = np.array([(1.0 * (k % 4) - 1.5, 0.8 * (k // 4) - 1.5, 0.25) for k in range(count)])
+    start[-1] = start[-2] + [0, 0, 0.5]
+    kick = generator.integers(2, frames - 10, count) / rate
+    sideways, up = generator.normal(size=(count, 2)) * 1.5, generator.choice([0.0, 1.0, 3.0], count)
+    sequence = []
+    for frame in range(frames):
+        since = np.maximum(frame / rate - kick, 0.0)
+        place = start.copy()
+        slid = np.minimum(since, 1.0)
+        place[:, :2] += sideways * (slid - slid**2 / 2)[:, None]
+        for k in range(count):
+            left, speed = since[k], up[k]
+            while speed > 0.05 and left > 2 * speed / 9.81:
+                left, speed = left - 2 * speed / 9.81, 0.4 * speed
+            if speed > 0.05:
+                place[k, 2] += speed * left - 9.81 / 2 * left**2
+        turns = np.zeros((count, 3))
+        turns[:, 2] = 0.3 * slid
+        sequence.append(moved([(0, 0, -0.5), (0, 3, 1.5), *place], [(0, 0, 0), (0, 0, 0), *turns]).astype(np.float32))
+    return bodies, sequence
+
+
+@settings(max_examples=30, derandomize=True, deadline=None)
+@given(seed=st.integers(0, 10**6), rate=st.sampled_from([24.0, 60.0]), energy=st.sampled_from(["kinetic", "normal"]))
+def test_impacts_do_not_depend_on_what_is_wanted(seed, rate, energy):
+    """All impacts are found where no contact is wanted, and those contacts that a new impact's signal gets to."""
+    bodies, sequence = hopping(np.random.default_rng(seed), 40, rate)
+    lazy, eager = (ContactTracker(bodies, ContactSettings(energy=energy, least_energy=1.0)) for _ in range(2))
+    count, nothing = len(bodies), np.zeros(0, dtype=np.int64)
+    reach = Reach(nothing, np.zeros((0, 3)), np.zeros(0), np.full(count, 0.5), np.full(count, 0.5), 0.2, from_impacts=True)
+    for frame, matrices in enumerate(sequence):
+        some, every = lazy.update(frame / rate, matrices, wanted=reach), eager.update(frame / rate, matrices)
+        assert some.impacts == every.impacts
+        found = rows(some.contacts)
+        assert found.keys() <= rows(every.contacts).keys()
+        for impact in every.impacts:
+            if impact.objects in rows(every.contacts):
+                assert impact.objects in found
+
+
 def test_far_contacts_are_left_alone():
     """A row of stacks with a source at one end: the far ones cost no query."""
     places = [(0, 0, -0.5)] + [(2.0 * k, 0, 0.5 + level) for k in range(-4, 5) for level in range(3)]
