@@ -27,9 +27,9 @@ CHUNK = 1 << 18
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """Connections by the entry that they start from: those of entry e are the ``size[e]`` from ``start[e]`` on. ``to`` an entry or the number of a
-    listener; ``inside`` gain of the intra-connection; ``gain`` with that of the inter-connection; ``weight`` (n, lanes) is ``gain`` times
-    the share of the contact, in lane 0 alone and in the others with the gain of each band."""
+    """Connections by the entry that they start from: those of entry e are the ``size[e]`` from ``start[e]`` on. ``to`` an entry or the
+    number of a listener; ``inside`` gain of the intra-connection; ``gain`` with that of the inter-connection; ``weight`` (n, lanes) is
+    ``gain`` times the share of the contact, in lane 0 alone and in the others with the gain of each band."""
 
     start: IntArray
     size: IntArray

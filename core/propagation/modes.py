@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..functions import Exponential
 from ..graph import HapticGraph, ObjectTable, distances
+from .result import Propagation
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -52,6 +53,19 @@ def nearest_listener(graph: HapticGraph) -> BoolArray:
             best = min(range(len(line)), key=lambda k: (line[k], graph.listeners[k]))
             chosen[row, best] = True
     return chosen
+
+
+def localised(result: Propagation, nearest: BoolArray, localise: float) -> Propagation:
+    """The blend between haptic tracing and the nearest listener: gains, bounds, bands and taps of all pairs but those of ``nearest`` (s, l)
+    times ``1 - localise``."""
+    factor = np.where(nearest, 1.0, 1.0 - localise)
+    return dataclasses.replace(
+        result,
+        gain=result.gain * factor,
+        error_bound=result.error_bound * factor,
+        band_gain=None if result.band_gain is None else result.band_gain * factor[:, :, None],
+        taps={pair: tuple((delay, gain * float(factor[pair])) for delay, gain in taps) for pair, taps in result.taps.items()},
+    )
 
 
 def direct_gains(graph: HapticGraph, attenuated: bool) -> FloatArray:

@@ -60,16 +60,18 @@ def spread(graph: HapticGraph, settings: Settings, sources: Collection[str] | No
 def _strongest(graph: HapticGraph, roots: list[tuple[int, ...]], settings: Settings) -> tuple[FloatArray, IntArray]:
     """Cost and predecessor of every node (r, n) from each set of roots, by whichever connection costs less."""
     limit = cost_limit(settings.threshold)
-    inside, entry, contacts = _arrivals(graph, roots, limit, crossings_of(settings.max_connections))
+    most = settings.max_connections
+    inside, entry, contacts = _arrivals(graph, roots, limit, crossings_of(most))
+    # Arriving in an object and going on over a contact takes one connection more than arriving.
+    one_less = most is not None and most % 2 == 1
+    before, _, crossed_before = _arrivals(graph, roots, limit, crossings_of(most) - 1) if one_less else (inside, entry, contacts)
     crossed = graph.partner >= 0
     over = np.where(crossed, graph.partner, 0)
     across = np.full(inside.shape, math.inf)
-    across[:, crossed] = inside[:, over[crossed]] + graph.transmission_loss[graph.contact[crossed]]
+    across[:, crossed] = before[:, over[crossed]] + graph.transmission_loss[graph.contact[crossed]]
     across[across > limit] = math.inf
-    if settings.max_connections is not None:
-        across[2 * contacts[:, over] + 2 > settings.max_connections] = math.inf
     # Of equal ways the shorter one, so that following predecessors always comes closer to the source.
-    crosses = (across < inside) | ((across == inside) & (contacts[:, over] < contacts))
+    crosses = (across < inside) | ((across == inside) & (crossed_before[:, over] < contacts))
     cost = np.minimum(inside, across)
     came_from = np.where(np.isinf(cost), -1, np.where(crosses, over, entry))
     for row, nodes in enumerate(roots):

@@ -14,7 +14,7 @@ from .all_paths import PathSums, limited_sums, reach, unlimited_sums
 from .best_path import BestPaths, best_paths, crossings_of, gain_and_error
 from .connections import ROUNDING, amplifying, path_bands, path_delay
 from .energy_balance import energy_gains
-from .modes import direct_gains, distance_only, nearest_listener
+from .modes import direct_gains, distance_only, localised, nearest_listener
 from .result import Propagation
 from .taps import strongest_taps
 from .walk_sums import LARGEST
@@ -47,6 +47,10 @@ def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET) -> P
     wanted = np.ones((len(graph.sources), len(graph.listeners)), dtype=np.bool_)
     if settings.mode is Mode.SD:
         graph, wanted = distance_only(graph), nearest_listener(graph)
+    elif settings.localise > 0:
+        nearest = nearest_listener(graph)
+        wanted = nearest if settings.localise == 1 else wanted
+        return localised(_Run(graph, settings, strategies, wanted, budget).result(), nearest, settings.localise)
     return _Run(graph, settings, strategies, wanted, budget).result()
 
 

@@ -122,3 +122,24 @@ def test_expression_without_a_gain_is_named(strategy, formula):
     with pytest.raises(NoGain, match=r"^object 'odd': expression: ") as error:
         propagate(graph_of_scene(scene), Settings(strategy=strategy))
     assert error.value.objects == ("odd",)
+
+
+@pytest.mark.parametrize("strategy", list(Strategy))
+@pytest.mark.parametrize("localise", [0.0, 0.25, 1.0])
+def test_localise_blends_towards_the_nearest_listener(strategy, localise):
+    """What others than the nearest feel goes down with it; the nearest feels what it always does."""
+    plain = propagate(GRAPH, Settings(strategy=strategy))
+    result = propagate(GRAPH, Settings(strategy=strategy, localise=localise))
+    for row, line in enumerate(LINE):
+        nearest = int(np.argmin(line))
+        factor = [1.0 if column == nearest else 1.0 - localise for column in range(len(line))]
+        assert result.gain[row] == pytest.approx(plain.gain[row] * factor, rel=1e-12)
+    if localise == 1:
+        assert all(LINE[row].argmin() == column for row, column in result.best_path)
+
+
+def test_localise_is_for_haptic_tracing_alone():
+    for mode in (Mode.SD, Mode.MD, Mode.MN):
+        assert np.array_equal(propagate(GRAPH, Settings(mode=mode, localise=0.7)).gain, propagate(GRAPH, Settings(mode=mode)).gain)
+    with pytest.raises(ValueError, match="localise"):
+        Settings(localise=1.5)
