@@ -62,7 +62,8 @@ def _name(key: str, value: str) -> None:
 @dataclass(frozen=True, slots=True)
 class Settings:
     """How propagation is done. ``max_connections`` None and ``threshold`` 0 lift the limits; ``tolerance`` is the relative error
-    wanted of a sum over all paths where its exact value is out of reach (0.01: 1 %)."""
+    wanted of a sum over all paths where its exact value is out of reach (0.01: 1 %). ``localise`` in [0, 1], in mode HT: what all listeners
+    but the nearest to each source feel is multiplied by 1 - localise, so that 1 leaves it to the nearest alone."""
 
     mode: Mode = Mode.HT
     strategy: Strategy = Strategy.AUTO
@@ -70,13 +71,15 @@ class Settings:
     threshold: float = 0.001
     epsilon: float = 0.1
     tolerance: float = 0.01
+    localise: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mode", Mode(self.mode))
         object.__setattr__(self, "strategy", Strategy(self.strategy))
         if self.max_connections is not None and self.max_connections < 0:
             raise ValueError(f"max_connections: must be 0 or more, or None, got {self.max_connections!r}")
-        _unit_interval("threshold", self.threshold)
+        for key in ("threshold", "localise"):
+            _unit_interval(key, getattr(self, key))
         for key in ("epsilon", "tolerance"):
             if not 0 <= getattr(self, key) < math.inf:
                 raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")

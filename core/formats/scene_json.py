@@ -176,7 +176,9 @@ def scene_to_dict(scene: HapticScene) -> dict[str, Any]:
     document: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
-        "settings": {key.name: _plain(getattr(scene.settings, key.name)) for key in fields(Settings)},
+        "settings": {
+            key.name: _plain(value) for key in fields(Settings) if (value := getattr(scene.settings, key.name)) or key.name != "localise"
+        },
         "objects": [item_to_dict(item) for item in scene.objects],
         "contacts": [item_to_dict(item) for item in scene.contacts],
         "sources": [item_to_dict(item) for item in scene.sources],
