@@ -210,6 +210,16 @@ class HapticSceneProperties(PropertyGroup):
             ("MN", "All Alike", "Every source directly to every listener, without fading"),
         ),
     )
+    localise: FloatProperty(
+        name="Localise",
+        description="Blends from what touching objects carry everywhere (0) to only the listener nearest to each source (1). "
+        "Part of the people in the paper's study liked to feel a source in one place",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_changed,
+    )
     strategy: EnumProperty(
         name="Strategy",
         description="How the gain from a source to a listener is computed",

@@ -301,6 +301,7 @@ def read_settings(scene: Scene) -> Settings:
         max_connections=haptics.max_connections or None,
         threshold=haptics.threshold,
         epsilon=haptics.epsilon,
+        localise=haptics.localise,
     )
 
 

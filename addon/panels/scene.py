@@ -38,6 +38,9 @@ class HAPTIC_PT_propagation(HapticsPanel, Panel):
         layout.use_property_decorate = False
         haptics = context.scene.haptics
         layout.prop(haptics, "mode")
+        row = layout.row()
+        row.active = haptics.mode == "HT"
+        row.prop(haptics, "localise", slider=True)
         layout.prop(haptics, "strategy")
         column = layout.column(align=True)
         column.prop(haptics, "threshold")
