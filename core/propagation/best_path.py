@@ -38,11 +38,13 @@ ERROR_LIMIT = 1e300
 @dataclass(slots=True)
 class BestPaths:
     """Per pair (row of the source, column of the listener): the nodes of its best path, and its cost ``-log(gain)``. Pairs without a path
-    are left out. ``bound`` holds, where it is not certain that the path is the best, a cost that no path falls below."""
+    are left out. ``bound`` holds, where it is not certain that the path is the best, a cost that no path falls below. ``visited`` nodes of
+    the graph, the most for any one source or listener; ``relaxed`` connections looked at, and ``searched`` partial paths."""
 
     nodes: dict[Pair, Path] = field(default_factory=dict)
     cost: dict[Pair, float] = field(default_factory=dict)
     bound: dict[Pair, float] = field(default_factory=dict)
+    visited: int = 0
     relaxed: int = 0
     searched: int = 0
 
@@ -71,6 +73,7 @@ def best_paths(
     ``amplified``: some gain exceeds 1. ``known``: labels that are known already, and the row in them, by row of the source."""
     result = BestPaths()
     wanted = sorted(pairs)
+    result.visited = max((labels.visited() for labels, _ in known.values()), default=0)
     crossings = crossings_of(max_connections)
     if not wanted or crossings < 0:
         return result
@@ -115,6 +118,7 @@ def _label_paths(graph: HapticGraph, wanted: Sequence[Pair], limit: float, resul
         part = roots[first : first + at_once]
         labels = label(graph, part, np.full(len(part), limit + SLACK), target_nodes)
         result.relaxed += labels.relaxed
+        result.visited = max(result.visited, labels.visited())
         for row, column in wanted:
             root = (rows.index(row) if forward else columns.index(column)) - first
             if 0 <= root < len(part):
@@ -138,6 +142,7 @@ def _search_row(
     count = int(min(most, LAYERS_UNLIMITED) if amplified and crossings == math.inf else most)
     walks = layers(graph, roots, limit + SLACK, count)
     result.relaxed += walks.relaxed
+    result.visited = max(result.visited, walks.visited())
     certain = walks.complete or count == most
     share = budget // (EXPANSION * len(columns))
     for column in columns:

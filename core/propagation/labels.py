@@ -56,6 +56,10 @@ class Labels:
     entry: IntArray
     relaxed: int
 
+    def visited(self) -> int:
+        """The most nodes that any root set reaches."""
+        return int(np.count_nonzero(self.entry >= 0, axis=1).max(initial=0))
+
     def trace(self, graph: HapticGraph, row: int, target: int) -> tuple[int, ...]:
         """The nodes from a root of the row to ``target``, () where nothing arrives."""
         entry, partner = self.entry[row].data, graph.partner.data

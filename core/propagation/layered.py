@@ -33,6 +33,10 @@ class Layers:
     complete: bool
     relaxed: int
 
+    def visited(self) -> int:
+        """Nodes that are reached."""
+        return len(np.unique(np.concatenate([nodes for nodes, _, _ in self.changes]))) if self.changes else 0
+
     def costs(self, count: int) -> FloatArray:
         """(layers, count): cheapest cost of arriving at each node with at most k contacts."""
         table = np.full((max(1, len(self.changes)), count), math.inf)

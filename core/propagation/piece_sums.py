@@ -25,7 +25,7 @@ from .walk_sums import LARGEST, Bounds
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-STAGES = (1 / 256, 1 / 16, 1.0)
+STAGES = (1 / 1024, 1 / 256, 1 / 64, 1 / 16, 1 / 4, 1.0)
 """Parts of the budget that each method is given in turn, until one of them succeeds."""
 
 EXPECTED = 60

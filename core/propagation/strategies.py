@@ -120,7 +120,13 @@ class _Run:
             delay=_delays(graph, self.wanted.shape, best),
             taps=self._taps(best, gain, amplified) if graph.uses_delays else {},
             warnings=self._warnings(amplified, best, gain, error),
-            statistics={**statistics_of(graph), "connections_relaxed": best.relaxed, "paths_searched": best.searched, "states": work},
+            statistics={
+                **statistics_of(graph),
+                "nodes_visited": best.visited,
+                "connections_relaxed": best.relaxed,
+                "paths_searched": best.searched,
+                "states": work,
+            },
         )
 
     def _warnings(self, amplified: bool, best: BestPaths, gain: FloatArray, error: FloatArray) -> tuple[str, ...]:
