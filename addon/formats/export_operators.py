@@ -208,7 +208,7 @@ def current_scene(context: Context) -> HapticScene:
     scene = context.scene
     depsgraph = context.evaluated_depsgraph_get()
     result, reading = session.result_of(scene), session.of(scene).reading
-    is_traced = result is not None and "contacts" in result.milliseconds  # not read from a baked track
+    is_traced = result is not None and "propagate" in result.milliseconds  # not read from a baked track
     if scene.haptics.tracing and is_traced and reading is not None and result.number == scene.frame_current:
         return scene_of_result(result, reading, scene)
     return scene_of_frame(scene, depsgraph)

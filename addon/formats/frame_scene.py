@@ -105,13 +105,15 @@ def _object(item: HapticObject, obj: Object | None) -> HapticObject:
         pose = kept.pose
     mass = item.mass if item.mass is None or item.mass == kept.mass else shortest(item.mass)
     return replace(
-        _shortest(item, ("kappa", "rho")), propagation=_function(item.propagation), pose=pose, mass=mass, extras=dict(kept.extras)
+        _shortest(item, ("kappa", "rho")), propagation=written_function(item.propagation), pose=pose, mass=mass, extras=dict(kept.extras)
     )
 
 
-def _function(function: ModulationFunction) -> ModulationFunction:
+def written_function(function: ModulationFunction) -> ModulationFunction:
+    """With the numbers that single precision keeps."""
     numbers = [f.name for f in fields(function) if f.init and isinstance(getattr(function, f.name), float)]
-    return replace(_shortest(function, numbers), spectrum=_shortest(function.spectrum, ("wave_speed",)))
+    spectrum = replace(_shortest(function.spectrum, ("wave_speed",)), band_decays=tuple(map(shortest, function.spectrum.band_decays)))
+    return replace(_shortest(function, numbers), spectrum=spectrum)
 
 
 def _source(item: Source, obj: Object | None) -> Source:

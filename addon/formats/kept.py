@@ -61,9 +61,9 @@ def text_of(**parts: Any) -> str:
 @lru_cache(maxsize=4096)
 def kept_object(text: str) -> KeptObject:
     """Raises ValueError in words where the text is damaged."""
-    form = _document(text)
-    shape, pose = form.get("shape"), form.get("pose")
     try:
+        form = _document(text)
+        shape, pose = form.get("shape"), form.get("pose")
         return KeptObject(
             shape=None if shape is None else shape_from_dict(shape),
             mass=None if form.get("mass") is None else _number(form["mass"], 0.0),
@@ -77,9 +77,9 @@ def kept_object(text: str) -> KeptObject:
 @lru_cache(maxsize=4096)
 def kept_source(text: str) -> KeptSource:
     """Raises ValueError in words where the text is damaged."""
-    form = _document(text)
-    second = form.get("second_object")
     try:
+        form = _document(text)
+        second = form.get("second_object")
         return KeptSource(
             signal=signal_from_dict(form["signal"]) if "signal" in form else None,
             kind=SourceKind(form.get("kind", "persistent")),
@@ -96,8 +96,8 @@ def kept_source(text: str) -> KeptSource:
 @lru_cache(maxsize=4096)
 def kept_listener(text: str) -> KeptListener:
     """Raises ValueError in words where the text is damaged."""
-    form = _document(text)
     try:
+        form = _document(text)
         return KeptListener(_vector(form.get("position")), _mapping(form.get("extras", {})))
     except (ValueError, TypeError) as error:
         raise _damaged(error) from None

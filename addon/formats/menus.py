@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.types import Context, FileHandler, Menu
 
-from . import export_operators, job
+from . import export_operators, import_operators, job
 
 
 class HAPTIC_FH_scene(FileHandler):
@@ -13,6 +13,7 @@ class HAPTIC_FH_scene(FileHandler):
 
     bl_idname = "HAPTIC_FH_scene"
     bl_label = "Haptic Scene"
+    bl_import_operator = "import_scene.haptic_scene"
     bl_export_operator = "export_scene.haptic_scene"
     bl_file_extensions = ".json;.gz"
 
@@ -26,6 +27,7 @@ class HAPTIC_FH_tracks(FileHandler):
 
     bl_idname = "HAPTIC_FH_tracks"
     bl_label = "Haptic Tracks"
+    bl_import_operator = "haptic.import_signal"
     bl_export_operator = "export_scene.haptic_tracks"
     bl_file_extensions = ".hjif;.haptic;.ahap;.haps;.wav"
 
@@ -43,16 +45,23 @@ def _export_menu(self: Menu, context: Context) -> None:
     self.layout.operator("export_scene.haptic_tracks", text="Haptic Tracks (.hjif/.wav/.haptic/.ahap/...)")
 
 
-CLASSES = (*job.CLASSES, *export_operators.CLASSES, HAPTIC_FH_scene, HAPTIC_FH_tracks)
+def _import_menu(self: Menu, context: Context) -> None:
+    self.layout.operator("import_scene.haptic_scene", text="Haptic Scene (.json)")
+    self.layout.operator("haptic.import_signal", text="Haptic Signal for the Active Object (.hjif/.wav/.haptic/.ahap/.haps)")
+
+
+CLASSES = (*job.CLASSES, *export_operators.CLASSES, *import_operators.CLASSES, HAPTIC_FH_scene, HAPTIC_FH_tracks)
 
 
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.TOPBAR_MT_file_export.append(_export_menu)
+    bpy.types.TOPBAR_MT_file_import.append(_import_menu)
 
 
 def unregister() -> None:
+    bpy.types.TOPBAR_MT_file_import.remove(_import_menu)
     bpy.types.TOPBAR_MT_file_export.remove(_export_menu)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -1,0 +1,285 @@
+"""A haptic scene as objects of Blender."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.types import Collection, Object
+
+from ...core.contacts.shapes import Box, Shape
+from ...core.formats.export import Export
+from ...core.functions import Identity, ModulationFunction
+from ...core.scene import HapticObject, Listener, Pose, Settings, Source, SourceKind, Vector
+from ...core.signals import Noise, Pulse, Signal, Sine
+from ..function_properties import PARAMETERS
+from ..scene_reader import read_function
+from .frame_scene import AUTHORED, EXTRAS, shortest, written_function
+from .kept import near, text_of
+from .keyframes import local_place, write_keyframes
+from .shape_mesh import surface
+
+SMALLEST = 0.1
+"""Metres: the least extent of an object whose file says nothing of its shape."""
+AXES = 0.1
+FREQUENCIES = (0.1, 1000.0)
+"""Hertz that the property takes."""
+
+
+def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list[str]:
+    """Make the objects of an export in a collection called after it; ``settings``: take over those of its scene, time included.
+
+    What could not be carried over, in words.
+    """
+    builder = _Builder(export, scene)
+    builder.add_objects()
+    for source in export.need_scene().sources:
+        builder.add_source(source)
+    for listener in export.need_scene().listeners:
+        builder.add_listener(listener)
+    if settings:
+        builder.take_settings()
+    builder.add_frames()
+    builder.check()
+    return builder.losses()
+
+
+class _Builder:
+    """One import."""
+
+    def __init__(self, export: Export, scene: bpy.types.Scene) -> None:
+        self.export, self.scene = export, scene
+        self.haptic = export.need_scene()
+        self.collection: Collection = bpy.data.collections.new(export.name)
+        scene.collection.children.link(self.collection)
+        self.objects: dict[str, Object] = {}
+        self.poses = {item.name: item.pose or Pose() for item in self.haptic.objects}
+        self.attached: dict[str, Object] = {}
+        self.lost: dict[str, list[str]] = {}
+
+    def lose(self, what: str, name: str) -> None:
+        """Something could not be carried over, of a thing of that name."""
+        self.lost.setdefault(what, []).append(name)
+
+    def losses(self) -> list[str]:
+        """All of it, in words."""
+        return [f"{what}: {_listed(names)}" for what, names in self.lost.items()]
+
+    def add_objects(self) -> None:
+        for item in self.haptic.objects:
+            shape, guessed = item.shape, item.shape is None
+            if guessed:
+                shape, centre = self._guessed(item)
+                self.poses[item.name] = replace(self.poses[item.name], position=centre)
+                self.lose("no shape in the file, made a box", item.name)
+            obj = self._new(item.name, _mesh(item.name, shape))
+            self.objects[item.name] = obj
+            pose = self.poses[item.name]
+            obj.rotation_mode = "QUATERNION"
+            obj.location, obj.rotation_quaternion = pose.position, pose.rotation
+            haptics = obj.haptics
+            haptics.enabled, haptics.medium = True, item.medium
+            haptics.kappa, haptics.rho = item.kappa, item.rho
+            self._write_function(haptics, item)
+            haptics.imported = text_of(
+                shape=None if guessed else shape.to_dict(),
+                mass=item.mass,
+                pose=None if guessed else {"position": pose.position, "rotation": pose.rotation},
+                extras=dict(item.extras),
+            )
+
+    def add_source(self, item: Source) -> None:
+        """On its object where it stands at its origin and is called so, else an empty on it."""
+        obj = self._holder(item, "source")
+        source = obj.haptics.source
+        source.enabled, source.amplitude, source.priority = True, item.amplitude, item.priority
+        signal = Sine(60.0) if item.signal is None and item.kind is SourceKind.PERSISTENT else item.signal
+        kept = _write_signal(source, signal)
+        source.imported = text_of(
+            signal=kept.to_dict() if kept is not None else None,
+            kind=None if item.kind is SourceKind.PERSISTENT else item.kind.value,
+            onset=item.onset or None,
+            second_object=item.second_object,
+            second_position=item.second_position,
+            position=item.position,
+            extras=dict(item.extras),
+        )
+
+    def add_listener(self, item: Listener) -> None:
+        """As `add_source`."""
+        obj = self._holder(item, "listener")
+        listener = obj.haptics.listener
+        listener.enabled, listener.radius, listener.gain, listener.s_max = True, item.radius, item.gain, item.s_max
+        if item.body_part and not _choose(listener, "body_part", item.body_part):
+            self.lose(f"body part {item.body_part!r}", item.name)
+        if not _choose(listener, "mixing", item.mixing):
+            self.lose(f"mixing {item.mixing!r}", item.name)
+        listener.imported = text_of(position=item.position, extras=dict(item.extras))
+
+    def take_settings(self) -> None:
+        """Settings, what the extras say of the scene's properties, and the frame that the file is of."""
+        haptics, settings = self.scene.haptics, self.haptic.settings
+        haptics.mode, haptics.strategy = settings.mode.value, settings.strategy.value
+        haptics.max_connections = settings.max_connections or 0
+        haptics.threshold, haptics.epsilon = settings.threshold, settings.epsilon
+        if settings.tolerance != Settings().tolerance:
+            self.lose("tolerance", f"{settings.tolerance:g}")
+        if settings.max_connections == 0:
+            self.lose("max_connections", "0 means no limit here")
+        extras = dict(self.haptic.extras)
+        known = extras.get(EXTRAS)
+        if isinstance(known, dict):
+            del extras[EXTRAS]
+            for name in AUTHORED:
+                _assign(haptics, name, known.get(name))
+            self._take_time(known)
+        haptics.imported = text_of(extras=extras)
+
+    def _take_time(self, known: Mapping[str, Any]) -> None:
+        rate, start, frame = (known.get(key) for key in ("frame_rate", "frame_start", "frame"))
+        if isinstance(rate, int | float) and 1 <= rate <= 10_000:
+            set_frame_rate(self.scene, float(rate))
+        _assign(self.scene, "frame_start", start)
+        if isinstance(frame, int) and abs(frame) < 1_000_000:
+            self.scene.frame_set(frame)
+
+    def add_frames(self) -> None:
+        """Keyframes and the sources that begin on the way. Impacts come from the file: Blender finds none of its own."""
+        recording = self.export.recording
+        if recording is None:
+            return
+        begun = [source for frame in recording.frames for source in frame.sources]
+        for source in begun:
+            self.add_source(source)
+        if any(source.second_object is not None for source in (*self.haptic.sources, *begun)):
+            self.scene.haptics.impacts = False
+        set_frame_rate(self.scene, recording.frame_rate)
+        first, last = recording.frames[0].number, recording.frames[-1].number
+        self.scene.frame_start, self.scene.frame_end = recording.frame_start, max(last, recording.frame_start)
+        if self.scene.frame_start != recording.frame_start:
+            self.lose("negative frames, Blender plays from 0", f"{recording.frame_start} to {last}")
+        moved = replace(self.haptic, objects=tuple(replace(item, pose=self.poses[item.name]) for item in self.haptic.objects))
+        for loss in write_keyframes(moved, recording, self.objects, self.attached):
+            self.lose("not carried over", loss)
+        if any(contact.transmission != Identity() for frame in recording.frames for contact in frame.contacts):
+            self.lose("functions of contacts", "in frames")
+        self.scene.frame_set(first)
+
+    def check(self) -> None:
+        """What the file says and the objects can't."""
+        functions = [item for item in self.haptic.contacts if item.transmission != Identity()]
+        if functions:
+            self.lose("functions of contacts", _listed([" and ".join(item.objects) for item in functions]))
+        for device in self.export.devices:
+            self.lose("device", device.name)
+        if self.export.tracks is not None:
+            self.lose("rendered tracks, which are rendered again", "tracks")
+
+    def _new(self, name: str, data: Any) -> Object:
+        obj = bpy.data.objects.new(name, data)
+        self.collection.objects.link(obj)
+        if obj.name_full != name:
+            self.lose("renamed", f"{name} to {obj.name_full}")
+        return obj
+
+    def _holder(self, item: Source | Listener, role: str) -> Object:
+        """What is to be the source or listener."""
+        carrier = self.objects[item.object]
+        pose = self.poses[item.object]
+        other = self.attached.get(f"{'listener' if role == 'source' else 'source'} {item.name}")
+        if item.name == item.object and near(pose.position, item.position):
+            obj = carrier
+        elif other is not None and other.parent is carrier and math.dist(other.location, local_place(item.position, pose)) < 1e-5:
+            obj = other
+        else:
+            obj = self._new(item.name, None)
+            obj.empty_display_size = AXES
+            obj.parent = carrier
+            obj.location = local_place(item.position, pose)
+        self.attached[f"{role} {item.name}"] = obj
+        return obj
+
+    def _write_function(self, haptics: Any, item: HapticObject) -> None:
+        function = item.propagation
+        if _choose(haptics, "function", function.name):
+            form = function.to_dict()
+            for key, name in PARAMETERS.get(function.name, {}).items():
+                setattr(haptics, name, form[key])
+            haptics.wave_speed = function.spectrum.wave_speed
+            if function.spectrum.band_decays:
+                haptics.material.use_bands = True
+                haptics.material.band_decays = function.spectrum.band_decays
+        if not _same(function, read_function(haptics)):
+            self.lose(f"function {function.name!r} as the file has it", item.name)
+
+    def _guessed(self, item: HapticObject) -> tuple[Shape, Vector]:
+        """A box around all that is known to be on an object, and its centre in the world."""
+        known = [position for contact in self.haptic.contacts for name, position in zip(contact.objects, contact.positions, strict=True)
+                 if name == item.name]  # fmt: skip
+        known += [other.position for other in (*self.haptic.sources, *self.haptic.listeners) if other.object == item.name]
+        points = np.array(known or [self.poses[item.name].position])
+        low, high = points.min(axis=0), points.max(axis=0)
+        x, y, z = np.maximum(high - low, SMALLEST).tolist()
+        cx, cy, cz = ((low + high) / 2).tolist()
+        return Box((x, y, z)), (cx, cy, cz)
+
+
+def set_frame_rate(scene: bpy.types.Scene, rate: float) -> None:
+    """Frames a second, as a whole number by a base."""
+    whole = max(math.ceil(rate - 1e-6), 1)
+    scene.render.fps = whole
+    scene.render.fps_base = 1.0 if abs(whole - rate) < 1e-6 else whole / rate
+
+
+def _mesh(name: str, shape: Shape) -> bpy.types.Mesh:
+    points, faces = surface(shape)
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(points.tolist(), [], faces)
+    mesh.validate()
+    return mesh
+
+
+def _write_signal(source: Any, signal: Signal | None) -> Signal | None:
+    """Choose the signal that the properties can make; else the imported one, which is returned to be kept."""
+    low, high = FREQUENCIES
+    match signal:
+        case Sine(frequency=float(frequency)) | Pulse(frequency=float(frequency)) if (
+            signal == type(signal)(frequency) and low <= frequency <= high and shortest(frequency) == frequency
+        ):
+            source.signal = "SINE" if isinstance(signal, Sine) else "PULSE"
+            source.frequency = frequency
+            return None
+        case Noise() if signal == Noise():
+            source.signal = "NOISE"
+            return None
+    source.signal = "KEPT"
+    return signal
+
+
+def _same(function: ModulationFunction, other: ModulationFunction) -> bool:
+    """Whether two functions are one, but for rounding."""
+    return written_function(function) == written_function(other)
+
+
+def _choose(owner: Any, name: str, value: str) -> bool:
+    """Set a choice; False where there is no such one."""
+    if value not in owner.bl_rna.properties[name].enum_items:
+        return False
+    setattr(owner, name, value)
+    return True
+
+
+def _assign(owner: Any, name: str, value: Any) -> None:
+    """Set a property to a value from a file, where it is of its kind."""
+    kind = type(getattr(owner, name))
+    if isinstance(value, kind) or (kind is float and isinstance(value, int) and not isinstance(value, bool)):
+        setattr(owner, name, value)
+
+
+def _listed(names: Iterable[str]) -> str:
+    names = list(names)
+    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")

@@ -1,0 +1,76 @@
+"""Collision shapes as surfaces to look at."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.contacts.hull import convex_hull
+from ...core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Shape, Sphere, pose_matrix
+
+FloatArray = NDArray[np.float64]
+Surface = tuple[FloatArray, list[tuple[int, ...]]]
+"""Points (n, 3) and faces of their numbers."""
+
+SEGMENTS = 24
+RINGS = 6
+
+
+def surface(shape: Shape) -> Surface:
+    """The surface of a shape's core, in its own space [m]. Round ones stand along z."""
+    match shape:
+        case Box(size=size):
+            corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+            return corners * size, [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        case Sphere(radius=radius):
+            return _turned([(r, z) for r, z in _arc(radius, 0.0, -90, 90)])
+        case Capsule(radius=radius, height=height):
+            return _turned([*_arc(radius, -height / 2, -90, 0), *_arc(radius, height / 2, 0, 90)])
+        case Cylinder(radius=radius, height=height):
+            return _turned([(0.0, -height / 2), (radius, -height / 2), (radius, height / 2), (0.0, height / 2)])
+        case Cone(radius=radius, height=height):
+            return _turned([(0.0, -height / 2), (radius, -height / 2), (0.0, height / 2)])
+        case ConvexHull(points=points):
+            hull = convex_hull(points)
+            flat = {frozenset(face): tuple(face) for face in hull.triangles.tolist()}  # a flat hull has both its sides
+            return hull.points, list(flat.values())
+        case Mesh(points=points, triangles=triangles):
+            return np.array(points), [tuple(face) for face in triangles.tolist()]
+        case Compound(children=children):
+            return _joined([_placed(surface(child), pose_matrix(pose)) for child, pose in children])
+    raise ValueError(f"There is no surface for a {shape.type}")
+
+
+def _arc(radius: float, centre: float, start: float, end: float) -> list[tuple[float, float]]:
+    """Distances from the axis and heights along a quarter or half circle, angles in degrees."""
+    count = RINGS * 2 if end - start > 90 else RINGS
+    angles = np.radians(np.linspace(start, end, count + 1))
+    return list(zip((radius * np.cos(angles)).tolist(), (centre + radius * np.sin(angles)).tolist(), strict=True))
+
+
+def _turned(profile: list[tuple[float, float]]) -> Surface:
+    """The surface that a profile (distance from the axis, height), upwards, makes when it goes round the z axis; its ends lie on it."""
+    angles = 2 * np.pi * np.arange(SEGMENTS) / SEGMENTS
+    inner = profile[1:-1]
+    rings = [np.column_stack([r * np.cos(angles), r * np.sin(angles), np.full(SEGMENTS, z)]) for r, z in inner]
+    points = np.concatenate([[[0.0, 0.0, profile[0][1]]], *rings, [[0.0, 0.0, profile[-1][1]]]])
+    last, faces = len(points) - 1, []
+    for k in range(SEGMENTS):
+        n = (k + 1) % SEGMENTS
+        faces.append((0, 1 + n, 1 + k))
+        for ring in range(len(inner) - 1):
+            low, high = 1 + ring * SEGMENTS, 1 + (ring + 1) * SEGMENTS
+            faces.append((low + k, low + n, high + n, high + k))
+        top = 1 + (len(inner) - 1) * SEGMENTS
+        faces.append((top + k, top + n, last))
+    return points, faces
+
+
+def _placed(form: Surface, matrix: FloatArray) -> Surface:
+    return form[0] @ matrix[:3, :3].T + matrix[:3, 3], form[1]
+
+
+def _joined(forms: list[Surface]) -> Surface:
+    starts = np.cumsum([0, *(len(points) for points, _ in forms)]).tolist()
+    faces = [tuple(start + i for i in face) for start, (_, own) in zip(starts, forms, strict=False) for face in own]
+    return np.concatenate([points for points, _ in forms]), faces
