@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
-SUBCOMMANDS = ("propagate", "contacts", "devices", "export", "convert", "sample", "trace", "demo")
+SUBCOMMANDS = ("propagate", "contacts", "devices", "export", "convert", "sample", "trace", "demo", "study")
 
 BAD_INPUT = 2
 INTERRUPTED = 130

@@ -10,7 +10,7 @@ from bpy.types import Object, Scene
 
 from .animation import animate
 from .geometry import SUNK, Geometry, box, joined, rod
-from .materials import STEEL, WOOD, Substance, surface
+from .materials import STEEL, WOOD, surface
 from .mine import TOP_OF_RAIL
 from .railway import MINE_GAUGE, wheelset
 from .staging import fade_exponentially, make_moving, place, place_empty
@@ -84,7 +84,3 @@ def roll(cart: Cart, distances: Mapping[float, float]) -> None:
     """Turn the wheels as far as the cart has gone, in metres by frame."""
     for wheels in cart.wheelsets:
         animate(wheels, "rotation_euler", {frame: (0.0, distance / WHEEL, 0.0) for frame, distance in distances.items()})
-
-
-FELT: Substance = Substance(0.45, 0.85)
-"""The rider: passes less on than `FLESH`, so that what reaches a part of the body depends on the way."""

@@ -23,7 +23,7 @@ from .geometry import SUNK, Geometry, Point, box, joined, lathe, rod, sphere, su
 from .lighting import add_area_light, add_camera, add_point_light, add_sun, add_world, set_picture
 from .materials import CLOTH, STONE, WOOD, Substance, surface
 from .mine import RAIL_FOOT_HEIGHT, add_ground, add_lamps, add_track, add_tunnel, rock_material
-from .mine_cart import BACK_X, FELT, FLOOR, LEAN, SEAT_HEIGHT, Cart, add_cart, roll
+from .mine_cart import BACK_X, FLOOR, LEAN, SEAT_HEIGHT, Cart, add_cart, roll
 from .railway import MINE_GAUGE, RAIL_HEAD, rail_shape
 from .staging import (
     add_rigid_body_world,
@@ -40,6 +40,8 @@ FRAME_RATE = 24
 FRAMES = 3600
 SPEED = 2.0  # metres per second
 GRAVITY = 9.81
+BODY_FADES = 3.0
+"""Per metre, in the rider: strong enough that what reaches a part of the body tells where it came from."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +88,7 @@ RIBBON = Substance(0.90, 0.50)
 GRANITE = Substance(0.05, 0.95)
 WALLS = (*(("Stone", GRANITE),) * 3, *(("Wood", WOOD),) * 3, *(("Ribbon", RIBBON),) * 3)
 WALL_PERIOD = 62  # frames
-WALL_BOTTOM, WALL_TOP, WALL_HALF_WIDTH, WALL_THICKNESS = 1.30, 2.65, 1.45, 0.12
+WALL_BOTTOM, WALL_TOP, WALL_HALF_WIDTH, WALL_THICKNESS = 1.08, 2.65, 1.45, 0.35
 
 
 def build(scene: Scene) -> None:
@@ -103,7 +105,9 @@ def build(scene: Scene) -> None:
     animate(cart.root, "location", {frame: (x, 0.0, 0.0) for frame, x in ride.items()})
     roll(cart, ride)
     posture = seated(SEAT_HEIGHT, LEAN)
-    avatar = build_avatar(scene, posture, (BACK_X, 0.0, FLOOR), math.pi / 2, moving=True, substance=FELT, parent=cart.root)
+    avatar = build_avatar(scene, posture, (BACK_X, 0.0, FLOOR), math.pi / 2, moving=True, parent=cart.root)
+    for part in avatar.parts.values():
+        fade_exponentially(part, BODY_FADES)
     _add_stalactites(scene)
     _add_wind(scene)
     _add_elves(scene, avatar)
@@ -284,18 +288,9 @@ def _add_shock_wave(scene: Scene, cart: Object) -> None:
         arcs += [rod(bend[m], bend[m + 1], 0.012, 6) for m in range(12)]
     seen = place(scene, "Shock Arcs", joined(arcs), (surface("Shock Arcs", "#ffd9a0", 0.6, glow=2.5),), parent=sheet)
     begin, end = float(SHOCK + 4), SHOCK + 4 + seconds * FRAME_RATE
-    middle_x, middle_z, parked = 0.30, FLOOR + 1.18, 9.0
-    animate(
-        sheet,
-        "location",
-        {
-            1.0: (middle_x, FRONT_REACH, parked),
-            begin - 2: (middle_x, FRONT_REACH, parked),
-            begin: (middle_x, FRONT_REACH, middle_z),
-            end: (middle_x, -FRONT_REACH, middle_z),
-            end + 2: (middle_x, -FRONT_REACH, parked),
-        },
-    )
+    # Before and after it rides along at the wall, where it touches nothing.
+    ends = {when: (0.30, side * FRONT_REACH, FLOOR + 1.18) for when, side in ((1.0, 1.0), (begin, 1.0), (end, -1.0))}
+    animate(sheet, "location", ends)
     animate(seen, "scale", {begin - 1: (0, 0, 0), begin: (1, 1, 1), end: (1, 1, 1), end + 1: (0, 0, 0)})
 
 
@@ -356,7 +351,10 @@ def wall_frame(number: int) -> int:
 
 
 def _add_walls(scene: Scene) -> None:
-    """Nine haptic panels at the height of the trunk, which stand still; what is seen of them breaks when the user comes."""
+    """Nine haptic panels above the cart's rim, which stand still; what is seen of them breaks when the user comes.
+
+    They are so thick that hands, trunk and head are in one at the same time: then it hands on to all what strikes one of them.
+    """
     looks = {
         "Stone": surface("Wall Stone", "#8d8a86", 0.9, mottle=0.4, mottle_scale=5.0),
         "Wood": surface("Wall Wood", "#a8733c", 0.7, mottle=0.4, mottle_scale=5.0),
@@ -365,7 +363,7 @@ def _add_walls(scene: Scene) -> None:
     draw = Random(66)
     height = WALL_TOP - WALL_BOTTOM
     for number, (kind, substance) in enumerate(WALLS):
-        x = distance_at(wall_frame(number)) + 0.1
+        x = distance_at(wall_frame(number)) + 0.04 + WALL_THICKNESS / 2
         name = f"{kind} Wall {number % 3 + 1}"
         panel = place(scene, name, box((WALL_THICKNESS, 2 * WALL_HALF_WIDTH, height)), (looks[kind],), (x, 0.0, WALL_BOTTOM + height / 2))
         make_static(scene, panel, substance, "BOX")

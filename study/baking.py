@@ -1,0 +1,149 @@
+"""Plays the ride in Blender once and renders it in all four modes on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..core.formats.take import Take
+from ..core.frame_result import FrameResult
+from ..core.mode_rendering import ModeRendering
+from ..core.scene import Mode, Source
+from .rendition import MODES, FloatArray, Rendition, Ride, Sounding
+
+if TYPE_CHECKING:
+    from bpy.types import Scene
+
+
+def bake_ride(
+    scene: Scene,
+    first: int,
+    last: int,
+    pictures: dict[int, Path] | None = None,
+    progress: Callable[[int], None] = lambda frame: None,
+) -> Ride:
+    """Trace the frames ``first`` to ``last`` of the mine ride and render each in `MODES`; ``progress`` is told every frame.
+
+    ``pictures``: where to draw which frame, with the graph over it. Raises ValueError in words where a frame can't be traced.
+    """
+    from ..addon import session, timeline
+    from ..sample_scenes.mine_ride import SECTIONS
+
+    scene.haptics.mode = "HT"
+    scene.rigidbody_world.enabled = False  # everything moves by keys: there is nothing to simulate
+    renderings = {mode: ModeRendering(mode) for mode in MODES[1:]}
+    takes = {mode: _ModeTake() for mode in MODES}
+    soundings: list[Sounding] = []
+    frames: list[int] = []
+    positions = np.zeros((0, 3))
+    listeners: tuple[str, ...] = ()
+    with closing(timeline.steps(scene, first, last)) as steps:
+        for step in steps:
+            traced = step.result
+            reading = session.of(scene).reading
+            assert reading is not None
+            results = {Mode.HT: traced} | {mode: rendering.of(traced, reading.settings) for mode, rendering in renderings.items()}
+            for mode, result in results.items():
+                takes[mode].add(result)
+            soundings += _soundings(results)
+            if not frames:
+                listeners = tuple(item.body_part or item.name for item in traced.listeners)
+                positions = np.array([item.position for item in traced.listeners], dtype=np.float64).reshape(-1, 3)
+            frames.append(traced.number)
+            if pictures and traced.number in pictures:
+                draw_ride(scene, traced, pictures[traced.number])
+            progress(traced.number)
+    return Ride(
+        frames=np.array(frames, dtype=np.int64),
+        frame_rate=scene.render.fps / scene.render.fps_base,
+        listeners=listeners,
+        positions=positions,
+        renditions={mode: take.rendition(mode) for mode, take in takes.items()},
+        soundings=tuple(soundings),
+        sections=tuple(
+            (section.name, section.title, max(section.first, first), min(section.last, last))
+            for section in SECTIONS
+            if section.first <= last and section.last >= first
+        ),
+        alike={mode: take.alike for mode, take in takes.items()},
+    )
+
+
+def draw_ride(scene: Scene, result: FrameResult, path: Path, size: tuple[int, int] = (480, 300)) -> None:
+    """Write a PNG of the ride as its camera sees it, with the best paths over it. Needs what `can_draw` says."""
+    from ..addon.overlay.picture import viewport_picture
+    from ..addon.overlay.png import write_png
+    from ..addon.overlay.render_data import Options
+    from ..addon.suspension import suspended
+
+    with suspended():
+        write_png(path, viewport_picture(scene, result, size, Options(show_intra=False, show_labels=False)))
+
+
+def can_draw() -> bool:
+    """True where pictures can be drawn here."""
+    from ..addon.overlay.picture import starts_gpu
+
+    return starts_gpu()
+
+
+def moments(sections: Sequence[tuple[int, int]], count: int) -> list[int]:
+    """``count`` frames of each range, evenly spread inside it."""
+    return [round(low + (high - low) * (k + 0.5) / count) for low, high in sections for k in range(count)]
+
+
+class _ModeTake:
+    """Levels and samples of one mode."""
+
+    def __init__(self) -> None:
+        self._take = Take()
+        self._rms: list[FloatArray] = []
+        self._peak: list[FloatArray] = []
+        self.alike = 0.0
+
+    def add(self, result: FrameResult) -> None:
+        self._take.add(result)
+        block = result.block if result.block is not None else np.zeros((len(result.listeners), 0))
+        if block.shape[1]:
+            self._rms.append(np.sqrt((block**2).mean(axis=1)))
+            self._peak.append(np.abs(block).max(axis=1))
+            self.alike = max(self.alike, float(np.ptp(block, axis=0).max()))
+        else:
+            self._rms.append(np.zeros(len(block)))
+            self._peak.append(np.zeros(len(block)))
+
+    def rendition(self, mode: Mode) -> Rendition:
+        return Rendition(mode, np.array(self._rms), np.array(self._peak), self._take.tracks())
+
+
+def _soundings(results: dict[Mode, FrameResult]) -> list[Sounding]:
+    traced = results[Mode.HT]
+    places = np.array([item.position for item in traced.listeners], dtype=np.float64).reshape(-1, 3)
+    new = len(traced.sources) - len(traced.impacts)
+    found = []
+    for row, source in enumerate(traced.sources):
+        if source.amplitude <= 0:
+            continue
+        began = row >= new
+        found.append(
+            Sounding(
+                frame=traced.number,
+                name=source.name,
+                objects=(source.object,) if source.second_object is None else (source.object, source.second_object),
+                began=began,
+                amplitude=source.amplitude,
+                distance=np.min([np.linalg.norm(places - side, axis=1) for side in _sides(source)], axis=0),
+                gains=np.array([results[mode].gains[row] for mode in MODES]),
+                paths=tuple(traced.path_objects(row, k) for k in range(len(traced.listeners))) if began else (),
+            )
+        )
+    return found
+
+
+def _sides(source: Source) -> tuple[FloatArray, ...]:
+    """Where it is: on the one object, or on both of those that struck each other."""
+    return tuple(np.array(place) for place in (source.position, source.second_position) if place is not None)

@@ -1,0 +1,227 @@
+"""What the paper says of the four renderings, checked by number."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ..core.propagation.modes import DISTANCE_ONLY
+from ..core.scene import Mode
+from .measures import balance, dynamic_range, variety
+from .rendition import MODES, FloatArray, Ride, Sounding
+
+HT, SD, MD, MN = range(4)
+"""Rows of `Sounding.gains`."""
+
+SECTION_COUNT = 6
+MATERIALS = ("Stone", "Wood", "Ribbon")
+ROUNDING = 1e-6
+"""Relative: Blender's transforms have single precision."""
+SAME_WALL = 0.01
+"""Relative difference up to which walls count as felt alike."""
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """A statement, what was measured for it in words, and whether it holds; None where the frames hold nothing to measure."""
+
+    name: str
+    statement: str
+    measured: str
+    holds: bool | None
+
+    @classmethod
+    def without_data(cls, name: str, statement: str) -> Check:
+        """For frames in which what the statement is about does not happen."""
+        return cls(name, statement, "not in these frames", None)
+
+
+def checks_of(ride: Ride) -> tuple[Check, ...]:
+    """All checks, in the order of the paper's text."""
+    return (
+        single_actuator(ride),
+        nearest_actuator(ride),
+        all_alike(ride),
+        distance_only(ride),
+        differs_by_material(ride),
+        alike_by_material(ride, Mode.MD),
+        alike_by_material(ride, Mode.MN),
+        both_legs(ride),
+        one_leg(ride),
+        left_to_right(ride),
+        no_direction(ride),
+        wider_range(ride),
+    )
+
+
+def single_actuator(ride: Ride) -> Check:
+    """At most one actuator per source in SD."""
+    name, statement = "SD: one at a time", "A source drives a single actuator."
+    if not ride.soundings:
+        return Check.without_data(name, statement)
+    most = max(int((s.gains[SD] > 0).sum()) for s in ride.soundings)
+    return Check(name, statement, f"at most {most} in {len(ride.soundings)} source frames", most == 1)
+
+
+def nearest_actuator(ride: Ride) -> Check:
+    """The one that SD drives is the nearest to the source."""
+    name, statement = "SD: the nearest", "The driven actuator is the one nearest to the source."
+    driven = [s for s in ride.soundings if s.gains[SD].any()]
+    if not driven:
+        return Check.without_data(name, statement)
+    further = [float(s.distance[s.gains[SD].argmax()] - s.distance.min()) for s in driven]
+    return Check(name, statement, f"never more than {max(further) * 1000:.3f} mm further than the nearest", max(further) < 1e-9)
+
+
+def all_alike(ride: Ride) -> Check:
+    """All actuators get the same in MN."""
+    name, statement = "MN: all alike", "All actuators are driven alike, sample by sample."
+    if not ride.soundings:
+        return Check.without_data(name, statement)
+    others = ", ".join(f"{mode} {ride.alike[mode]:.3f}" for mode in MODES[:3])
+    value = ride.alike[Mode.MN]
+    return Check(name, statement, f"largest difference between two actuators {value:g} of full scale ({others})", value == 0.0)
+
+
+def distance_only(ride: Ride) -> Check:
+    """Gains in MD are those of the paper's equation 4 at the straight distance."""
+    name, statement = "MD: by distance only", f"Every gain is e^(-{DISTANCE_ONLY.alpha:g} d) of the source, whatever lies between."
+    if not ride.soundings:
+        return Check.without_data(name, statement)
+    worst = 0.0
+    for s in ride.soundings:
+        expected = s.amplitude * np.exp(-DISTANCE_ONLY.alpha * s.distance)
+        worst = max(worst, float(np.abs(s.gains[MD] / expected - 1).max()))
+    return Check(name, statement, f"largest relative error {worst:.1e}", worst <= ROUNDING)
+
+
+def wall_gains(ride: Ride) -> dict[str, FloatArray]:
+    """By wall, in the order of the ride: (4, l) the sum of what each listener feels of the impacts with it, by `MODES`."""
+    walls: dict[str, FloatArray] = {}
+    for s in ride.soundings:
+        for name in s.objects if s.began else ():
+            if name.partition(" Wall ")[0] in MATERIALS:
+                walls[name] = walls.get(name, 0.0) + s.gains
+    return walls
+
+
+def _walls_felt(ride: Ride, mode: int) -> dict[str, list[FloatArray]]:
+    felt: dict[str, list[FloatArray]] = {}
+    for name, gains in wall_gains(ride).items():
+        felt.setdefault(name.partition(" Wall ")[0], []).append(gains[mode])
+    return felt
+
+
+def _differences(felt: dict[str, list[FloatArray]]) -> tuple[float, float]:
+    """Largest relative difference of gain sums between walls of the same material, and the smallest between materials' means."""
+    sums = {material: np.array([gains.sum() for gains in walls]) for material, walls in felt.items()}
+    within = max(float(np.ptp(values) / values.mean()) for values in sums.values())
+    means = sorted((float(values.mean()) for values in sums.values()), reverse=True)
+    between = min((high - low) / high for high, low in pairwise(means))
+    return within, between
+
+
+def differs_by_material(ride: Ride) -> Check:
+    """In HT walls of different materials differ more than those of the same."""
+    name, statement = "HT: by material", "Walls of stone, wood and ribbons are felt differently, those of one material alike."
+    felt = _walls_felt(ride, HT)
+    if len(felt) < len(MATERIALS):
+        return Check.without_data(name, statement)
+    within, between = _differences(felt)
+    means = ", ".join(f"{material.lower()} {np.mean([gains.mean() for gains in felt[material]]):.3f}" for material in MATERIALS)
+    measured = f"mean gain {means}; materials differ by {between:.1%} or more, walls of one by {within:.2%} or less"
+    return Check(name, statement, measured, between > 5 * within and between > 0.03)
+
+
+def alike_by_material(ride: Ride, mode: Mode) -> Check:
+    """In MD and MN all walls are felt alike."""
+    name, statement = f"{mode}: whatever the material", "All nine walls are felt alike."
+    felt = _walls_felt(ride, MODES.index(mode))
+    if len(felt) < len(MATERIALS):
+        return Check.without_data(name, statement)
+    walls = np.array([gains for group in felt.values() for gains in group])
+    difference = float((np.ptp(walls, axis=0) / walls.mean(axis=0)).max())
+    return Check(name, statement, f"largest difference between two walls at an actuator {difference:.2%}", difference < SAME_WALL)
+
+
+def stalactites(ride: Ride) -> tuple[Sounding, ...]:
+    """The impacts of stalactites, one each."""
+    return ride.began("Stalactite")
+
+
+def legs_of(ride: Ride) -> list[int]:
+    """Columns of the left and the right upper leg."""
+    return [ride.listeners.index(f"upper_leg.{side}") for side in "LR"]
+
+
+def both_legs(ride: Ride) -> Check:
+    """In HT a falling stalactite is felt in both legs, through the ground and the rails."""
+    name, statement = "HT: both legs", "A stalactite that falls is felt in both legs alike, through the ground."
+    falls = stalactites(ride)
+    if not falls:
+        return Check.without_data(name, statement)
+    legs = legs_of(ride)
+    ratio = min(float(s.gains[HT][legs].min() / s.gains[HT][legs].max()) if s.gains[HT][legs].max() > 0 else 0.0 for s in falls)
+    ways = [s.paths[leg] for s in falls for leg in legs]
+    through = sum(any(part.startswith(("Ground", "Bridge")) for part in way) for way in ways)
+    measured = f"{len(falls)} stalactites; weaker leg at least {ratio:.0%} of the stronger; {through} of {len(ways)} paths by the ground"
+    return Check(name, statement, measured, ratio > 0.5 and through == len(ways))
+
+
+def one_leg(ride: Ride) -> Check:
+    """In SD a falling stalactite is felt in one place."""
+    name, statement = "SD: one place", "A stalactite that falls is felt at one actuator."
+    falls = stalactites(ride)
+    if not falls:
+        return Check.without_data(name, statement)
+    most = max(int((s.gains[SD] > 0).sum()) for s in falls)
+    return Check(name, statement, f"at most {most} actuator", most <= 1)
+
+
+def shock_rows(ride: Ride) -> slice | None:
+    """The frames in which the shock wave is felt, None where they are not in the range."""
+    hits = [s.frame for s in ride.began("Shock Front")]
+    return ride.rows(min(hits), max(hits)) if hits else None
+
+
+def shock_balance(ride: Ride, mode: Mode) -> tuple[float, float] | None:
+    """Left-right balance in the first and in the last third of the shock wave's passage."""
+    rows = shock_rows(ride)
+    if rows is None or rows.stop - rows.start < 3:
+        return None
+    values = balance(ride.renditions[mode].rms[rows], ride.listeners)
+    third = len(values) // 3
+    return float(values[:third].mean()), float(values[-third:].mean())
+
+
+def left_to_right(ride: Ride) -> Check:
+    """In HT the shock wave goes from left to right."""
+    name, statement = "HT: from left to right", "The shock wave begins on the left and ends on the right."
+    found = shock_balance(ride, Mode.HT)
+    if found is None:
+        return Check.without_data(name, statement)
+    measured = f"balance {found[0]:+.2f} in its first third, {found[1]:+.2f} in its last"
+    return Check(name, statement, measured, found[0] < -0.1 and found[1] > 0.1)
+
+
+def no_direction(ride: Ride) -> Check:
+    """In MN the shock wave has no direction."""
+    name, statement = "MN: no direction", "The shock wave is on both sides alike."
+    found = shock_balance(ride, Mode.MN)
+    if found is None:
+        return Check.without_data(name, statement)
+    return Check(name, statement, f"balance {found[0]:+.2f} and {found[1]:+.2f}", found == (0.0, 0.0))
+
+
+def wider_range(ride: Ride) -> Check:
+    """HT is richer in intensities than the other renderings that drive many actuators."""
+    name, statement = "HT: more shades", "Of those that drive many actuators, HT has the widest range and variety of intensity."
+    if len(ride.sections) < SECTION_COUNT:
+        return Check.without_data(name, statement)
+    ranges = {mode: dynamic_range(ride.effects(mode)) for mode in MODES}
+    bits = {mode: variety(ride.effects(mode)) for mode in MODES}
+    measured = "; ".join(f"{mode} {ranges[mode]:.1f} dB, {bits[mode]:.2f} bits" for mode in (Mode.HT, Mode.MD, Mode.MN))
+    holds = all(ranges[Mode.HT] > ranges[mode] and bits[Mode.HT] > bits[mode] for mode in (Mode.MD, Mode.MN))
+    return Check(name, statement, measured, holds)

@@ -1,0 +1,90 @@
+"""What tells one rendering from another, as numbers, from the levels (f, l) of frames at listeners."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+ACTIVE = 0.01
+"""An actuator counts as active where its drive exceeds this share of full scale (-40 dB)."""
+CLASS_WIDTH = 3.0
+"""Decibels within which two levels count as the same intensity: about twice the just noticeable difference of vibration (10 to 20 %)."""
+
+
+def active_count(peak: FloatArray) -> IntArray:
+    """How many actuators are active in each frame (f,)."""
+    return np.asarray((peak > ACTIVE).sum(axis=1), dtype=np.int64)
+
+
+def spatial_spread(rms: FloatArray, positions: FloatArray) -> FloatArray:
+    """How far over the body the vibration reaches, per frame (f,): root of the mean square distance in metres of the ``positions`` (l, 3)
+    from their centre, weighed by level; 0 where one actuator is alone or none is active."""
+    total = rms.sum(axis=1)
+    weight = rms / np.where(total > 0, total, 1.0)[:, None]
+    centre = weight @ positions
+    square = np.einsum("fl,l->f", weight, (positions**2).sum(axis=1)) - (centre**2).sum(axis=1)
+    return np.where(total > 0, np.sqrt(np.maximum(square, 0.0)), 0.0)
+
+
+def balance(rms: FloatArray, listeners: Sequence[str]) -> FloatArray:
+    """Left to right per frame (f,): -1 where only listeners of the left feel something, 1 for the right, 0 where both feel the same."""
+    left = rms[:, [name.endswith(".L") for name in listeners]].sum(axis=1)
+    right = rms[:, [name.endswith(".R") for name in listeners]].sum(axis=1)
+    total = left + right
+    return np.where(total > 0, (right - left) / np.where(total > 0, total, 1.0), 0.0)
+
+
+def dynamic_range(levels: FloatArray) -> float:
+    """Decibels between the 95th and the 5th percentile of the effects' ``levels`` (e, l) at active actuators; 0 where none is active."""
+    active = levels[levels > ACTIVE]
+    if not len(active):
+        return 0.0
+    low, high = np.percentile(active, (5, 95))
+    return float(20 * np.log10(high / low))
+
+
+def variety(levels: FloatArray) -> float:
+    """How many bits it takes to say which intensity an active actuator has: the entropy of ``levels`` (e, l) in classes of
+    `CLASS_WIDTH`."""
+    active = levels[levels > ACTIVE]
+    return _entropy(np.floor(20 * np.log10(active) / CLASS_WIDTH)) if len(active) else 0.0
+
+
+def patterns(levels: FloatArray) -> float:
+    """How many bits it takes to say which actuators an effect drives and how strongly beside the strongest: the entropy of rows of
+    ``levels`` (e, l) in classes of `CLASS_WIDTH`; 0 where all effects are alike but for their strength."""
+    felt = levels[(levels > ACTIVE).any(axis=1)]
+    if not len(felt):
+        return 0.0
+    beside = np.where(felt > ACTIVE, felt / felt.max(axis=1, keepdims=True), ACTIVE)
+    return _entropy(np.floor(20 * np.log10(beside) / CLASS_WIDTH + 0.5))
+
+
+def _entropy(classes: FloatArray) -> float:
+    """Bits per row."""
+    _, counts = np.unique(classes, axis=0, return_counts=True)
+    share = counts / counts.sum()
+    return abs(float((share * np.log2(share)).sum()))
+
+
+def spectrogram(samples: NDArray[np.floating], sample_rate: float, width: int = 1024) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Power of the listeners' ``samples`` (l, n) together, in decibels of a full-scale sine's: seconds (t,), hertz (h,), (h, t).
+
+    Hann windows of ``width`` samples, half overlapping; floor at -100 dB.
+    """
+    hop = width // 2
+    count = max((samples.shape[1] - width) // hop + 1, 0)
+    window = np.hanning(width)
+    frequencies = np.fft.rfftfreq(width, 1 / sample_rate)
+    power = np.zeros((len(frequencies), count))
+    for k in range(count):
+        piece = np.asarray(samples[:, k * hop : k * hop + width], dtype=np.float64)
+        power[:, k] = (np.abs(np.fft.rfft(piece * window)) ** 2).sum(axis=0)
+    power /= len(samples) * (window.sum() / 2) ** 2
+    seconds = (np.arange(count) * hop + width / 2) / sample_rate
+    return seconds, frequencies, 10 * np.log10(np.maximum(power, 1e-10))

@@ -1,0 +1,93 @@
+"""The ride as it is felt in one of the four modes, and what sounds in it, frame by frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.formats.tracks import Tracks
+from ..core.scene import Mode
+
+FloatArray = NDArray[np.float64]
+
+MODES = (Mode.HT, Mode.SD, Mode.MD, Mode.MN)
+
+TITLES: Mapping[Mode, str] = {
+    Mode.HT: "Haptic tracing",
+    Mode.SD: "Single actuator, distance",
+    Mode.MD: "Multiple actuators, distance",
+    Mode.MN: "Multiple actuators, no attenuation",
+}
+"""The modes as the paper calls them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sounding:
+    """A source that sounds in a frame.
+
+    ``objects``: the one it is on, or the two that struck each other. ``began``: it is temporary, and this is its first frame.
+    ``distance`` (l,) in metres, straight from its nearer side. ``gains`` (4, l) by `MODES`, amplitude included. ``paths``: objects of the
+    best path in HT to each listener, where it began, else empty.
+    """
+
+    frame: int
+    name: str
+    objects: tuple[str, ...]
+    began: bool
+    amplitude: float
+    distance: FloatArray
+    gains: FloatArray
+    paths: tuple[tuple[str, ...], ...]
+
+    @property
+    def persists(self) -> bool:
+        """Whether it is no impact."""
+        return len(self.objects) == 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rendition:
+    """``rms`` and ``peak`` (f, l): of the samples of each frame's interval at each listener. ``tracks``: those samples."""
+
+    mode: Mode
+    rms: FloatArray
+    peak: FloatArray
+    tracks: Tracks
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ride:
+    """A range of the ride's frames in all modes.
+
+    ``frames`` (f,) are numbers. ``listeners`` are body parts; ``positions`` (l, 3) [m] where they were in the first frame. ``sections``:
+    name, title, first and last frame of those that are in the range. ``alike``: the largest difference between any two listeners' samples
+    at any time, by mode.
+    """
+
+    frames: NDArray[np.int64]
+    frame_rate: float
+    listeners: tuple[str, ...]
+    positions: FloatArray
+    renditions: Mapping[Mode, Rendition]
+    soundings: tuple[Sounding, ...]
+    sections: tuple[tuple[str, str, int, int], ...]
+    alike: Mapping[Mode, float]
+
+    def rows(self, first: int, last: int) -> slice:
+        """Where the frames from ``first`` to ``last`` are in ``frames``."""
+        return slice(int(np.searchsorted(self.frames, first)), int(np.searchsorted(self.frames, last, side="right")))
+
+    def began(self, *words: str) -> tuple[Sounding, ...]:
+        """Impacts in which an object takes part whose name begins with one of ``words``, in the order of time."""
+        return tuple(s for s in self.soundings if s.began and any(name.startswith(words) for name in s.objects))
+
+    def effects(self, mode: Mode, first: int = 0, last: int = 2**31) -> FloatArray:
+        """Gains (e, l), amplitudes included, of what is felt one after the other: every impact as it begins, every other source second by
+        second."""
+        each = round(self.frame_rate)
+        number = MODES.index(mode)
+        rows = [s.gains[number] for s in self.soundings if first <= s.frame <= last and (s.began or (s.persists and s.frame % each == 0))]
+        return np.array(rows, dtype=np.float64).reshape(-1, len(self.listeners))

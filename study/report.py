@@ -1,0 +1,176 @@
+"""The report: one HTML file that needs nothing beside it."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Mapping, Sequence
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..core.formats.atomic import write_bytes
+from .body_map import body_map, shade_numbers, shades
+from .checks import Check
+from .measures import active_count, dynamic_range, patterns, spatial_spread, variety
+from .rendition import MODES, TITLES, Ride
+
+MEASURES = ("active", "most active", "spread [m]", "range [dB]", "variety [bits]", "patterns [bits]")
+
+
+def measures_of(ride: Ride) -> list[dict[str, Any]]:
+    """A row per section (and one for all of them) and mode, with the `MEASURES`."""
+    parts = [(title, first, last) for _, title, first, last in ride.sections]
+    if len(parts) > 1:
+        parts.append(("All", int(ride.frames[0]), int(ride.frames[-1])))
+    rows = []
+    for title, first, last in parts:
+        frames = ride.rows(first, last)
+        for mode in MODES:
+            rendition, effects = ride.renditions[mode], ride.effects(mode, first, last)
+            peak, rms = rendition.peak[frames], rendition.rms[frames]
+            active = active_count(peak)
+            felt = active > 0
+            values = (
+                float(active[felt].mean()) if felt.any() else 0.0,
+                int(active.max(initial=0)),
+                float(spatial_spread(rms, ride.positions)[felt].mean()) if felt.any() else 0.0,
+                dynamic_range(effects),
+                variety(effects),
+                patterns(effects),
+            )
+            rows.append({"section": title, "mode": str(mode), **dict(zip(MEASURES, values, strict=True))})
+    return rows
+
+
+def write_numbers(path: Path, ride: Ride, checks: Sequence[Check]) -> None:
+    """Write checks, measures and impacts as JSON."""
+    document = {
+        "frames": [int(ride.frames[0]), int(ride.frames[-1])],
+        "frame_rate": ride.frame_rate,
+        "listeners": list(ride.listeners),
+        "checks": [{"name": c.name, "statement": c.statement, "measured": c.measured, "holds": c.holds} for c in checks],
+        "measures": measures_of(ride),
+        "impacts": [
+            {
+                "frame": s.frame,
+                "objects": list(s.objects),
+                "amplitude": s.amplitude,
+                "gains": {str(mode): s.gains[number].round(6).tolist() for number, mode in enumerate(MODES)},
+            }
+            for s in ride.soundings
+            if s.began
+        ],
+    }
+    write_bytes(path, (json.dumps(document, indent=1, allow_nan=False) + "\n").encode())
+
+
+def write_report(
+    path: Path,
+    ride: Ride,
+    checks: Sequence[Check],
+    figures: Sequence[tuple[str, str, bytes]],
+    pictures: Mapping[int, bytes],
+    notes: Sequence[str] = (),
+) -> None:
+    """Write the report. ``figures``: title, caption and PNG; ``pictures``: PNG by frame; ``notes``: what is missing, and why."""
+    body = [
+        "<h1>The study's ride, rendered in four ways</h1>",
+        f"<p>Frames {ride.frames[0]} to {ride.frames[-1]} of the mine ride ({len(ride.frames) / ride.frame_rate:.1f} s). "
+        "Contacts, impacts and sources are the same in all four; what differs is how they reach the ten actuators.</p>",
+        f"<dl class=modes>{''.join(f'<dt>{mode}</dt><dd>{escape(TITLES[mode])}</dd>' for mode in MODES)}</dl>",
+        *(f"<p class=note>{escape(note)}</p>" for note in notes),
+        "<h2>What the paper says of them, by number</h2>",
+        _checks_table(checks),
+        "<h2>The ride</h2>",
+        _player(ride, pictures),
+        "<h2>Moments</h2>",
+        _strip(ride, pictures),
+        "<h2>Measures</h2>",
+        _measures_table(ride),
+        "<p class=note>active: mean number of actuators driven above 1 % of full scale while any is; spread: how far over the body the "
+        "vibration reaches; range: from the 5th to the 95th percentile of the levels that effects have at active actuators; variety: "
+        "entropy of those levels in classes of 3 dB; patterns: entropy of the actuators' levels beside the strongest.</p>",
+    ]
+    for title, caption, png in figures:
+        body.append(f"<h2>{escape(title)}</h2><figure><img src='{_data(png)}' alt=''><figcaption>{escape(caption)}</figcaption></figure>")
+    head = f"<meta charset=utf-8><title>Haptic Tracing: study</title><style>{_text('report.css')}</style>"
+    write_bytes(path, f"<!doctype html><html lang=en><head>{head}</head><body>{''.join(body)}</body></html>\n".encode())
+
+
+def _checks_table(checks: Sequence[Check]) -> str:
+    sign = {True: "<td class=yes>holds", False: "<td class=no>does not hold", None: "<td>no data"}
+    rows = (
+        f"<tr>{sign[c.holds]}<td><b>{escape(c.name)}</b><td>{escape(c.statement)}<td>{escape(c.measured)}</tr>" for c in checks
+    )
+    return f"<table><tr><th><th><th>Statement<th>Measured</tr>{''.join(rows)}</table>"
+
+
+def _measures_table(ride: Ride) -> str:
+    lines = ["<table class=numbers><tr><th>Section<th>Mode", *(f"<th>{escape(name)}" for name in MEASURES), "</tr>"]
+    for row in measures_of(ride):
+        first = row["mode"] == MODES[0]
+        lines.append(f"<tr{' class=first' if first else ''}><td>{escape(row['section']) if first else ''}<td>{row['mode']}")
+        for name in MEASURES:
+            value = row[name]
+            lines.append(f"<td>{value}" if isinstance(value, int) else f"<td>{value:.2f}")
+        lines.append("</tr>")
+    return "".join(lines) + "</table>"
+
+
+def _strip(ride: Ride, pictures: Mapping[int, bytes]) -> str:
+    """The liveliest frame of every section, or those that there are pictures of: picture and body maps."""
+    rows = []
+    for _, title, first, last in ride.sections:
+        chosen = [frame for frame in sorted(pictures) if first <= frame <= last] or [_liveliest(ride, first, last)]
+        for frame in chosen:
+            row = int(np.searchsorted(ride.frames, frame))
+            maps = "".join(f"<td>{body_map(ride.listeners, ride.renditions[mode].peak[row])}" for mode in MODES)
+            picture = f"<img src='{_data(pictures[frame])}' alt='frame {frame}'>" if frame in pictures else ""
+            seconds = (frame - 1) / ride.frame_rate
+            rows.append(f"<tr><th>{escape(title)}<br><small>{seconds:.1f} s, frame {frame}</small><td class=picture>{picture}{maps}</tr>")
+    heads = "".join(f"<th>{mode}" for mode in MODES)
+    return f"<table class=strip><tr><th><th>{heads}</tr>{''.join(rows)}</table>{_legend()}"
+
+
+def _liveliest(ride: Ride, first: int, last: int) -> int:
+    rows = ride.rows(first, last)
+    return int(ride.frames[rows][ride.renditions[MODES[0]].peak[rows].sum(axis=1).argmax()])
+
+
+def _legend() -> str:
+    stops = ",".join(shades()[1::9])
+    return f"<p class=legend>-46 dB <span style='background:linear-gradient(90deg,{stops})'></span> full scale, peak of the frame</p>"
+
+
+def _player(ride: Ride, pictures: Mapping[int, bytes]) -> str:
+    """The body maps of all modes, moving; the nearest earlier picture of the ride beside them."""
+    levels = np.stack([shade_numbers(ride.renditions[mode].peak) for mode in MODES], axis=1)
+    data = {
+        "first": int(ride.frames[0]),
+        "rate": ride.frame_rate,
+        "count": len(ride.frames),
+        "listeners": len(ride.listeners),
+        "sections": [[title, first] for _, title, first, _ in ride.sections],
+        "pictures": {str(frame): _data(png) for frame, png in sorted(pictures.items())},
+        "shades": shades(),
+        "levels": base64.b64encode(levels.tobytes()).decode(),
+    }
+    maps = "".join(f"<div class=map data-mode={number}><b>{mode}</b>{body_map(ride.listeners)}</div>" for number, mode in enumerate(MODES))
+    # "<" could end the script.
+    text = json.dumps(data).replace("<", "\\u003c")
+    return (
+        f"<div id=player><img id=view alt=''>{maps}<div id=controls><button id=play>Play</button>"
+        f"<input id=time type=range min=0 max={len(ride.frames) - 1} value=0><span id=where></span></div></div>"
+        f"<script>const ride={text};\n{_text('player.js')}</script>"
+    )
+
+
+def _data(png: bytes) -> str:
+    return f"data:image/png;base64,{base64.b64encode(png).decode()}"
+
+
+def _text(name: str) -> str:
+    return Path(__file__).with_name(name).read_text(encoding="utf-8")
