@@ -30,6 +30,8 @@ T = TypeVar("T")
 AUTHORED = ("contact_tolerance", "impacts", "minimum_energy", "maximum_energy")
 """Properties of a scene that its settings in the file don't hold; they stand in its extras, under `EXTRAS`."""
 EXTRAS = "blender"
+MATERIAL = "material"
+"""The name of an object's haptic material, in its extras."""
 
 
 def scene_of_frame(scene: bpy.types.Scene, depsgraph: Depsgraph) -> HapticScene:
@@ -99,14 +101,14 @@ def _vector(value: Vector) -> Vector:
 
 def _object(item: HapticObject, obj: Object | None) -> HapticObject:
     kept = kept_object(obj.haptics.imported if obj is not None else "")
+    material = obj.haptics.material.name if obj is not None else ""
     assert item.pose is not None
     pose = replace(item.pose, position=_vector(item.pose.position))
     if kept.pose is not None and same_pose(kept.pose, item.pose):
         pose = kept.pose
     mass = item.mass if item.mass is None or item.mass == kept.mass else shortest(item.mass)
-    return replace(
-        _shortest(item, ("kappa", "rho")), propagation=written_function(item.propagation), pose=pose, mass=mass, extras=dict(kept.extras)
-    )
+    extras = {**kept.extras, MATERIAL: material} if material else dict(kept.extras)
+    return replace(_shortest(item, ("kappa", "rho")), propagation=written_function(item.propagation), pose=pose, mass=mass, extras=extras)
 
 
 def written_function(function: ModulationFunction) -> ModulationFunction:

@@ -17,8 +17,9 @@ from ...core.functions import Identity, ModulationFunction
 from ...core.scene import HapticObject, Listener, Pose, Settings, Source, SourceKind, Vector
 from ...core.signals import Noise, Pulse, Signal, Sine
 from ..function_properties import PARAMETERS
+from ..materials import library
 from ..scene_reader import read_function
-from .frame_scene import AUTHORED, EXTRAS, shortest, written_function
+from .frame_scene import AUTHORED, EXTRAS, MATERIAL, shortest, written_function
 from .kept import near, text_of
 from .keyframes import local_place, write_keyframes
 from .shape_mesh import surface
@@ -26,6 +27,7 @@ from .shape_mesh import surface
 SMALLEST = 0.1
 """Metres: the least extent of an object whose file says nothing of its shape."""
 AXES = 0.1
+LONGEST_NAME = 63
 FREQUENCIES = (0.1, 1000.0)
 """Hertz that the property takes."""
 
@@ -89,7 +91,7 @@ class _Builder:
                 shape=None if guessed else shape.to_dict(),
                 mass=item.mass,
                 pose=None if guessed else {"position": pose.position, "rotation": pose.rotation},
-                extras=dict(item.extras),
+                extras=self._without_material(obj, item.extras),
             )
 
     def add_source(self, item: Source) -> None:
@@ -215,6 +217,16 @@ class _Builder:
                 haptics.material.band_decays = function.spectrum.band_decays
         if not _same(function, read_function(haptics)):
             self.lose(f"function {function.name!r} as the file has it", item.name)
+
+    def _without_material(self, obj: Object, extras: Mapping[str, Any]) -> dict[str, Any]:
+        """The extras, but for the name of a haptic material, which the object then is made of; new ones come into the scene's library."""
+        name = extras.get(MATERIAL)
+        if not isinstance(name, str) or not 0 < len(name) <= LONGEST_NAME:
+            return dict(extras)
+        if name not in self.scene.haptics.materials.items:
+            library.add(self.scene, name, library.own_values(obj))
+        obj.haptics.material.name = name
+        return {key: value for key, value in extras.items() if key != MATERIAL}
 
     def _guessed(self, item: HapticObject) -> tuple[Shape, Vector]:
         """A box around all that is known to be on an object, and its centre in the world."""

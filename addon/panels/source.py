@@ -28,8 +28,9 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
         layout.prop(source, "signal")
         if source.signal == "FILE":
             layout.prop(source, "filepath")
-        elif source.signal != "NOISE":
+        elif source.signal not in ("NOISE", "KEPT"):
             layout.prop(source, "frequency")
+        layout.operator("haptic.import_signal", icon="IMPORT")
         layout.prop(source, "priority")
         layout.prop(source, "muted")
         draw_carrier(layout, context.object, source.enabled, "Shakes")

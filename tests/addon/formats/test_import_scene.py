@@ -83,6 +83,8 @@ def workshop(add_box, add_empty):
     plank.haptics.wave_speed = 1234.5
     plank.haptics.listener.enabled = True
     plank.haptics.listener.mixing = "power"
+    plank.haptics.material.name = "old oak"
+    plank.haptics.material.use_bands, plank.haptics.material.band_decays = True, (0, 0.01, 0.02, 0.05, 0.1, 0.2)
     hand = add_empty("hand", (0.11, 0.02, 0.49), parent=plank)
     hand.haptics.listener.enabled = True
     hand.haptics.listener.body_part, hand.haptics.listener.gain = "hand.R", 0.7
@@ -104,6 +106,7 @@ def test_export_import_export_gives_the_same_bytes(workshop, traced, tmp_path):
     assert scene.contacts
     by_core = gains_of(scene)
     imported(tmp_path / "a.json")
+    assert bpy.context.scene.haptics.materials.items["old oak"].kappa == pytest.approx(0.1)
     assert exported(tmp_path / "b.json") == first
     after = gains_in_blender(traced)
     assert before.keys() == by_core.keys() == after.keys()
