@@ -4,9 +4,41 @@ from __future__ import annotations
 
 
 def _modules() -> tuple:
-    from . import bake, formats, handlers, operators, overlay, panels, properties
+    from . import (
+        bake,
+        body_kit,
+        formats,
+        handlers,
+        keymap,
+        live_output,
+        materials,
+        menus,
+        meters,
+        modalities,
+        operators,
+        overlay,
+        panels,
+        preferences,
+        properties,
+    )
 
-    return (properties, operators, panels, bake, formats, overlay, handlers)
+    return (
+        preferences,
+        properties,
+        operators,
+        panels,
+        materials,
+        modalities,
+        body_kit,
+        bake,
+        formats,
+        overlay,
+        meters,
+        handlers,
+        live_output,
+        menus,
+        keymap,
+    )
 
 
 def register() -> None:

@@ -13,6 +13,7 @@ from .bake import properties as bake
 from .function_properties import FUNCTION_TITLES, FunctionParameters
 from .live_output import properties as live_output
 from .materials import properties as materials
+from .meters import properties as meters
 from .modalities import properties as modalities
 
 FUNCTION_ITEMS = tuple((name, *FUNCTION_TITLES[name]) for name in FUNCTIONS)
@@ -36,6 +37,14 @@ BODY_PART_ITEMS = (
 
 
 def _changed(self: PropertyGroup, context: Context) -> None:
+    session.mark_changed()
+
+
+def _radius_changed(self: PropertyGroup, context: Context) -> None:
+    """An empty that is drawn as a sphere shows the listener's extent."""
+    empty = self.id_data
+    if empty.type == "EMPTY" and empty.empty_display_type == "SPHERE":
+        empty.empty_display_size = self.radius
     session.mark_changed()
 
 
@@ -116,7 +125,7 @@ class HapticListenerProperties(PropertyGroup):
         min=0.0,
         soft_max=0.5,
         unit="LENGTH",
-        update=_changed,
+        update=_radius_changed,
     )
     gain: FloatProperty(
         name="Gain",
@@ -307,6 +316,7 @@ class HapticSceneProperties(PropertyGroup):
         name="In Front", description="Draw the graph over objects instead of being hidden by them", default=True, update=_view_changed
     )
     bake: PointerProperty(type=bake.HapticBakeProperties)
+    meters: PointerProperty(type=meters.HapticMetersProperties)
     live_output: PointerProperty(type=live_output.HapticLiveOutputProperties)
     materials: PointerProperty(type=materials.HapticMaterialLibrary)
     modalities: PointerProperty(type=modalities.HapticSceneModalities)
@@ -317,6 +327,7 @@ class HapticSceneProperties(PropertyGroup):
 
 CLASSES = (
     *bake.CLASSES,
+    *meters.CLASSES,
     *live_output.CLASSES,
     *materials.CLASSES,
     *modalities.CLASSES,

@@ -31,7 +31,7 @@ class Material:
 
     name: as files and properties say it. title: as menus say it. kappa, rho: the paper's coefficients, in [0, 1].
     density: kg/m^3. wave_speed: m/s, 0 where what is felt has no one speed. absorption: extra attenuation at 100 Hz, in 1/m.
-    conductivity: of heat, in W/(m K). words: names of matter and of things that are made of it, in lower case.
+    conductivity: of heat, in W/(m K). words: names of the matter, things: of what is mostly made of it, in lower case.
     """
 
     name: str
@@ -43,6 +43,7 @@ class Material:
     absorption: float
     conductivity: float
     words: tuple[str, ...] = ()
+    things: tuple[str, ...] = ()
 
     @property
     def k(self) -> float:
@@ -76,67 +77,76 @@ def _named(
     title: str, kappa: float, rho: float, density: float, speed: float, absorbed: float, conductivity: float, words: str
 ) -> Material:
     name = title.lower().replace(" ", "_")
-    return Material(name, title, kappa, rho, density, speed, absorbed, conductivity, (name, *words.split()))
+    matter, _, things = words.partition("/")
+    return Material(name, title, kappa, rho, density, speed, absorbed, conductivity, (name, *matter.split()), tuple(things.split()))
 
 
 _TABLE = (
-    # title, kappa, rho, density, wave speed, loss factor, conductivity
-    _solid("Steel", 0.10, 0.90, 7850, 5100, 0.0003, 50.0, "iron metal chrome rail rails anvil hammer nail screw pipe stahl metall eisen"),
-    _solid("Aluminium", 0.12, 0.85, 2700, 5000, 0.0003, 160.0, "aluminum alu foil"),
+    # title, kappa, rho, density, wave speed, loss factor, conductivity, words for matter / for things
+    _solid("Steel", 0.10, 0.90, 7850, 5100, 0.0003, 50.0, "iron metal chrome stahl metall eisen / rail rails anvil hammer nail screw pipe"),
+    _solid("Aluminium", 0.12, 0.85, 2700, 5000, 0.0003, 160.0, "aluminum alu / foil"),
     _solid("Brass", 0.12, 0.92, 8500, 3480, 0.001, 120.0, "copper bronze gold silver messing kupfer"),
     _solid("Lead", 0.55, 0.95, 11300, 1210, 0.02, 35.0, "zinc tin blei"),
-    _solid("Stone", 0.30, 0.85, 2700, 4000, 0.005, 2.8, "rock granite marble sandstone limestone slate cliff boulder hearth stein fels"),
-    _solid("Concrete", 0.40, 0.75, 2300, 3400, 0.006, 1.65, "cement pavement sidewalk bunker foundation beton"),
-    _solid("Brick", 0.45, 0.75, 1800, 3000, 0.015, 0.77, "bricks wall chimney masonry ziegel mauer"),
+    _solid("Stone", 0.30, 0.85, 2700, 4000, 0.005, 2.8, "rock granite marble sandstone limestone slate stein fels / cliff boulder hearth"),
+    _solid("Concrete", 0.40, 0.75, 2300, 3400, 0.006, 1.65, "cement beton / pavement sidewalk bunker foundation"),
+    _solid("Brick", 0.45, 0.75, 1800, 3000, 0.015, 0.77, "masonry ziegel / bricks wall chimney mauer"),
     _solid("Plaster", 0.50, 0.65, 1000, 2400, 0.01, 0.4, "gypsum drywall stucco gips putz"),
-    _solid("Asphalt", 0.55, 0.75, 2100, 1900, 0.3, 0.7, "tarmac road street bitumen strasse"),
-    _solid("Ceramic", 0.20, 0.80, 2400, 4500, 0.003, 1.4, "porcelain tile tiles cup plate mug vase pottery keramik"),
-    _solid("Glass", 0.15, 0.80, 2500, 5170, 0.002, 1.0, "window bottle mirror crystal glas"),
-    _solid("Hardwood", 0.25, 0.78, 700, 3960, 0.01, 0.18, "oak beech walnut teak mahogany parquet bench table desk eiche buche"),
-    _solid("Softwood", 0.35, 0.70, 500, 4500, 0.01, 0.13, "wood pine fir spruce plank board crate chair door pallet holz kiefer fichte"),
+    _solid("Asphalt", 0.55, 0.75, 2100, 1900, 0.3, 0.7, "tarmac bitumen / road street strasse"),
+    _solid("Ceramic", 0.20, 0.80, 2400, 4500, 0.003, 1.4, "porcelain pottery keramik / tile tiles cup plate mug vase"),
+    _solid("Glass", 0.15, 0.80, 2500, 5170, 0.002, 1.0, "crystal glas / window bottle mirror"),
+    _solid("Hardwood", 0.25, 0.78, 700, 3960, 0.01, 0.18, "oak beech walnut teak mahogany eiche buche / parquet bench table desk"),
+    _solid("Softwood", 0.35, 0.70, 500, 4500, 0.01, 0.13, "wood pine fir spruce holz kiefer fichte / plank board crate chair door pallet"),
     _solid("Plywood", 0.42, 0.66, 600, 3000, 0.013, 0.14, "chipboard particleboard mdf cardboard sperrholz"),
     _solid("Plastic", 0.40, 0.60, 1200, 1840, 0.03, 0.2, "acrylic pvc nylon polymer vinyl lego kunststoff plastik"),
-    _solid("Rubber", 0.80, 0.60, 1100, 60, 0.15, 0.17, "tire tyre silicone latex gummi reifen"),
+    _solid("Rubber", 0.80, 0.60, 1100, 60, 0.15, 0.17, "silicone latex gummi / tire tyre reifen"),
     _solid("Cork", 0.75, 0.40, 200, 450, 0.15, 0.05, "kork"),
-    _solid("Soil", 0.60, 0.70, 1700, 200, 0.06, 1.0, "ground earth dirt mud terrain grass lawn clay field boden erde"),
-    _solid("Sand", 0.70, 0.55, 1600, 150, 0.10, 0.4, "beach desert dune"),
-    _solid("Gravel", 0.65, 0.65, 1800, 300, 0.06, 0.7, "ballast pebbles rubble scree kies schotter"),
+    _solid("Soil", 0.60, 0.70, 1700, 200, 0.06, 1.0, "earth dirt mud grass clay erde / ground terrain lawn field boden"),
+    _solid("Sand", 0.70, 0.55, 1600, 150, 0.10, 0.4, " / beach desert dune"),
+    _solid("Gravel", 0.65, 0.65, 1800, 300, 0.06, 0.7, "pebbles kies schotter / ballast rubble scree"),
     _solid("Ice", 0.20, 0.75, 917, 3200, 0.005, 2.2, "glacier frozen eis"),
     _soft("Snow", 0.80, 0.35, 250, 2.0, 0.15, "schnee"),
-    _soft("Foam", 0.88, 0.35, 40, 3.0, 0.04, "sponge cushion mattress pillow sofa couch schaum polster"),
-    _soft("Fabric", 0.85, 0.40, 300, 2.5, 0.06, "cloth textile carpet rug curtain cotton wool felt shirt jacket trousers stoff teppich"),
-    _soft("Ribbon", 0.70, 0.45, 300, 1.5, 0.06, "rope string cord band strap belt seil schnur"),
-    _soft("Leather", 0.70, 0.55, 900, 1.2, 0.16, "saddle boot shoe glove leder"),
-    _soft("Paper", 0.72, 0.45, 800, 1.5, 0.1, "book papier"),
-    _soft("Flesh", 0.25, 0.85, 1050, 0.6, 0.5, "skin body avatar human character person man woman hand arm leg mannequin haut mensch"),
-    _solid("Bone", 0.15, 0.85, 1900, 3500, 0.03, 0.4, "skull skeleton tooth horn ivory antler knochen"),
-    _solid("Water", 0.50, 0.70, 1000, 1480, 0.0005, 0.6, "sea ocean lake pool river liquid wasser"),
+    _soft("Foam", 0.88, 0.35, 40, 3.0, 0.04, "sponge schaum / cushion mattress pillow sofa couch polster"),
+    _soft("Fabric", 0.85, 0.40, 300, 2.5, 0.06, "cloth textile cotton wool felt stoff / carpet rug curtain shirt jacket trousers teppich"),
+    _soft("Ribbon", 0.70, 0.45, 300, 1.5, 0.06, " / rope string cord band strap belt seil schnur"),
+    _soft("Leather", 0.70, 0.55, 900, 1.2, 0.16, "leder / saddle boot shoe glove"),
+    _soft("Paper", 0.72, 0.45, 800, 1.5, 0.1, "papier / book"),
+    _soft("Flesh", 0.25, 0.85, 1050, 0.6, 0.5, "skin haut / body avatar human character person man woman hand arm leg mannequin mensch"),
+    _solid("Bone", 0.15, 0.85, 1900, 3500, 0.03, 0.4, "ivory knochen / skull skeleton tooth horn antler"),
+    _solid("Water", 0.50, 0.70, 1000, 1480, 0.0005, 0.6, "liquid wasser / sea ocean lake pool river"),
     _solid("Air", 0.70, 0.60, 1.2, 343, 0.0005, 0.026, "atmosphere gas luft"),
 )
 
 MATERIALS: Mapping[str, Material] = MappingProxyType({material.name: material for material in _TABLE})
 """The materials by name."""
 
-MEDIA = frozenset({"water", "air"})
-"""Those that fill a volume rather than touch with a surface."""
-
-_WORDS: Mapping[str, Material] = MappingProxyType({word: material for material in _TABLE for word in material.words})
+_WORDS = {word: material for material in _TABLE for word in material.words}
+_THINGS = {word: material for material in _TABLE for word in material.things}
 _ENDINGS = ("", "s", "es", "en", "y", "ic", "ed")
 
 
 def named_in(text: str) -> Material | None:
-    """The material that a name of a thing speaks of ("Oak Bench.001", "rustyMetal_2"), by its last such word; None where there is none."""
-    words = re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])", " ", text))
-    for word in reversed(words):
-        for ending in _ENDINGS:
-            stem = word.lower().removesuffix(ending) if ending else word.lower()
-            if stem in _WORDS:
-                return _WORDS[stem]
+    """The material that a name of a thing speaks of: of its matter ("Oak Bench.001", "rustyMetal_2"), else of the thing itself ("Anvil").
+
+    Of several the last counts ("Glass Table"); None where there is none.
+    """
+    words = re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])", " ", text).lower())
+    for known in (_WORDS, _THINGS):
+        for word in reversed(words):
+            for ending in _ENDINGS:
+                stem = word.removesuffix(ending)
+                if word.endswith(ending) and stem in known:
+                    return known[stem]
     return None
 
 
 _GROUND_EXTENT, _GROUND_FLATNESS = 4.0, 0.15
 _BY_DENSITY = ("foam", "cork", "softwood", "hardwood", "plastic", "stone", "steel")
+
+
+def is_wide_and_flat(size: tuple[float, float, float]) -> bool:
+    """True for a ground or a floor: metres along x, y and z."""
+    x, y, z = size
+    return min(x, y) >= _GROUND_EXTENT and z <= _GROUND_FLATNESS * min(x, y)
 
 
 def guess(names: Iterable[str], size: tuple[float, float, float] | None = None, mass: float | None = None) -> Material | None:
@@ -151,10 +161,9 @@ def guess(names: Iterable[str], size: tuple[float, float, float] | None = None, 
             return material
     if size is None:
         return None
-    x, y, z = size
-    if min(x, y) >= _GROUND_EXTENT and z <= _GROUND_FLATNESS * min(x, y):
+    if is_wide_and_flat(size):
         return MATERIALS["soil"]
-    volume = x * y * z
+    volume = math.prod(size)
     if mass is None or not mass > 0 or not volume > 0:
         return None
     density = math.log(mass / volume)

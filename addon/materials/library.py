@@ -6,12 +6,9 @@ from collections.abc import Iterable, Sequence
 
 from bpy.types import Context, Object, Scene
 
-from ...core.materials import MATERIALS, Material, guess
+from ...core.materials import Material, guess, is_wide_and_flat
 from ..progress import progress
 from .properties import HapticMaterial, holders, unique_name, values_of, write_values
-
-SOUND_ABSORPTION = 0.05
-"""From this attenuation per metre of the highest band on, a material's bands are worth their cost."""
 
 
 def preset_values(material: Material) -> dict[str, object]:
@@ -20,7 +17,7 @@ def preset_values(material: Material) -> dict[str, object]:
         "kappa": material.kappa,
         "rho": material.rho,
         "wave_speed": material.wave_speed,
-        "use_bands": max(material.band_decays) >= SOUND_ABSORPTION,
+        "use_bands": False,  # bands and delays cost time to trace: whoever wants them switches them on
         "band_decays": material.band_decays,
         "conductivity": material.conductivity,
     }
@@ -53,9 +50,24 @@ def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
             obj.haptics.material.name = name
 
 
+def copy(scene: Scene, item: HapticMaterial) -> HapticMaterial:
+    """A copy in the library, that nothing is made of yet."""
+    values = {**values_of(item), "wave_speed": item.wave_speed, "use_delay": item.use_delay}
+    return add(scene, item.name, values)
+
+
 def own_values(obj: Object) -> dict[str, object]:
-    """The values that an object has itself."""
-    return {name: tuple(value) if name == "band_decays" else value for name, holder in holders(obj).items() for value in (getattr(holder, name),)}
+    """The values that an object has itself, as a material of the library holds them."""
+    values = _held(obj)
+    return {**values, "use_delay": values["wave_speed"] > 0}
+
+
+def _held(obj: Object) -> dict[str, object]:
+    return {
+        name: tuple(value) if name == "band_decays" else value
+        for name, holder in holders(obj).items()
+        for value in (getattr(holder, name),)
+    }
 
 
 def targets(context: Context, target: str) -> list[Object]:
@@ -80,8 +92,17 @@ def guessed(obj: Object) -> Material | None:
     return guess(names, tuple(obj.dimensions), mass)
 
 
-def find(name: str) -> Material:
-    """A preset by name. Raises ValueError that lists the known names."""
-    if name not in MATERIALS:
-        raise ValueError(f"material {name!r} is unknown: use one of {', '.join(MATERIALS)}")
-    return MATERIALS[name]
+def is_ground(obj: Object) -> bool:
+    """True for what is so wide and flat that it carries other things."""
+    return is_wide_and_flat(tuple(obj.dimensions))
+
+
+def apply_guesses(scene: Scene, objects: Sequence[Object]) -> int:
+    """Make objects of what they are probably made of; how many tell it."""
+    known = 0
+    for obj in progress(objects):
+        material = guessed(obj)
+        if material is not None:
+            apply([obj], preset_in(scene, material))
+            known += 1
+    return known

@@ -37,9 +37,10 @@ def holders(obj: Object) -> dict[str, Any]:
     }
 
 
-def values_of(owner: Any) -> dict[str, Any]:
-    """The shared values of a material of the library."""
-    return {name: tuple(value) if name == "band_decays" else value for name in SHARED for value in (getattr(owner, name),)}
+def values_of(item: HapticMaterial) -> dict[str, Any]:
+    """The values that objects made of a material of the library have."""
+    values = {name: tuple(value) if name == "band_decays" else value for name in SHARED for value in (getattr(item, name),)}
+    return {**values, "wave_speed": item.wave_speed if item.use_delay else 0.0}
 
 
 def write_values(obj: Object, values: dict[str, Any]) -> None:
@@ -111,6 +112,13 @@ class HapticMaterial(PropertyGroup):
         options=set(),
         update=_material_changed,
     )
+    use_delay: BoolProperty(
+        name="Delay",
+        description="Signals take their time through this material, as its wave speed says; costs time to trace",
+        default=False,
+        options=set(),
+        update=_material_changed,
+    )
     wave_speed: FloatProperty(
         name="Wave Speed",
         description="Speed of vibration in this material; 0 passes signals on without delay",
@@ -123,7 +131,7 @@ class HapticMaterial(PropertyGroup):
     )
     use_bands: BoolProperty(
         name="Frequency Bands",
-        description="High frequencies fade faster than low ones, as the values per band say",
+        description="High frequencies fade faster than low ones, as the values per band say; costs time to trace",
         default=False,
         options=set(),
         update=_material_changed,
@@ -168,7 +176,7 @@ class HapticObjectMaterial(PropertyGroup):
     )
     use_bands: BoolProperty(
         name="Frequency Bands",
-        description="High frequencies fade faster than low ones, as the values per band say",
+        description="High frequencies fade faster than low ones, as the values per band say; costs time to trace",
         default=False,
         update=changed,
     )

@@ -25,10 +25,15 @@ def forget() -> None:
     _felt.clear()
 
 
+def wanted_in(scene: Scene) -> list[Modality]:
+    """The modalities beside vibration that a scene has switched on: they need all contacts, wherever vibration gets to."""
+    return [modality for modality in SHOWN if getattr(scene.haptics.modalities, modality.name).enabled]
+
+
 def trace(scene: Scene, result: FrameResult | None) -> tuple[Problem, ...]:
     """Propagate the modalities that the scene has switched on, and keep what they give. Returns what a designer should mend."""
     _felt.pop(scene.session_uid, None)
-    wanted = [modality for modality in SHOWN if getattr(scene.haptics.modalities, modality.name).enabled]
+    wanted = wanted_in(scene)
     if result is None or not wanted:
         return ()
     objects = {obj.name_full: obj for obj in scene.objects}

@@ -1,12 +1,12 @@
-"""Operators: tag objects, trace, look at problems."""
+"""Operators: tag objects, add things, trace, look at problems."""
 
 from __future__ import annotations
 
 import bpy
 
-from . import body, selection, tagging, tracing
+from . import adding, selection, tagging, tracing
 
-CLASSES = tuple(cls for module in (tagging, body, tracing, selection) for cls in module.CLASSES)
+CLASSES = tuple(cls for module in (tagging, adding, tracing, selection) for cls in module.CLASSES)
 
 
 def register() -> None:

@@ -5,14 +5,19 @@ from __future__ import annotations
 from bpy.types import Context, Object, Operator
 
 UNDO = {"REGISTER", "UNDO"}
-
-
 SOLID_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
 
 def editable(objects: list[Object]) -> list[Object]:
     """Those that are not linked from a library."""
     return [obj for obj in objects if obj.is_editable]
+
+
+def linked_message(objects: list[Object]) -> str:
+    """What to say where nothing can be edited because all of it is linked from a library; "" where something can."""
+    if not objects or editable(objects):
+        return ""
+    return "These objects are linked from a library; make them local or override them first"
 
 
 def poll_object_mode(cls: type[Operator], context: Context) -> bool:

@@ -2,36 +2,71 @@
 
 from __future__ import annotations
 
-from bpy.props import EnumProperty
-from bpy.types import Context, Operator
+import bpy
+from bpy.props import BoolProperty, EnumProperty
+from bpy.types import Context, Object, Operator, Scene
 
+from ..materials import library
+from ..progress import progress
 from ..scene_reader import haptic_carrier
-from .polling import SOLID_TYPES, UNDO, editable, poll_active, poll_selected
+from .polling import SOLID_TYPES, UNDO, editable, linked_message, poll_active, poll_selected
+from .signals import signal_for
+
+_rpt = bpy.app.translations.pgettext_rpt
+
+
+def make_haptic(scene: Scene, objects: list[Object], guess: bool = True) -> int:
+    """Let vibration pass through objects; those that were not haptic before are made of what they probably are. How many tell it."""
+    new = [obj for obj in objects if not obj.haptics.enabled]
+    for obj in progress(new):
+        obj.haptics.enabled = True
+    return library.apply_guesses(scene, [obj for obj in new if not obj.haptics.material.name]) if guess else 0
 
 
 class HAPTIC_OT_make_objects(Operator):
-    """Let vibration pass through the selected objects"""
+    """Let vibration pass through the selected objects; what they are made of is guessed from their names, shapes and masses"""
 
     bl_idname = "haptic.make_objects"
     bl_label = "Make Haptic"
-    bl_options = UNDO
+    bl_options = {*UNDO, "PRESET"}
+
+    guess: BoolProperty(
+        name="Guess Materials", description="Choose materials by the objects' names, shapes and masses, where these tell them", default=True
+    )
+    physics: BoolProperty(
+        name="Add Physics",
+        description="Let the objects fall and collide: what is wide and flat carries the others, everything else falls",
+        default=False,
+    )
 
     @classmethod
     def poll(cls, context: Context) -> bool:
         return poll_selected(cls, context)
 
     def execute(self, context: Context) -> set[str]:
-        solid = [obj for obj in editable(context.selected_objects) if obj.type in SOLID_TYPES]
+        chosen = context.selected_objects
+        solid = [obj for obj in editable(chosen) if obj.type in SOLID_TYPES]
         if not solid:
-            self.report(
-                {"ERROR"},
-                "None of the selected objects has a surface that can touch others; select meshes that are not linked from a library",
-            )
+            message = "None of the selected objects has a surface that can touch others; select meshes that are not linked from a library"
+            self.report({"ERROR"}, linked_message(chosen) or message)
             return {"CANCELLED"}
-        for obj in solid:
-            obj.haptics.enabled = True
-        self.report({"INFO"}, f"{len(solid)} object{'s' if len(solid) > 1 else ''} made haptic")
+        known = make_haptic(context.scene, solid, self.guess)
+        if self.physics:
+            _add_physics(context, solid)
+        self.report({"INFO"}, _rpt("{} objects made haptic, {} of a material guessed from them").format(len(solid), known))
         return {"FINISHED"}
+
+
+def _add_physics(context: Context, objects: list[Object]) -> None:
+    """Rigid bodies for meshes that are none: wide and flat ones hold still, the others fall."""
+    new = [obj for obj in objects if obj.rigid_body is None and obj.type == "MESH"]
+    ground = [obj for obj in new if library.is_ground(obj)]
+    for kind, chosen in (("PASSIVE", ground), ("ACTIVE", [obj for obj in new if obj not in set(ground)])):
+        if chosen:
+            with context.temp_override(
+                selected_objects=chosen, selected_editable_objects=chosen, object=chosen[0], active_object=chosen[0]
+            ):
+                bpy.ops.rigidbody.objects_add(type=kind)
 
 
 class HAPTIC_OT_add_source(Operator):
@@ -39,9 +74,19 @@ class HAPTIC_OT_add_source(Operator):
 
     bl_idname = "haptic.add_source"
     bl_label = "Add Source"
-    bl_options = UNDO
+    bl_options = {*UNDO, "PRESET"}
 
-    signal: EnumProperty(name="Signal", items=(("SINE", "Sine", ""), ("PULSE", "Pulse Train", ""), ("NOISE", "Noise", "")), default="SINE")
+    signal: EnumProperty(
+        name="Signal",
+        description="What the source emits",
+        items=(
+            ("AUTO", "By Name", "What a thing of this name emits: a jackhammer blows, an engine hums; a sine where the name tells nothing"),
+            ("SINE", "Sine", "A pure vibration"),
+            ("PULSE", "Pulse Train", "Regular blows, like those of a jackhammer"),
+            ("NOISE", "Noise", "A rough, random vibration"),
+        ),
+        default="AUTO",
+    )
 
     @classmethod
     def poll(cls, context: Context) -> bool:
@@ -51,14 +96,23 @@ class HAPTIC_OT_add_source(Operator):
         obj = context.object
         if haptic_carrier(obj) is None:
             if obj.type not in SOLID_TYPES:
-                self.report(
-                    {"ERROR"}, f"'{obj.name}' has no surface: parent it to a haptic object first, so that it has something to shake"
-                )
+                message = _rpt("'{}' has no surface: parent it to a haptic object first, so that it has something to shake")
+                self.report({"ERROR"}, message.format(obj.name))
                 return {"CANCELLED"}
-            obj.haptics.enabled = True
-        obj.haptics.source.enabled = True
-        obj.haptics.source.signal = self.signal
+            make_haptic(context.scene, [obj])
+        make_source(obj, self.signal)
         return {"FINISHED"}
+
+
+def make_source(obj: Object, signal: str) -> None:
+    """Make an object a source of a signal; AUTO: the one that its name tells."""
+    source = obj.haptics.source
+    source.enabled = True
+    if signal == "AUTO":
+        told = signal_for(obj.name)
+        source.signal, source.frequency, source.amplitude = told.signal, told.frequency, told.amplitude
+    else:
+        source.signal = signal
 
 
 class HAPTIC_OT_add_listener(Operator):
@@ -73,16 +127,19 @@ class HAPTIC_OT_add_listener(Operator):
         return poll_selected(cls, context)
 
     def execute(self, context: Context) -> set[str]:
-        nowhere = []
-        for obj in editable(context.selected_objects):
+        chosen = context.selected_objects
+        own = editable(chosen)
+        nowhere = [obj for obj in own if haptic_carrier(obj) is None and obj.type not in SOLID_TYPES]
+        for obj in progress([obj for obj in own if obj not in set(nowhere)]):
             if haptic_carrier(obj) is None:
-                if obj.type not in SOLID_TYPES:
-                    nowhere.append(obj.name)
-                    continue
-                obj.haptics.enabled = True
+                make_haptic(context.scene, [obj])
             obj.haptics.listener.enabled = True
         if nowhere:
-            self.report({"ERROR"}, f"Parent these to haptic objects first, so that they touch something: {', '.join(nowhere[:5])}")
+            message = _rpt("Parent these to haptic objects first, so that they touch something: {}")
+            self.report({"ERROR"}, message.format(", ".join(obj.name for obj in nowhere[:5])))
+            return {"CANCELLED"}
+        if not own:
+            self.report({"ERROR"}, linked_message(chosen))
             return {"CANCELLED"}
         return {"FINISHED"}
 
@@ -99,8 +156,12 @@ class HAPTIC_OT_clear(Operator):
         return poll_selected(cls, context)
 
     def execute(self, context: Context) -> set[str]:
-        for obj in editable(context.selected_objects):
+        own = editable(context.selected_objects)
+        for obj in progress(own):
             obj.haptics.enabled = obj.haptics.source.enabled = obj.haptics.listener.enabled = False
+        if not own:
+            self.report({"ERROR"}, linked_message(context.selected_objects))
+            return {"CANCELLED"}
         return {"FINISHED"}
 
 

@@ -25,4 +25,19 @@ class HAPTIC_OT_trace_frame(Operator):
         return {"FINISHED"}
 
 
-CLASSES = (HAPTIC_OT_trace_frame,)
+class HAPTIC_OT_toggle_tracing(Operator):
+    """Switch tracing on or off"""
+
+    bl_idname = "haptic.toggle_tracing"
+    bl_label = "Toggle Tracing"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context: Context) -> set[str]:
+        haptics = context.scene.haptics
+        haptics.tracing = not haptics.tracing
+        self.report({"INFO"}, "Tracing is on" if haptics.tracing else "Tracing is off")
+        draw.redraw()
+        return {"FINISHED"}
+
+
+CLASSES = (HAPTIC_OT_trace_frame, HAPTIC_OT_toggle_tracing)

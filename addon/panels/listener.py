@@ -31,6 +31,9 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
         column.prop(listener, "gain")
         column.prop(listener, "s_max")
         draw_carrier(layout, context.object, listener.enabled, "Feels")
+        row = layout.row(align=True)
+        row.operator("haptic.add_default_listeners", text="Add Body Listeners", icon="OUTLINER_OB_ARMATURE")
+        row.operator("haptic.mirror_listeners", text="", icon="MOD_MIRROR")
 
 
 CLASSES = (HAPTIC_PT_listener,)

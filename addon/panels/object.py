@@ -1,12 +1,31 @@
-"""Panel "Haptic Object": how the active object passes vibration on."""
+"""Panel "Haptic Object": what the active object is made of, and how it passes vibration on."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import lru_cache
+from itertools import pairwise
 from typing import Any
 
-from bpy.types import Context, Panel, UILayout
+from bpy.types import Context, Object, Panel, UILayout
 
-from .drawing import HapticsPanel, warn
+from ...core.bands import BAND_EDGES
+from ...core.functions.curve import Curve, gain_curve
+from ..function_properties import PARAMETERS
+from ..materials import plot
+from ..preferences import gain_text, preferences
+from ..scene_reader import read_function
+from .drawing import HapticsPanel, draw_pair, warn
+from .formula import draw_formula
+
+_SAME = 0.005
+"""Two values of (1 - κ) ρ that nobody tells apart."""
+
+
+def _owner(context: Context, obj: Object) -> Any:
+    """What holds the values of an object: its material in the scene's library, or the object itself."""
+    name = obj.haptics.material.name
+    return context.scene.haptics.materials.items.get(name) if name else None
 
 
 class HAPTIC_PT_object(HapticsPanel, Panel):
@@ -26,24 +45,155 @@ class HAPTIC_PT_object(HapticsPanel, Panel):
         layout.use_property_split = True
         obj = context.object
         haptics = obj.haptics
+        if obj.type == "ARMATURE":
+            layout.prop(haptics, "body")
+            return
         layout.active = haptics.enabled
-        layout.label(text=obj.name, icon="OBJECT_DATA")
+        layout.label(text=obj.name, icon="OBJECT_DATA", translate=False)
+        material = _owner(context, obj)
+        _draw_material(layout, context, material)
         column = layout.column(align=True)
-        column.prop(haptics, "kappa")
-        column.prop(haptics, "rho")
-        _draw_function(layout, haptics)
-        column = layout.column()
-        column.prop(haptics, "wave_speed")
-        column.prop(haptics, "medium")
-        if haptics.enabled and obj.rigid_body is not None and context.scene.rigidbody_world is None:
-            warn(layout, "This rigid body does not move:", "the scene has no Rigid Body World")
+        column.prop(material or haptics, "kappa")
+        column.prop(material or haptics, "rho")
+        layout.prop(haptics, "function")
+        parameter = next(iter(PARAMETERS.get(haptics.function, {}).values()), None)
+        if parameter is not None:
+            layout.prop(haptics, parameter)
+        if haptics.function == "expression":
+            draw_formula(layout, haptics.expression, haptics.kappa, haptics.rho, context.scene.haptics.epsilon)
+        _draw_wave_speed(layout, haptics, material)
+        layout.prop(haptics, "medium")
+        for lines in advice(context, obj):
+            warn(layout, *lines)
 
 
-def _draw_function(layout: UILayout, haptics: Any) -> None:
-    layout.prop(haptics, "function")
-    parameter = {"exponential": "alpha", "linear": "range", "constant": "constant", "expression": "expression"}.get(haptics.function)
-    if parameter is not None:
-        layout.prop(haptics, parameter)
+def _draw_wave_speed(layout: UILayout, haptics: Any, material: Any) -> None:
+    """A material may know its wave speed without using it; an object's own counts unless it is 0."""
+    if material is None:
+        layout.prop(haptics, "wave_speed")
+        return
+    row = layout.row(heading="Delay")
+    row.prop(material, "use_delay", text="")
+    side = row.row()
+    side.active = material.use_delay
+    side.prop(material, "wave_speed", text="")
 
 
-CLASSES = (HAPTIC_PT_object,)
+def _draw_material(layout: UILayout, context: Context, material: Any) -> None:
+    chosen = context.object.haptics.material
+    row = layout.row(align=True)
+    row.prop_search(chosen, "name", context.scene.haptics.materials, "items", text="Material", icon="MATERIAL")
+    row.menu("HAPTIC_MT_materials", text="", icon="DOWNARROW_HLT")
+    if chosen.name:
+        row.operator("haptic.unlink_material", text="", icon="UNLINKED")
+    if chosen.name and material is None:
+        warn(layout, "Not in this scene's library:", "it has the values it came with")
+        layout.operator("haptic.new_material", text="Add to Library", icon="ADD")
+
+
+def advice(context: Context, obj: Object) -> Iterator[tuple[str, ...]]:
+    """What a designer should know about the values of an object, each in lines that fit."""
+    haptics = obj.haptics
+    if not haptics.enabled:
+        return
+    if haptics.function == "haptic_tracing":
+        if haptics.kappa == 1:
+            yield "Passes on nothing: κ is 1", "and only (1 - κ) ρ counts"
+        elif haptics.rho == 0:
+            yield "Passes on nothing: ρ is 0", "and only (1 - κ) ρ counts"
+        else:
+            twin = _twin(context, haptics)
+            if twin is not None:
+                yield f"Feels the same as {twin}:", "only (1 - κ) ρ counts"
+    elif haptics.function == "constant" and haptics.constant == 0:
+        yield ("Passes on nothing: the gain is 0",)
+    if obj.rigid_body is not None and context.scene.rigidbody_world is None:
+        yield "This rigid body does not move:", "the scene has no Rigid Body World"
+
+
+def _twin(context: Context, haptics: Any) -> str | None:
+    """Another material of the library with other κ and ρ that give the same."""
+    k = (1 - haptics.kappa) * haptics.rho
+    for item in context.scene.haptics.materials.items:
+        if item.name == haptics.material.name or abs((1 - item.kappa) * item.rho - k) > _SAME:
+            continue
+        bands = tuple(item.band_decays) if item.use_bands else ()
+        if bands == (tuple(haptics.material.band_decays) if haptics.material.use_bands else ()):
+            return item.name
+    return None
+
+
+class HAPTIC_PT_gain(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_gain"
+    bl_parent_id = "HAPTIC_PT_object"
+    bl_label = "Gain over Distance"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return context.object is not None and context.object.type != "ARMATURE"
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        haptics = context.object.haptics
+        layout.active = haptics.enabled
+        curve, key = curve_of(context)
+        if curve is None:
+            layout.label(text="The formula gives no gain", icon="ERROR")
+            return
+        icon = plot.icon(key, curve, tuple(preferences().curve_colour), plot.theme_ink(context))
+        layout.template_icon(icon_value=icon, scale=7.0)
+        row = layout.row()
+        row.label(text="0 m")
+        side = row.row()
+        side.alignment = "RIGHT"
+        side.label(text=f"{curve.reach:g} m")
+        column = layout.column(align=True)
+        column.scale_y = 0.8
+        if haptics.function == "haptic_tracing":
+            draw_pair(column, "K = (1 - κ) ρ", f"{(1 - haptics.kappa) * haptics.rho:.2f}")
+        for distance in (0.0, curve.reach / 10, curve.reach / 2):
+            draw_pair(column, f"{distance:g} m", gain_text(curve.at(distance)))
+        if curve.bands is not None:
+            column.label(text="Thin lines: lowest and highest band")
+
+
+def curve_of(context: Context) -> tuple[Curve | None, object]:
+    """The curve of the active object's function, None where it gives no gain; and what it is drawn from."""
+    haptics = context.object.haptics
+    try:
+        function = read_function(haptics)
+        key = (function, haptics.kappa, haptics.rho, context.scene.haptics.epsilon)
+        return _curve(*key), key
+    except ValueError:
+        return None, None
+
+
+_curve = lru_cache(maxsize=64)(gain_curve)
+
+
+class HAPTIC_PT_bands(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_bands"
+    bl_parent_id = "HAPTIC_PT_object"
+    bl_label = "Frequency Bands"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return context.object is not None and context.object.type != "ARMATURE"
+
+    def draw_header(self, context: Context) -> None:
+        owner = _owner(context, context.object) or context.object.haptics.material
+        self.layout.prop(owner, "use_bands", text="")
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        owner = _owner(context, context.object) or context.object.haptics.material
+        layout.active = owner.use_bands
+        layout.label(text="Extra attenuation per metre")
+        column = layout.column(align=True)
+        for index, (low, high) in enumerate(pairwise(BAND_EDGES)):
+            column.prop(owner, "band_decays", index=index, text=f"{low:g} - {high:g} Hz")
+
+
+CLASSES = (HAPTIC_PT_object, HAPTIC_PT_gain, HAPTIC_PT_bands)

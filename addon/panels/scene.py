@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, Panel
+from bpy.types import Context, Panel, Scene
 
+from .. import session
 from .drawing import HapticsPanel, draw_problems
 
 
@@ -23,7 +24,26 @@ class HAPTIC_PT_scene(HapticsPanel, Panel):
         row.operator("haptic.add_source", icon="OUTLINER_OB_FORCE_FIELD")
         row.operator("haptic.add_listener", icon="OUTLINER_OB_LIGHTPROBE")
         column.operator("haptic.add_default_listeners", icon="OUTLINER_OB_ARMATURE")
+        row = layout.row(align=True)
+        playing = context.screen is not None and context.screen.is_animation_playing
+        row.operator("screen.animation_play", text="Pause" if playing else "Play", icon="PAUSE" if playing else "PLAY")
+        row.menu("HAPTIC_MT_samples", text="Samples")
+        layout.label(text=next_step(context.scene), icon="INFO")
         draw_problems(layout, context)
+
+
+def next_step(scene: Scene) -> str:
+    """What to do next on the way to something that is felt."""
+    result = session.result_of(scene)
+    if not scene.haptics.tracing:
+        return "Switch tracing on, above"
+    if result is None or not result.objects:
+        return "Select objects: Make Haptic"
+    if not result.sources and not scene.haptics.impacts:
+        return "Select what vibrates: Add Source"
+    if not result.listeners:
+        return "Select what feels: Add Listener"
+    return "Press play"
 
 
 class HAPTIC_PT_propagation(HapticsPanel, Panel):

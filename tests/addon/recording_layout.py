@@ -18,12 +18,12 @@ class RecordingLayout:
     def column(self, **_: Any) -> RecordingLayout:
         return self
 
-    row = box = split = grid_flow = column
+    row = box = split = grid_flow = column_flow = column
 
     def separator(self, **_: Any) -> None:
         pass
 
-    def label(self, *, text: str = "", icon: str = "NONE") -> None:
+    def label(self, *, text: str = "", icon: str = "NONE", translate: bool = True) -> None:
         _check_icon(icon)
         self.labels.append(text)
 
@@ -31,6 +31,19 @@ class RecordingLayout:
         assert name in data.bl_rna.properties, f"{data.bl_rna.identifier} has no property {name}"
         _check_icon(icon)
         self.properties.append(name)
+
+    def prop_search(self, data: Any, name: str, search_data: Any, search: str, **_: Any) -> None:
+        assert name in data.bl_rna.properties, f"{data.bl_rna.identifier} has no property {name}"
+        assert search in search_data.bl_rna.properties, f"{search_data.bl_rna.identifier} has no property {search}"
+        self.properties.append(name)
+
+    def template_list(self, kind: str, list_id: str, data: Any, name: str, active_data: Any, active: str, **_: Any) -> None:
+        assert hasattr(bpy.types, kind)
+        assert name in data.bl_rna.properties
+        assert active in active_data.bl_rna.properties
+
+    def template_icon(self, *, icon_value: int, scale: float = 1.0) -> None:
+        assert icon_value >= 0
 
     def progress(self, *, factor: float, text: str = "", **_: Any) -> None:
         assert 0 <= factor <= 1

@@ -1,0 +1,159 @@
+"""Operators that add things: sources, a medium, sample scenes."""
+
+from __future__ import annotations
+
+import time
+
+import bmesh
+import bpy
+from bpy.props import EnumProperty
+from bpy.types import Context, Object, Operator
+from mathutils import Matrix, Vector
+
+from ...core.materials import MATERIALS
+from ...sample_scenes import SAMPLES, build_sample
+from ..materials import library
+from ..scene_reader import haptic_carrier
+from .polling import UNDO, poll_object_mode
+from .tagging import make_source
+
+_rpt = bpy.app.translations.pgettext_rpt
+
+_SOURCES = (
+    ("PULSE", "Jackhammer", "Regular blows", 25.0, "MOD_TIME"),
+    ("SINE", "Shaker", "A pure vibration", 60.0, "FORCE_HARMONIC"),
+    ("NOISE", "Rumble", "A rough, random vibration", 60.0, "FORCE_TURBULENCE"),
+)
+SOURCE_ITEMS = tuple((kind, title, description, icon, number) for number, (kind, title, description, _, icon) in enumerate(_SOURCES))
+SAMPLE_ITEMS = tuple((sample.name, sample.title, sample.description) for sample in SAMPLES.values())
+
+
+class HAPTIC_OT_add_source_object(Operator):
+    """Add a haptic source at the 3D cursor: an empty on the active object where that is haptic, else a small body of its own"""
+
+    bl_idname = "haptic.add_source_object"
+    bl_label = "Add Haptic Source"
+    bl_options = UNDO
+
+    kind: EnumProperty(name="Signal", description="What the source emits", items=SOURCE_ITEMS)
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_object_mode(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        _, title, _, frequency, _ = next(source for source in _SOURCES if source[0] == self.kind)
+        carrier = haptic_carrier(context.object) if context.object is not None and context.object.select_get() else None
+        place = Matrix.Translation(context.scene.cursor.location)
+        if carrier is not None:
+            obj = bpy.data.objects.new(title, None)
+            obj.empty_display_type, obj.empty_display_size = "SPHERE", 0.1
+        else:
+            obj = bpy.data.objects.new(title, _cylinder(title))
+            obj.haptics.enabled = True
+        _link(context, obj)
+        if carrier is not None:
+            obj.parent = carrier
+            obj.matrix_parent_inverse = carrier.matrix_world.inverted_safe()
+        else:
+            library.apply([obj], library.preset_in(context.scene, MATERIALS["steel"]))
+        obj.matrix_basis = place
+        make_source(obj, self.kind)
+        obj.haptics.source.frequency = frequency
+        return {"FINISHED"}
+
+
+def _cylinder(name: str) -> bpy.types.Mesh:
+    """A cylinder 10 cm wide and 20 cm high, standing on its origin."""
+    mesh = bpy.data.meshes.new(name)
+    edited = bmesh.new()
+    upwards = Matrix.Translation((0, 0, 0.1))
+    bmesh.ops.create_cone(edited, cap_ends=True, segments=16, radius1=0.05, radius2=0.05, depth=0.2, matrix=upwards)
+    edited.to_mesh(mesh)
+    edited.free()
+    return mesh
+
+
+def _link(context: Context, obj: Object) -> None:
+    """Put an object into the active collection, selected and active, and nothing else selected."""
+    context.collection.objects.link(obj)
+    for other in context.selected_objects:
+        other.select_set(False)
+    obj.select_set(True)
+    context.view_layer.objects.active = obj
+
+
+class HAPTIC_OT_add_medium(Operator):
+    """Add a volume around the selected objects, or at the 3D cursor, through which everything that it overlaps is felt"""
+
+    bl_idname = "haptic.add_medium"
+    bl_label = "Add Medium"
+    bl_options = UNDO
+
+    medium: EnumProperty(
+        name="Medium",
+        description="What fills the volume",
+        items=(
+            ("air", "Air", "Carries the blast of an explosion", "FORCE_WIND", 0),
+            ("water", "Water", "Carries sound and shock", "MOD_FLUIDSIM", 1),
+        ),
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_object_mode(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        material = MATERIALS[self.medium]
+        corners = [obj.matrix_world @ Vector(corner) for obj in context.selected_objects if obj.type == "MESH" for corner in obj.bound_box]
+        corners = corners or [context.scene.cursor.location + Vector((2, 2, 2)), context.scene.cursor.location - Vector((2, 2, 2))]
+        low = Vector(map(min, zip(*corners, strict=True)))
+        high = Vector(map(max, zip(*corners, strict=True)))
+        mesh = bpy.data.meshes.new(material.title)
+        edited = bmesh.new()
+        bmesh.ops.create_cube(edited, size=1.0, matrix=Matrix.Diagonal((*(high - low + Vector((0.5, 0.5, 0.5))), 1)))
+        edited.to_mesh(mesh)
+        edited.free()
+        obj = bpy.data.objects.new(material.title, mesh)
+        _link(context, obj)
+        obj.location = (low + high) / 2
+        obj.display_type = "BOUNDS"
+        obj.hide_render = True
+        obj.haptics.enabled = obj.haptics.medium = True
+        library.apply([obj], library.preset_in(context.scene, material))
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_add_sample(Operator):
+    """Open a sample scene beside the scenes of this file"""
+
+    bl_idname = "haptic.add_sample"
+    bl_label = "Add Sample Scene"
+    bl_options = UNDO
+
+    sample: EnumProperty(name="Sample", description="The scene to build", items=SAMPLE_ITEMS)
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_object_mode(cls, context)
+
+    @classmethod
+    def description(cls, context: Context, properties) -> str:
+        return bpy.app.translations.pgettext_tip(SAMPLES[properties.sample].description)
+
+    def execute(self, context: Context) -> set[str]:
+        started = time.perf_counter()
+        window = context.window
+        if window is not None:
+            window.cursor_set("WAIT")
+        try:
+            scene = build_sample(self.sample)
+        finally:
+            if window is not None:
+                window.cursor_set("DEFAULT")
+        message = _rpt("{} built in {:.1f} seconds: press play. Your own scene is in the scene menu at the top right")
+        self.report({"INFO"}, message.format(scene.name, time.perf_counter() - started))
+        return {"FINISHED"}
+
+
+CLASSES = (HAPTIC_OT_add_source_object, HAPTIC_OT_add_medium, HAPTIC_OT_add_sample)

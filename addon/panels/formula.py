@@ -1,0 +1,43 @@
+"""A designer's formula in a panel: what is wrong with it, and a mark below the place."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import blf
+from bpy.types import UILayout
+
+from ...core.functions import Finding, check_expression, excerpt
+from .drawing import wrapped
+
+_checked = lru_cache(maxsize=256)(check_expression)
+
+
+def draw_formula(layout: UILayout, source: str, kappa: float, rho: float, epsilon: float) -> Finding | None:
+    """Say what is wrong with a formula, or nothing; a formula that is right takes no room. Returns what was said."""
+    finding: Finding | None = _checked(source, kappa, rho, epsilon)
+    if finding is None:
+        return None
+    box = layout.box()
+    column = box.column(align=True)
+    column.scale_y = 0.8
+    column.alert = not finding.usable
+    if finding.column is not None:
+        shown, place = excerpt(source, finding.column)
+        column.label(text=shown, translate=False)
+        column.label(text=" " * spaces_under(shown, place) + "^", translate=False)
+    for number, line in enumerate(wrapped(finding.message)):
+        column.label(text=line, icon=("INFO" if finding.usable else "ERROR") if number == 0 else "BLANK1", translate=False)
+    return finding
+
+
+def spaces_under(shown: str, place: int) -> int:
+    """How many spaces reach as far as the characters before ``place``, in the proportional font of panels."""
+    blf.size(0, 12)
+    space = blf.dimensions(0, "x x")[0] - blf.dimensions(0, "xx")[0]
+    return round(_width(shown[:place]) / space) if space > 0 else place
+
+
+def _width(text: str) -> float:
+    """Width of a text with the spaces at its end, which a font does not count."""
+    return blf.dimensions(0, text + "|")[0] - blf.dimensions(0, "|")[0]

@@ -1,0 +1,193 @@
+"""Body parts found on a skeleton by the common names of bones: those of Rigify, Mixamo, MakeHuman, Unreal, 3ds Max, VRM and their kin."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .body import BODY_PARTS, BodyPart
+
+Point = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Bone:
+    """A bone at rest: its name, and where it begins and ends in the space of its skeleton."""
+
+    name: str
+    head: tuple[float, float, float]
+    tail: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a body part is: the bone that carries it, and its position in the space of the skeleton at rest."""
+
+    bone: str
+    position: tuple[float, float, float]
+
+
+# What bones are called, without prefixes, sides and numbers. The torso's are told apart by their heights.
+_LIMBS = {
+    "upper_arm": ("upperarm", "uparm", "arm", "shldrbend", "shldr"),
+    "forearm": ("forearm", "lowerarm", "loarm", "forearmbend", "elbow"),
+    "hand": ("hand", "wrist"),
+    "index_finger": ("findex", "handindex", "index", "indexproximal", "indexintermediate", "indexdistal", "indexfinger"),
+    "upper_leg": ("thigh", "upleg", "upperleg", "thighbend"),
+    "lower_leg": ("shin", "calf", "lowerleg", "loleg", "leg", "knee"),
+    "foot": ("foot", "ankle"),
+}
+_HIPS = ("hips", "pelvis", "hip")
+_TORSO = ("spine", "chest", "upperchest", "torso", "abdomen", "ribs", "waist", "spinelower", "spineupper", "abdomenlower", "abdomenupper")
+_NECK, _HEAD = ("neck",), ("head",)
+_SIDES = {"l": "L", "left": "L", "r": "R", "right": "R"}
+_NOISE = {"def", "org", "mch", "b", "j", "c", "bip", "biped", "cc", "base", "jnt", "bind", "bone", "valvebiped", "mixamorig"}
+_SECOND_RATE = ("ORG-", "MCH-", "VIS_")
+_MAKEHUMAN_INDEX = 2  # its fingers are numbered: finger1 is the thumb
+
+# In parts of the body's height: from the middle of a bone to the skin, and to the side.
+_DEPTH, _ASIDE, _EAR = 0.06, 0.055, 0.045
+
+
+@dataclass(frozen=True, slots=True)
+class _Named:
+    """A bone's name taken apart."""
+
+    bone: Bone
+    base: str
+    side: str
+    numbers: tuple[int, ...]
+
+    @property
+    def rank(self) -> tuple[bool, bool, tuple[int, ...], int]:
+        """The lowest is taken: bones that deform, then others, then helpers; the first of a chain."""
+        return (self.bone.name.startswith(_SECOND_RATE), not self.bone.name.startswith("DEF-"), self.numbers, len(self.bone.name))
+
+    @property
+    def head(self) -> Point:
+        return np.array(self.bone.head, dtype=np.float64)
+
+    @property
+    def tail(self) -> Point:
+        return np.array(self.bone.tail, dtype=np.float64)
+
+    @property
+    def middle(self) -> Point:
+        return (self.head + self.tail) / 2
+
+
+def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dict[str, Place]:
+    """Where the body parts are, by their names; those that the skeleton has no bone for are left out.
+
+    Raises ValueError in words where it is no skeleton of a body: no bone of a head, no hips, or no left and right.
+    """
+    named = [_taken_apart(bone) for bone in bones]
+    limbs = {(part, side): found for part, names in _LIMBS.items() for side in "LR" if (found := _first(named, names, side)) is not None}
+    for side in "LR":
+        if ("index_finger", side) not in limbs:
+            numbered = [n for n in named if n.base == "finger" and n.side == side and n.numbers[:1] == (_MAKEHUMAN_INDEX,)]
+            if numbered:
+                limbs["index_finger", side] = min(numbered, key=lambda n: n.rank)
+    torso, head, hips = _trunk(named)
+    if head is None or hips is None:
+        missing = "head" if head is None else "hips"
+        raise ValueError(f"no bone of the {missing} found: is it a body's? Known are the names of Rigify, Mixamo, MakeHuman")
+    up = _unit(head.middle - hips.head)
+    across = [limbs[part, "L"].head - limbs[part, "R"].head for part in _LIMBS if (part, "L") in limbs and (part, "R") in limbs]
+    left = sum(across, np.zeros(3))
+    left = left - up * (left @ up)
+    if np.linalg.norm(left) < 1e-9:
+        raise ValueError("no left and right arms or legs found: names of bones end in .L and .R, or begin with Left and Right")
+    left = _unit(left)
+    front = np.cross(left, up)
+    height = _height(head, limbs, up, hips)
+    chest, belly, middle = torso[-1], torso[min(1, len(torso) - 1)], torso[len(torso) // 2]
+    result: dict[str, Place] = {}
+    for part in parts:
+        name = part.name.partition(".")[0]
+        sideways = left * {"L": 1.0, "R": -1.0, "": 0.0}[part.side]
+        match name:
+            case "head":
+                carrier, position = head, head.middle
+            case "ear":
+                carrier, position = head, head.middle + sideways * _EAR * height
+            case "hips":
+                carrier, position = hips, hips.head
+            case "belly":
+                carrier, position = belly, belly.middle + front * _DEPTH * height
+            case "chest" | "upper_back":
+                outwards = front if name == "chest" else -front
+                carrier, position = chest, chest.middle + outwards * _DEPTH * height + sideways * _ASIDE * height
+            case "middle_back":
+                carrier, position = middle, middle.middle - front * _DEPTH * height + sideways * _ASIDE * height
+            case _:
+                limb = limbs.get((name, part.side))
+                if limb is None:
+                    continue
+                carrier, position = limb, limb.tail if name == "index_finger" else limb.middle
+        result[part.name] = Place(carrier.bone.name, tuple(position.tolist()))
+    return result
+
+
+def _taken_apart(bone: Bone) -> _Named:
+    name = bone.name.rpartition(":")[2]
+    name = re.sub(r"^mixamorig\d*_?", "", name)
+    words = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)
+    side, base, numbers = "", "", []
+    for word in words:
+        lower = word.lower()
+        if lower.isdigit():
+            numbers.append(int(lower))
+        elif lower in _SIDES and not side:
+            side = _SIDES[lower]
+        elif lower not in _NOISE:
+            base += lower
+    return _Named(bone, base, side, tuple(numbers))
+
+
+def _first(named: list[_Named], names: tuple[str, ...], side: str = "") -> _Named | None:
+    """The best bone that has the first of ``names`` that any has."""
+    for name in names:
+        found = [n for n in named if n.base == name and n.side == side]
+        if found:
+            return min(found, key=lambda n: n.rank)
+    return None
+
+
+def _trunk(named: list[_Named]) -> tuple[list[_Named], _Named | None, _Named | None]:
+    """The bones of the torso from below, the head and the hips."""
+    spines = [n for n in named if n.base in _TORSO and not n.side]
+    least = min((n.rank[:2] for n in spines), default=None)
+    spines = sorted((n for n in spines if n.rank[:2] == least), key=lambda n: n.numbers)
+    head, hips, neck = _first(named, _HEAD), _first(named, _HIPS), _first(named, _NECK)
+    chain = [n for n in spines if n.base == "spine"]
+    # Rigify's spine is the hips, the belly, two of the chest, two of the neck and the head.
+    if len(chain) == 7 and (head is None or chain[0].bone.name.startswith("DEF-")):
+        return chain[1:4], chain[6], chain[0]
+    bottom = hips or (spines[0] if spines else None)
+    if head is not None and bottom is not None:
+        up = head.head - bottom.head
+        spines = sorted(spines, key=lambda n: float(n.middle @ up))
+        if neck is not None:
+            spines = [n for n in spines if n.head @ up < neck.head @ up] or spines
+    hips = hips or (spines[0] if spines else None)
+    return spines or ([hips] if hips is not None else []), head, hips
+
+
+def _height(head: _Named, limbs: dict[tuple[str, str], _Named], up: Point, hips: _Named) -> float:
+    """From the soles to the middle of the head; where there are no feet, twice from the hips."""
+    feet = [limbs["foot", side].tail for side in "LR" if ("foot", side) in limbs]
+    if not feet:
+        return 2.0 * float(np.linalg.norm(head.middle - hips.head))
+    return max(float((head.middle - foot) @ up) for foot in feet)
+
+
+def _unit(vector: Point) -> Point:
+    length = float(np.linalg.norm(vector))
+    if length < 1e-9:
+        raise ValueError("the head and the hips are at the same place: is this the armature of a body?")
+    return vector / length
