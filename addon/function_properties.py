@@ -5,8 +5,6 @@ from __future__ import annotations
 from bpy.props import FloatProperty, StringProperty
 from bpy.types import Context, PropertyGroup
 
-from . import session
-
 FUNCTION_ITEMS = (
     ("haptic_tracing", "Haptic Tracing", "K e^(-max(K, ε) d) with K = (1 - κ) ρ: fades with distance as the two properties say"),
     ("exponential", "Exponential", "e^(-α d): fades with distance alone"),
@@ -29,6 +27,8 @@ PARAMETERS = {
 
 def changed(self: PropertyGroup, context: Context) -> None:
     """An author changed what is traced."""
+    from . import session
+
     session.mark_changed()
 
 

@@ -26,7 +26,7 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
         return
     try:
         if scene.haptics.tracing and not playback.play(scene):
-            session.trace(scene, depsgraph)
+            session.trace(scene, depsgraph, live=True)
     finally:
         live_output.frame_changed(scene)
 
@@ -41,7 +41,7 @@ def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
         return
     if _edited(depsgraph):
         session.of(scene).reader.forget()
-    if session.trace(scene, depsgraph) is not None:
+    if session.trace(scene, depsgraph, live=True) is not None:
         draw.redraw()
 
 

@@ -9,6 +9,7 @@ from bpy.types import Depsgraph, Scene
 
 from ..core.frame_result import FrameResult
 from ..core.tracer import Frame, Tracer
+from .meters.history import History
 from .modalities import feeling
 from .scene_reader import Problem, Reading, SceneReader, seconds_of
 
@@ -24,6 +25,7 @@ class Session:
     problems: tuple[Problem, ...] = ()
     frame: int | None = None
     version: int = -1
+    history: History = field(default_factory=History)
 
 
 _sessions: dict[int, Session] = {}
@@ -69,6 +71,7 @@ def show(scene: Scene, result: FrameResult) -> None:
     """Keep a result that was read from a track instead of being traced."""
     session = of(scene)
     session.result, session.frame = result, None
+    session.history.feed(result)
 
 
 def clear() -> None:
@@ -78,8 +81,9 @@ def clear() -> None:
     mark_changed()
 
 
-def trace(scene: Scene, depsgraph: Depsgraph) -> FrameResult | None:
-    """Trace the scene as it stands now and keep the result. None where nothing is tagged, or where a problem forbids it."""
+def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult | None:
+    """Trace the scene as it stands now and keep the result. None where nothing is tagged, or where a problem forbids it. ``live``: for the
+    moment only, so that contacts that no signal gets to need not be looked for."""
     session = of(scene)
     if session.version != _version:
         session.reader.forget()
@@ -91,6 +95,7 @@ def trace(scene: Scene, depsgraph: Depsgraph) -> FrameResult | None:
         return None
     read_milliseconds = 1000 * (time.perf_counter() - started)
     session.reading = reading
+    session.tracer.lazy = live and not feeling.wanted_in(scene)
     session.tracer.contact_settings = reading.contact_settings
     session.tracer.impact_sources = scene.haptics.impacts
     continuous = session.frame is not None and scene.frame_current == session.frame + 1
@@ -103,6 +108,7 @@ def trace(scene: Scene, depsgraph: Depsgraph) -> FrameResult | None:
         session.problems = (*reading.problems, Problem("", str(error)))
         return None
     session.result = replace(result, milliseconds={"read": read_milliseconds, **result.milliseconds})
+    session.history.feed(result)
     session.problems = reading.problems + tuple(Problem("", warning) for warning in result.warnings) + feeling.trace(scene, result)
     return session.result
 

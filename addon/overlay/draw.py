@@ -18,7 +18,7 @@ from ...core.frame_result import FrameResult
 from ...core.scene import Settings
 from .. import scene_reader, session
 from .colour_map import FloatArray
-from .furniture import furniture
+from .furniture import Rectangle, furniture
 from .quads import quads, quads_of
 from .render_data import Options, RenderData, render_data
 
@@ -119,21 +119,28 @@ def depth_bias(projection: Any) -> tuple[float, float]:
     return (0.0, 0.02 * abs(projection[2][2])) if orthographic else (0.01, 0.0)
 
 
-def draw_furniture(drawing: Drawing, perspective: FloatArray, size: tuple[float, float], scale: float, margin: tuple[float, float]) -> None:
-    """Labels and legend, in pixels."""
+def draw_furniture(
+    drawing: Drawing,
+    perspective: FloatArray,
+    size: tuple[float, float],
+    scale: float,
+    free: Rectangle,
+    taken: tuple[Rectangle, ...] = (),
+) -> None:
+    """Labels and legend, in pixels; within ``free`` and off what is ``taken``."""
     import gpu
 
     from . import shader
     from .text_atlas import pixels_to_clip
 
-    atlas = _atlas()
-    key = (perspective.tobytes(), size, scale, margin, atlas.generation)
-    known = drawing.views.get(key)
+    atlas = shared_atlas()
+    key = (perspective.tobytes(), size, scale, free, taken)
+    known = drawing.views.get((*key, atlas.generation))
     if known is None:
-        items = furniture(drawing.data, perspective, size, scale, margin, text_width)
+        items = furniture(drawing.data, perspective, size, scale, free, text_width, taken)
         texts = atlas.lines(items.texts)
         known = shader.upload(quads_of((items.lines, texts), items.points))
-        drawing.views[(*key[:-1], atlas.generation)] = known
+        drawing.views[(*key, atlas.generation)] = known
         while len(drawing.views) > _KEPT_VIEWS:
             drawing.views.popitem(last=False)
     gpu.state.blend_set("ALPHA_PREMULT")
@@ -143,7 +150,8 @@ def draw_furniture(drawing: Drawing, perspective: FloatArray, size: tuple[float,
 
 
 @cache
-def _atlas() -> TextAtlas:
+def shared_atlas() -> TextAtlas:
+    """The texture of all texts that are drawn over viewports."""
     from .text_atlas import TextAtlas
 
     return TextAtlas()
@@ -197,10 +205,17 @@ def _draw_pixels() -> None:
     if shown is None:
         return
     scene, result = shown
+    from ..meters import draw as meters
+
     region = context.region
     perspective = np.array(context.region_data.perspective_matrix, dtype=np.float64)
     draw_furniture(
-        _current(scene, result), perspective, (region.width, region.height), context.preferences.system.ui_scale, covered_margin(context)
+        _current(scene, result),
+        perspective,
+        (region.width, region.height),
+        context.preferences.system.ui_scale,
+        free_rectangle(context),
+        meters.taken(context),
     )
 
 
@@ -209,20 +224,27 @@ def seconds_shown(scene: Scene) -> float:
     return scene_reader.seconds_of(scene, scene.frame_current_final)
 
 
-def covered_margin(context: Context) -> tuple[float, float]:
-    """Pixels of the viewport covered by the sidebar at the right, and by what lies along the bottom."""
+def free_rectangle(context: Context) -> Rectangle:
+    """What toolbar, sidebar and headers leave free of the viewport, in its pixels: they may lie over it."""
     region = context.region
-    right = bottom = 0
+    left, bottom, right, top = 0.0, 0.0, float(region.width), float(region.height)
     for other in context.area.regions:
-        if other.width <= 1 or other.height <= 1:
+        if other == region or other.width <= 1 or other.height <= 1:
             continue
-        if other.type == "UI":
-            right = max(right, region.x + region.width - other.x)
-        elif other.type in {"ASSET_SHELF", "ASSET_SHELF_HEADER"} or (
-            other.type in {"HEADER", "TOOL_HEADER"} and other.alignment == "BOTTOM"
-        ):
-            bottom = max(bottom, other.y + other.height - region.y)
-    return float(max(right, 0)), float(max(bottom, 0))
+        x, y = other.x - region.x, other.y - region.y
+        if x >= region.width or y >= region.height or x + other.width <= 0 or y + other.height <= 0:
+            continue  # beside the viewport, not over it
+        if other.type in {"TOOLS", "UI"}:
+            if 2 * x + other.width < region.width:
+                left = max(left, float(x + other.width))
+            else:
+                right = min(right, float(x))
+        elif other.type in {"HEADER", "TOOL_HEADER", "ASSET_SHELF", "ASSET_SHELF_HEADER"}:
+            if 2 * y + other.height < region.height:
+                bottom = max(bottom, float(y + other.height))
+            else:
+                top = min(top, float(y))
+    return left, bottom, max(right, left), max(top, bottom)
 
 
 def redraw() -> None:
@@ -236,8 +258,8 @@ def redraw() -> None:
 def forget() -> None:
     """Drop what is kept between redraws."""
     _drawings.clear()
-    if _atlas.cache_info().currsize:
-        _atlas().free()
+    if shared_atlas.cache_info().currsize:
+        shared_atlas().free()
 
 
 def register() -> None:

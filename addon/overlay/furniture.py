@@ -24,6 +24,8 @@ _NAMES = {Shape.SOURCE: "Source", Shape.IMPACT: "Impact", Shape.LISTENER: "Liste
 
 Part = TypeVar("Part", Lines, Points)
 
+Rectangle = tuple[float, float, float, float]
+"""Left, bottom, right, top in pixels."""
 Measure = Callable[[str, float], float]
 """Width in pixels of a text at a size in pixels."""
 
@@ -47,8 +49,8 @@ class Furniture:
     texts: tuple[Text, ...]
 
 
-class _Board:
-    """Collects plates, symbols and texts."""
+class Board:
+    """Collects plates, lines, symbols and texts. ``scale``: pixels per point."""
 
     def __init__(self, scale: float) -> None:
         self.scale = scale
@@ -89,15 +91,21 @@ class _Board:
 
 
 def furniture(
-    data: RenderData, perspective: FloatArray, size: tuple[float, float], scale: float, margin: tuple[float, float], measure: Measure
+    data: RenderData,
+    perspective: FloatArray,
+    size: tuple[float, float],
+    scale: float,
+    free: Rectangle,
+    measure: Measure,
+    taken: Sequence[Rectangle] = (),
 ) -> Furniture:
     """Labels and legend for a viewport of ``size`` pixels, seen with ``perspective`` (4, 4). ``scale``: pixels per point.
-    ``margin``: pixels at the right and at the bottom that something else covers."""
+    ``free``: what nothing else covers of the viewport; ``taken``: what is drawn within it already."""
     shapes = tuple(shape for shape in _NAMES if (data.points.shape == shape).any())
-    legend, taken = _legend(data.scale, shapes, (size[0] - margin[0], margin[1]), scale, measure)
-    board = _Board(scale)
+    legend, place = _legend(data.scale, shapes, (free[2], free[1]), scale, measure)
+    board = Board(scale)
     if data.labels:
-        _add_labels(board, data, perspective, size, np.array([taken]), measure)
+        _add_labels(board, data, perspective, size, free, np.array([place, *taken]), measure)
     labels = board.furniture()
     return Furniture(_joined(legend.lines, labels.lines), _joined(legend.points, labels.points), legend.texts + labels.texts)
 
@@ -107,7 +115,13 @@ def _joined(first: Part, second: Part) -> Part:
 
 
 def _add_labels(
-    board: _Board, data: RenderData, perspective: FloatArray, size: tuple[float, float], taken: FloatArray, measure: Measure
+    board: Board,
+    data: RenderData,
+    perspective: FloatArray,
+    size: tuple[float, float],
+    free: Rectangle,
+    taken: FloatArray,
+    measure: Measure,
 ) -> None:
     scale, text = board.scale, TEXT_SIZE * board.scale
     anchor = project(np.array([label.position for label in data.labels]), perspective, size)
@@ -123,7 +137,7 @@ def _add_labels(
     places = project(data.points.position[symbols].astype(np.float64), perspective, size)
     taken = np.concatenate([taken, around(places, scale * data.points.size[symbols] / 2)])
     busy = project(_along_paths(data.paths), perspective, size)
-    corner = place_labels(anchor, extent, clearance, size, taken, busy[~np.isnan(busy[:, 0])])
+    corner = place_labels(anchor, extent, clearance, free, taken, busy[~np.isnan(busy[:, 0])])
     for k in np.flatnonzero(~np.isnan(corner[:, 0])).tolist():
         label, low = labels[k], np.round(corner[k])
         nearest = np.clip(anchor[k], low, low + extent[k])
@@ -147,7 +161,7 @@ def _legend(
     gains: GainScale, shapes: tuple[Shape, ...], corner: tuple[float, float], scale: float, measure: Measure
 ) -> tuple[Furniture, tuple[float, ...]]:
     """The legend, with its lower right corner a little away from ``corner``, and the rectangle that it takes."""
-    board, text = _Board(scale), TEXT_SIZE * scale
+    board, text = Board(scale), TEXT_SIZE * scale
     widths = [measure(_NAMES[shape], text) for shape in shapes]
     symbol_width, gap, padding = 18 * scale, 10 * scale, 10 * scale
     row = sum(widths) + len(widths) * symbol_width + max(len(widths) - 1, 0) * gap
@@ -166,7 +180,7 @@ def _legend(
     return board.furniture(), (left, bottom, left + width, bottom + height)
 
 
-def _add_bar(board: _Board, gains: GainScale, left: float, bottom: float, width: float, measure: Measure) -> None:
+def _add_bar(board: Board, gains: GainScale, left: float, bottom: float, width: float, measure: Measure) -> None:
     """The colours from the floor to 0 dB, with round values below."""
     scale, height, parts = board.scale, 10 * board.scale, 32
     for part in range(parts):

@@ -67,7 +67,7 @@ class HAPTIC_OT_graph_to_geometry(Operator):
             if self.in_front:
                 _bring_to_front(graph, view, projection, scene.camera.data.clip_start)
             if self.labels:
-                items = furniture(data, projection @ view, size, scale, (0.0, 0.0), text_width)
+                items = furniture(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width)
                 _add_furniture(collection, items, scale, scene.camera, projection, size)
         if self.labels and scene.camera is None:
             for label in data.labels:

@@ -34,14 +34,15 @@ def place_labels(
     anchor: FloatArray,
     extent: FloatArray,
     clearance: FloatArray,
-    size: tuple[float, float],
+    room: tuple[float, float, float, float],
     taken: FloatArray,
     busy: FloatArray,
 ) -> FloatArray:
     """Lower left corners (n, 2) of labels of ``extent`` (n, 2) beside ``anchor`` (n, 2), NaN where there is no room.
 
-    Labels keep ``clearance`` (n,) from their place and off the rectangles ``taken`` (m, 4: left, bottom, right, top). The first choose
-    first: near their place, on the side that covers the fewest of the pixels ``busy`` (k, 2), else the right.
+    Labels stay within ``room`` (left, bottom, right, top), keep ``clearance`` (n,) from their place and stay off the rectangles ``taken``
+    (m, 4: left, bottom, right, top). The first choose first: near their place, on the side that covers the fewest of the pixels ``busy``
+    (k, 2), else the right.
     """
     corner = np.full_like(anchor, np.nan)
     rectangles = np.concatenate([taken.reshape(-1, 4), np.zeros_like(anchor).repeat(2, axis=1)])  # room for those placed here
@@ -53,7 +54,7 @@ def place_labels(
                 break
             low = anchor[k] + _SIDES * (extent[k] / 2 + factor * clearance[k] * _REACH_OF_SIDE) - extent[k] / 2
             high = low + extent[k]
-            free = np.flatnonzero(_free(low, high, size, rectangles[:count]))
+            free = np.flatnonzero(_free(low, high, room, rectangles[:count]))
             if len(free):
                 cost = _covered(low[free], high[free], busy) + step * _COST_OF_REACH
                 cost = cost + _COST_OF_CONFUSION * _nearer_to_another(low[free], high[free], anchor, k)
@@ -69,12 +70,12 @@ def place_labels(
 # The last axis is only two long: comparing its parts by themselves is several times faster than `all` over it.
 
 
-def _free(low: FloatArray, high: FloatArray, size: tuple[float, float], rectangles: FloatArray) -> NDArray[np.bool_]:
-    """Which rectangles ``low`` to ``high`` (s, 2) lie inside ``size`` and off ``rectangles`` (m, 4)."""
+def _free(low: FloatArray, high: FloatArray, room: tuple[float, float, float, float], rectangles: FloatArray) -> NDArray[np.bool_]:
+    """Which rectangles ``low`` to ``high`` (s, 2) lie inside ``room`` and off ``rectangles`` (m, 4)."""
     (x0, y0), (x1, y1) = low.T, high.T
     left, bottom, right, top = rectangles.T
     overlaps = (x0[:, None] < right) & (x1[:, None] > left) & (y0[:, None] < top) & (y1[:, None] > bottom)
-    return (x0 >= 0) & (y0 >= 0) & (x1 <= size[0]) & (y1 <= size[1]) & ~overlaps.any(axis=1)
+    return (x0 >= room[0]) & (y0 >= room[1]) & (x1 <= room[2]) & (y1 <= room[3]) & ~overlaps.any(axis=1)
 
 
 def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray, own: int) -> NDArray[np.bool_]:

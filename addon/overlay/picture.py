@@ -87,7 +87,7 @@ def viewport_picture(scene: Scene, result: FrameResult, size: tuple[int, int], o
             off_screen.draw_view3d(scene, scene.view_layers[0], space, region, view, projection, do_color_management=True)
         with off_screen.bind():
             draw.draw_graph(drawing, projection, view, (width, height), scale, xray=scene.haptics.xray, flow=None)
-            draw.draw_furniture(drawing, np.array(projection @ view, dtype=np.float64), (width, height), scale, (0.0, 0.0))
+            draw.draw_furniture(drawing, np.array(projection @ view, dtype=np.float64), (width, height), scale, (0.0, 0.0, width, height))
             buffer = gpu.state.active_framebuffer_get().read_color(0, 0, width, height, 4, 0, "UBYTE")
     finally:
         off_screen.free()

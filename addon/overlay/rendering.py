@@ -43,7 +43,7 @@ def rendered_picture(scene: Scene, result: FrameResult, size: tuple[int, int]) -
             canvas += graph[..., 3:] * (graph[..., :3] - canvas)
         else:
             canvas = _rendered_among(scene, solid, size)[..., :3]
-    items = furniture(data, projection @ view, size, scale, (0.0, 0.0), text_width)
+    items = furniture(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width)
     paint(canvas, items, scale)
     return np.rint(np.clip(canvas[::-1], 0, 1) * 255).astype(np.uint8)
 

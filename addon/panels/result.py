@@ -1,4 +1,4 @@
-"""Panel "Result": what each listener feels in the traced frame, and what tracing it took."""
+"""Panel "Result": what each listener feels in the traced frame, why one feels nothing, and what tracing it took."""
 
 from __future__ import annotations
 
@@ -7,8 +7,14 @@ import math
 from bpy.types import Context, Panel, UILayout
 
 from ...core.frame_result import FrameResult
-from .. import session
-from .drawing import HapticsPanel, draw_pair
+from ...core.scene import Mode
+from .. import scene_reader, session
+from ..bake import playback
+from ..meters import draw as meters
+from ..meters.comparison import compared
+from ..meters.explanation import device_words, why_silent
+from ..meters.levels import Level, decibels, sparkline
+from .drawing import HapticsPanel, draw_pair, wrapped
 
 _SHOWN_SOURCES = 4
 
@@ -20,18 +26,106 @@ class HAPTIC_PT_result(HapticsPanel, Panel):
 
     def draw(self, context: Context) -> None:
         layout = self.layout
-        result = session.result_of(context.scene)
+        scene = context.scene
+        layout.row(align=True).prop(scene.haptics, "mode", expand=True)
+        result = session.result_of(scene)
         if result is None:
             layout.label(text="Nothing traced yet: play, or", icon="INFO")
             layout.operator("haptic.trace_frame", icon="FILE_REFRESH")
             return
         row = layout.row()
-        row.label(text=f"Frame {result.number}")
+        baked = playback.plays(scene)
+        row.label(text=f"Frame {result.number}" + (", from the baked track" if baked else ""), icon="RENDER_ANIMATION" if baked else "NONE")
         row.operator("haptic.trace_frame", text="", icon="FILE_REFRESH")
-        for index, listener in enumerate(result.listeners):
-            _draw_listener(layout, result, index, listener.name)
+        for index, level in enumerate(meters.levels_of(scene)):
+            _draw_listener(layout, result, index, level)
         if not result.listeners:
             layout.label(text="No listener: add one to feel something", icon="INFO")
+
+
+class HAPTIC_PT_silence(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_silence"
+    bl_parent_id = "HAPTIC_PT_result"
+    bl_label = "Why Is It Silent?"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        obj = context.object
+        return obj is not None and obj.haptics.listener.enabled
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        scene, name = context.scene, context.object.name_full
+        layout.label(text=name, icon="OUTLINER_OB_LIGHTPROBE")
+        words, reasons = why_silent(scene, name)
+        on_device = device_words(scene, name)
+        if not words and not reasons:
+            level = next((level for level in meters.levels_of(scene) if level.listener == name), None)
+            layout.label(text="It feels something" if level is None else f"It is not: {level.feeling()}", icon="CHECKMARK")
+        for sentence in (words, on_device):
+            _draw_sentence(layout, sentence)
+        for reason in reasons:
+            box = layout.box()
+            _draw_sentence(box, reason.words)
+            if reason.object and reason.object != name:
+                box.operator("haptic.select_object", text=reason.object, icon="RESTRICT_SELECT_OFF").name = reason.object
+
+
+class HAPTIC_PT_meters(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_meters"
+    bl_parent_id = "HAPTIC_PT_result"
+    bl_label = "Meters"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context: Context) -> None:
+        self.layout.prop(context.scene.haptics.meters, "show", text="")
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        scene = context.scene
+        chosen = scene.haptics.meters
+        row = layout.row(align=True)
+        row.active = chosen.show
+        row.prop(chosen, "show_scope", toggle=True)
+        row.prop(chosen, "show_body", toggle=True)
+        column = layout.column(align=True)
+        for level in meters.levels_of(scene):
+            draw_pair(column, level.listener, decibels(level.rms))
+            if level.feeling():
+                draw_pair(column, f"    {decibels(level.peak)} peak", level.feeling())
+        name = meters.watched(scene)
+        if name:
+            layout.label(text=f"{name}, last second:")
+            layout.label(text=sparkline(session.of(scene).history.samples(name)))
+
+
+class HAPTIC_PT_comparison(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_comparison"
+    bl_parent_id = "HAPTIC_PT_result"
+    bl_label = "Compare Modes"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        scene = context.scene
+        result = session.result_of(scene)
+        if result is None or not result.listeners:
+            layout.label(text="Nothing traced yet" if result is None else "No listener: add one to feel something")
+            return
+        if playback.plays(scene):
+            layout.label(text="Switch off Play Baked Track to compare", icon="INFO")
+            return
+        gains = compared(result, scene_reader.read_settings(scene))
+        grid = layout.grid_flow(row_major=True, columns=1 + len(Mode), even_columns=False, align=True)
+        grid.label(text="")
+        for mode in Mode:
+            grid.operator("haptic.set_mode", text=str(mode), depress=scene.haptics.mode == mode).mode = str(mode)
+        for index, listener in enumerate(result.listeners):
+            grid.label(text=listener.name)
+            for mode in Mode:
+                gain = float(gains[mode][index])
+                grid.label(text=f"{20 * math.log10(gain):.0f}" if gain > 0 else "\N{EM DASH}")
+        layout.label(text="Decibels of the strongest source")
 
 
 class HAPTIC_PT_statistics(HapticsPanel, Panel):
@@ -54,13 +148,19 @@ class HAPTIC_PT_statistics(HapticsPanel, Panel):
             draw_pair(column, name.replace("_", " ").capitalize(), f"{value:g}")
 
 
-def _draw_listener(layout: UILayout, result: FrameResult, index: int, name: str) -> None:
-    """A listener's peak as a bar, and the strongest sources that reach it."""
+def _draw_sentence(layout: UILayout, sentence: str) -> None:
+    column = layout.column(align=True)
+    for line in wrapped(sentence):
+        column.label(text=line)
+
+
+def _draw_listener(layout: UILayout, result: FrameResult, index: int, level: Level) -> None:
+    """A listener's level as a bar, and the strongest sources that reach it."""
     box = layout.box()
     row = box.row()
-    row.operator("haptic.select_object", text=name, icon="OUTLINER_OB_LIGHTPROBE", emboss=False).name = name
-    peak = result.peak(index)
-    row.progress(factor=min(peak, 1.0), text=f"{peak:.2f}")
+    row.operator("haptic.select_object", text=level.listener, icon="OUTLINER_OB_LIGHTPROBE", emboss=False).name = level.listener
+    too_weak = level.rms > -math.inf and not level.is_felt
+    row.progress(factor=level.place, text=decibels(level.rms) + (", too weak" if too_weak else ""))
     gains = sorted(((float(result.gains[s, index]), source.name) for s, source in enumerate(result.sources)), key=lambda g: (-g[0], g[1]))
     felt = [(gain, source) for gain, source in gains if gain > 0]
     column = box.column(align=True)
@@ -73,4 +173,4 @@ def _draw_listener(layout: UILayout, result: FrameResult, index: int, name: str)
         column.label(text="Nothing reaches it")
 
 
-CLASSES = (HAPTIC_PT_result, HAPTIC_PT_statistics)
+CLASSES = (HAPTIC_PT_result, HAPTIC_PT_silence, HAPTIC_PT_meters, HAPTIC_PT_comparison, HAPTIC_PT_statistics)

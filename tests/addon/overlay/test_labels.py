@@ -15,6 +15,7 @@ from mathutils import Vector
 from .conftest import BRIDGE
 
 SIZE = (400.0, 300.0)
+ROOM = (20.0, 10.0, 390.0, 280.0)
 
 
 def _perspective(scene, camera, size=SIZE):
@@ -48,10 +49,10 @@ def test_labels_never_overlap(seed, count):
     count = len(anchor)
     extent = random.uniform((30, 10), (120, 20), (count, 2))
     taken = np.array([[300.0, 0.0, 400.0, 60.0]])
-    corner = place_labels(anchor, extent, np.full(count, 8.0), SIZE, taken, random.uniform(0, SIZE, (200, 2)))
+    corner = place_labels(anchor, extent, np.full(count, 8.0), ROOM, taken, random.uniform(0, SIZE, (200, 2)))
     placed = np.column_stack([corner, corner + extent])[~np.isnan(corner[:, 0])]
-    assert (placed >= -1e-9).all()
-    assert (placed[:, 2:] <= np.array(SIZE) + 1e-9).all()
+    assert (placed[:, :2] >= np.array(ROOM[:2]) - 1e-9).all()
+    assert (placed[:, 2:] <= np.array(ROOM[2:]) + 1e-9).all()
     for k, rectangle in enumerate(placed):
         assert not _overlap(rectangle, taken[0])
         assert not any(_overlap(rectangle, other) for other in placed[:k])
@@ -60,35 +61,39 @@ def test_labels_never_overlap(seed, count):
 
 
 def test_a_free_label_stands_at_the_right_of_its_place():
-    corner = place_labels(np.array([[100.0, 100.0]]), np.array([[60.0, 20.0]]), np.array([15.0]), SIZE, np.zeros((0, 4)), np.zeros((0, 2)))
+    corner = place_labels(np.array([[100.0, 100.0]]), np.array([[60.0, 20.0]]), np.array([15.0]), ROOM, np.zeros((0, 4)), np.zeros((0, 2)))
     assert corner[0] == pytest.approx((115, 90))
 
 
 def test_a_label_leaves_paths_free():
     path = np.column_stack([np.linspace(105, 190, 40), np.full(40, 100.0)])
-    corner = place_labels(np.array([[100.0, 100.0]]), np.array([[60.0, 20.0]]), np.array([15.0]), SIZE, np.zeros((0, 4)), path)
+    corner = place_labels(np.array([[100.0, 100.0]]), np.array([[60.0, 20.0]]), np.array([15.0]), ROOM, np.zeros((0, 4)), path)
     assert corner[0] == pytest.approx((25, 90))  # at the left
 
 
-def test_furniture_names_what_is_there_and_keeps_out_of_the_margin(scene, camera, bridge):
+def test_furniture_names_what_is_there_and_keeps_within_what_is_free(scene, camera, bridge):
     data = render_data(bridge, BRIDGE.settings, Options())
-    size, margin = (900.0, 700.0), (210.0, 30.0)
-    items = furniture(data, _perspective(scene, camera, size), size, 1.0, margin, text_width)
+    size, free, meters = (900.0, 700.0), (60.0, 30.0, 690.0, 640.0), (70.0, 40.0, 300.0, 300.0)
+    items = furniture(data, _perspective(scene, camera, size), size, 1.0, free, text_width, (meters,))
     words = [text.words for text in items.texts]
     assert {"Source", "Listener", "Contact", "truck", "driver", "walker", "hermit", "0 dB", "−40"} <= set(words)
     assert "Impact" not in words
     assert set(items.points.shape.astype(int)) == {Shape.SOURCE, Shape.LISTENER, Shape.CONTACT}
     legend = items.lines.position[0]
-    assert legend[1, 0] <= size[0] - margin[0]
-    assert legend[0, 1] >= margin[1]
+    assert legend[1, 0] <= free[2]
+    assert legend[0, 1] >= free[1]
     for text in items.texts:
-        assert 0 <= text.position[0] <= size[0] - text_width(text.words, text.size)
-        assert 0 <= text.position[1] <= size[1]
+        assert free[0] <= text.position[0] <= free[2] - text_width(text.words, text.size)
+        assert free[1] <= text.position[1] <= free[3]
+    plates = items.lines.position[items.lines.shape == Shape.PLATE]
+    for low, high in plates[:, :, :2].tolist():
+        assert not _overlap(np.array([*low, *high]), np.array(meters))
 
 
 def test_legend_scales_with_the_user_interface(scene, camera, bridge):
     data = render_data(bridge, BRIDGE.settings, Options(show_labels=False))
-    one, two = (furniture(data, _perspective(scene, camera), (800.0, 600.0), scale, (0.0, 0.0), text_width) for scale in (1.0, 2.0))
+    size = (800.0, 600.0)
+    one, two = (furniture(data, _perspective(scene, camera), size, scale, (0.0, 0.0, *size), text_width) for scale in (1.0, 2.0))
     extents = [np.ptp(items.lines.position[0], axis=0)[:2] for items in (one, two)]
     assert extents[1] == pytest.approx(2 * extents[0], rel=0.02)
     assert [text.size * 2 for text in one.texts] == pytest.approx([text.size for text in two.texts])

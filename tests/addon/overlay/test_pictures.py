@@ -174,7 +174,7 @@ def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, br
     size, scale = tuple(factor * side for side in SIZE), factor * picture.picture_scale(SIZE)
     view, projection = picture.camera_view(scene, size)
     data = render_data(bridge, BRIDGE.settings, Options(show_intra=False, show_best_paths=False))
-    items = furniture(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0), draw.text_width)
+    items = furniture(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0, *size), draw.text_width)
     canvas = np.full((size[1], size[0], 3), by_gpu[2, 2] / 255)
     raster.paint(canvas, items, scale)
     by_painter = picture.averaged(np.rint(canvas[::-1] * 255).astype(np.uint8), factor).astype(int)

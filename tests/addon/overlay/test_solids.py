@@ -144,7 +144,7 @@ def test_labels_lie_where_the_overlay_has_them_before_everything_else(scene, cam
     size, scale = (900, 600), picture.picture_scale((900, 600))
     view, projection = picture.camera_view(scene, size)
     data = render_data(result, BRIDGE.settings, Options())
-    items = furniture(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0), draw.text_width)
+    items = furniture(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0, *size), draw.text_width)
     seen = np.array([world_to_camera_view(scene, camera, Vector(place)) for place in _world_vertices(plane)])
     expected = flat(items, scale).vertices[:, :2] / size
     assert seen[:, :2] == pytest.approx(expected, abs=2e-3)

@@ -1,0 +1,200 @@
+"""The meters as shapes and texts in pixels: a bar per listener, the scope of one, the body. No GPU, no Blender."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..overlay.colour_map import colour_table
+from ..overlay.furniture import FAINT_INK, INK, PLATE, TEXT_SIZE, Board, Furniture, Measure
+from ..overlay.render_data import SOURCE_COLOUR
+from .body_map import HALF_WIDTH, HEIGHT, View, figure
+from .levels import FLOOR, Level, decibels, place_of
+
+FloatArray = NDArray[np.float64]
+Colour = tuple[float, ...]
+
+# Points at a user interface scale of 1.
+PADDING, GAP = 10.0, 8.0
+ROW, BAR = 17.0, 9.0
+NAME_WIDTH, BAR_WIDTH, VALUE_WIDTH = 104.0, 150.0, 108.0
+SCOPE_HEIGHT, FIGURE_HEIGHT = 54.0, 150.0
+MOST_ROWS = 12
+_SCOPE_COLUMNS = 160
+
+_TRACK = (0.20, 0.20, 0.22, 1.0)
+_ABSENT = (0.26, 0.26, 0.28, 1.0)
+_SILENT = (0.42, 0.42, 0.44, 1.0)
+_WHITE = (0.97, 0.97, 0.97, 1.0)
+_MARK = (*SOURCE_COLOUR.tolist(), 1.0)
+_GRID = (0.32, 0.32, 0.34, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """The last second of a listener: ``samples`` (n,), fewer than a second's at the beginning."""
+
+    listener: str
+    samples: FloatArray
+    sample_rate: float
+
+
+def colour_of(level: Level) -> Colour:
+    """By RMS level, grey where nothing is felt."""
+    if not level.is_felt:
+        return _SILENT
+    return (*colour_table()[round(level.place * (len(colour_table()) - 1))].tolist(), 1.0)
+
+
+def meters(
+    levels: Sequence[Level],
+    scope: Scope | None,
+    corner: tuple[float, float],
+    room: tuple[float, float],
+    scale: float,
+    measure: Measure,
+    *,
+    title: str = "",
+    body: bool = True,
+) -> Furniture:
+    """The meters, their lower left corner at ``corner`` [pixels], within ``room`` [pixels]. What has no room is left out: the body, then
+    the scope, then listeners. ``scale``: pixels per point."""
+    board = Board(scale)
+    across, up = (side / scale for side in room)
+    parts = {level.body_part: level for level in levels if level.body_part}
+    bars_width = NAME_WIDTH + BAR_WIDTH + VALUE_WIDTH
+    figure_width = 2 * (FIGURE_HEIGHT / HEIGHT * 2 * HALF_WIDTH)
+    body = body and bool(parts) and bars_width + figure_width + 2 * PADDING + GAP <= across and up >= FIGURE_HEIGHT + 2 * PADDING + ROW
+    with_scope = scope is not None and up >= SCOPE_HEIGHT + 5 * ROW
+    below = SCOPE_HEIGHT + GAP if with_scope else 0.0
+    most = min(int((up - 2 * PADDING - ROW - below) / ROW), MOST_ROWS)
+    if most < 1 or bars_width + 2 * PADDING > across or not levels:
+        return board.furniture()
+    shown = list(levels) if len(levels) <= most else _strongest(levels, most - 1)
+    rows = len(shown) + (len(shown) < len(levels))
+    height = max(rows * ROW + below, FIGURE_HEIGHT if body else 0.0) + ROW + 2 * PADDING
+    width = bars_width + 2 * PADDING + (figure_width + GAP if body else 0.0)
+    left, bottom = corner
+    board.plate(corner, (left + width * scale, bottom + height * scale), PLATE, 6.0)
+    x, top = left + PADDING * scale, bottom + (height - PADDING) * scale
+    _add_heads(board, (x, top), title)
+    for number, level in enumerate(shown):
+        _add_row(board, (x, top - (number + 2) * ROW * scale), level, measure)
+    if len(shown) < len(levels):
+        board.text(f"and {len(levels) - len(shown)} more", (x, top - (len(shown) + 2) * ROW * scale + 4 * scale), FAINT_INK)
+    if with_scope and scope is not None:
+        _add_scope(board, (x, bottom + PADDING * scale), bars_width * scale, scope, measure)
+    if body:
+        _add_body(board, (x + (bars_width + GAP) * scale, bottom + PADDING * scale), height - 2 * PADDING, parts, measure)
+    return board.furniture()
+
+
+def _strongest(levels: Sequence[Level], most: int) -> list[Level]:
+    """The strongest ones, in their order."""
+    chosen = sorted(range(len(levels)), key=lambda k: -levels[k].rms)[:most]
+    return [levels[k] for k in sorted(chosen)]
+
+
+def _add_heads(board: Board, corner: tuple[float, float], title: str) -> None:
+    """The title, and the scale of the bars."""
+    scale, size = board.scale, TEXT_SIZE * 0.86
+    x, top = corner
+    board.text(title, (x, top - 12 * scale), INK)
+    for tick in range(int(FLOOR), 1, 20):
+        place = x + (NAME_WIDTH + place_of(tick) * (BAR_WIDTH - 6)) * scale
+        words = f"\N{MINUS SIGN}{-tick}" if tick else "0 dB"
+        board.text(words, (place, top - 12 * scale), FAINT_INK, size)
+
+
+def _add_row(board: Board, corner: tuple[float, float], level: Level, measure: Measure) -> None:
+    """Name, bar and values of a listener. The bar is the RMS level, the white mark the peak, the orange one the threshold of feeling."""
+    scale = board.scale
+    x, y = corner
+    base = y + 4 * scale
+    board.text(_fitted(level.listener, (NAME_WIDTH - 8) * scale, scale, measure), (x, base), INK)
+    left, width = x + NAME_WIDTH * scale, (BAR_WIDTH - 8) * scale
+    low, high = y + (ROW - BAR) / 2 * scale, y + (ROW + BAR) / 2 * scale
+    board.plate((left, low), (left + width, high), _TRACK, 2.0)
+    if level.place > 0.01:
+        board.plate((left, low), (left + level.place * width, high), colour_of(level), 2.0)
+    if level.threshold is not None and FLOOR < level.threshold < 0:
+        place = left + place_of(level.threshold) * width
+        board.plate((place - 0.8 * scale, low - 2 * scale), (place + 0.8 * scale, high + 2 * scale), _MARK, 0.0)
+    if level.peak > FLOOR:
+        place = left + place_of(level.peak) * width
+        board.plate((place - 1.0 * scale, low), (place + 1.0 * scale, high), _WHITE, 0.0)
+    values = left + BAR_WIDTH * scale
+    board.text(decibels(level.rms), (values, base), INK)
+    board.text(level.feeling(), (values + 44 * scale, base), FAINT_INK, TEXT_SIZE * 0.86)
+
+
+def _fitted(words: str, width: float, scale: float, measure: Measure) -> str:
+    """As much of a text as fits."""
+    if measure(words, TEXT_SIZE * scale) <= width:
+        return words
+    for count in range(len(words) - 1, 0, -1):
+        if measure(words[:count] + "…", TEXT_SIZE * scale) <= width:
+            return words[:count] + "…"
+    return ""
+
+
+def _add_scope(board: Board, corner: tuple[float, float], width: float, scope: Scope, measure: Measure) -> None:
+    """The last second: for every column the range between its lowest and highest sample, the latest at the right."""
+    scale = board.scale
+    left, low = corner
+    high = low + SCOPE_HEIGHT * scale
+    middle, half = (low + high) / 2, (high - low) / 2 - 2 * scale
+    board.plate((left, low), (left + width, high), _TRACK, 3.0)
+    for quarter in (0.25, 0.5, 0.75):
+        x = left + quarter * width
+        board.plate((x - 0.5, low), (x + 0.5, high), _GRID, 0.0)
+    board.plate((left, middle - 0.5), (left + width, middle + 0.5), _GRID, 0.0)
+    peak = float(np.abs(scope.samples).max(initial=0.0))
+    full = 10 ** (math.ceil(math.log10(peak) * 2 - 1e-9) / 2) if peak > 1e-3 else 1e-3
+    colour = (*colour_table()[len(colour_table()) * 3 // 5].tolist(), 1.0)
+    for x, least, greatest in _columns(scope):
+        at = left + x * width
+        ends = middle + half * least / full, middle + half * greatest / full
+        board.plate((at, min(ends) - 0.5 * scale), (at + width / _SCOPE_COLUMNS, max(ends) + 0.5 * scale), colour, 0.0)
+    size = TEXT_SIZE * 0.86
+    board.text(f"{scope.listener}, last second", (left + 5 * scale, high - 11 * scale), FAINT_INK, size)
+    words = f"±{full:.3g}"
+    board.text(words, (left + width - measure(words, size * scale) - 5 * scale, high - 11 * scale), FAINT_INK, size)
+
+
+def _columns(scope: Scope) -> list[tuple[float, float, float]]:
+    """Where a column begins, 0 to 1, and the lowest and highest sample in it."""
+    whole = round(scope.sample_rate)
+    samples = scope.samples[-whole:]
+    if not len(samples):
+        return []
+    borders = np.round(np.linspace(0, whole, _SCOPE_COLUMNS + 1)).astype(np.int64) - (whole - len(samples))
+    filled = np.flatnonzero(borders[:-1] >= 0)
+    starts = borders[filled]
+    if not len(starts):
+        return []
+    least, greatest = np.minimum.reduceat(samples, starts), np.maximum.reduceat(samples, starts)
+    return list(zip((filled / _SCOPE_COLUMNS).tolist(), least.tolist(), greatest.tolist(), strict=True))
+
+
+def _add_body(board: Board, corner: tuple[float, float], height: float, parts: dict[str, Level], measure: Measure) -> None:
+    """Two figures, from the front and from behind; parts with a listener light up."""
+    scale, size = board.scale, TEXT_SIZE * 0.86
+    unit = FIGURE_HEIGHT / HEIGHT * scale
+    x, y = corner
+    y += max(height - FIGURE_HEIGHT - ROW, 0.0) / 2 * scale
+    views: tuple[View, ...] = ("front", "back")
+    for number, view in enumerate(views):
+        middle = x + (2 * number + 1) * HALF_WIDTH * unit
+        for limb in figure(view):
+            colour = colour_of(parts[limb.part]) if limb.part in parts else _ABSENT
+            ends = [(middle + place[0] * unit, y + place[1] * unit) for place in (limb.start, limb.end)]
+            board.line(*ends, colour, limb.width * unit / scale)
+        width = measure(view, size * scale)
+        board.text(view, (middle - width / 2, y + HEIGHT * unit + 6 * scale), FAINT_INK, size)
+        for side, place in (("L", 1.0 if view == "front" else -1.0), ("R", -1.0 if view == "front" else 1.0)):
+            board.text(side, (middle + place * 0.52 * unit - 3 * scale, y + 0.06 * unit), FAINT_INK, size)

@@ -1,0 +1,139 @@
+"""Draws the meters over every 3D viewport: one draw call, rebuilt when another frame was traced."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+from bpy.types import Context, Scene, SpaceView3D
+
+from ...core.frame_result import FrameResult
+from .. import session
+from ..overlay import draw as overlay
+from ..overlay.furniture import Furniture, Rectangle
+from ..overlay.quads import quads_of
+from .board import Scope, meters
+from .levels import Level, levels
+
+_MARGIN = 12.0  # points to the edges of what is free
+_SHARE = 0.6  # of the free height
+
+_handlers: list[Any] = []
+
+
+@dataclass(slots=True)
+class _Shown:
+    """The meters of a view as they are on the GPU, and what they were made of."""
+
+    result: FrameResult
+    key: Any
+    batch: Any
+    generation: int
+    place: tuple[Rectangle, ...]
+
+
+_shown: dict[int, _Shown] = {}  # by the region's address
+_levels: dict[int, tuple[FrameResult, tuple[Level, ...]]] = {}  # by session id of the scene
+
+
+def levels_of(scene: Scene) -> tuple[Level, ...]:
+    """The levels of the scene's last frame, worked out once."""
+    result = session.result_of(scene)
+    if result is None:
+        return ()
+    known = _levels.get(scene.session_uid)
+    if known is None or known[0] is not result:
+        for gone in _levels.keys() - {other.session_uid for other in bpy.data.scenes}:
+            del _levels[gone]
+        known = (result, levels(result, session.of(scene).history))
+        _levels[scene.session_uid] = known
+    return known[1]
+
+
+def watched(scene: Scene) -> str:
+    """The listener whose scope is drawn: the active object, else the one that feels the most; "" for none."""
+    shown = levels_of(scene)
+    active = bpy.context.view_layer.objects.active
+    if active is not None and any(level.listener == active.name_full for level in shown):
+        return active.name_full
+    return max(shown, key=lambda level: level.rms).listener if shown else ""
+
+
+def board_of(scene: Scene, corner: tuple[float, float], room: tuple[float, float], scale: float) -> Furniture:
+    """The scene's meters as shapes."""
+    chosen = scene.haptics.meters
+    name, history = watched(scene), session.of(scene).history
+    scope = Scope(name, history.samples(name), history.sample_rate) if chosen.show_scope and name and history.sample_rate else None
+    title = f"Mode {scene.haptics.mode}"
+    return meters(levels_of(scene), scope, corner, room, scale, overlay.text_width, title=title, body=chosen.show_body)
+
+
+def _draw_pixels() -> None:
+    context = bpy.context
+    scene, space = context.scene, context.space_data
+    if scene is None or space is None or not scene.haptics.meters.show or not space.overlay.show_overlays:
+        return
+    result = session.result_of(scene)
+    if result is None or not result.listeners:
+        _shown.pop(context.region.as_pointer(), None)
+        return
+    draw_board(context, scene, result)
+
+
+def draw_board(context: Context, scene: Scene, result: FrameResult) -> None:
+    """The meters at the lower left of what is free of the viewport."""
+    import gpu
+
+    from ..overlay import shader
+    from ..overlay.text_atlas import pixels_to_clip
+
+    region, scale = context.region, context.preferences.system.ui_scale
+    left, bottom, right, top = overlay.free_rectangle(context)
+    margin = _MARGIN * scale
+    corner = (round(left + margin), round(bottom + margin))
+    room = (right - left - 2 * margin, _SHARE * (top - bottom) - margin)
+    chosen = scene.haptics.meters
+    atlas = overlay.shared_atlas()
+    key = (corner, room, scale, chosen.show_scope, chosen.show_body, scene.haptics.mode, watched(scene))
+    known = _shown.get(region.as_pointer())
+    if known is None or known.result is not result or known.key != key or known.generation != atlas.generation:
+        items = board_of(scene, corner, room, scale)
+        batch = shader.upload(quads_of((items.lines, atlas.lines(items.texts)), items.points))
+        plates = [(*low[:2], *high[:2]) for low, high in items.lines.position[:1].tolist()]
+        known = _Shown(result, key, batch, atlas.generation, tuple(plates))
+        if len(_shown) > 16:
+            _shown.clear()
+        _shown[region.as_pointer()] = known
+    if known.batch is None:
+        return
+    size = (region.width, region.height)
+    gpu.state.blend_set("ALPHA_PREMULT")
+    gpu.state.depth_test_set("NONE")
+    shader.draw(known.batch, pixels_to_clip(size), size, pixels_per_point=scale, texts=atlas.texture)
+    gpu.state.blend_set("NONE")
+
+
+def taken(context: Context) -> tuple[Rectangle, ...]:
+    """What the meters cover of the region, as they were last drawn."""
+    known = _shown.get(context.region.as_pointer())
+    return known.place if known is not None and context.scene.haptics.meters.show else ()
+
+
+def forget() -> None:
+    """Drop what is kept between redraws."""
+    _shown.clear()
+    _levels.clear()
+
+
+def register() -> None:
+    """Add the draw handler, once."""
+    if not _handlers:
+        _handlers.append(SpaceView3D.draw_handler_add(_draw_pixels, (), "WINDOW", "POST_PIXEL"))
+
+
+def unregister() -> None:
+    """Remove the draw handler and forget what it drew."""
+    while _handlers:
+        SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")
+    forget()

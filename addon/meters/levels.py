@@ -1,0 +1,90 @@
+"""How much each listener feels: what the meters show, as numbers and as words. No Blender."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.frame_result import FrameResult
+from ...core.perception import sensation_level
+from .history import History
+
+FLOOR = -60.0
+"""Decibels of full scale at which a meter begins."""
+PEAK_SECONDS, RMS_SECONDS = 0.1, 0.25
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """What a listener feels, in decibels of full scale, minus infinity for silence. ``sensation``: decibels above the threshold of feeling;
+    ``threshold``: the RMS level at which a vibration of this kind would just be felt, None for silence."""
+
+    listener: str
+    body_part: str
+    peak: float
+    rms: float
+    sensation: float
+    threshold: float | None
+
+    @property
+    def is_felt(self) -> bool:
+        return self.sensation > 0
+
+    @property
+    def place(self) -> float:
+        """Where the RMS level is on the meter, 0 to 1."""
+        return place_of(self.rms)
+
+    def words(self) -> str:
+        """Peak and RMS: "−12 dB peak, −20 dB RMS", "silent" """
+        return "silent" if self.peak == -math.inf else f"{decibels(self.peak)} peak, {decibels(self.rms)} RMS"
+
+    def feeling(self) -> str:
+        """How far above or below the threshold of feeling: "23 dB felt", "5 dB too weak", "" for silence."""
+        if self.sensation == -math.inf:
+            return ""
+        return f"{self.sensation:.0f} dB felt" if self.is_felt else f"{-self.sensation:.0f} dB too weak"
+
+
+def place_of(level: float) -> float:
+    """Where a level in decibels is on a meter, 0 to 1."""
+    return min(max(1 - level / FLOOR, 0.0), 1.0)
+
+
+def decibels(level: float) -> str:
+    """A level as text: "−12 dB"."""
+    if level == -math.inf:
+        return "silent"
+    return f"\N{MINUS SIGN}{-level:.0f} dB" if round(level) < 0 else f"{max(level, 0.0):.0f} dB"
+
+
+def levels(result: FrameResult, history: History) -> tuple[Level, ...]:
+    """The levels of all listeners of a frame."""
+    names = [listener.name for listener in result.listeners]
+    if list(history.listeners) != names:
+        history = History()
+        history.feed(result)
+    recent, latest = history.all(RMS_SECONDS), history.all(PEAK_SECONDS)
+    peak = np.abs(latest).max(axis=1, initial=0.0)
+    rms = np.sqrt((recent**2).mean(axis=1)) if recent.shape[1] else np.zeros(len(names))
+    sensation = sensation_level(recent, result.sample_rate)
+    with np.errstate(divide="ignore"):
+        loud, mean = 20 * np.log10(peak), 20 * np.log10(rms)
+    return tuple(
+        Level(
+            listener.name, listener.body_part, p, r, s, r - s if math.isfinite(s) and math.isfinite(r) else None
+        )
+        for listener, p, r, s in zip(result.listeners, loud.tolist(), mean.tolist(), sensation.tolist(), strict=True)
+    )  # fmt: skip
+
+
+def sparkline(samples: np.ndarray, columns: int = 24) -> str:
+    """The strength of samples (n,) over time in one line of text, for panels: a block character per part, the scale that of the meters."""
+    if not len(samples):
+        return ""
+    parts = np.array_split(samples, columns)
+    peaks = [float(np.abs(part).max(initial=0.0)) for part in parts]
+    places = [place_of(20 * math.log10(peak)) if peak > 0 else 0.0 for peak in peaks]
+    return "".join("▁▂▃▄▅▆▇█"[min(int(place * 8), 7)] for place in places)
