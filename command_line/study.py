@@ -50,40 +50,29 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError(f"--frames: the ride ends with frame {scene.frame_end}, not {last}")
     args.out.mkdir(parents=True, exist_ok=True)
     notes = []
-    pictures: dict[int, Path] = {}
-    if args.pictures > 0 and not baking.can_draw():
-        notes.append("There are no pictures of the ride: off-screen drawing needs Blender 5.2 or a window, and OpenGL.")
-    elif args.pictures > 0:
-        pictures = {frame: args.out / f"{NAME}.{frame:04d}.png" for frame in _shown_frames(first, last, args.pictures)}
     with tqdm(total=last - first + 1, desc="Tracing", unit="frame") as bar:
-        ride = baking.bake_ride(scene, first, last, pictures, lambda frame: bar.update())
+        ride = baking.bake_ride(scene, first, last, lambda frame: bar.update())
     checks = checks_of(ride)
+    pictures = {}
+    if args.pictures > 0 and baking.can_draw():
+        pictures = baking.draw_frames(scene, baking.lively_frames(ride, args.pictures))
+    elif args.pictures > 0:
+        notes.append("There are no pictures of the ride: off-screen drawing needs Blender 5.2 or a window, and OpenGL.")
     figures = []
     if plots.can_plot():
         figures = list(plots.plots(ride))
     else:
         notes.append("There are no plots: matplotlib is not installed (pip install 'haptic-tracing[report]').")
     written = [] if args.no_tracks else _write_tracks(args.out, ride)
-    drawn = {frame: path.read_bytes() for frame, path in pictures.items()}
-    for path in pictures.values():
-        path.unlink()  # it is in the report
     written += [args.out / "study.json", args.out / "report.html"]
     write_numbers(written[-2], ride, checks)
-    write_report(written[-1], ride, checks, figures, drawn, notes)
+    write_report(written[-1], ride, checks, figures, pictures, notes)
     print_checks(checks)
     for note in notes:
         print(note)
     for path in written:
         print(f"wrote {path}")
     return 0
-
-
-def _shown_frames(first: int, last: int, count: int) -> list[int]:
-    from ..sample_scenes.mine_ride import SECTIONS
-    from ..study.baking import moments
-
-    ranges = [(max(section.first, first), min(section.last, last)) for section in SECTIONS]
-    return moments([(low, high) for low, high in ranges if low < high], count)
 
 
 def _write_tracks(folder: Path, ride: Ride) -> list[Path]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
@@ -18,17 +19,19 @@ from .rendition import MODES, FloatArray, Rendition, Ride, Sounding
 if TYPE_CHECKING:
     from bpy.types import Scene
 
+RUN_UP = 8
+"""Frames traced before one that is drawn."""
+
 
 def bake_ride(
     scene: Scene,
     first: int,
     last: int,
-    pictures: dict[int, Path] | None = None,
     progress: Callable[[int], None] = lambda frame: None,
 ) -> Ride:
     """Trace the frames ``first`` to ``last`` of the mine ride and render each in `MODES`; ``progress`` is told every frame.
 
-    ``pictures``: where to draw which frame, with the graph over it. Raises ValueError in words where a frame can't be traced.
+    Raises ValueError in words where a frame can't be traced.
     """
     from ..addon import session, timeline
     from ..sample_scenes.mine_ride import SECTIONS
@@ -54,8 +57,6 @@ def bake_ride(
                 listeners = tuple(item.body_part or item.name for item in traced.listeners)
                 positions = np.array([item.position for item in traced.listeners], dtype=np.float64).reshape(-1, 3)
             frames.append(traced.number)
-            if pictures and traced.number in pictures:
-                draw_ride(scene, traced, pictures[traced.number])
             progress(traced.number)
     return Ride(
         frames=np.array(frames, dtype=np.int64),
@@ -73,15 +74,15 @@ def bake_ride(
     )
 
 
-def draw_ride(scene: Scene, result: FrameResult, path: Path, size: tuple[int, int] = (480, 300)) -> None:
-    """Write a PNG of the ride as its camera sees it, with the best paths over it. Needs what `can_draw` says."""
-    from ..addon.overlay.picture import viewport_picture
-    from ..addon.overlay.png import write_png
-    from ..addon.overlay.render_data import Options
-    from ..addon.suspension import suspended
-
-    with suspended():
-        write_png(path, viewport_picture(scene, result, size, Options(show_intra=False, show_labels=False)))
+def lively_frames(ride: Ride, count: int) -> list[int]:
+    """``count`` frames of every section, each where most is felt in a part of it."""
+    felt = ride.renditions[Mode.HT].peak.sum(axis=1)
+    chosen = []
+    for _, _, first, last in ride.sections:
+        rows = ride.rows(first, last)
+        parts = np.array_split(np.arange(rows.start, rows.stop), count)
+        chosen += [int(ride.frames[part[felt[part].argmax()]]) for part in parts if len(part)]
+    return chosen
 
 
 def can_draw() -> bool:
@@ -91,9 +92,25 @@ def can_draw() -> bool:
     return starts_gpu()
 
 
-def moments(sections: Sequence[tuple[int, int]], count: int) -> list[int]:
-    """``count`` frames of each range, evenly spread inside it."""
-    return [round(low + (high - low) * (k + 0.5) / count) for low, high in sections for k in range(count)]
+def draw_frames(scene: Scene, frames: Sequence[int], size: tuple[int, int] = (480, 300)) -> dict[int, bytes]:
+    """PNG by frame: the ride as its camera sees it, with the best paths over it. Needs what `can_draw` says."""
+    from ..addon import timeline
+    from ..addon.overlay.picture import viewport_picture
+    from ..addon.overlay.png import write_png
+    from ..addon.overlay.render_data import Options
+    from ..addon.suspension import suspended
+
+    pictures = {}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "picture.png"
+        for frame in frames:
+            # Impacts of the frames before are still felt.
+            for step in timeline.steps(scene, max(frame - RUN_UP, scene.frame_start), frame):
+                if step.result.number == frame:
+                    with suspended():
+                        write_png(path, viewport_picture(scene, step.result, size, Options(show_intra=False, show_labels=False)))
+            pictures[frame] = path.read_bytes()
+    return pictures
 
 
 class _ModeTake:
