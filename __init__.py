@@ -3,6 +3,21 @@
 Outside Blender this is the package ``haptic_tracing``; inside it is the extension ``bl_ext.<repository>.haptic_tracing``.
 """
 
+from __future__ import annotations
+
+from typing import Any
+
+_GLTF = ("glTF2ExportUserExtension", "glTF2ImportUserExtension", "draw_export", "draw_import")
+"""What Blender's glTF exporter and importer look for in the modules of add-ons."""
+
+
+def __getattr__(name: str) -> Any:
+    if name in _GLTF:
+        from .addon.formats import gltf
+
+        return getattr(gltf, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 def register() -> None:
     """Called by Blender when the extension is enabled."""

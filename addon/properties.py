@@ -10,6 +10,7 @@ from ..core.body import BODY_PARTS
 from ..core.functions import FUNCTIONS
 from . import session
 from .bake import properties as bake
+from .formats import properties as formats
 from .function_properties import FUNCTION_TITLES, FunctionParameters
 from .live_output import properties as live_output
 from .materials import properties as materials
@@ -319,6 +320,7 @@ class HapticSceneProperties(PropertyGroup):
     meters: PointerProperty(type=meters.HapticMetersProperties)
     live_output: PointerProperty(type=live_output.HapticLiveOutputProperties)
     materials: PointerProperty(type=materials.HapticMaterialLibrary)
+    gltf: PointerProperty(type=formats.HapticGltfProperties)
     modalities: PointerProperty(type=modalities.HapticSceneModalities)
     imported: StringProperty(
         name="Imported", description="What an imported file says beyond these properties", options={"HIDDEN"}, update=_changed
@@ -327,6 +329,7 @@ class HapticSceneProperties(PropertyGroup):
 
 CLASSES = (
     *bake.CLASSES,
+    *formats.CLASSES,
     *meters.CLASSES,
     *live_output.CLASSES,
     *materials.CLASSES,

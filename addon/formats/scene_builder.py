@@ -84,9 +84,8 @@ class _Builder:
             obj.rotation_mode = "QUATERNION"
             obj.location, obj.rotation_quaternion = pose.position, pose.rotation
             haptics = obj.haptics
-            haptics.enabled, haptics.medium = True, item.medium
-            haptics.kappa, haptics.rho = item.kappa, item.rho
-            self._write_function(haptics, item)
+            if not write_body(haptics, item):
+                self.lose(f"function {item.propagation.name!r} as the file has it", item.name)
             haptics.imported = text_of(
                 shape=None if guessed else shape.to_dict(),
                 mass=item.mass,
@@ -97,30 +96,13 @@ class _Builder:
     def add_source(self, item: Source) -> None:
         """On its object where it stands at its origin and is called so, else an empty on it."""
         obj = self._holder(item, "source")
-        source = obj.haptics.source
-        source.enabled, source.amplitude, source.priority = True, item.amplitude, item.priority
-        signal = Sine(60.0) if item.signal is None and item.kind is SourceKind.PERSISTENT else item.signal
-        kept = _write_signal(source, signal)
-        source.imported = text_of(
-            signal=kept.to_dict() if kept is not None else None,
-            kind=None if item.kind is SourceKind.PERSISTENT else item.kind.value,
-            onset=item.onset or None,
-            second_object=item.second_object,
-            second_position=item.second_position,
-            position=item.position,
-            extras=dict(item.extras),
-        )
+        write_source(obj.haptics.source, item)
 
     def add_listener(self, item: Listener) -> None:
         """As `add_source`."""
         obj = self._holder(item, "listener")
-        listener = obj.haptics.listener
-        listener.enabled, listener.radius, listener.gain, listener.s_max = True, item.radius, item.gain, item.s_max
-        if item.body_part and not _choose(listener, "body_part", item.body_part):
-            self.lose(f"body part {item.body_part!r}", item.name)
-        if not _choose(listener, "mixing", item.mixing):
-            self.lose(f"mixing {item.mixing!r}", item.name)
-        listener.imported = text_of(position=item.position, extras=dict(item.extras))
+        for loss in write_listener(obj.haptics.listener, item):
+            self.lose(loss, item.name)
 
     def take_settings(self) -> None:
         """Settings, what the extras say of the scene's properties, and the frame that the file is of."""
@@ -205,19 +187,6 @@ class _Builder:
         self.attached[f"{role} {item.name}"] = obj
         return obj
 
-    def _write_function(self, haptics: Any, item: HapticObject) -> None:
-        function = item.propagation
-        if _choose(haptics, "function", function.name):
-            form = function.to_dict()
-            for key, name in PARAMETERS.get(function.name, {}).items():
-                setattr(haptics, name, form[key])
-            haptics.wave_speed = function.spectrum.wave_speed
-            if function.spectrum.band_decays:
-                haptics.material.use_bands = True
-                haptics.material.band_decays = function.spectrum.band_decays
-        if not _same(function, read_function(haptics)):
-            self.lose(f"function {function.name!r} as the file has it", item.name)
-
     def _without_material(self, obj: Object, extras: Mapping[str, Any]) -> dict[str, Any]:
         """The extras, but for the name of a haptic material, which the object then is made of; new ones come into the scene's library."""
         name = extras.get(MATERIAL)
@@ -238,6 +207,50 @@ class _Builder:
         x, y, z = np.maximum(high - low, SMALLEST).tolist()
         cx, cy, cz = ((low + high) / 2).tolist()
         return Box((x, y, z)), (cx, cy, cz)
+
+
+def write_body(haptics: Any, item: HapticObject) -> bool:
+    """Make an object's properties those of ``item``; False where its function is another one in the file."""
+    haptics.enabled, haptics.medium = True, item.medium
+    haptics.kappa, haptics.rho = item.kappa, item.rho
+    function = item.propagation
+    if _choose(haptics, "function", function.name):
+        form = function.to_dict()
+        for key, name in PARAMETERS.get(function.name, {}).items():
+            setattr(haptics, name, form[key])
+        haptics.wave_speed = function.spectrum.wave_speed
+        haptics.material.use_bands = bool(function.spectrum.band_decays)
+        if function.spectrum.band_decays:
+            haptics.material.band_decays = function.spectrum.band_decays
+    return _same(function, read_function(haptics))
+
+
+def write_source(source: Any, item: Source, placed: bool = True) -> None:
+    """Make a source's properties those of ``item``; ``placed``: with its place in the world."""
+    source.enabled, source.amplitude, source.priority = True, item.amplitude, item.priority
+    signal = Sine(60.0) if item.signal is None and item.kind is SourceKind.PERSISTENT else item.signal
+    kept = _write_signal(source, signal)
+    source.imported = text_of(
+        signal=kept.to_dict() if kept is not None else None,
+        kind=None if item.kind is SourceKind.PERSISTENT else item.kind.value,
+        onset=item.onset or None,
+        second_object=item.second_object if placed else None,
+        second_position=item.second_position if placed else None,
+        position=item.position if placed else None,
+        extras=dict(item.extras),
+    )
+
+
+def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[str]:
+    """As `write_source`. What could not be carried over, in words."""
+    listener.enabled, listener.radius, listener.gain, listener.s_max = True, item.radius, item.gain, item.s_max
+    losses = []
+    if item.body_part and not _choose(listener, "body_part", item.body_part):
+        losses.append(f"body part {item.body_part!r}")
+    if not _choose(listener, "mixing", item.mixing):
+        losses.append(f"mixing {item.mixing!r}")
+    listener.imported = text_of(position=item.position if placed else None, extras=dict(item.extras))
+    return losses
 
 
 def set_frame_rate(scene: bpy.types.Scene, rate: float) -> None:
