@@ -91,7 +91,6 @@ def test_shades_go_from_silence_to_full_scale():
 
 
 def test_plots_are_pictures_of_what_there_is_data_for(bake):
-    pytest.importorskip("matplotlib", reason="plots are an option")
     drawn = {title: png for title, _, png in plots.plots(bake(*FRAMES))}
     assert list(drawn) == ["Explosion", "Intensity", "Spectrogram", "Shock wave"]
     assert all(png.startswith(b"\x89PNG\r\n\x1a\n") and len(png) > 5000 for png in drawn.values())
