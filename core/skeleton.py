@@ -133,6 +133,17 @@ def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dic
     return result
 
 
+def partner(name: str, others: Iterable[str]) -> str:
+    """The bone of ``others`` on the other side of the body; the bone itself where it has no side or no partner."""
+    own = _taken_apart(Bone(name, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
+    wanted = (own.base, own.numbers, {"L": "R", "R": "L", "": "none"}[own.side], name.startswith("DEF-"), name.startswith(_SECOND_RATE))
+    for other in others:
+        found = _taken_apart(Bone(other, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
+        if (found.base, found.numbers, found.side, other.startswith("DEF-"), other.startswith(_SECOND_RATE)) == wanted:
+            return other
+    return name
+
+
 def _taken_apart(bone: Bone) -> _Named:
     name = bone.name.rpartition(":")[2]
     name = re.sub(r"^mixamorig\d*_?", "", name)

@@ -9,7 +9,7 @@ from bpy.types import Collection, Object
 from mathutils import Matrix, Vector
 
 from ...core.body import BODY_PART, BodyPart
-from ...core.skeleton import Bone, Place, places
+from ...core.skeleton import Bone, Place, partner, places
 
 # Where the parts of a standing body are in its bounding box: from the middle to the side (left is +x), from front (-y) to back, height.
 _PLACES = {
@@ -134,5 +134,4 @@ def _other_bone(parent: Object, listener: Object) -> str:
     """The bone on the other side; the same where it has no partner."""
     if listener.parent_type != "BONE":
         return ""
-    flipped = bpy.utils.flip_name(listener.parent_bone)
-    return flipped if flipped in parent.data.bones else listener.parent_bone
+    return partner(listener.parent_bone, (bone.name for bone in parent.data.bones))

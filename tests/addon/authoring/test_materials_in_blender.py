@@ -1,0 +1,204 @@
+"""The library of haptic materials: shared by objects, copied, renamed, removed; applied to what is chosen."""
+
+import bpy
+import numpy as np
+import pytest
+from haptic_tracing.addon import session
+from haptic_tracing.addon.materials import plot
+from haptic_tracing.core.functions import HapticTracing, Spectrum
+from haptic_tracing.core.functions.curve import gain_curve
+from haptic_tracing.core.materials import MATERIALS
+
+
+def _select(*objects):
+    for obj in bpy.context.selected_objects:
+        obj.select_set(False)
+    for obj in objects:
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = objects[0] if objects else None
+
+
+@pytest.fixture
+def materials(scene):
+    return scene.haptics.materials
+
+
+@pytest.fixture
+def boxes(add_box):
+    return [add_box(f"box {k}", (k, 0, 0), (1, 1, 1)) for k in range(4)]
+
+
+def test_every_preset_is_applied_with_its_values(boxes, materials):
+    for name, material in MATERIALS.items():
+        _select(boxes[0])
+        assert bpy.ops.haptic.apply_material(preset=name) == {"FINISHED"}
+        haptics = boxes[0].haptics
+        assert haptics.material.name == material.title
+        assert (haptics.kappa, haptics.rho) == pytest.approx((material.kappa, material.rho))
+        assert haptics.modalities.thermal.conductivity == pytest.approx(material.conductivity)
+        assert tuple(haptics.material.band_decays) == pytest.approx(material.band_decays, rel=1e-6)
+    assert len(materials.items) == len(MATERIALS)
+
+
+def test_objects_of_one_material_change_together(boxes, materials):
+    _select(*boxes[:3])
+    bpy.ops.haptic.apply_material(preset="rubber")
+    materials.items["Rubber"].kappa = 0.33
+    assert [round(box.haptics.kappa, 5) for box in boxes] == [0.33, 0.33, 0.33, 0.1]
+    bpy.ops.haptic.unlink_material()
+    materials.items["Rubber"].kappa = 0.44
+    assert [round(box.haptics.kappa, 5) for box in boxes[:2]] == [0.33, 0.44]
+
+
+def test_a_material_is_applied_to_selected_children_or_collection(boxes, materials, add_empty):
+    root = add_empty("root")
+    boxes[1].parent = boxes[2].parent = root
+    side = bpy.data.collections.new("side")
+    bpy.context.scene.collection.children.link(side)
+    side.objects.link(boxes[3])
+    bpy.context.scene.collection.objects.unlink(boxes[3])
+    _select(root)
+    bpy.ops.haptic.apply_material(preset="steel", target="CHILDREN")
+    _select(boxes[3])
+    bpy.ops.haptic.apply_material(preset="glass", target="COLLECTION")
+    _select(boxes[0])
+    bpy.ops.haptic.apply_material(preset="soil", target="SELECTED")
+    assert [box.haptics.material.name for box in boxes] == ["Soil", "Steel", "Steel", "Glass"]
+    _select(root)
+    with pytest.raises(RuntimeError, match="surface"):
+        bpy.ops.haptic.apply_material(preset="steel")
+
+
+def test_an_editable_copy_leaves_the_original_alone(boxes, materials):
+    _select(boxes[0])
+    bpy.ops.haptic.apply_material(preset="steel")
+    bpy.ops.haptic.copy_material()
+    copy = materials.items[materials.active]
+    assert copy.name == "Steel.001"
+    assert copy.wave_speed == pytest.approx(5100)
+    copy.rho = 0.5
+    assert boxes[0].haptics.rho == pytest.approx(0.9)
+    bpy.ops.haptic.apply_material(name="Steel.001")
+    assert boxes[0].haptics.rho == pytest.approx(0.5)
+    with pytest.raises(RuntimeError, match="not in the scene's library"):
+        bpy.ops.haptic.apply_material(name="gone")
+
+
+def test_renaming_keeps_objects_and_names_apart(boxes, materials):
+    _select(boxes[0])
+    bpy.ops.haptic.apply_material(preset="steel")
+    _select(boxes[1])
+    bpy.ops.haptic.apply_material(preset="glass")
+    materials.items["Steel"].name = "Rail"
+    assert boxes[0].haptics.material.name == "Rail"
+    materials.items["Glass"].name = "Rail"
+    assert boxes[1].haptics.material.name == "Rail.001"
+    materials.items["Rail"].name = ""
+    assert materials.items[0].name == "Rail"
+
+
+def test_a_removed_material_leaves_its_values(boxes, materials):
+    _select(*boxes)
+    bpy.ops.haptic.apply_material(preset="cork")
+    bpy.ops.haptic.remove_material()
+    assert len(materials.items) == 0
+    assert all(not box.haptics.material.name and box.haptics.rho == pytest.approx(0.4) for box in boxes)
+    with pytest.raises(RuntimeError, match="Choose a material"):
+        bpy.ops.haptic.remove_material()
+
+
+def test_a_material_is_chosen_by_its_name_in_the_panel(boxes, materials):
+    _select(boxes[0])
+    bpy.ops.haptic.apply_material(preset="stone")
+    boxes[1].haptics.material.name = "Stone"
+    assert boxes[1].haptics.kappa == pytest.approx(0.3)
+
+
+def test_appended_objects_keep_what_they_are_made_of(boxes, materials, tmp_path):
+    _select(boxes[0])
+    bpy.ops.haptic.apply_material(preset="rubber")
+    materials.items["Rubber"].kappa = 0.77
+    path = str(tmp_path / "parts.blend")
+    bpy.data.libraries.write(path, {boxes[0]})
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with bpy.data.libraries.load(path) as (_, wanted):
+        wanted.objects = ["box 0"]
+    box = wanted.objects[0]
+    bpy.context.scene.collection.objects.link(box)
+    assert (box.haptics.material.name, round(box.haptics.kappa, 5)) == ("Rubber", 0.77)
+    _select(box)
+    bpy.ops.haptic.new_material()
+    assert bpy.context.scene.haptics.materials.items["Rubber"].kappa == pytest.approx(0.77)
+
+
+def test_bands_and_delays_are_traced_where_they_are_switched_on(boxes, materials, traced):
+    boxes[0].haptics.source.enabled = boxes[1].haptics.listener.enabled = True
+    _select(*boxes[:2])
+    bpy.ops.haptic.apply_material(preset="rubber")
+    assert traced().propagation.band_gain is None
+    materials.items["Rubber"].use_bands = True
+    bands = traced().propagation.band_gain[0, 0]
+    assert bands[0] > bands[-1] > 0
+    assert traced().propagation.delay is None
+    materials.items["Rubber"].use_delay = True
+    assert traced().propagation.delay is not None
+
+
+def test_a_change_of_a_material_is_traced(boxes, materials, traced):
+    boxes[0].haptics.source.enabled = boxes[1].haptics.listener.enabled = True
+    _select(*boxes[:2])
+    bpy.ops.haptic.apply_material(preset="steel")
+    before = traced().gains[0, 0]
+    materials.items["Steel"].rho = 0.3
+    assert session.trace(bpy.context.scene, bpy.context.evaluated_depsgraph_get()).gains[0, 0] < before
+
+
+def test_the_curve_shows_what_is_traced():
+    curve = gain_curve(HapticTracing(), 0.2, 0.9, 0.1)
+    k = 0.8 * 0.9
+    assert curve.gains == pytest.approx(k * np.exp(-k * curve.distances))
+    assert curve.reach == 10.0
+    assert curve.bands is None
+    banded = gain_curve(HapticTracing(spectrum=Spectrum(band_decays=(0, 0, 0, 0, 0, 3.0))), 0.2, 0.9, 0.1)
+    assert banded.bands[0] == pytest.approx(banded.gains)
+    assert banded.bands[1] == pytest.approx(banded.gains * np.exp(-3.0 * banded.distances))
+
+
+def test_the_picture_is_drawn_again_only_where_something_changed(monkeypatch):
+    drawn = []
+    monkeypatch.setattr(plot, "picture", lambda *arguments: drawn.append(1) or np.zeros((plot.SIZE, plot.SIZE, 4), np.float32))
+    curve = gain_curve(HapticTracing(), 0.2, 0.9, 0.1)
+    for key in ("a", "a", "b", "b"):
+        plot.icon(key, curve, (1, 1, 1), (0, 0, 0))
+    plot.icon("b", curve, (1, 0, 0), (0, 0, 0))
+    assert len(drawn) == 3
+    plot.forget()
+
+
+@pytest.mark.parametrize("gain", [0.0, 0.5, 1.0])
+def test_the_picture_has_the_curve_at_its_height(gain):
+    from haptic_tracing.core.functions import Constant
+
+    pixels = plot.picture(gain_curve(Constant(gain_value=gain), 0, 1, 0.1), (1.0, 0.5, 0.0), (0.9, 0.9, 0.9))
+    assert pixels.shape == (plot.SIZE, plot.SIZE, 4)
+    assert np.isfinite(pixels).all() and pixels.min() >= 0 and pixels.max() <= 1
+    strongest = np.argmax(pixels[:, 77, 3] * (np.abs(pixels[:, 77, :3] - (1.0, 0.5, 0.0)).sum(axis=1) < 0.1))
+    assert abs(strongest - (10 + gain * (plot.SIZE - 21))) <= 2
+
+
+def test_every_part_of_a_material_is_shared(boxes, materials):
+    _select(boxes[0])
+    bpy.ops.haptic.new_material()
+    item = materials.items[0]
+    assert item.name == "box 0"
+    item.use_bands = True
+    item.band_decays = (0, 1, 2, 3, 4, 5)
+    item.conductivity = 7.0
+    item.use_delay, item.wave_speed = True, 123.0
+    haptics = boxes[0].haptics
+    assert haptics.material.use_bands
+    assert tuple(haptics.material.band_decays) == (0, 1, 2, 3, 4, 5)
+    assert haptics.modalities.thermal.conductivity == pytest.approx(7.0)
+    assert haptics.wave_speed == pytest.approx(123.0)
+    item.use_delay = False
+    assert haptics.wave_speed == 0
