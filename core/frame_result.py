@@ -23,8 +23,8 @@ class FrameResult:
 
     ``objects``: names in the order that ``contacts`` and ``graph`` number them. ``sources`` (s) include the temporary ones made by
     impacts; ``gains`` (s, l) include the sources' amplitudes. ``block`` (l, n): the rendered samples of the frame's interval, the first
-    at sample number ``first_sample`` of ``sample_rate``; None where nothing was rendered. ``milliseconds`` per stage: read, contacts,
-    graph, propagate, mix. ``statistics``: counts of what was done and what was skipped.
+    at sample number ``first_sample`` of ``sample_rate``; None where nothing was rendered. ``milliseconds`` per stage: read, broad,
+    narrow, graph, propagate, mix. ``statistics``: counts of what was done and what was skipped.
     """
 
     number: int

@@ -15,17 +15,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contacts.contact_set import ContactSet
-from .contacts.tracker import Body, ContactSettings, ContactTracker, Impact
+from .contacts.reach import Reach
+from .contacts.tracker import Body, ContactSettings, ContactTracker, FrameContacts, Impact
 from .frame_result import FrameResult
 from .functions import ModulationFunction
-from .graph import ObjectTable, build_graph
+from .graph import HapticGraph, ObjectTable, build_graph
 from .mixdown import Mixdown
-from .propagation import propagate
+from .propagation import Propagation, propagate
 from .rendering import SAMPLE_RATE, sample_index
-from .scene import HapticObject, Listener, Settings, Source, SourceKind
+from .scene import HapticObject, Listener, Settings, Source, SourceKind, Vector
+from .signal_reach import object_bounds, signal_reach
 from .signals import DEFAULT_IMPACT, Signal
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,13 +69,36 @@ class _Found:
     contacts: ContactSet
     impacts: tuple[Impact, ...] = ()
     statistics: dict[str, int | float] = field(default_factory=dict)
+    milliseconds: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Propagated:
+    """What the propagation of one frame was computed from, and what it gave."""
+
+    table: ObjectTable
+    contacts: ContactSet
+    sources: tuple[Source, ...]
+    listeners: tuple[Listener, ...]
+    settings: Settings
+    graph: HapticGraph
+    propagation: Propagation
+
+    def holds(
+        self, table: ObjectTable, contacts: ContactSet, sources: Sequence[Source], listeners: Sequence[Listener], settings: Settings
+    ) -> bool:
+        """Whether all of it is the same again."""
+        if self.table is not table or self.contacts is not contacts or self.settings != settings:
+            return False
+        return self.sources == sources and self.listeners == listeners
 
 
 class Tracer:
     """Steps through the frames of a scene.
 
-    Impacts make temporary sources that play ``impact_signal``, unless ``impact_sources`` is False.
+    Impacts make temporary sources that play ``impact_signal``, unless ``impact_sources`` is False. ``lazy``: contacts are looked for only
+    where signals can get to with what the threshold wants; gains and impacts are the same.
     """
 
     def __init__(
@@ -82,8 +108,10 @@ class Tracer:
         impact_signal: Signal = DEFAULT_IMPACT,
         transmission: ModulationFunction | None = None,
         sample_rate: float = SAMPLE_RATE,
+        lazy: bool = False,
     ) -> None:
         self.contact_settings = contact_settings or ContactSettings()
+        self.lazy = lazy
         self.impact_sources = impact_sources
         self.impact_signal = impact_signal
         self.transmission = transmission
@@ -91,6 +119,14 @@ class Tracer:
         self._objects: tuple[HapticObject, ...] = ()
         self._table = ObjectTable.of((), 0.0)
         self._tracker: ContactTracker | None = None
+        self._found: FrameContacts | None = None
+        self._bodies: tuple[Body, ...] = ()
+        self._numbered: ObjectTable | None = None
+        self._row: dict[str, int] = {}
+        self._numbers = np.zeros(0, dtype=np.int64)
+        self._bounds: tuple[ObjectTable, Settings, tuple[FloatArray, FloatArray]] | None = None
+        self._contacts = ContactSet.empty()
+        self._propagated: _Propagated | None = None
         self._mixdown = Mixdown(impact_signal, sample_rate)
         self._ringing: list[_Ringing] = []
         self._time: float | None = None
@@ -107,14 +143,19 @@ class Tracer:
         """Trace one frame. Raises ValueError that names the object where a designer's expression gives no gain."""
         if not frame.continuous or (self._time is not None and frame.time <= self._time):
             self.reset()
-        watch = _Stopwatch()
         table = self._object_table(frame)
         found = self._detect_collisions(frame, table)
-        watch.lap("contacts")
+        watch = _Stopwatch(found.milliseconds)
         sources = frame.sources + self._temporary_sources(frame, found.impacts)
-        graph = build_graph(table, found.contacts, sources, frame.listeners)
-        watch.lap("graph")
-        propagation = propagate(graph, frame.settings)
+        known = self._propagated
+        if known is not None and known.holds(table, found.contacts, sources, frame.listeners, frame.settings):
+            graph, propagation = known.graph, known.propagation
+            watch.lap("graph")
+        else:
+            graph = build_graph(table, found.contacts, sources, frame.listeners)
+            watch.lap("graph")
+            propagation = propagate(graph, frame.settings)
+            self._propagated = _Propagated(table, found.contacts, sources, frame.listeners, frame.settings, graph, propagation)
         watch.lap("propagate")
         block = self._mixdown.render(self._time, frame.time, sources, frame.listeners, propagation)
         watch.lap("mix")
@@ -157,37 +198,76 @@ class Tracer:
             return _Found(frame.contacts)
         if not frame.bodies or frame.transforms is None:
             return _Found(ContactSet.empty())
-        if self._tracker is None or self._tracker.bodies != frame.bodies or self._tracker.settings != self.contact_settings:
-            self._tracker = ContactTracker(frame.bodies, self.contact_settings)
-            self._ringing.clear()
-        found = self._tracker.update(frame.time, frame.transforms, continuous=frame.continuous)
-        index = table.index()
-        numbers = np.array([index[body.name] for body in frame.bodies], dtype=np.int64)
-        contacts = replace(found.contacts, pairs=numbers[found.contacts.pairs])
-        if self.transmission is not None:
-            contacts = replace(contacts, transmissions=(self.transmission,))
+        watch = _Stopwatch({})
+        numbers = self._follow(frame, table)
+        assert self._tracker is not None
+        wanted = self._reach(frame, table) if self.lazy else None
+        found = self._tracker.update(frame.time, frame.transforms, wanted, continuous=frame.continuous)
+        if self._found is None or found.contacts is not self._found.contacts:
+            self._contacts = replace(found.contacts, pairs=numbers[found.contacts.pairs])
+            if self.transmission is not None:
+                self._contacts = replace(self._contacts, transmissions=(self.transmission,))
+        self._found = found
         statistics = found.statistics
+        watch.lap("narrow")
+        milliseconds = {"broad": 1000 * statistics.broad_seconds, "narrow": watch.milliseconds["narrow"] - 1000 * statistics.broad_seconds}
         counts: dict[str, int | float] = {
             "candidate_pairs": statistics.candidates,
             "contact_queries": statistics.queries,
             "queries_avoided": statistics.avoided,
         }
-        return _Found(contacts, found.impacts if self.impact_sources else (), counts, found.warnings)
+        return _Found(self._contacts, found.impacts if self.impact_sources else (), counts, milliseconds, found.warnings)
+
+    def _follow(self, frame: Frame, table: ObjectTable) -> IntArray:
+        """Let the tracker follow the bodies of ``frame``; their numbers (n,) in ``table``."""
+        tracker = self._tracker
+        if tracker is None or tracker.settings != self.contact_settings:
+            self._tracker = None
+        elif tracker.bodies is not frame.bodies and tracker.bodies != frame.bodies:
+            if [b.name for b in tracker.bodies] == [b.name for b in frame.bodies]:
+                tracker.replace_bodies(frame.bodies)
+            else:
+                self._tracker = None
+        if self._tracker is None:
+            self._tracker = ContactTracker(frame.bodies, self.contact_settings)
+            self._ringing.clear()
+        if self._bodies is not frame.bodies or self._numbered is not table:
+            self._bodies, self._numbered, self._found = frame.bodies, table, None
+            self._row = {body.name: number for number, body in enumerate(frame.bodies)}
+            index = table.index()
+            self._numbers = np.array([index[body.name] for body in frame.bodies], dtype=np.int64)
+        return self._numbers
+
+    def _reach(self, frame: Frame, table: ObjectTable) -> Reach:
+        """Where signals of the sources can get to."""
+        if self._bounds is None or self._bounds[0] is not table or self._bounds[1] != frame.settings:
+            factor, decay = object_bounds(table, frame.settings)
+            self._bounds = table, frame.settings, (factor[self._numbers], decay[self._numbers])
+        starts: list[tuple[int, Vector]] = []
+        for source in frame.sources + self._sounding(frame):
+            for name, position in ((source.object, source.position), (source.second_object, source.second_position)):
+                if source.amplitude > 0 and name in self._row and position is not None:
+                    starts.append((self._row[name], position))
+        bodies, positions = [body for body, _ in starts], [position for _, position in starts]
+        return signal_reach(self._bounds[2], bodies, positions, frame.settings, self.transmission, self.impact_sources)
 
     def _temporary_sources(self, frame: Frame, impacts: Sequence[Impact]) -> tuple[Source, ...]:
         """The sources of impacts whose template plays, the new ones among them, each where its objects have carried it."""
+        for impact in impacts:
+            self._ringing.append(self._struck(frame, impact))
+        return self._sounding(frame)
+
+    def _sounding(self, frame: Frame) -> tuple[Source, ...]:
+        """The sources of impacts so far whose template plays."""
         self._ringing = [r for r in self._ringing if self._time is None or r.end > self._time]
         if frame.transforms is None:
             return ()
-        for impact in impacts:
-            self._ringing.append(self._struck(frame, impact))
-        row = {body.name: number for number, body in enumerate(frame.bodies)}
         sources = []
         for ringing in self._ringing:
             first, second = ringing.source.object, ringing.source.second_object
             assert second is not None
             positions = [
-                _transformed(frame.transforms[row[name]], local) for name, local in zip((first, second), ringing.local, strict=True)
+                _transformed(frame.transforms[self._row[name]], local) for name, local in zip((first, second), ringing.local, strict=True)
             ]
             sources.append(replace(ringing.source, position=positions[0], second_position=positions[1]))
         return tuple(sources)
@@ -212,10 +292,10 @@ class Tracer:
 
 
 class _Stopwatch:
-    """Milliseconds between laps."""
+    """Milliseconds between laps, added to those that are known."""
 
-    def __init__(self) -> None:
-        self.milliseconds: dict[str, float] = {}
+    def __init__(self, milliseconds: dict[str, float]) -> None:
+        self.milliseconds = milliseconds
         self._last = perf_counter()
 
     def lap(self, stage: str) -> None:

@@ -11,8 +11,6 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-_MOST_LAYERS = 10_000
-
 
 @dataclass(frozen=True, slots=True)
 class Reach:
@@ -58,23 +56,31 @@ class Reach:
             nearest = np.minimum(nearest, np.sqrt((away**2).sum(axis=1)))
         fading = np.exp(-max(0.0, float(np.min(self.decay))) * nearest)
         near = np.flatnonzero(float(np.max(self.strengths)) * fading >= limit)
-        a, b = pairs[near].T
-        fading = fading[near]
+        wanted = np.zeros(len(pairs), dtype=np.bool_)
+        wanted[near[self._reached(pairs[near], fading[near], limit)]] = True
+        return wanted
+
+    def _reached(self, pairs: IntArray, fading: FloatArray, limit: float) -> BoolArray:
+        """Which ``pairs`` a signal gets to over others with at least ``limit`` left after its way there has taken ``fading`` of it."""
+        count = len(pairs)
+        ends = pairs.T.reshape(-1)
+        order = np.argsort(ends, kind="stable")
+        pair, other = order % count if count else order, pairs[:, ::-1].T.reshape(-1)[order]
+        begin = np.concatenate([[0], np.cumsum(np.bincount(ends, minlength=len(self.factor)))])
         entering = np.zeros(len(self.factor))
         np.maximum.at(entering, self.bodies, self.strengths)
-        reached = np.zeros(len(near), dtype=np.bool_)
-        for _ in range(_MOST_LAYERS):
-            leaving = entering * self.factor
-            from_a, from_b = leaving[a], leaving[b]
-            strongest = np.maximum(from_a, from_b)
-            arrived = (strongest * fading >= limit) & (strongest > 0)
-            before = entering.copy()
-            np.maximum.at(entering, b[arrived], from_a[arrived] * self.transmission)
-            np.maximum.at(entering, a[arrived], from_b[arrived] * self.transmission)
-            settled = np.array_equal(arrived, reached) and np.array_equal(before, entering)
-            reached = arrived
-            if settled:
-                break
-        wanted = np.zeros(len(pairs), dtype=np.bool_)
-        wanted[near[reached]] = True
-        return wanted
+        reached = np.zeros(count, dtype=np.bool_)
+        bodies = np.unique(self.bodies)
+        while len(bodies):
+            many = begin[bodies + 1] - begin[bodies]
+            steps = np.arange(many.sum()) + np.repeat(begin[bodies] - (np.cumsum(many) - many), many)
+            value = np.repeat(entering[bodies] * self.factor[bodies], many)
+            arrived = (value * fading[pair[steps]] >= limit) & (value > 0)
+            steps, value = steps[arrived], value[arrived] * self.transmission
+            reached[pair[steps]] = True
+            # Stronger than before by more than rounding: bodies around a ring don't chase each other.
+            stronger = value > entering[other[steps]] * (1 + 1e-12)
+            steps, value = steps[stronger], value[stronger]
+            np.maximum.at(entering, other[steps], value)
+            bodies = np.unique(other[steps])
+        return reached

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
+from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,11 +44,13 @@ _FAT = 0.05
 
 @dataclass(frozen=True, slots=True)
 class ContactStatistics:
-    """Of one update: ``candidates`` pairs with overlapping bounds, narrow-phase ``queries`` made and ``avoided``."""
+    """Of one update: ``candidates`` pairs with overlapping bounds, narrow-phase ``queries`` made and ``avoided``, and seconds that the
+    broad phase took."""
 
     candidates: int = 0
     queries: int = 0
     avoided: int = 0
+    broad_seconds: float = field(default=0.0, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,6 +161,7 @@ class ContactTracker:
         self._airborne = self._dynamic.copy()
         self._last_impact: dict[int, float] = {}
         self._queries = 0
+        self._begun = 0.0
         self._last: FrameContacts | None = None
         self._last_wanted: BoolArray | Reach | None = None
 
@@ -191,6 +195,7 @@ class ContactTracker:
         if not continuous or (self._history.times and time <= self._history.times[-1]):
             self.reset()
         self._queries = 0
+        self._begun = perf_counter()
         moved, warnings = self._take(time, transforms)
         if self._last is not None and len(moved) == 0 and _same(wanted, self._last_wanted):
             return self._unchanged(warnings)
@@ -258,7 +263,8 @@ class ContactTracker:
         assert self._last is not None
         none = np.zeros((0, 2), dtype=np.int64)
         candidates = len(self._pairs.key)
-        return FrameContacts(self._last.contacts, none, none, (), ContactStatistics(candidates, 0, candidates), warnings)
+        statistics = ContactStatistics(candidates, 0, candidates, perf_counter() - self._begun)
+        return FrameContacts(self._last.contacts, none, none, (), statistics, warnings)
 
     def _energies(self, speed: FloatArray) -> FloatArray:
         """The most energy (n,) that bodies of a ``speed`` (n,) of up to so much could bring into an impact."""
@@ -365,6 +371,7 @@ class ContactTracker:
         touched, struck = old.key[old.touching & old.looked], old.key[old.struck]
         key = self._near[met]
         pairs = self._pairs = old.carried_to(key, larger[met], smaller[met])
+        broad = perf_counter() - self._begun
         fresh = pairs.known & (pairs.version[0] == self._version[pairs.larger]) & (pairs.version[1] == self._version[pairs.smaller])
         asked = self._asked(wanted, fresh)
         looked = asked | fresh
@@ -414,7 +421,7 @@ class ContactTracker:
             began=self._numbers(began),
             ended=self._numbers(lost),
             impacts=impacts,
-            statistics=ContactStatistics(len(key), self._queries, max(0, len(key) - self._queries)),
+            statistics=ContactStatistics(len(key), self._queries, max(0, len(key) - self._queries), broad),
             warnings=warnings,
         )
 

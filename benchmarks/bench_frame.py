@@ -1,0 +1,237 @@
+"""What tracing adds to Blender's own frame while rigid bodies fall and settle, or lie still.
+
+    python -m benchmarks.bench_frame [--bodies 100 1000 3000] [--settled 10000] [--frames 200] [--shape BOX] [--strategy auto]
+
+Every frame is simulated by Blender and traced by the add-on's own handler, which is timed within it: `tracing` and `Blender` are medians of
+the milliseconds over all frames, `cost` the median of their ratio frame by frame. 4 sources are on bodies, 10 listeners on others; all
+contacts that signals reach are wanted. `off` is the median of Blender's frame in a run of its own with tracing off. Settled bodies lie
+on the ground with one source at the edge; `beyond reading` is what tracing costs without reading the transforms.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import tempfile
+import time
+import tracemalloc
+from dataclasses import dataclass
+
+os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+import bpy
+import haptic_tracing
+import numpy as np
+from haptic_tracing.addon import session
+from mathutils import Euler
+
+GOALS = {100: 0.25, 1000: 0.06, 3000: 0.05}
+SETTLED_GOAL = 1.0
+SOURCES, LISTENERS = 4, 10
+SIZE = 0.5
+SHAPES = ("BOX", "SPHERE", "CONVEX_HULL", "CYLINDER", "CAPSULE", "CONE", "MIXED")
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """Medians over the frames of one scene: milliseconds of Blender's own frame, of it in a run with tracing off, of tracing and of each
+    of its stages; the ratio; narrow-phase queries made and avoided per frame, all told; bytes that the tracer holds."""
+
+    bodies: int
+    blender: float
+    off: float
+    tracing: float
+    cost: float
+    stages: dict[str, float]
+    contacts: float
+    queries: int
+    avoided: int
+    memory: int
+
+
+def _mesh(kind: str) -> bpy.types.Mesh:
+    half = SIZE / 2
+    mesh = bpy.data.meshes.new(kind)
+    if kind == "BOX":
+        corners = [(x, y, z) for x in (-half, half) for y in (-half, half) for z in (-half, half)]
+        faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    else:
+        turns = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+        ring = [(half * np.cos(a), half * np.sin(a)) for a in turns]
+        top = 1.6 * half if kind == "CAPSULE" else half
+        corners = [(x, y, z) for z in (-top, top) for x, y in ring]
+        faces = [tuple(range(11, -1, -1)), tuple(range(12, 24)), *((k, (k + 1) % 12, 12 + (k + 1) % 12, 12 + k) for k in range(12))]
+    mesh.from_pydata(corners, [], faces)
+    return mesh
+
+
+def _add(name: str, mesh: bpy.types.Mesh | None, place: tuple[float, ...], turn: tuple[float, ...] = (0, 0, 0)) -> bpy.types.Object:
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    obj.location, obj.rotation_euler = place, Euler(turn)
+    return obj
+
+
+def _rigid(obj: bpy.types.Object, shape: str, kind: str = "ACTIVE") -> bpy.types.Object:
+    bpy.context.scene.rigidbody_world.collection.objects.link(obj)
+    body = obj.rigid_body
+    body.type, body.collision_shape, body.mass = kind, shape, 10.0
+    obj.haptics.enabled = True
+    return obj
+
+
+def build(bodies: int, shape: str, frames: int, settled: bool, strategy: str) -> bpy.types.Scene:
+    """A new file with so many bodies above a ground: in layers, turned at random, that fall onto each other, or side by side at rest."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, frames
+    scene.haptics.tracing = False
+    scene.haptics.strategy = strategy
+    bpy.ops.rigidbody.world_add()
+    world = scene.rigidbody_world
+    world.collection, world.constraints = bpy.data.collections.new("bodies"), bpy.data.collections.new("constraints")
+    world.point_cache.frame_start, world.point_cache.frame_end = 1, frames
+    kinds = SHAPES[:-1] if shape == "MIXED" else (shape,)
+    meshes = {kind: _mesh(kind) for kind in kinds}
+    random = np.random.default_rng(bodies)
+    width = int(np.ceil(np.sqrt(bodies))) if settled else max(3, round((bodies / 4) ** (1 / 3) * 2))
+    ground = _mesh("BOX")
+    ground.name = "ground"
+    ground.transform(np.diag([4.0 * width, 4.0 * width, 2.0, 1.0]).tolist())
+    _rigid(_add("ground", ground, (0, 0, -SIZE)), "BOX", "PASSIVE")
+    made = []
+    for k in range(bodies):
+        layer, row, column = k // width**2, k // width % width, k % width
+        gap = 0.7
+        place = np.array([column - width / 2, row - width / 2, 0.0]) * gap + [0, 0, SIZE / 2 + (0.0 if settled else 0.5 + gap * layer)]
+        turn = np.zeros(3)
+        if not settled:
+            place[:2] += random.uniform(-0.1, 0.1, 2)
+            turn = random.uniform(-0.5, 0.5, 3)
+        kind = kinds[k % len(kinds)]
+        made.append(_rigid(_add(f"body {k:05d}", meshes[kind], tuple(place), tuple(turn)), kind))
+    for k in range(1 if settled else SOURCES):
+        made[k * bodies // SOURCES].haptics.source.enabled = True
+    for k in range(LISTENERS):
+        made[(2 * k + 1) if settled else (2 * k + 1) * bodies // (2 * LISTENERS)].haptics.listener.enabled = True
+    bpy.context.view_layer.update()
+    return scene
+
+
+class _Watch:
+    """Times the add-on's handler from the handlers before and after it."""
+
+    def __init__(self) -> None:
+        self.tracing: list[float] = []
+        handlers = bpy.app.handlers.frame_change_post
+        handlers.insert(0, self._begin)
+        handlers.append(self._end)
+
+    def _begin(self, *_: object) -> None:
+        self._begun = time.perf_counter()
+
+    def _end(self, *_: object) -> None:
+        self.tracing.append(time.perf_counter() - self._begun)
+
+
+def measure(bodies: int, shape: str, frames: int, settled: bool, strategy: str) -> Row:
+    """Play the scene once with tracing and once without."""
+    scene = build(bodies, shape, frames, settled, strategy)
+    off = _play(scene, frames)[0] * 1000
+    scene = build(bodies, shape, frames, settled, strategy)
+    scene.haptics.tracing = True
+    watch = _Watch()
+    whole, results = _play(scene, frames)
+    tracing = np.array(watch.tracing)
+    own = whole - tracing
+    stages = {stage: float(np.median([r.milliseconds[stage] for r in results])) for stage in results[0].milliseconds}
+    row = Row(
+        bodies=bodies,
+        blender=1000 * float(np.median(own)),
+        off=float(np.median(off)),
+        tracing=1000 * float(np.median(tracing)),
+        cost=float(np.median(tracing / own)),
+        stages=stages,
+        contacts=float(np.median([len(r.contacts) for r in results])),
+        queries=sum(r.statistics["contact_queries"] for r in results) // frames,
+        avoided=sum(r.statistics["queries_avoided"] for r in results) // frames,
+        memory=_held(scene),
+    )
+    return row
+
+
+def _play(scene: bpy.types.Scene, frames: int) -> tuple[np.ndarray, list]:
+    """Seconds of each frame, and what was traced in it."""
+    seconds, results = np.empty(frames), []
+    for k in range(frames):
+        begun = time.perf_counter()
+        scene.frame_set(k + 1)
+        seconds[k] = time.perf_counter() - begun
+        result = session.result_of(scene)
+        if result is not None:
+            results.append(result)
+    return seconds, results
+
+
+def _held(scene: bpy.types.Scene) -> int:
+    """Bytes that tracing the last frames anew takes and keeps."""
+    session.clear()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    tracemalloc.start()
+    for _ in range(2):
+        session.trace(scene, depsgraph)
+    held, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return held
+
+
+def run(
+    bodies: tuple[int, ...] = (100, 1000, 3000), settled: int = 10_000, frames: int = 200, shape: str = "BOX", strategy: str = "auto"
+) -> list[Row]:
+    """Print the table; its rows."""
+    print(f"{frames} frames, {shape.lower()}, {SOURCES} sources, {LISTENERS} listeners, strategy {strategy}; milliseconds a frame")
+    heading = f"{'bodies':>7} {'Blender':>8} {'off':>8} {'tracing':>8} {'cost':>7} {'goal':>6} {'contacts':>8} {'queries':>8} {'avoided':>8} {'MB':>6}"
+    print(heading + "  stages")
+    rows = []
+    haptic_tracing.register()
+    try:
+        for count in bodies:
+            row = measure(count, shape, frames, False, strategy)
+            rows.append(row)
+            goal = f"{GOALS[count]:.0%}" if count in GOALS else ""
+            _show(row, f"{row.cost:7.1%} {goal:>6}")
+        if settled:
+            row = measure(settled, shape, frames, True, strategy)
+            rows.append(row)
+            _show(row, f"{row.cost:7.1%} {'':>6}")
+            beyond = row.tracing - row.stages["read"]
+            print(f"{settled} settled, one local source: {beyond:.2f} ms a frame beyond reading (goal {SETTLED_GOAL:g} ms)", flush=True)
+    finally:
+        haptic_tracing.unregister()
+    return rows
+
+
+def _show(row: Row, cost: str) -> None:
+    stages = ", ".join(f"{stage} {milliseconds:.2f}" for stage, milliseconds in row.stages.items())
+    print(
+        f"{row.bodies:7} {row.blender:8.2f} {row.off:8.2f} {row.tracing:8.2f} {cost} {row.contacts:8.0f} {row.queries:8} {row.avoided:8}"
+        f" {row.memory / 1e6:6.1f}  {stages}",
+        flush=True,
+    )
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--bodies", type=int, nargs="*", default=[100, 1000, 3000])
+    parser.add_argument("--settled", type=int, default=10_000)
+    parser.add_argument("--frames", type=int, default=200)
+    parser.add_argument("--shape", choices=SHAPES, default="BOX")
+    parser.add_argument("--strategy", choices=("auto", "best_path", "all_paths", "energy_balance"), default="auto")
+    options = parser.parse_args()
+    run(tuple(options.bodies), options.settled, options.frames, options.shape, options.strategy)
+
+
+if __name__ == "__main__":
+    main()
