@@ -21,6 +21,7 @@ from ..core.scene import HapticObject, Listener, Pose, Settings, Source, SourceK
 from ..core.signals import DEFAULT_IMPACT, Loop, Noise, Pulse, Signal, Sine, read_wav
 from . import compatibility
 from .collision_shapes import collision_shape
+from .decimals import shortest
 from .formats.kept import kept_object, kept_source
 from .function_properties import PARAMETERS
 
@@ -70,6 +71,39 @@ class _Tagged:
     problems: tuple[Problem, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class _Lists:
+    """What is tagged, in the order of the rows: ``rows`` (m,) in the file and ``scales`` (m, 3) as authored; which of them are bodies, and
+    the rows in the file where sources and listeners are."""
+
+    rows: NDArray[np.int64]
+    scales: FloatArray
+    animated: tuple[int, ...]
+    of_bodies: NDArray[np.int64]
+    of_places: NDArray[np.int64]
+    objects: tuple[HapticObject, ...]
+    bodies: tuple[Body, ...]
+    places: tuple[Source | Listener, ...]
+    problems: tuple[Problem, ...]
+
+    @classmethod
+    def of(cls, by_row: dict[int, _Tagged]) -> _Lists:
+        tagged = sorted(by_row.values(), key=lambda t: t.row)
+        bodies = [(k, t.object, t.body) for k, t in enumerate(tagged) if t.object is not None and t.body is not None]
+        places = [(t.row, item) for t in tagged for item in (t.source, t.listener) if item is not None]
+        return cls(
+            rows=np.array([t.row for t in tagged], dtype=np.int64),
+            scales=np.array([t.scale for t in tagged], dtype=np.float64).reshape(-1, 3),
+            animated=tuple(t.row for t in tagged if t.animated),
+            of_bodies=np.array([k for k, _, _ in bodies], dtype=np.int64),
+            of_places=np.array([row for row, _ in places], dtype=np.int64),
+            objects=tuple(item for _, item, _ in bodies),
+            bodies=tuple(body for _, _, body in bodies),
+            places=tuple(item for _, item in places),
+            problems=tuple(problem for t in tagged for problem in t.problems),
+        )
+
+
 class SceneReader:
     """Reads one scene, again and again."""
 
@@ -77,7 +111,11 @@ class SceneReader:
         self._session_ids: NDArray[np.int32] | None = None
         self._tagged: dict[int, _Tagged] = {}  # by row
         self._shapes: dict[int, tuple[Any, Any]] = {}  # by session id: what it was built from, and the shape
-        self._lists: tuple[Any, ...] | None = None
+        self._lists: _Lists | None = None
+        self._raw = np.zeros((0, 16), dtype=np.float32)  # all matrices of the file as they were read last
+        self._rigid = np.zeros((0, 4, 4))  # of the tagged rows
+        self._transforms = np.zeros((0, 4, 4))  # of the bodies
+        self._placed: list[Source | Listener] = []
 
     def forget(self) -> None:
         """Something an author can change has changed: read everything at the next call."""
@@ -99,21 +137,18 @@ class SceneReader:
         if self._session_ids is None or not np.array_equal(self._session_ids, session_ids):
             self._read_all(depsgraph)
             self._session_ids = session_ids
-        matrices = _matrices(len(session_ids))
-        self._read_changed(depsgraph, matrices)
-        rows, objects, bodies, places, problems = self._assembled()
-        transforms, _ = rigid_transforms(matrices[rows])
+        lists = self._read_changed(depsgraph, _raw_matrices(len(session_ids)))
         now, duration = seconds_of(scene, scene.frame_current), scene.render.fps_base / scene.render.fps
-        moved = [replace(item, position=tuple(matrices[row, :3, 3].tolist())) for row, item in places if _sounds(item, now, duration)]
+        heard = [item for item in self._placed if _sounds(item, now, duration)]
         return Reading(
-            objects=objects,
-            bodies=bodies,
-            transforms=transforms,
-            sources=tuple(item for item in moved if isinstance(item, Source)),
-            listeners=tuple(item for item in moved if isinstance(item, Listener)),
+            objects=lists.objects,
+            bodies=lists.bodies,
+            transforms=self._transforms,
+            sources=tuple(item for item in heard if isinstance(item, Source)),
+            listeners=tuple(item for item in heard if isinstance(item, Listener)),
             settings=read_settings(scene),
             contact_settings=read_contact_settings(scene),
-            problems=problems,
+            problems=lists.problems,
         )
 
     def _read_all(self, depsgraph: Depsgraph) -> None:
@@ -122,39 +157,41 @@ class SceneReader:
         self._tagged = {row: self._read_object(row, obj, depsgraph) for row, obj in tagged.items()}
         self._lists = None
 
-    def _read_changed(self, depsgraph: Depsgraph, matrices: FloatArray) -> None:
-        """Read again what is animated, what was scaled and whose mesh changed."""
-        rows = {row for row, tagged in self._tagged.items() if tagged.animated} | self._scaled(matrices)
+    def _read_changed(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> _Lists:
+        """Read again what is animated, what was scaled and whose mesh changed, and where everything is now."""
+        lists = self._lists or _Lists.of(self._tagged)
+        if lists is not self._lists or len(raw) != len(self._raw):
+            self._rigid, moved = np.zeros((len(lists.rows), 4, 4)), np.arange(len(lists.rows))
+        else:
+            moved = np.flatnonzero((raw[lists.rows] != self._raw[lists.rows]).any(axis=1))
+        rows = set(lists.animated)
+        if len(moved):
+            rigid, scales = rigid_transforms(_matrices(raw[lists.rows[moved]]))
+            # A new array: the old one belongs to the last reading.
+            self._rigid = rigid if len(moved) == len(lists.rows) else self._rigid.copy()
+            self._rigid[moved] = rigid
+            known = lists.scales[moved]
+            rows |= set(lists.rows[moved[np.any(np.abs(scales - known) > 1e-5 * np.abs(known), axis=1)]].tolist())
         if depsgraph.id_type_updated("MESH") or depsgraph.id_type_updated("ARMATURE"):
             deformed = {u.id.original.session_uid for u in depsgraph.updates if u.is_updated_geometry and isinstance(u.id, Object)}
             for session_id in deformed:
                 self._shapes.pop(session_id, None)
             rows |= {row for row in self._tagged if self._session_ids is not None and int(self._session_ids[row]) in deformed}
+        changed = False
         for row in sorted(rows):
             tagged = self._read_object(row, bpy.data.objects[row], depsgraph)
             if tagged != self._tagged[row]:
                 self._tagged[row] = tagged
-                self._lists = None
-
-    def _scaled(self, matrices: FloatArray) -> set[int]:
-        rows = np.fromiter(self._tagged, dtype=np.int64, count=len(self._tagged))
-        known = np.array([tagged.scale for tagged in self._tagged.values()], dtype=np.float64).reshape(-1, 3)
-        _, scales = rigid_transforms(matrices[rows])
-        changed = np.any(np.abs(scales - known) > 1e-5 * np.abs(known), axis=1)
-        return set(rows[changed].tolist())
-
-    def _assembled(self) -> tuple[Any, ...]:
-        if self._lists is None:
-            tagged = sorted(self._tagged.values(), key=lambda t: t.row)
-            bodies = [t for t in tagged if t.object is not None and t.body is not None]
-            self._lists = (
-                np.array([t.row for t in bodies], dtype=np.int64),
-                tuple(t.object for t in bodies),
-                tuple(t.body for t in bodies),
-                tuple((t.row, item) for t in tagged for item in (t.source, t.listener) if item is not None),
-                tuple(problem for t in tagged for problem in t.problems),
-            )
-        return self._lists
+                changed = True
+        if changed:
+            lists = _Lists.of(self._tagged)  # of the same rows
+        if len(moved) or lists is not self._lists:
+            self._transforms = self._rigid[lists.of_bodies]
+            self._placed = [
+                replace(item, position=tuple(place)) for place, item in zip(raw[lists.of_places, 12:15].tolist(), lists.places, strict=True)
+            ]
+        self._raw, self._lists = raw, lists
+        return lists
 
     def _read_object(self, row: int, obj: Object, depsgraph: Depsgraph) -> _Tagged:
         haptics = obj.haptics
@@ -224,12 +261,16 @@ def haptic_carrier(obj: Object | None) -> Object | None:
 
 def read_function(haptics: Any) -> ModulationFunction:
     """The propagation function of an object's properties. Raises ValueError in words."""
-    parameters = {key: getattr(haptics, name) for key, name in PARAMETERS.get(haptics.function, {}).items()}
+    parameters = {key: _typed(getattr(haptics, name)) for key, name in PARAMETERS.get(haptics.function, {}).items()}
     if haptics.wave_speed > 0:
-        parameters["wave_speed"] = haptics.wave_speed
+        parameters["wave_speed"] = shortest(haptics.wave_speed)
     if haptics.material.use_bands:
-        parameters["band_decays"] = tuple(haptics.material.band_decays)
+        parameters["band_decays"] = tuple(map(shortest, haptics.material.band_decays))
     return function_from_dict({"function": haptics.function, **parameters})
+
+
+def _typed(value: Any) -> Any:
+    return shortest(value) if isinstance(value, float) else value
 
 
 def read_object(obj: Object) -> HapticObject:
@@ -237,10 +278,10 @@ def read_object(obj: Object) -> HapticObject:
     haptics = obj.haptics
     return HapticObject(
         name=obj.name_full,
-        kappa=haptics.kappa,
-        rho=haptics.rho,
+        kappa=shortest(haptics.kappa),
+        rho=shortest(haptics.rho),
         propagation=read_function(haptics),
-        mass=obj.rigid_body.mass if obj.rigid_body is not None else kept_object(haptics.imported).mass,
+        mass=shortest(obj.rigid_body.mass) if obj.rigid_body is not None else kept_object(haptics.imported).mass,
         medium=haptics.medium,
     )
 
@@ -254,13 +295,13 @@ def read_source(obj: Object, carrier: str) -> Source:
     return Source(
         name=obj.name_full,
         object=carrier,
-        amplitude=0.0 if properties.muted else properties.amplitude,
+        amplitude=0.0 if properties.muted else shortest(properties.amplitude),
         kind=kept.kind,
         signal=kept.signal if properties.signal == "KEPT" else read_signal(properties),
         second_object=kept.second_object if struck else None,
         second_position=kept.second_position if struck else None,
         onset=kept.onset,
-        priority=properties.priority,
+        priority=shortest(properties.priority),
     )
 
 
@@ -268,9 +309,9 @@ def read_signal(properties: Any) -> Signal:
     """The signal of a source's properties. Raises ValueError in words where its file can't be read."""
     match properties.signal:
         case "SINE":
-            return Sine(properties.frequency)
+            return Sine(shortest(properties.frequency))
         case "PULSE":
-            return Pulse(properties.frequency)
+            return Pulse(shortest(properties.frequency))
         case "NOISE":
             return Noise()
     if not properties.filepath:
@@ -285,10 +326,10 @@ def read_listener(obj: Object, carrier: str) -> Listener:
         name=obj.name_full,
         object=carrier,
         body_part="" if properties.body_part == "NONE" else properties.body_part,
-        radius=properties.radius,
-        gain=properties.gain,
+        radius=shortest(properties.radius),
+        gain=shortest(properties.gain),
         mixing=properties.mixing,
-        s_max=properties.s_max,
+        s_max=shortest(properties.s_max),
     )
 
 
@@ -299,9 +340,9 @@ def read_settings(scene: Scene) -> Settings:
         mode=haptics.mode,
         strategy=haptics.strategy,
         max_connections=haptics.max_connections or None,
-        threshold=haptics.threshold,
-        epsilon=haptics.epsilon,
-        localise=haptics.localise,
+        threshold=shortest(haptics.threshold),
+        epsilon=shortest(haptics.epsilon),
+        localise=shortest(haptics.localise),
     )
 
 
@@ -309,7 +350,9 @@ def read_contact_settings(scene: Scene) -> ContactSettings:
     """What counts as a contact and as an impact in a scene."""
     haptics = scene.haptics
     return ContactSettings(
-        tolerance=haptics.contact_tolerance, least_energy=haptics.minimum_energy, full_energy=max(haptics.maximum_energy, 1e-3)
+        tolerance=shortest(haptics.contact_tolerance),
+        least_energy=shortest(haptics.minimum_energy),
+        full_energy=max(shortest(haptics.maximum_energy), 1e-3),
     )
 
 
@@ -338,11 +381,16 @@ def _session_ids() -> NDArray[np.int32]:
     return ids
 
 
-def _matrices(count: int) -> FloatArray:
-    """(n, 4, 4) world matrices of all objects of the file."""
+def _raw_matrices(count: int) -> NDArray[np.float32]:
+    """(n, 16) world matrices of all objects of the file, column by column."""
     values = np.empty(16 * count, dtype=np.float32)
     bpy.data.objects.foreach_get("matrix_world", values)
-    return values.reshape(count, 4, 4).transpose(0, 2, 1).astype(np.float64)
+    return values.reshape(count, 16)
+
+
+def _matrices(raw: NDArray[np.float32]) -> FloatArray:
+    """(n, 4, 4) matrices of raw ones (n, 16)."""
+    return raw.reshape(-1, 4, 4).transpose(0, 2, 1).astype(np.float64)
 
 
 def pose_of(transform: FloatArray) -> Pose:
@@ -363,8 +411,9 @@ def rigid_transforms(matrices: FloatArray) -> tuple[FloatArray, FloatArray]:
     """
     transforms = np.array(matrices, dtype=np.float64)
     axes = transforms[:, :3, :3]
-    scales = np.linalg.norm(axes, axis=1)
-    mirrored = np.linalg.det(axes) < 0
-    scales[mirrored] *= -1
+    scales = np.sqrt(np.einsum("nij,nij->nj", axes, axes))
+    x, y, z = axes.transpose(2, 1, 0)
+    volume = (y[1] * z[2] - y[2] * z[1]) * x[0] + (y[2] * z[0] - y[0] * z[2]) * x[1] + (y[0] * z[1] - y[1] * z[0]) * x[2]
+    scales[volume < 0] *= -1
     transforms[:, :3, :3] = axes / np.where(scales == 0, 1.0, scales)[:, None, :]
     return transforms, scales

@@ -10,7 +10,7 @@ from bpy.types import UILayout
 
 from ...core.formats import registry
 from ...core.formats.options import Option, Value
-from .frame_scene import shortest
+from ..decimals import shortest
 
 LARGEST = 2**31 - 1
 

@@ -1,29 +1,24 @@
-"""The haptic scene of a traced frame, in numbers that survive a file and Blender's single precision.
+"""The haptic scene of a traced frame: the very numbers that it was traced from.
 
-Written, imported and written again, a frame gives the same bytes: properties are the shortest decimals of their single precision, what
-stands where a file put it keeps that file's numbers, and contacts are found from the very shapes and poses that are written.
+Written, imported and written again, a frame gives the same bytes: what stands and touches where a file put it keeps that file's numbers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import fields, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import bpy
-import numpy as np
 from bpy.types import Depsgraph, Object
 
-from ...core.contacts.shapes import pose_matrix
-from ...core.contacts.tracker import ContactTracker
 from ...core.formats.recording import pair_of
 from ...core.frame_result import FrameResult
-from ...core.functions import ModulationFunction
-from ...core.scene import Contact, HapticObject, HapticScene, Listener, Source, SourceKind, Vector
-from ...core.signals import Pulse, Signal, Sine
+from ...core.scene import Contact, HapticObject, HapticScene, Listener, Source, SourceKind
 from .. import session
+from ..decimals import shortest
 from ..scene_reader import Reading
-from .kept import kept_listener, kept_object, kept_scene, kept_source, near, same_pose
+from .kept import KeptContact, kept_contacts, kept_listener, kept_object, kept_scene, kept_source, near, same_pose
 
 T = TypeVar("T")
 
@@ -47,7 +42,7 @@ def scene_of_frame(scene: bpy.types.Scene, depsgraph: Depsgraph) -> HapticScene:
 def scene_of_result(result: FrameResult, reading: Reading, scene: bpy.types.Scene) -> HapticScene:
     """The haptic scene of a traced frame of ``scene`` and the reading that it was traced from. Lists are in the order of names."""
     written = written_frame(result, reading, scene)
-    return replace(written, contacts=_contacts(written.objects, reading))
+    return replace(written, contacts=_contacts(result, kept_contacts(scene.haptics.imported), _unmoved(reading)))
 
 
 def written_frame(result: FrameResult, reading: Reading, scene: bpy.types.Scene) -> HapticScene:
@@ -57,7 +52,7 @@ def written_frame(result: FrameResult, reading: Reading, scene: bpy.types.Scene)
         objects=_by_name(_object(item, found.get(item.name)) for item in reading.posed_objects()),
         sources=_by_name(_source(item, found.get(item.name)) for item in result.sources),
         listeners=_by_name(_listener(item, found.get(item.name)) for item in result.listeners),
-        settings=_shortest(reading.settings, ("threshold", "epsilon")),
+        settings=reading.settings,
         extras=_extras(scene, result.number),
     )
 
@@ -85,69 +80,55 @@ def _by_name(items: Any) -> tuple[Any, ...]:
     return tuple(sorted(items, key=lambda item: item.name))
 
 
-def shortest(value: float) -> float:
-    """The shortest decimal that is the same number in single precision: 0.1, not 0.10000000149011612."""
-    return float(str(np.float32(value)))
-
-
-def _shortest(item: T, names: Collection[str]) -> T:
-    return replace(item, **{name: shortest(getattr(item, name)) for name in names})  # type: ignore[type-var]
-
-
-def _vector(value: Vector) -> Vector:
-    x, y, z = map(shortest, value)
-    return x, y, z
-
-
 def _object(item: HapticObject, obj: Object | None) -> HapticObject:
     kept = kept_object(obj.haptics.imported if obj is not None else "")
     material = obj.haptics.material.name if obj is not None else ""
     assert item.pose is not None
-    pose = replace(item.pose, position=_vector(item.pose.position))
-    if kept.pose is not None and same_pose(kept.pose, item.pose):
-        pose = kept.pose
-    mass = item.mass if item.mass is None or item.mass == kept.mass else shortest(item.mass)
+    pose = kept.pose if kept.pose is not None and same_pose(kept.pose, item.pose) else item.pose
     extras = {**kept.extras, MATERIAL: material} if material else dict(kept.extras)
-    return replace(_shortest(item, ("kappa", "rho")), propagation=written_function(item.propagation), pose=pose, mass=mass, extras=extras)
-
-
-def written_function(function: ModulationFunction) -> ModulationFunction:
-    """With the numbers that single precision keeps."""
-    numbers = [f.name for f in fields(function) if f.init and isinstance(getattr(function, f.name), float)]
-    spectrum = replace(_shortest(function.spectrum, ("wave_speed",)), band_decays=tuple(map(shortest, function.spectrum.band_decays)))
-    return replace(_shortest(function, numbers), spectrum=spectrum)
+    return replace(item, pose=pose, extras=extras)
 
 
 def _source(item: Source, obj: Object | None) -> Source:
     if obj is None:  # an impact of this frame
-        return _shortest(item, ("amplitude",))
+        return item
     kept = kept_source(obj.haptics.source.imported)
-    position = kept.position if kept.position is not None and near(kept.position, item.position) else _vector(item.position)
-    signal = item.signal if obj.haptics.source.signal in ("KEPT", "FILE") else _signal(item.signal)
-    return replace(_shortest(item, ("amplitude", "priority")), position=position, signal=signal, extras=dict(kept.extras))
-
-
-def _signal(signal: Signal | None) -> Signal | None:
-    """With the frequency that the property shows."""
-    match signal:
-        case Sine(frequency=float(frequency)) | Pulse(frequency=float(frequency)):
-            return replace(signal, frequency=shortest(frequency))
-    return signal
+    position = kept.position if kept.position is not None and near(kept.position, item.position) else item.position
+    exact = kept.amplitude is not None and shortest(kept.amplitude) == item.amplitude
+    amplitude = kept.amplitude if exact and kept.amplitude is not None else item.amplitude
+    return replace(item, position=position, amplitude=amplitude, extras=dict(kept.extras))
 
 
 def _listener(item: Listener, obj: Object | None) -> Listener:
     kept = kept_listener(obj.haptics.listener.imported if obj is not None else "")
-    position = kept.position if kept.position is not None and near(kept.position, item.position) else _vector(item.position)
-    return replace(_shortest(item, ("radius", "gain", "s_max")), position=position, extras=dict(kept.extras))
+    position = kept.position if kept.position is not None and near(kept.position, item.position) else item.position
+    return replace(item, position=position, extras=dict(kept.extras))
 
 
-def _contacts(objects: tuple[HapticObject, ...], reading: Reading) -> tuple[Contact, ...]:
-    """Between the objects as they are written."""
-    body = {item.name: item for item in reading.bodies}
-    bodies = [replace(body[item.name], shape=item.shape) for item in objects]
-    transforms = np.array([pose_matrix(item.pose) for item in objects if item.pose is not None], dtype=np.float64).reshape(-1, 4, 4)
-    frame = ContactTracker(bodies, reading.contact_settings).update(0.0, transforms)
-    return frame.contacts.to_contacts([item.name for item in objects])
+def _contacts(
+    result: FrameResult, kept: Mapping[tuple[str, str], Sequence[KeptContact]], unmoved: Collection[str]
+) -> tuple[Contact, ...]:
+    """Those that were traced, in the order of their objects' names; between ``unmoved`` objects with the numbers of the file."""
+    contacts: dict[tuple[str, str], list[Contact]] = {}
+    for contact in result.contacts.to_contacts(result.objects):
+        contacts.setdefault(pair_of(contact), []).append(contact)
+    written: list[Contact] = []
+    for pair, found in sorted(contacts.items()):
+        known = kept.get(pair, ()) if pair[0] in unmoved and pair[1] in unmoved else ()
+        for number, contact in enumerate(found):
+            written.append(known[number].written(contact) if number < len(known) else contact)
+    return tuple(written)
+
+
+def _unmoved(reading: Reading) -> set[str]:
+    """Names of the objects that stand where a file put them."""
+    found = {obj.name_full: obj for obj in bpy.data.objects if obj.haptics.imported}
+    unmoved = set()
+    for item in reading.posed_objects() if found else ():
+        kept = kept_object(found[item.name].haptics.imported) if item.name in found else None
+        if kept is not None and kept.pose is not None and item.pose is not None and same_pose(kept.pose, item.pose):
+            unmoved.add(item.name)
+    return unmoved
 
 
 def _extras(scene: bpy.types.Scene, frame: int) -> dict[str, Any]:

@@ -12,10 +12,10 @@ from ...core.formats import registry
 from ...core.formats.haptic_scene import read_export
 from ...core.formats.reading import Channel, Reading
 from ...core.signals import Loop, Sampled, Signal
+from ..decimals import shortest
 from ..operators.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode
 from ..scene_reader import haptic_carrier
 from .export_operators import MOST_REPORTED
-from .frame_scene import shortest
 from .kept import text_of
 from .scene_builder import build
 

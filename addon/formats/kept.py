@@ -8,13 +8,13 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
 from ...core.contacts.shapes import Shape, shape_from_dict
 from ...core.formats.strict_json import parse_json
-from ...core.scene import Pose, SourceKind, Vector
+from ...core.scene import Contact, Pose, SourceKind, Vector
 from ...core.signals import Signal, signal_from_dict
 
 NEAR = 1e-5
@@ -33,7 +33,7 @@ class KeptObject:
 
 @dataclass(frozen=True, slots=True)
 class KeptSource:
-    """Of a source: ``signal`` counts where the source's signal is the imported one, the rest always."""
+    """Of a source: ``signal`` counts where the source's signal is the imported one, ``amplitude`` where it differs by rounding alone."""
 
     signal: Signal | None = None
     kind: SourceKind = SourceKind.PERSISTENT
@@ -41,6 +41,7 @@ class KeptSource:
     second_object: str | None = None
     second_position: Vector | None = None
     position: Vector | None = None
+    amplitude: float | None = None
     extras: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -52,9 +53,42 @@ class KeptListener:
     extras: Mapping[str, Any] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, slots=True)
+class KeptContact:
+    """Of a contact: where it was, in numbers of double precision."""
+
+    objects: tuple[str, str]
+    positions: tuple[Vector, Vector]
+    normal: Vector
+    area: float
+    depth: float
+    extras: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, contact: Contact) -> KeptContact:
+        """What is kept of a contact."""
+        return cls(contact.objects, contact.positions, contact.normal, contact.area, contact.depth, contact.extras)
+
+    def to_list(self) -> list[Any]:
+        """For `kept_contacts` to read again."""
+        return [list(self.objects), list(map(list, self.positions)), list(self.normal), self.area, self.depth, dict(self.extras)]
+
+    def written(self, found: Contact) -> Contact:
+        """The contact that was found, with the kept numbers."""
+        return replace(
+            found,
+            objects=self.objects,
+            positions=self.positions,
+            normal=self.normal,
+            area=self.area,
+            depth=self.depth,
+            extras=dict(self.extras),
+        )
+
+
 def text_of(**parts: Any) -> str:
     """The text that keeps ``parts``, "" where there is nothing to keep."""
-    used = {key: value for key, value in parts.items() if value not in (None, {})}
+    used = {key: value for key, value in parts.items() if value not in (None, {}, [])}
     return json.dumps(used, ensure_ascii=False, allow_nan=False, separators=(",", ":")) if used else ""
 
 
@@ -87,6 +121,7 @@ def kept_source(text: str) -> KeptSource:
             second_object=second if second is None else str(second),
             second_position=_vector(form.get("second_position")),
             position=_vector(form.get("position")),
+            amplitude=None if form.get("amplitude") is None else _number(form["amplitude"], 0.0),
             extras=_mapping(form.get("extras", {})),
         )
     except (ValueError, TypeError) as error:
@@ -106,6 +141,27 @@ def kept_listener(text: str) -> KeptListener:
 def kept_scene(text: str) -> Mapping[str, Any]:
     """The extras of a scene. Raises ValueError in words where the text is damaged."""
     return _mapping(_document(text).get("extras", {}))
+
+
+@lru_cache(maxsize=8)
+def kept_contacts(text: str) -> Mapping[tuple[str, str], tuple[KeptContact, ...]]:
+    """The contacts of a scene by their objects, in alphabetical order. Raises ValueError in words where the text is damaged."""
+    try:
+        contacts: dict[tuple[str, str], tuple[KeptContact, ...]] = {}
+        for (a, b), (at_a, at_b), normal, area, depth, extras in _document(text).get("contacts", []):
+            item = KeptContact(
+                (str(a), str(b)),
+                (_place(at_a), _place(at_b)),
+                _place(normal),
+                _number(area, 0.0),
+                _number(depth, -1e9),
+                _mapping(extras),
+            )
+            pair = (item.objects[0], item.objects[1]) if item.objects[0] < item.objects[1] else (item.objects[1], item.objects[0])
+            contacts[pair] = (*contacts.get(pair, ()), item)
+        return contacts
+    except (ValueError, TypeError) as error:
+        raise _damaged(error) from None
 
 
 def near(kept: Vector, position: Vector) -> bool:
@@ -130,8 +186,10 @@ def _mapping(value: Any) -> Mapping[str, Any]:
 
 
 def _vector(value: Any) -> Vector | None:
-    if value is None:
-        return None
+    return None if value is None else _place(value)
+
+
+def _place(value: Any) -> Vector:
     x, y, z = (_number(v, -1e9) for v in value)
     return x, y, z
 

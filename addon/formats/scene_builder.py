@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import bpy
@@ -16,11 +16,12 @@ from ...core.formats.export import Export
 from ...core.functions import Identity, ModulationFunction
 from ...core.scene import HapticObject, Listener, Pose, Settings, Source, SourceKind, Vector
 from ...core.signals import Noise, Pulse, Signal, Sine
+from ..decimals import shortest
 from ..function_properties import PARAMETERS
 from ..materials import library
 from ..scene_reader import read_function
-from .frame_scene import AUTHORED, EXTRAS, MATERIAL, shortest, written_function
-from .kept import near, text_of
+from .frame_scene import AUTHORED, EXTRAS, MATERIAL
+from .kept import KeptContact, near, text_of
 from .keyframes import local_place, write_keyframes
 from .shape_mesh import surface
 
@@ -121,7 +122,7 @@ class _Builder:
             for name in AUTHORED:
                 _assign(haptics, name, known.get(name))
             self._take_time(known)
-        haptics.imported = text_of(extras=extras)
+        haptics.imported = text_of(extras=extras, contacts=[KeptContact.of(item).to_list() for item in self.haptic.contacts])
 
     def _take_time(self, known: Mapping[str, Any]) -> None:
         rate, start, frame = (known.get(key) for key in ("frame_rate", "frame_start", "frame"))
@@ -231,6 +232,7 @@ def write_source(source: Any, item: Source, placed: bool = True) -> None:
     signal = Sine(60.0) if item.signal is None and item.kind is SourceKind.PERSISTENT else item.signal
     kept = _write_signal(source, signal)
     source.imported = text_of(
+        amplitude=None if shortest(item.amplitude) == item.amplitude else item.amplitude,
         signal=kept.to_dict() if kept is not None else None,
         kind=None if item.kind is SourceKind.PERSISTENT else item.kind.value,
         onset=item.onset or None,
@@ -287,7 +289,16 @@ def _write_signal(source: Any, signal: Signal | None) -> Signal | None:
 
 def _same(function: ModulationFunction, other: ModulationFunction) -> bool:
     """Whether two functions are one, but for rounding."""
-    return written_function(function) == written_function(other)
+    return _rounded(function) == _rounded(other)
+
+
+def _rounded(function: ModulationFunction) -> ModulationFunction:
+    """With the numbers that single precision keeps."""
+    numbers = {f.name: getattr(function, f.name) for f in fields(function) if f.init}
+    spectrum = function.spectrum
+    spectrum = replace(spectrum, wave_speed=shortest(spectrum.wave_speed), band_decays=tuple(map(shortest, spectrum.band_decays)))
+    floats = {name: shortest(value) for name, value in numbers.items() if isinstance(value, float)}
+    return replace(function, **floats, spectrum=spectrum)
 
 
 def _choose(owner: Any, name: str, value: str) -> bool:

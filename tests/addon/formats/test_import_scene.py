@@ -111,8 +111,8 @@ def test_export_import_export_gives_the_same_bytes(workshop, traced, tmp_path):
     after = gains_in_blender(traced)
     assert before.keys() == by_core.keys() == after.keys()
     for pair, gain in before.items():
-        assert by_core[pair] == pytest.approx(gain, rel=1e-4, abs=1e-6), pair
-        assert after[pair] == pytest.approx(gain, rel=1e-4, abs=1e-6), pair
+        assert by_core[pair] == pytest.approx(gain, rel=1e-12), pair
+        assert after[pair] == pytest.approx(gain, rel=1e-5, abs=1e-9), pair
     assert max(before.values()) > 0.1
 
 
@@ -167,8 +167,9 @@ def test_a_frame_of_the_demo_with_its_impacts(tmp_path, traced):
     by_core, after = gains_of(written), gains_in_blender(traced)
     assert before.keys() == by_core.keys() == after.keys()
     for pair, gain in before.items():
-        assert by_core[pair] == pytest.approx(gain, rel=1e-3, abs=1e-5), pair
-        assert after[pair] == pytest.approx(by_core[pair], rel=1e-4), pair
+        assert by_core[pair] == pytest.approx(gain, rel=1e-12), pair
+        # Poses in single precision may move the centre of a patch that is hardly more than a point by a millimetre.
+        assert after[pair] == pytest.approx(by_core[pair], rel=1e-3), pair
 
 
 numbers = st.floats(0, 1, allow_nan=False).map(lambda v: round(v, 4))

@@ -1,0 +1,10 @@
+"""Numbers as an author typed them: Blender keeps its properties in single precision."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def shortest(value: float) -> float:
+    """The shortest decimal that is the same number in single precision: 0.1, not 0.10000000149011612."""
+    return float(str(np.float32(value)))
