@@ -14,6 +14,9 @@ Pixels = NDArray[np.float32]
 Colour = tuple[float, float, float]
 
 SIZE = 256
+FLOOR = -60.0
+"""Decibels at the bottom of the picture."""
+
 _MARGIN = 10
 _KEY = "gain"
 
@@ -22,24 +25,32 @@ _shown: object = None
 
 
 def picture(curve: Curve, colour: Colour, ink: Colour) -> Pixels:
-    """The curve as pixels (SIZE, SIZE, 4), the first row at the bottom: the gain from 0 to 1 upwards, the reach of the curve across.
+    """The curve as pixels (SIZE, SIZE, 4), colours times opacity, the first row at the bottom: from `FLOOR` to 0 dB upwards, the curve's
+    reach across.
 
-    Lines at quarters of both, in ``ink``; the curve in ``colour``, filled below; the lowest and the highest band as thin lines.
+    Lines every 20 dB and at quarters of the reach, in ``ink``; the curve in ``colour``, filled below; the lowest and the highest band as
+    thin lines.
     """
     pixels = np.zeros((SIZE, SIZE, 4), dtype=np.float32)
-    pixels[..., :3] = ink
     inside = slice(_MARGIN, SIZE - _MARGIN)
+    for part in np.linspace(0, 1, 4):
+        _tint(pixels[_place(part), inside], ink, 0.5 if part == 0 else 0.2)
     for part in np.linspace(0, 1, 5):
-        place = _place(part)
-        alpha = 0.5 if part == 0 else 0.16
-        pixels[place, inside, 3] = alpha
-        pixels[inside, place, 3] = alpha
+        _tint(pixels[inside, _place(part)], ink, 0.5 if part == 0 else 0.2)
     columns = np.arange(_MARGIN, SIZE - _MARGIN)
     at = np.linspace(0, curve.reach, len(columns))
     for gains, width, filled in _lines(curve):
-        heights = _MARGIN + np.clip(np.interp(at, curve.distances, gains), 0, 1) * (SIZE - 2 * _MARGIN - 1)
+        decibels = 20 * np.log10(np.maximum(np.interp(at, curve.distances, gains), 1e-9))
+        heights = _MARGIN + np.clip(1 - decibels / FLOOR, -0.02, 1) * (SIZE - 2 * _MARGIN - 1)
         _draw(pixels, columns, heights, colour, width, filled)
     return pixels
+
+
+def _tint(pixels: Pixels, colour: Colour, alpha: float | NDArray[np.float64]) -> None:
+    """Lay a colour over pixels (..., 4) whose colours are times their opacity."""
+    cover = np.broadcast_to(np.asarray(alpha, dtype=np.float32), pixels.shape[:-1])[..., None]
+    pixels *= 1 - cover
+    pixels += cover * np.array([*colour, 1.0], dtype=np.float32)
 
 
 def _lines(curve: Curve) -> list[tuple[NDArray[np.float64], float, bool]]:
@@ -59,12 +70,10 @@ def _draw(pixels: Pixels, columns: NDArray[np.int64], heights: NDArray[np.float6
     distance = np.maximum(np.maximum(low - rows, rows - high), 0.0)
     alpha = np.clip(width + 0.5 - distance, 0.0, 1.0)
     if filled:
-        alpha = np.maximum(alpha, np.where((rows < heights) & (rows > _MARGIN), 0.18, 0.0))
-    old = pixels[:, columns, 3]
-    total = alpha + old * (1 - alpha)
-    share = np.divide(alpha, total, out=np.zeros_like(alpha), where=total > 0)[..., None]
-    pixels[:, columns, :3] = share * np.array(colour) + (1 - share) * pixels[:, columns, :3]
-    pixels[:, columns, 3] = total
+        alpha = np.maximum(alpha, np.where((rows < heights) & (rows > _MARGIN), 0.22, 0.0))
+    chosen = pixels[:, columns]
+    _tint(chosen, colour, alpha)
+    pixels[:, columns] = chosen
 
 
 def icon(key: object, curve: Curve, colour: Colour, ink: Colour) -> int:

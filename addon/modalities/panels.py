@@ -6,9 +6,8 @@ import bpy
 from bpy.types import Context, Panel
 
 from ...core.modalities import Felt, Modality
-from ..function_properties import PARAMETERS
 from ..panels.drawing import HapticsPanel, draw_carrier, draw_pair
-from ..panels.formula import draw_formula
+from ..panels.formula import draw_parameters
 from . import feeling
 from .properties import SHOWN
 
@@ -63,10 +62,7 @@ def _object_panel(modality: Modality) -> type[Panel]:
                 column = layout.column(align=True)
                 for quantity in modality.object_values:
                     column.prop(group, quantity.name)
-            for parameter in PARAMETERS.get(group.function, {}).values():
-                layout.prop(group, parameter)
-            if group.function == "expression":
-                draw_formula(layout, group.expression, 0.0, 1.0, context.scene.haptics.epsilon)
+            draw_parameters(layout, group, 0.0, 1.0, context.scene.haptics.epsilon)
         layout.prop(group, "is_source")
         if group.is_source:
             layout.prop(group, "source_value")

@@ -3,14 +3,28 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import blf
 from bpy.types import UILayout
 
 from ...core.functions import Finding, check_expression, excerpt
+from ..function_properties import PARAMETERS
 from .drawing import wrapped
 
 _checked = lru_cache(maxsize=256)(check_expression)
+
+
+def draw_parameters(layout: UILayout, group: Any, kappa: float, rho: float, epsilon: float) -> None:
+    """The parameters of the chosen function; a formula over the whole width, with what is wrong with it."""
+    if group.function == "expression":
+        row = layout.row()
+        row.use_property_split = False
+        row.prop(group, "expression", text="")
+        draw_formula(layout, group.expression, kappa, rho, epsilon)
+        return
+    for parameter in PARAMETERS.get(group.function, {}).values():
+        layout.prop(group, parameter)
 
 
 def draw_formula(layout: UILayout, source: str, kappa: float, rho: float, epsilon: float) -> Finding | None:

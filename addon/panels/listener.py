@@ -23,11 +23,12 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
         layout = self.layout
         layout.use_property_split = True
         listener = context.object.haptics.listener
-        layout.active = listener.enabled
-        layout.prop(listener, "body_part")
-        layout.prop(listener, "radius")
-        layout.prop(listener, "mixing")
-        column = layout.column(align=True)
+        settings = layout.column()
+        settings.active = listener.enabled
+        settings.prop(listener, "body_part")
+        settings.prop(listener, "radius")
+        settings.prop(listener, "mixing")
+        column = settings.column(align=True)
         column.prop(listener, "gain")
         column.prop(listener, "s_max")
         draw_carrier(layout, context.object, listener.enabled, "Feels")

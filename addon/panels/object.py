@@ -11,12 +11,11 @@ from bpy.types import Context, Object, Panel, UILayout
 
 from ...core.bands import BAND_EDGES
 from ...core.functions.curve import Curve, gain_curve
-from ..function_properties import PARAMETERS
 from ..materials import plot
 from ..preferences import gain_text, preferences
 from ..scene_reader import read_function
 from .drawing import HapticsPanel, draw_pair, warn
-from .formula import draw_formula
+from .formula import draw_parameters
 
 _SAME = 0.005
 """Two values of (1 - κ) ρ that nobody tells apart."""
@@ -56,11 +55,7 @@ class HAPTIC_PT_object(HapticsPanel, Panel):
         column.prop(material or haptics, "kappa")
         column.prop(material or haptics, "rho")
         layout.prop(haptics, "function")
-        parameter = next(iter(PARAMETERS.get(haptics.function, {}).values()), None)
-        if parameter is not None:
-            layout.prop(haptics, parameter)
-        if haptics.function == "expression":
-            draw_formula(layout, haptics.expression, haptics.kappa, haptics.rho, context.scene.haptics.epsilon)
+        draw_parameters(layout, haptics, haptics.kappa, haptics.rho, context.scene.haptics.epsilon)
         _draw_wave_speed(layout, haptics, material)
         layout.prop(haptics, "medium")
         for lines in advice(context, obj):
@@ -82,7 +77,8 @@ def _draw_wave_speed(layout: UILayout, haptics: Any, material: Any) -> None:
 def _draw_material(layout: UILayout, context: Context, material: Any) -> None:
     chosen = context.object.haptics.material
     row = layout.row(align=True)
-    row.prop_search(chosen, "name", context.scene.haptics.materials, "items", text="Material", icon="MATERIAL")
+    row.use_property_split = False
+    row.prop_search(chosen, "name", context.scene.haptics.materials, "items", text="", icon="MATERIAL")
     row.menu("HAPTIC_MT_materials", text="", icon="DOWNARROW_HLT")
     if chosen.name:
         row.operator("haptic.unlink_material", text="", icon="UNLINKED")
@@ -143,7 +139,7 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
         icon = plot.icon(key, curve, tuple(preferences().curve_colour), plot.theme_ink(context))
         layout.template_icon(icon_value=icon, scale=7.0)
         row = layout.row()
-        row.label(text="0 m")
+        row.label(text="0 m, 0 to -60 dB")
         side = row.row()
         side.alignment = "RIGHT"
         side.label(text=f"{curve.reach:g} m")

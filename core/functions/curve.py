@@ -11,8 +11,8 @@ from .modulation import ModulationFunction
 
 FloatArray = NDArray[np.float64]
 
-FAINT = 0.01
-"""A curve is shown until its gain is a hundredth of its largest: 40 dB."""
+FAINT = 0.001
+"""A curve is shown until its gain is a thousandth: -60 dB."""
 _REACHES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 
 
@@ -38,7 +38,7 @@ def gain_curve(function: ModulationFunction, kappa: float, rho: float, epsilon: 
     """
     probe = np.array([0.0, *_REACHES])
     gains = function.gain(probe, kappa, rho, epsilon)
-    faint = np.flatnonzero(gains[1:] <= FAINT * gains.max())
+    faint = np.flatnonzero(gains[1:] <= FAINT)
     reach = _REACHES[int(faint[0])] if len(faint) and gains.max() > 0 else (_REACHES[-1] if gains.max() > 0 else 1.0)
     distances = np.linspace(0.0, reach, count)
     plain = function.gain(distances, kappa, rho, epsilon)

@@ -20,6 +20,9 @@ class RecordingLayout:
 
     row = box = split = grid_flow = column_flow = column
 
+    def context_pointer_set(self, *_: Any) -> None:
+        pass
+
     def separator(self, **_: Any) -> None:
         pass
 

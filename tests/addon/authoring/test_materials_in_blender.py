@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon import session
 from haptic_tracing.addon.materials import plot
-from haptic_tracing.core.functions import HapticTracing, Spectrum
+from haptic_tracing.core.functions import Constant, HapticTracing, Spectrum
 from haptic_tracing.core.functions.curve import gain_curve
 from haptic_tracing.core.materials import MATERIALS
 
@@ -175,15 +175,17 @@ def test_the_picture_is_drawn_again_only_where_something_changed(monkeypatch):
     plot.forget()
 
 
-@pytest.mark.parametrize("gain", [0.0, 0.5, 1.0])
-def test_the_picture_has_the_curve_at_its_height(gain):
-    from haptic_tracing.core.functions import Constant
-
-    pixels = plot.picture(gain_curve(Constant(gain_value=gain), 0, 1, 0.1), (1.0, 0.5, 0.0), (0.9, 0.9, 0.9))
+@pytest.mark.parametrize("decibels", [0.0, -20.0, -47.0])
+def test_the_picture_has_the_curve_at_its_height(decibels):
+    curve = gain_curve(Constant(gain_value=10 ** (decibels / 20)), 0, 1, 0.1)
+    pixels = plot.picture(curve, (1.0, 0.5, 0.0), (0.9, 0.9, 0.9))
     assert pixels.shape == (plot.SIZE, plot.SIZE, 4)
-    assert np.isfinite(pixels).all() and pixels.min() >= 0 and pixels.max() <= 1
-    strongest = np.argmax(pixels[:, 77, 3] * (np.abs(pixels[:, 77, :3] - (1.0, 0.5, 0.0)).sum(axis=1) < 0.1))
-    assert abs(strongest - (10 + gain * (plot.SIZE - 21))) <= 2
+    assert np.isfinite(pixels).all()
+    assert pixels.min() >= 0
+    assert pixels.max() <= 1 + 1e-6
+    assert (pixels[..., :3] <= pixels[..., 3:] + 1e-6).all()  # colours are times opacity
+    strongest = np.argmax(pixels[:, 77, 0] - pixels[:, 77, 2])
+    assert abs(strongest - (10 + (1 + decibels / 60) * (plot.SIZE - 21))) <= 2
 
 
 def test_every_part_of_a_material_is_shared(boxes, materials):
