@@ -36,7 +36,7 @@ class Found:
     """A device that can be driven.
 
     key: its name in settings. kind: how it is connected, for people. permission: why this user may not open it, or empty; rule: the line
-    for udev that lets them. open: makes the output, not started.
+    for udev that would let them, if that is all. open: makes the output, not started.
     """
 
     key: str
@@ -188,14 +188,17 @@ def _hid_device(profile: Profile, device: object) -> Found:
     from ...core.devices.output import DeviceOutput
 
     assert isinstance(device, Connected)
-    closed = next(((text, udev_rule(i)) for i in device.interfaces if (text := missing_permission(i)) is not None), ("", ""))
+    problem, rule = "", ""
+    for interface in device.interfaces:
+        problem = problem or missing_permission(interface) or ""
+        rule = udev_rule(interface) if udev_rule(interface) in problem else rule
     return Found(
         key=" ".join(filter(None, (profile.name, device.serial))),
         title=profile.title,
         kind={"usb": "USB", "bt": "Bluetooth"}[device.transport] + (", experimental" if profile.experimental else ""),
         device=profile,
-        permission=closed[0],
-        rule=closed[1],
+        permission=problem,
+        rule=rule,
         open=lambda adjustment: DeviceOutput(profile, serial=device.serial, adjustment=adjustment),
     )
 

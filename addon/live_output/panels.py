@@ -85,11 +85,13 @@ def _draw_devices(layout: UILayout, scene: Scene) -> None:
         if found.key in outputs.running():
             continue
         box = _draw_title(layout, found.title, found.kind)
-        if found.permission:
-            _draw_text(box, "You may not use it yet. Put the rule into", icon="ERROR")
-            box.label(text=UDEV_FILE, icon="BLANK1")
+        if found.rule:
+            _draw_text(box, "You may not use it yet. Copy the rule into", icon="ERROR")
+            box.label(text=UDEV_FILE)
             _draw_text(box, "and plug the device in again")
             box.operator("haptic.copy_udev_rule", icon="COPYDOWN").device = found.key
+        elif found.permission:
+            _draw_text(box, found.permission, icon="ERROR")
         box.operator("haptic.connect_device", icon="LINKED").device = found.key
     for name in inventory.strangers:
         layout.label(text=f"{name} is not supported", icon="QUESTION")

@@ -67,6 +67,8 @@ def play(scene: int, result: FrameResult, frame_seconds: float, choices: Mapping
     if _state.playing and scene != _state.scene:
         rest()
         _state.scene = scene
+    if not result.listeners:
+        rest()
     if _state.result is result or not result.listeners:
         return
     _state.result = result

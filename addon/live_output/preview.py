@@ -1,7 +1,7 @@
 """The preview: what listeners feel, as sound, through Blender's own audio system. Needs no device but a loudspeaker.
 
-Listeners on the left are heard on the left. Blocks follow each other without a gap: they are cut into pieces that begin where Blender's
-sequencer begins one anyway.
+Listeners on the left are heard on the left. Blocks follow each other without a gap: they are cut into pieces that fade into each other,
+as Blender's sequencer begins a sound now and then a sample too late.
 """
 
 from __future__ import annotations
@@ -19,12 +19,14 @@ FloatArray = NDArray[np.float64]
 
 RATE = 48_000
 PIECE = 480
-"""Samples of a piece: 10 ms."""
+"""Samples from one piece to the next: 10 ms."""
+_FADE = 96
+_ENVELOPE = np.ones(PIECE + _FADE)
+_ENVELOPE[:_FADE] = (np.arange(_FADE) + 0.5) / _FADE
+_ENVELOPE[PIECE:] = _ENVELOPE[:_FADE][::-1]
 LEAD = 0.060
 """Seconds between a block and its sound, so that a frame may be late without a gap."""
 _LATE = 0.300
-# Half a sample early, or rounding would begin some pieces a sample late.
-_EARLY = 0.5 / RATE
 
 
 class AudioUnavailable(Exception):
@@ -43,7 +45,7 @@ class _Stream:
         self._handle.volume = volume
         self._resampler = Resampler(2, round(sample_rate), RATE)
         self._pending = np.zeros((2, 0))
-        self._next = 0  # number of the next piece
+        self._next = -1  # number of the next piece; none before the first
         self._entries: deque[tuple[int, Any]] = deque()
 
     def set_volume(self, volume: float) -> None:
@@ -57,16 +59,17 @@ class _Stream:
             self._drop(now)
             self._next = now + round(LEAD * RATE / PIECE)
         samples = np.concatenate([self._pending, self._resampler.process(stereo)], axis=1)
-        whole = samples.shape[1] // PIECE * PIECE
-        for start in range(0, whole, PIECE):
-            self._add(samples[:, start : start + PIECE])
-        self._pending = samples[:, whole:]
+        count = max((samples.shape[1] - _FADE) // PIECE, 0)
+        for start in range(0, count * PIECE, PIECE):
+            self._add(_ENVELOPE * samples[:, start : start + PIECE + _FADE])
+        self._pending = samples[:, count * PIECE :]
         while self._entries and self._entries[0][0] < now - 1:
             self._sequence.remove(self._entries.popleft()[1])
 
     def silence(self) -> None:
-        """What is left of the last piece, faded out; then nothing."""
+        """Nothing more, but for the piece that is being heard."""
         self._drop(int(max(float(self._handle.position), 0.0) * RATE / PIECE) + 2)
+        self._next = -1
         self._pending = self._pending[:, :0]
         self._resampler.reset()
 
@@ -74,16 +77,15 @@ class _Stream:
         self._handle.stop()
 
     def _add(self, piece: FloatArray) -> None:
-        begin = max(self._next * PIECE / RATE - _EARLY, 0.0)
+        begin = self._next * PIECE / RATE
         sound = self._aud.Sound.buffer(np.ascontiguousarray(piece.T, dtype=np.float32), RATE)
-        self._entries.append((self._next, self._sequence.add(sound, begin, begin + PIECE / RATE, 0.0)))
+        self._entries.append((self._next, self._sequence.add(sound, begin, begin + 2 * PIECE / RATE, 0.0)))
         self._next += 1
 
     def _drop(self, first: int) -> None:
         """Take away the pieces from number ``first`` on."""
         while self._entries and self._entries[-1][0] >= first:
             self._sequence.remove(self._entries.pop()[1])
-        self._next = min(self._next, first)
 
 
 _stream: _Stream | None = None

@@ -1,6 +1,24 @@
 """A hidapi module with devices that are slow, fail or vanish, and keep every report."""
 
 import threading
+import time
+
+ZERO = bytes([2, 2]) + bytes(37) + bytes([4]) + bytes(8)
+"""A DualSense's zero over USB, and the report that releases it."""
+RELEASE = bytes([2]) + bytes(47)
+
+
+def until(condition):
+    """Wait for something that has to happen."""
+    end = time.perf_counter() + 10.0
+    while not condition():
+        assert time.perf_counter() < end, "did not happen"
+        time.sleep(0.001)
+
+
+def sounding(pad):
+    """Whether a DualSense was driven over USB."""
+    return any(report[3] or report[4] for report in pad.written)
 
 
 class FakePad:

@@ -9,15 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_hid import FakeHid, FakePad
+from fake_hid import RELEASE, ZERO, FakeHid, FakePad, sounding, until
 from haptic_tracing.core.devices.connection import DeviceError, connected, hid_module, open_device
 from haptic_tracing.core.devices.output import DeviceOutput, rest_all, silence_all, stop_all
 from haptic_tracing.core.devices.profiles import Adjustment, Calibration, profile
-from haptic_tracing.core.devices.registry import family, rumble_report
+from haptic_tracing.core.devices.registry import family
 
 RATE = 8000
-ZERO = rumble_report("dualsense", 0.0, 0.0, "usb").data
-RELEASE = bytes([2]) + bytes(47)
 
 
 def quick(name="dualsense"):
@@ -29,17 +27,6 @@ def quick(name="dualsense"):
 
 def wave(seconds=0.05, amplitude=1.0, rows=2):
     return np.tile(amplitude * np.sin(2 * np.pi * 200.0 * np.arange(round(seconds * RATE)) / RATE), (rows, 1))
-
-
-def until(condition):
-    end = time.perf_counter() + 30.0
-    while not condition():
-        assert time.perf_counter() < end, "did not happen"
-        time.sleep(0.001)
-
-
-def sounding(pad):
-    return any(data[3] or data[4] for data in pad.written)
 
 
 def playing(output):

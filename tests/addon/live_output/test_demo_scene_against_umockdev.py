@@ -1,0 +1,47 @@
+"""End to end without hardware: the demo scene through the whole add-on to the real ``hidraw`` module on made-up devices."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from made_up_devices import DECK, DUALSENSE_BT, DUALSENSE_USB, SWITCH_PRO_BT, describe
+
+HERE = Path(__file__).parent
+DEVICES = {"dualsense usb": DUALSENSE_USB, "dualsense bt": DUALSENSE_BT, "switch-pro bt": SWITCH_PRO_BT, "steam-deck usb": DECK}
+
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only")
+
+
+@pytest.fixture(scope="module")
+def played(tmp_path_factory):
+    if shutil.which("umockdev-run") is None:
+        pytest.fail("umockdev-run is not installed: on Debian and Ubuntu, apt-get install umockdev")
+    folder = tmp_path_factory.mktemp("umockdev")
+    nodes = json.dumps({name: f"hidraw{number}" for number, name in enumerate(DEVICES)})
+    described = describe(folder, DEVICES.values())
+    command = ["umockdev-run", *described, "--", sys.executable, str(HERE / "umockdev_playback.py"), nodes]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def test_all_devices_play_the_demo_without_a_failed_write(played):
+    assert set(played["devices"]) == set(DEVICES)
+    assert all(state == ["open", 0, 0] for state in played["states"].values())
+
+
+@pytest.mark.parametrize("name", DEVICES)
+def test_every_captured_report_is_what_encoding_the_baked_blocks_gives(played, name):
+    device = played["devices"][name]
+    assert device["blocks"] >= 20
+    assert device["different"] == 0, "blocks that are not the baked ones"
+    assert device["captured"] == device["expected"]
+    assert len(set(device["captured"])) > 5, "it is felt"
+
+
+def test_a_dualsense_ends_silent_and_released(played):
+    zero, release = "02020000" + "00" * 35 + "04" + "00" * 8, "02" + "00" * 47
+    assert played["devices"]["dualsense usb"]["captured"][-2:] == [zero, release]
