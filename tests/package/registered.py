@@ -38,8 +38,14 @@ def _properties() -> list[str]:
 
 
 def _menu_entries() -> list[str]:
+    """Without Blender's own: the first entry that is appended to a menu makes Blender list its own draw function, for good."""
     draws = ((name, getattr(getattr(bpy.types, name), "draw", None)) for name in dir(bpy.types))
-    return [f"{name}: {_name(function)}" for name, draw in draws for function in getattr(draw, "_draw_funcs", ())]
+    entries = ((name, function) for name, draw in draws for function in getattr(draw, "_draw_funcs", ()))
+    return [f"{name}: {_name(function)}" for name, function in entries if not _is_blenders(function)]
+
+
+def _is_blenders(function: object) -> bool:
+    return getattr(function, "__module__", "").split(".")[0] == "bl_ui"
 
 
 def _keymap_items() -> list[str]:
