@@ -1,0 +1,80 @@
+"""Samples give what they gave, in every version of Blender; and the whole way from building one to the files of all formats works.
+
+Stored values were computed once (`short_parts.py`) with Blender 5.2. Blender keeps transforms in single precision, so that positions of
+some metres are known to a few tenths of a micrometre and gains to about 1e-7; the largest difference between Blender 4.2, 4.5, 5.0 and 5.2
+was 8e-8. Another processor may round a simulation differently: until one collision leads to the next that stays below a hundredth of a
+millimetre, so gains and levels may differ by `TOLERANCE`, and energies by a thousandth.
+"""
+
+import importlib.util
+import json
+import wave
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from haptic_tracing.core.formats import registry
+from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.sample_scenes import SAMPLES
+
+_specification = importlib.util.spec_from_file_location("short_parts", Path(__file__).with_name("short_parts.py"))
+short_parts = importlib.util.module_from_spec(_specification)
+_specification.loader.exec_module(short_parts)
+
+TOLERANCE = 1e-5
+ENERGY_TOLERANCE = 1e-3
+STORED = json.loads(short_parts.STORED.read_text(encoding="utf-8"))
+
+
+def test_every_sample_has_stored_values():
+    assert set(STORED) == set(short_parts.PARTS) == set(SAMPLES)
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_gains_tracks_and_impacts_are_the_stored_ones(build, name):
+    found, stored = short_parts.digest(name, build(name, short_parts.PARTS[name][2])), STORED[name]
+    assert found["listeners"] == stored["listeners"]
+    assert found["contacts"] == stored["contacts"]
+    assert sorted(impact[:3] for impact in found["impacts"]) == sorted(impact[:3] for impact in stored["impacts"])
+    energies, expected = ({tuple(impact[:3]): impact[3] for impact in values["impacts"]} for values in (found, stored))
+    assert energies == pytest.approx(expected, rel=ENERGY_TOLERANCE)
+    assert found["levels"] == pytest.approx(stored["levels"], abs=TOLERANCE)
+    assert found["gains"].keys() == stored["gains"].keys()
+    for frame, rows in stored["gains"].items():
+        # Impacts of one frame may come in another order, if they come at the same time.
+        ours = sorted(found["gains"][frame])
+        assert [row[0] for row in ours] == [row[0] for row in sorted(rows)]
+        assert np.array([row[1:] for row in ours]) == pytest.approx(np.array([row[1:] for row in sorted(rows)]), abs=TOLERANCE)
+        assert np.max([row[1:] for row in rows]) > 20 * TOLERANCE
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_from_building_to_the_files_of_all_formats(build, tmp_path, name):
+    first, last, count = short_parts.PARTS[name]
+    scene = build(name, count)
+    scene.frame_end = last
+    assert bpy.ops.haptic.bake() == {"FINISHED"}
+    scene.frame_set(last)  # played from what was baked
+    path = tmp_path / "scene.json"
+    arguments = {"frames": "RANGE", "frame_start": first, "frame_end": last, "tracks": "wav"}
+    assert bpy.ops.export_scene.haptic_scene(filepath=str(path), **arguments) == {"FINISHED"}
+    export = read_export(path)
+    assert {item.name for item in export.scene.objects} == {obj.name for obj in scene.objects if obj.haptics.enabled}
+    assert len(export.scene.listeners) == len(STORED[name]["listeners"])
+    assert export.recording.frames[0].number == first
+    for kind in registry.FORMATS:
+        if kind == "scene":
+            continue
+        target = tmp_path / kind / f"{name}{registry.suffix(kind)}"
+        target.parent.mkdir()
+        arguments = {"format": kind, "frame_start": first, "frame_end": last}
+        assert bpy.ops.export_scene.haptic_tracks(filepath=str(target), **arguments) == {"FINISHED"}
+        files = [file for file in target.parent.rglob("*") if file.is_file()]
+        assert files and all(file.stat().st_size for file in files)
+    with wave.open(str(tmp_path / "wav" / f"{name}.wav")) as file:
+        assert file.getnchannels() == len(STORED[name]["listeners"])
+        samples = np.frombuffer(file.readframes(file.getnframes()), dtype="<i2").reshape(-1, file.getnchannels()) / 32768
+    levels = np.sqrt((samples**2).mean(axis=0))
+    # 16 bits: steps of 3e-5, off by half of one at most.
+    assert levels == pytest.approx(STORED[name]["levels"], abs=TOLERANCE + 1.6e-5)
