@@ -90,7 +90,8 @@ class _Lists:
     def of(cls, by_row: dict[int, _Tagged]) -> _Lists:
         tagged = sorted(by_row.values(), key=lambda t: t.row)
         bodies = [(k, t.object, t.body) for k, t in enumerate(tagged) if t.object is not None and t.body is not None]
-        places = [(t.row, item) for t in tagged for item in (t.source, t.listener) if item is not None]
+        sound = {item.name for _, item, _ in bodies}  # what stands on an object that has a problem, or is not shown, is left out with it
+        places = [(t.row, item) for t in tagged for item in (t.source, t.listener) if item is not None and item.object in sound]
         return cls(
             rows=np.array([t.row for t in tagged], dtype=np.int64),
             scales=np.array([t.scale for t in tagged], dtype=np.float64).reshape(-1, 3),
