@@ -87,7 +87,7 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
         written.append(args.out / f"{name}.png")
         with suspended():
             scene.frame_set(played.liveliest.number)
-            draw_picture(scene, played.liveliest, written[-1])
+            draw_picture(scene, played.liveliest, written[-1], meters=True)
 
     print_gains(played.last)
     print_impacts(played.impacts, played.listeners)

@@ -21,8 +21,10 @@ Colour = tuple[float, ...]
 # Points at a user interface scale of 1.
 PADDING, GAP = 10.0, 8.0
 ROW, BAR = 17.0, 9.0
-NAME_WIDTH, BAR_WIDTH, VALUE_WIDTH = 104.0, 150.0, 108.0
-SCOPE_HEIGHT, FIGURE_HEIGHT = 54.0, 150.0
+NAME_WIDTH, BAR_WIDTH, LEVEL_WIDTH, FEELING_WIDTH = 112.0, 150.0, 44.0, 66.0
+LEAST_BAR_WIDTH = 60.0
+SCOPE_HEIGHT = 54.0
+FIGURE_HEIGHT = (140.0, 200.0)  # as high as the rest, within these
 MOST_ROWS = 12
 _SCOPE_COLUMNS = 160
 
@@ -50,6 +52,27 @@ def colour_of(level: Level) -> Colour:
     return (*colour_table()[round(level.place * (len(colour_table()) - 1))].tolist(), 1.0)
 
 
+@dataclass(frozen=True, slots=True)
+class _Columns:
+    """Widths in points: names, bars, decibels, and in words how that feels (0: no room for these)."""
+
+    name: float
+    bar: float
+    level: float
+    feeling: float
+
+    @property
+    def width(self) -> float:
+        return self.name + self.bar + self.level + self.feeling
+
+    @classmethod
+    def within(cls, across: float, names: float, words: bool) -> _Columns | None:
+        """What ``across`` points allow where the longest name takes ``names``; None where that is too little."""
+        name, feeling = min(names + 8.0, NAME_WIDTH), FEELING_WIDTH if words else 0.0
+        bar = min(across - name - LEVEL_WIDTH - feeling, BAR_WIDTH)
+        return cls(name, bar, LEVEL_WIDTH, feeling) if bar >= (1.6 if words else 1.0) * LEAST_BAR_WIDTH else None
+
+
 def meters(
     levels: Sequence[Level],
     scope: Scope | None,
@@ -61,35 +84,41 @@ def meters(
     title: str = "",
     body: bool = True,
 ) -> Furniture:
-    """The meters, their lower left corner at ``corner`` [pixels], within ``room`` [pixels]. What has no room is left out: the body, then
-    the scope, then listeners. ``scale``: pixels per point."""
+    """The meters, their lower left corner at ``corner`` [pixels], within ``room`` [pixels]. What has no room is left out: the words,
+    the body, the scope, then listeners. ``scale``: pixels per point."""
     board = Board(scale)
-    across, up = (side / scale for side in room)
-    parts = {level.body_part: level for level in levels if level.body_part}
-    bars_width = NAME_WIDTH + BAR_WIDTH + VALUE_WIDTH
-    figure_width = 2 * (FIGURE_HEIGHT / HEIGHT * 2 * HALF_WIDTH)
-    body = body and bool(parts) and bars_width + figure_width + 2 * PADDING + GAP <= across and up >= FIGURE_HEIGHT + 2 * PADDING + ROW
-    with_scope = scope is not None and up >= SCOPE_HEIGHT + 5 * ROW
-    below = SCOPE_HEIGHT + GAP if with_scope else 0.0
-    most = min(int((up - 2 * PADDING - ROW - below) / ROW), MOST_ROWS)
-    if most < 1 or bars_width + 2 * PADDING > across or not levels:
+    across, up = (side / scale - 2 * PADDING for side in room)
+    below = SCOPE_HEIGHT + GAP if scope is not None and up >= SCOPE_HEIGHT + GAP + 4 * ROW else 0.0
+    most = min(int((up - ROW - below) / ROW), MOST_ROWS)
+    if most < min(len(levels), 2) or not levels:
         return board.furniture()
     shown = list(levels) if len(levels) <= most else _strongest(levels, most - 1)
     rows = len(shown) + (len(shown) < len(levels))
-    height = max(rows * ROW + below, FIGURE_HEIGHT if body else 0.0) + ROW + 2 * PADDING
-    width = bars_width + 2 * PADDING + (figure_width + GAP if body else 0.0)
+    parts = {level.body_part: level for level in levels if level.body_part}
+    figure_height = min(max(rows * ROW + below - GAP, FIGURE_HEIGHT[0]), FIGURE_HEIGHT[1])
+    figure_width = 4 * figure_height / HEIGHT * HALF_WIDTH
+    body = body and bool(parts) and figure_height + ROW <= up
+    names = max(measure(level.listener, TEXT_SIZE * scale) for level in shown) / scale
+    wanted = ((True, body), (False, body), (True, False), (False, False))
+    found = ((_Columns.within(across - (figure_width + GAP) * with_body, names, words), with_body) for words, with_body in wanted)
+    columns, body = next((item for item in found if item[0] is not None), (None, False))
+    if columns is None:
+        return board.furniture()
+    height = max(rows * ROW + below, figure_height if body else 0.0) + ROW + 2 * PADDING
+    width = columns.width + 2 * PADDING + (figure_width + GAP if body else 0.0)
     left, bottom = corner
     board.plate(corner, (left + width * scale, bottom + height * scale), PLATE, 6.0)
     x, top = left + PADDING * scale, bottom + (height - PADDING) * scale
-    _add_heads(board, (x, top), title)
+    _add_heads(board, (x, top), title, columns, measure)
     for number, level in enumerate(shown):
-        _add_row(board, (x, top - (number + 2) * ROW * scale), level, measure)
+        _add_row(board, (x, top - (number + 2) * ROW * scale), level, columns, measure)
     if len(shown) < len(levels):
         board.text(f"and {len(levels) - len(shown)} more", (x, top - (len(shown) + 2) * ROW * scale + 4 * scale), FAINT_INK)
-    if with_scope and scope is not None:
-        _add_scope(board, (x, bottom + PADDING * scale), bars_width * scale, scope, measure)
+    if below and scope is not None:
+        _add_scope(board, (x, bottom + PADDING * scale), columns.width * scale, scope, measure)
     if body:
-        _add_body(board, (x + (bars_width + GAP) * scale, bottom + PADDING * scale), height - 2 * PADDING, parts, measure)
+        y = bottom + (PADDING + (height - 2 * PADDING - ROW - figure_height) / 2) * scale
+        _add_body(board, (x + (columns.width + GAP) * scale, y), figure_height, parts, measure)
     return board.furniture()
 
 
@@ -99,24 +128,26 @@ def _strongest(levels: Sequence[Level], most: int) -> list[Level]:
     return [levels[k] for k in sorted(chosen)]
 
 
-def _add_heads(board: Board, corner: tuple[float, float], title: str) -> None:
+def _add_heads(board: Board, corner: tuple[float, float], title: str, columns: _Columns, measure: Measure) -> None:
     """The title, and the scale of the bars."""
     scale, size = board.scale, TEXT_SIZE * 0.86
     x, top = corner
-    board.text(title, (x, top - 12 * scale), INK)
-    for tick in range(int(FLOOR), 1, 20):
-        place = x + (NAME_WIDTH + place_of(tick) * (BAR_WIDTH - 6)) * scale
+    board.text(_fitted(title, (columns.name - 6) * scale, scale, measure), (x, top - 12 * scale), INK)
+    left, width = x + columns.name * scale, (columns.bar - 8) * scale
+    for tick in (-60, -40, -20, 0) if columns.bar > 110 else (-60, 0):
         words = f"\N{MINUS SIGN}{-tick}" if tick else "0 dB"
+        half = measure(words, size * scale) / 2
+        place = min(max(left + place_of(tick) * width - half, left), left + width - half)
         board.text(words, (place, top - 12 * scale), FAINT_INK, size)
 
 
-def _add_row(board: Board, corner: tuple[float, float], level: Level, measure: Measure) -> None:
+def _add_row(board: Board, corner: tuple[float, float], level: Level, columns: _Columns, measure: Measure) -> None:
     """Name, bar and values of a listener. The bar is the RMS level, the white mark the peak, the orange one the threshold of feeling."""
     scale = board.scale
     x, y = corner
     base = y + 4 * scale
-    board.text(_fitted(level.listener, (NAME_WIDTH - 8) * scale, scale, measure), (x, base), INK)
-    left, width = x + NAME_WIDTH * scale, (BAR_WIDTH - 8) * scale
+    board.text(_fitted(level.listener, (columns.name - 6) * scale, scale, measure), (x, base), INK)
+    left, width = x + columns.name * scale, (columns.bar - 8) * scale
     low, high = y + (ROW - BAR) / 2 * scale, y + (ROW + BAR) / 2 * scale
     board.plate((left, low), (left + width, high), _TRACK, 2.0)
     if level.place > 0.01:
@@ -127,9 +158,11 @@ def _add_row(board: Board, corner: tuple[float, float], level: Level, measure: M
     if level.peak > FLOOR:
         place = left + place_of(level.peak) * width
         board.plate((place - 1.0 * scale, low), (place + 1.0 * scale, high), _WHITE, 0.0)
-    values = left + BAR_WIDTH * scale
-    board.text(decibels(level.rms), (values, base), INK)
-    board.text(level.feeling(), (values + 44 * scale, base), FAINT_INK, TEXT_SIZE * 0.86)
+    values = left + columns.bar * scale
+    if columns.level:
+        board.text(decibels(level.rms), (values, base), INK)
+    if columns.feeling:
+        board.text(level.feeling(), (values + columns.level * scale, base), FAINT_INK, TEXT_SIZE * 0.86)
 
 
 def _fitted(words: str, width: float, scale: float, measure: Measure) -> str:
@@ -182,11 +215,10 @@ def _columns(scope: Scope) -> list[tuple[float, float, float]]:
 
 
 def _add_body(board: Board, corner: tuple[float, float], height: float, parts: dict[str, Level], measure: Measure) -> None:
-    """Two figures, from the front and from behind; parts with a listener light up."""
+    """Two figures of ``height`` points, from the front and from behind; parts with a listener light up."""
     scale, size = board.scale, TEXT_SIZE * 0.86
-    unit = FIGURE_HEIGHT / HEIGHT * scale
+    unit = height / HEIGHT * scale
     x, y = corner
-    y += max(height - FIGURE_HEIGHT - ROW, 0.0) / 2 * scale
     views: tuple[View, ...] = ("front", "back")
     for number, view in enumerate(views):
         middle = x + (2 * number + 1) * HALF_WIDTH * unit

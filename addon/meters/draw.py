@@ -11,8 +11,9 @@ from bpy.types import Context, Scene, SpaceView3D
 from ...core.frame_result import FrameResult
 from .. import session
 from ..overlay import draw as overlay
-from ..overlay.furniture import Furniture, Rectangle
+from ..overlay.furniture import Furniture, Rectangle, plate_of
 from ..overlay.quads import quads_of
+from ..preferences import preferences
 from .board import Scope, meters
 from .levels import Level, levels
 
@@ -83,12 +84,9 @@ def _draw_pixels() -> None:
 
 def draw_board(context: Context, scene: Scene, result: FrameResult) -> None:
     """The meters at the lower left of what is free of the viewport."""
-    import gpu
-
     from ..overlay import shader
-    from ..overlay.text_atlas import pixels_to_clip
 
-    region, scale = context.region, context.preferences.system.ui_scale
+    region, scale = context.region, context.preferences.system.ui_scale * preferences().overlay_size
     left, bottom, right, top = overlay.free_rectangle(context)
     margin = _MARGIN * scale
     corner = (round(left + margin), round(bottom + margin))
@@ -100,18 +98,11 @@ def draw_board(context: Context, scene: Scene, result: FrameResult) -> None:
     if known is None or known.result is not result or known.key != key or known.generation != atlas.generation:
         items = board_of(scene, corner, room, scale)
         batch = shader.upload(quads_of((items.lines, atlas.lines(items.texts)), items.points))
-        plates = [(*low[:2], *high[:2]) for low, high in items.lines.position[:1].tolist()]
-        known = _Shown(result, key, batch, atlas.generation, tuple(plates))
+        known = _Shown(result, key, batch, atlas.generation, plate_of(items))
         if len(_shown) > 16:
             _shown.clear()
         _shown[region.as_pointer()] = known
-    if known.batch is None:
-        return
-    size = (region.width, region.height)
-    gpu.state.blend_set("ALPHA_PREMULT")
-    gpu.state.depth_test_set("NONE")
-    shader.draw(known.batch, pixels_to_clip(size), size, pixels_per_point=scale, texts=atlas.texture)
-    gpu.state.blend_set("NONE")
+    overlay.draw_flat(known.batch, (region.width, region.height), scale)
 
 
 def taken(context: Context) -> tuple[Rectangle, ...]:

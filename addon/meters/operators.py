@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 from bpy.props import EnumProperty
 from bpy.types import Context, Operator
@@ -11,6 +13,13 @@ from ..operators.polling import UNDO
 from ..overlay import draw
 
 MODES = ("HT", "SD", "MD", "MN")
+_ITEMS = (
+    ("HT", "Haptic Tracing", "Through touching objects, as their properties say"),
+    ("SD", "Single Nearest", "Only the listener nearest to each source, fading with distance alone"),
+    ("MD", "All by Distance", "Every source directly to every listener, fading with distance alone"),
+    ("MN", "All Alike", "Every source directly to every listener, without fading"),
+    ("NEXT", "Next", "The one after the current: HT, SD, MD, MN, HT"),
+)
 
 
 class HAPTIC_OT_set_mode(Operator):
@@ -20,18 +29,12 @@ class HAPTIC_OT_set_mode(Operator):
     bl_label = "Set Haptic Mode"
     bl_options = UNDO
 
-    mode: EnumProperty(
-        name="Mode",
-        description="The rendering",
-        items=(
-            ("HT", "Haptic Tracing", "Through touching objects, as their properties say"),
-            ("SD", "Single Nearest", "Only the listener nearest to each source, fading with distance alone"),
-            ("MD", "All by Distance", "Every source directly to every listener, fading with distance alone"),
-            ("MN", "All Alike", "Every source directly to every listener, without fading"),
-            ("NEXT", "Next", "The one after the current: HT, SD, MD, MN, HT"),
-        ),
-        default="NEXT",
-    )
+    mode: EnumProperty(name="Mode", description="The rendering", items=_ITEMS, default="NEXT")
+
+    @classmethod
+    def description(cls, context: Context, properties: Any) -> str:
+        """The tooltip of a button: what its mode does."""
+        return next(f"{title}: {words}" for name, title, words in _ITEMS if name == properties.mode)
 
     def execute(self, context: Context) -> set[str]:
         haptics = context.scene.haptics

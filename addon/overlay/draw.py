@@ -17,8 +17,9 @@ from bpy.types import Context, Scene, SpaceView3D
 from ...core.frame_result import FrameResult
 from ...core.scene import Settings
 from .. import scene_reader, session
+from ..preferences import preferences
 from .colour_map import FloatArray
-from .furniture import Rectangle, furniture
+from .furniture import Furniture, Rectangle, furniture
 from .quads import quads, quads_of
 from .render_data import Options, RenderData, render_data
 
@@ -128,10 +129,7 @@ def draw_furniture(
     taken: tuple[Rectangle, ...] = (),
 ) -> None:
     """Labels and legend, in pixels; within ``free`` and off what is ``taken``."""
-    import gpu
-
     from . import shader
-    from .text_atlas import pixels_to_clip
 
     atlas = shared_atlas()
     key = (perspective.tobytes(), size, scale, free, taken)
@@ -143,9 +141,29 @@ def draw_furniture(
         drawing.views[(*key, atlas.generation)] = known
         while len(drawing.views) > _KEPT_VIEWS:
             drawing.views.popitem(last=False)
+    draw_flat(known, size, scale)
+
+
+def draw_board(items: Furniture, size: tuple[float, float], scale: float) -> None:
+    """Plates, lines, symbols and texts once, without keeping them."""
+    from . import shader
+
+    texts = shared_atlas().lines(items.texts)
+    draw_flat(shader.upload(quads_of((items.lines, texts), items.points)), size, scale)
+
+
+def draw_flat(batch: Any, size: tuple[float, float], scale: float) -> None:
+    """One draw call in pixels of a viewport of ``size``; ``batch`` may be None."""
+    import gpu
+
+    from . import shader
+    from .text_atlas import pixels_to_clip
+
+    if batch is None:
+        return
     gpu.state.blend_set("ALPHA_PREMULT")
     gpu.state.depth_test_set("NONE")
-    shader.draw(known, pixels_to_clip(size), size, pixels_per_point=scale, texts=atlas.texture)
+    shader.draw(batch, pixels_to_clip(size), size, pixels_per_point=scale, texts=shared_atlas().texture)
     gpu.state.blend_set("NONE")
 
 
@@ -193,7 +211,7 @@ def _draw_view() -> None:
         view.window_matrix,
         view.view_matrix,
         (region.width, region.height),
-        context.preferences.system.ui_scale,
+        context.preferences.system.ui_scale * preferences().overlay_size,
         xray=scene.haptics.xray,
         flow=seconds_shown(scene) if scene.haptics.show_flow else None,
     )
@@ -213,7 +231,7 @@ def _draw_pixels() -> None:
         _current(scene, result),
         perspective,
         (region.width, region.height),
-        context.preferences.system.ui_scale,
+        context.preferences.system.ui_scale * preferences().overlay_size,
         free_rectangle(context),
         meters.taken(context),
     )

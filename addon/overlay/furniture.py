@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from typing import TypeVar
 
@@ -103,11 +103,29 @@ def furniture(
     ``free``: what nothing else covers of the viewport; ``taken``: what is drawn within it already."""
     shapes = tuple(shape for shape in _NAMES if (data.points.shape == shape).any())
     legend, place = _legend(data.scale, shapes, (free[2], free[1]), scale, measure)
+    above = max((other[3] for other in taken if other[2] > place[0] and other[3] > place[1] and other[0] < place[2]), default=None)
+    if above is not None:
+        legend, place = _legend(data.scale, shapes, (free[2], above), scale, measure)
     board = Board(scale)
     if data.labels:
         _add_labels(board, data, perspective, size, free, np.array([place, *taken]), measure)
     labels = board.furniture()
     return Furniture(_joined(legend.lines, labels.lines), _joined(legend.points, labels.points), legend.texts + labels.texts)
+
+
+def plate_of(board: Furniture | None) -> tuple[Rectangle, ...]:
+    """What a board covers: its first plate."""
+    return () if board is None else tuple((*low[:2], *high[:2]) for low, high in board.lines.position[:1].tolist())
+
+
+def moved(items: Furniture, right: float, up: float) -> Furniture:
+    """Everything some pixels further to the right and up."""
+    by = np.array([right, up, 0], dtype=np.float32)
+    return Furniture(
+        replace(items.lines, position=items.lines.position + by),
+        replace(items.points, position=items.points.position + by),
+        tuple(replace(text, position=(text.position[0] + right, text.position[1] + up)) for text in items.texts),
+    )
 
 
 def _joined(first: Part, second: Part) -> Part:
@@ -164,8 +182,9 @@ def _legend(
     board, text = Board(scale), TEXT_SIZE * scale
     widths = [measure(_NAMES[shape], text) for shape in shapes]
     symbol_width, gap, padding = 18 * scale, 10 * scale, 10 * scale
-    row = sum(widths) + len(widths) * symbol_width + max(len(widths) - 1, 0) * gap
-    width = max(row, 232 * scale) + 2 * padding
+    # As wide as with all symbols, so that it stays where it is when there is an impact.
+    row = sum(measure(name, text) for name in _NAMES.values()) + len(_NAMES) * symbol_width + (len(_NAMES) - 1) * gap
+    width = row + 2 * padding
     height = 66 * scale
     left, bottom = round(corner[0] - width - 12 * scale), round(corner[1] + 12 * scale)
     board.plate((left, bottom), (left + width, bottom + height), PLATE, 6.0)

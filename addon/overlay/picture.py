@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ...core.frame_result import FrameResult
 from .. import compatibility, scene_reader
 from . import draw
+from .furniture import Furniture, moved, plate_of
 from .png import write_png
 from .render_data import Options
 
@@ -26,19 +27,22 @@ SMOOTHING = 2
 """Pictures are drawn this much larger and averaged down, which smooths edges."""
 
 
-def draw_picture(scene: Scene, result: FrameResult, path: str | Path, size: tuple[int, int] = (1280, 800)) -> None:
+def draw_picture(
+    scene: Scene, result: FrameResult, path: str | Path, size: tuple[int, int] = (1280, 720), *, meters: bool = False
+) -> None:
     """Write a PNG of ``size`` pixels: the viewport with the graph over it where the GPU can draw off-screen, else both rendered by Cycles.
+    ``meters``: how much each listener feels, at the upper left.
 
     Raises ValueError where the scene has no camera.
     """
     if scene.camera is None:
         raise ValueError(f"scene {scene.name!r} has no camera to draw a picture from")
     if starts_gpu():
-        pixels = viewport_picture(scene, result, size)
+        pixels = viewport_picture(scene, result, size, meters=meters)
     else:
         from .rendering import rendered_picture
 
-        pixels = rendered_picture(scene, result, size)
+        pixels = rendered_picture(scene, result, size, meters=meters)
     write_png(path, pixels)
 
 
@@ -72,7 +76,9 @@ def _has_surfaceless_egl() -> bool:
     return bool(display) and bool(egl.eglInitialize(display, None, None))
 
 
-def viewport_picture(scene: Scene, result: FrameResult, size: tuple[int, int], options: Options | None = None) -> NDArray[np.uint8]:
+def viewport_picture(
+    scene: Scene, result: FrameResult, size: tuple[int, int], options: Options | None = None, *, meters: bool = False
+) -> NDArray[np.uint8]:
     """Pixels (height, width, 3), top row first: the 3D viewport from the scene's camera with the graph over it."""
     import gpu
     from gpu.types import GPUOffScreen
@@ -87,7 +93,11 @@ def viewport_picture(scene: Scene, result: FrameResult, size: tuple[int, int], o
             off_screen.draw_view3d(scene, scene.view_layers[0], space, region, view, projection, do_color_management=True)
         with off_screen.bind():
             draw.draw_graph(drawing, projection, view, (width, height), scale, xray=scene.haptics.xray, flow=None)
-            draw.draw_furniture(drawing, np.array(projection @ view, dtype=np.float64), (width, height), scale, (0.0, 0.0, width, height))
+            board = meters_above(scene, result, (width, height), scale) if meters else None
+            perspective, free = np.array(projection @ view, dtype=np.float64), (0.0, 0.0, float(width), float(height))
+            draw.draw_furniture(drawing, perspective, (width, height), scale, free, plate_of(board))
+            if board is not None:
+                draw.draw_board(board, (width, height), scale)
             buffer = gpu.state.active_framebuffer_get().read_color(0, 0, width, height, 4, 0, "UBYTE")
     finally:
         off_screen.free()
@@ -104,6 +114,19 @@ def camera_view(scene: Scene, size: tuple[int, int]) -> tuple[Matrix, Matrix]:
     camera = scene.camera.evaluated_get(view_layer.depsgraph)
     view = camera.matrix_world.normalized().inverted()
     return view, camera.calc_matrix_camera(view_layer.depsgraph, x=size[0], y=size[1])
+
+
+def meters_above(scene: Scene, result: FrameResult, size: tuple[int, int], scale: float) -> Furniture:
+    """The meters at the upper left of a picture."""
+    from ..meters.board import meters
+    from ..meters.history import History
+    from ..meters.levels import levels
+
+    shown, margin = levels(result, History()), 12 * scale
+    room = (0.35 * size[0], 0.5 * size[1])
+    items = meters(shown, None, (0.0, 0.0), room, scale, draw.text_width, title=f"Mode {scene.haptics.mode}")
+    high = max((plate[3] for plate in plate_of(items)), default=0.0)
+    return moved(items, round(margin), round(size[1] - margin - high))
 
 
 def shown_options(scene: Scene) -> Options:

@@ -19,9 +19,9 @@ from ...core.frame_result import FrameResult
 from .. import scene_reader
 from ..suspension import suspended
 from .colour_map import FloatArray
-from .furniture import furniture
+from .furniture import furniture, plate_of
 from .geometry import add_graph
-from .picture import camera_view, picture_scale, shown_options
+from .picture import camera_view, meters_above, picture_scale, shown_options
 from .raster import paint, text_width
 from .render_data import render_data
 from .solids import Solid, seen_unit, solid_graph
@@ -30,7 +30,7 @@ SAMPLES = 20
 GRAPH_SAMPLES = 12  # enough for smooth edges: nothing in it scatters light
 
 
-def rendered_picture(scene: Scene, result: FrameResult, size: tuple[int, int]) -> NDArray[np.uint8]:
+def rendered_picture(scene: Scene, result: FrameResult, size: tuple[int, int], *, meters: bool = False) -> NDArray[np.uint8]:
     """Pixels (height, width, 3), top row first. The scene is left as it was."""
     data = render_data(result, scene_reader.read_settings(scene), shown_options(scene))
     scale = picture_scale(size)
@@ -43,8 +43,10 @@ def rendered_picture(scene: Scene, result: FrameResult, size: tuple[int, int]) -
             canvas += graph[..., 3:] * (graph[..., :3] - canvas)
         else:
             canvas = _rendered_among(scene, solid, size)[..., :3]
-    items = furniture(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width)
-    paint(canvas, items, scale)
+    board = meters_above(scene, result, size, scale) if meters else None
+    paint(canvas, furniture(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width, plate_of(board)), scale)
+    if board is not None:
+        paint(canvas, board, scale)
     return np.rint(np.clip(canvas[::-1], 0, 1) * 255).astype(np.uint8)
 
 

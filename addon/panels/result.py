@@ -17,6 +17,7 @@ from ..meters.levels import Level, decibels, sparkline
 from .drawing import HapticsPanel, draw_pair, wrapped
 
 _SHOWN_SOURCES = 4
+_ALL_IN_DETAIL = 3  # listeners; of more only the active one shows its sources
 
 
 class HAPTIC_PT_result(HapticsPanel, Panel):
@@ -27,7 +28,9 @@ class HAPTIC_PT_result(HapticsPanel, Panel):
     def draw(self, context: Context) -> None:
         layout = self.layout
         scene = context.scene
-        layout.row(align=True).prop(scene.haptics, "mode", expand=True)
+        row = layout.row(align=True)
+        for mode in Mode:
+            row.operator("haptic.set_mode", text=str(mode), depress=scene.haptics.mode == mode).mode = str(mode)
         result = session.result_of(scene)
         if result is None:
             layout.label(text="Nothing traced yet: play, or", icon="INFO")
@@ -37,8 +40,13 @@ class HAPTIC_PT_result(HapticsPanel, Panel):
         baked = playback.plays(scene)
         row.label(text=f"Frame {result.number}" + (", from the baked track" if baked else ""), icon="RENDER_ANIMATION" if baked else "NONE")
         row.operator("haptic.trace_frame", text="", icon="FILE_REFRESH")
-        for index, level in enumerate(meters.levels_of(scene)):
-            _draw_listener(layout, result, index, level)
+        levels = meters.levels_of(scene)
+        chosen = context.object.name_full if context.object is not None else ""
+        column = layout.column(align=True)
+        for index, level in enumerate(levels):
+            _draw_level(column, level)
+            if len(levels) <= _ALL_IN_DETAIL or level.listener == chosen:
+                _draw_sources(column, result, index)
         if not result.listeners:
             layout.label(text="No listener: add one to feel something", icon="INFO")
 
@@ -154,16 +162,19 @@ def _draw_sentence(layout: UILayout, sentence: str) -> None:
         column.label(text=line)
 
 
-def _draw_listener(layout: UILayout, result: FrameResult, index: int, level: Level) -> None:
-    """A listener's level as a bar, and the strongest sources that reach it."""
-    box = layout.box()
-    row = box.row()
-    row.operator("haptic.select_object", text=level.listener, icon="OUTLINER_OB_LIGHTPROBE", emboss=False).name = level.listener
+def _draw_level(layout: UILayout, level: Level) -> None:
+    """A listener's name, which selects it, and its level as a bar."""
+    split = layout.split(factor=0.5)
+    split.operator("haptic.select_object", text=level.listener, icon="OUTLINER_OB_LIGHTPROBE", emboss=False).name = level.listener
     too_weak = level.rms > -math.inf and not level.is_felt
-    row.progress(factor=level.place, text=decibels(level.rms) + (", too weak" if too_weak else ""))
+    split.progress(factor=level.place, text=decibels(level.rms) + (", too weak" if too_weak else ""))
+
+
+def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
+    """The strongest sources that reach a listener."""
     gains = sorted(((float(result.gains[s, index]), source.name) for s, source in enumerate(result.sources)), key=lambda g: (-g[0], g[1]))
     felt = [(gain, source) for gain, source in gains if gain > 0]
-    column = box.column(align=True)
+    column = layout.box().column(align=True)
     column.scale_y = 0.8
     for gain, source in felt[:_SHOWN_SOURCES]:
         draw_pair(column, source, f"{gain:.3f}  {20 * math.log10(gain):.0f} dB")

@@ -73,7 +73,7 @@ def test_a_label_leaves_paths_free():
 
 def test_furniture_names_what_is_there_and_keeps_within_what_is_free(scene, camera, bridge):
     data = render_data(bridge, BRIDGE.settings, Options())
-    size, free, meters = (900.0, 700.0), (60.0, 30.0, 690.0, 640.0), (70.0, 40.0, 300.0, 300.0)
+    size, free, meters = (900.0, 700.0), (60.0, 30.0, 690.0, 640.0), (70.0, 40.0, 200.0, 120.0)
     items = furniture(data, _perspective(scene, camera, size), size, 1.0, free, text_width, (meters,))
     words = [text.words for text in items.texts]
     assert {"Source", "Listener", "Contact", "truck", "driver", "walker", "hermit", "0 dB", "−40"} <= set(words)
@@ -95,5 +95,5 @@ def test_legend_scales_with_the_user_interface(scene, camera, bridge):
     size = (800.0, 600.0)
     one, two = (furniture(data, _perspective(scene, camera), size, scale, (0.0, 0.0, *size), text_width) for scale in (1.0, 2.0))
     extents = [np.ptp(items.lines.position[0], axis=0)[:2] for items in (one, two)]
-    assert extents[1] == pytest.approx(2 * extents[0], rel=0.02)
+    assert extents[1] == pytest.approx(2 * extents[0], rel=0.03)
     assert [text.size * 2 for text in one.texts] == pytest.approx([text.size for text in two.texts])

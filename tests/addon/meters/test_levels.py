@@ -1,0 +1,133 @@
+"""History, levels and stills against closed forms."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from haptic_tracing.addon.meters.body_map import HALF_WIDTH, HEIGHT, figure
+from haptic_tracing.addon.meters.comparison import compared
+from haptic_tracing.addon.meters.history import History
+from haptic_tracing.addon.meters.levels import FLOOR, decibels, levels, place_of, sparkline
+from haptic_tracing.addon.meters.still import still_samples
+from haptic_tracing.core.body import BODY_PARTS
+from haptic_tracing.core.contacts.contact_set import ContactSet
+from haptic_tracing.core.functions import Exponential
+from haptic_tracing.core.perception import threshold_level
+from haptic_tracing.core.propagation import propagate
+from haptic_tracing.core.scene import HapticObject, Listener, Mode, Settings, Source
+from haptic_tracing.core.signals import Sine
+from haptic_tracing.core.tracer import Frame, Tracer
+
+RATE = 8000.0
+
+
+def played(frames, amplitude=0.5, frequency=100.0, distance=1.0, **listener):
+    """A sine on a plank, felt ``distance`` metres away with e^(-0.2 d), and one that nothing reaches; frames of 1/25 s."""
+    objects = (HapticObject("plank", 0.0, 1.0, Exponential(alpha=0.2)), HapticObject("moon", 0.0, 1.0))
+    sources = (Source("hum", "plank", (0, 0, 0), amplitude, signal=Sine(frequency)),)
+    listeners = (Listener("hand", "plank", (distance, 0, 0), "hand.L", **listener), Listener("eye", "moon"))
+    tracer, history = Tracer(), History()
+    for number in range(frames):
+        result = tracer.step(Frame(number, number / 25, objects, sources, listeners, contacts=ContactSet.empty()))
+        history.feed(result)
+    return result, history
+
+
+def test_history_is_the_last_second():
+    result, history = played(40)
+    assert history.samples("hand").shape == (8000,)
+    assert history.samples("hand", 0.25).shape == (2000,)
+    assert np.array_equal(history.samples("hand")[-320:], result.block[0])
+    assert not history.samples("eye").any()
+    assert history.samples("nobody").shape == (0,)
+    wave = 0.5 * math.exp(-0.2) * np.sin(2 * math.pi * 100 * (result.time - 1 + np.arange(8000) / RATE))
+    assert history.samples("hand") == pytest.approx(wave, abs=1e-9)
+
+
+def test_a_jump_begins_anew():
+    result, history = played(20)
+    history.feed(replace(result, first_sample=result.first_sample + 9))
+    assert history.samples("hand").shape == (320,)
+    history.clear()
+    assert history.samples("hand").shape == (0,)
+
+
+def test_levels_of_a_sine():
+    result, history = played(40)
+    felt, nothing = levels(result, history)
+    amplitude = 0.5 * math.exp(-0.2)
+    assert felt.peak == pytest.approx(20 * math.log10(amplitude), abs=0.01)
+    assert felt.rms == pytest.approx(20 * math.log10(amplitude / math.sqrt(2)), abs=0.01)
+    assert felt.sensation == pytest.approx(20 * math.log10(amplitude) - float(threshold_level(100.0)), abs=0.1)
+    assert felt.threshold == pytest.approx(float(threshold_level(100.0)) - 10 * math.log10(2), abs=0.1)
+    assert felt.is_felt
+    assert felt.words() == "−8 dB peak, −11 dB RMS"
+    assert felt.feeling() == "23 dB felt"
+    assert (nothing.peak, nothing.rms, nothing.sensation, nothing.threshold) == (-math.inf, -math.inf, -math.inf, None)
+    assert not nothing.is_felt
+    assert (nothing.words(), nothing.feeling()) == ("silent", "")
+
+
+def test_too_weak_to_be_felt():
+    result, history = played(20, amplitude=0.01, frequency=40.0)
+    level = levels(result, history)[0]
+    assert not level.is_felt
+    assert level.feeling() == f"{float(threshold_level(40.0)) + 40 + 1.74:.0f} dB too weak"
+
+
+def test_a_frame_that_stands_alone_is_as_loud_as_the_same_frames_playing():
+    """So that a change of mode shows on the meters while nothing plays."""
+    result, history = played(40, gain=0.8)
+    still = replace(result, block=None)
+    alone = History()
+    alone.feed(still)
+    for one, other in zip(levels(result, history), levels(still, alone), strict=True):
+        assert one.rms == pytest.approx(other.rms, abs=0.05)
+        assert one.sensation == pytest.approx(other.sensation, abs=0.2)
+    assert still_samples(still, 0.25).shape == (2, 2000)
+
+
+def test_levels_do_not_need_the_right_history():
+    result, _ = played(5)
+    assert levels(result, History())[0].rms == pytest.approx(levels(result, played(5)[1])[0].rms, abs=0.5)
+
+
+def test_places_and_texts():
+    assert [place_of(level) for level in (-math.inf, FLOOR, FLOOR / 2, 0.0, 6.0)] == [0, 0, 0.5, 1, 1]
+    assert [decibels(level) for level in (-math.inf, -11.6, -0.2, 0.0, 3.2)] == ["silent", "−12 dB", "0 dB", "0 dB", "3 dB"]
+
+
+def test_sparkline_rises_with_the_signal():
+    rising = sparkline(np.geomspace(1e-3, 1.0, 2400))
+    assert len(rising) == 24
+    assert list(rising) == sorted(rising)
+    assert rising[-1] == "█"
+    assert set(sparkline(np.zeros(100))) == {"▁"}
+    assert sparkline(np.zeros(0)) == ""
+
+
+def test_every_body_part_is_on_a_figure_and_mirrored():
+    views = {view: {limb.part: limb for limb in figure(view)} for view in ("front", "back")}
+    assert set(views["front"]) | set(views["back"]) == {part.name for part in BODY_PARTS}
+    for limbs in views.values():
+        for part in BODY_PARTS:
+            if part.name in limbs:
+                limb, other = limbs[part.name], limbs[part.mirror]
+                if part.side:
+                    assert (limb.start[0], limb.start[1]) == (-other.start[0], other.start[1])
+                for x, y in (limb.start, limb.end):
+                    assert abs(x) + limb.width / 2 <= HALF_WIDTH
+                    assert y >= limb.width / 2
+                    assert y + limb.width / 2 <= HEIGHT
+    # Who looks at somebody's face sees that one's left hand at the right.
+    assert views["front"]["hand.L"].start[0] > 0 > views["back"]["hand.L"].start[0]
+
+
+def test_compared_modes_are_those_that_tracing_gives():
+    result, _ = played(3)
+    gains = compared(result, Settings(localise=0.5))
+    assert set(gains) == set(Mode)
+    for mode, gain in gains.items():
+        assert gain == pytest.approx(0.5 * propagate(result.graph, Settings(mode=mode, localise=0.5)).gain[0])
+    assert gains[Mode.MN].tolist() == [0.5, 0.5]

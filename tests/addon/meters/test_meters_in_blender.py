@@ -1,0 +1,168 @@
+"""Meters, reasons and modes in a scene: panels, operators, and the picture that is drawn."""
+
+import importlib.util
+from pathlib import Path
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+from haptic_tracing.addon import session
+from haptic_tracing.addon.meters import draw, explanation
+from haptic_tracing.addon.overlay import picture
+from haptic_tracing.addon.overlay.furniture import plate_of
+from haptic_tracing.addon.panels import result as result_panel
+
+_spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
+recording_layout = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(recording_layout)
+
+
+@pytest.fixture
+def felt(scene, add_box, add_empty):
+    """A sine on the ground, a foot on it; a hand on a crate 4 cm above it, with its own muted source; two seconds at 25 Hz."""
+    ground = add_box("ground", (0, 0, -0.1), (4, 4, 0.2))
+    crate = add_box("crate", (1, 0, 0.29), (0.5, 0.5, 0.5))
+    shaker = add_empty("shaker", (-0.25, 0, 0), ground)
+    shaker.haptics.source.enabled = True
+    for name, parent, part in (("foot", ground, "foot.L"), ("hand", crate, "hand.R")):
+        listener = add_empty(name, (0, 0, 0), parent)
+        listener.haptics.listener.enabled = True
+        listener.haptics.listener.body_part = part
+    scene.render.fps = 25
+    scene.frame_start = 1
+    for frame in range(1, 51):
+        scene.frame_set(frame)
+    return scene
+
+
+def _drawn(panel):
+    layout = recording_layout.RecordingLayout()
+    if not hasattr(panel, "poll") or panel.poll(bpy.context):
+        panel.draw(SimpleNamespace(layout=layout), bpy.context)
+    return layout
+
+
+def _activate(name):
+    bpy.context.view_layer.objects.active = bpy.data.objects[name]
+
+
+def test_levels_are_worked_out_once_a_frame(felt):
+    foot, hand = draw.levels_of(felt)
+    assert foot.is_felt
+    assert foot.peak == pytest.approx(20 * np.log10(session.result_of(felt).gains[0, 0]), abs=0.05)
+    assert hand.words() == "silent"
+    assert draw.levels_of(felt)[0] is foot
+    felt.frame_set(51)
+    assert draw.levels_of(felt)[0] is not foot
+
+
+def test_scope_is_of_the_active_listener_or_of_the_strongest(felt):
+    bpy.context.view_layer.objects.active = None
+    assert draw.watched(felt) == "foot"
+    _activate("hand")
+    assert draw.watched(felt) == "hand"
+
+
+def test_why_silent_names_the_gap_and_then_the_muted_source(felt):
+    words, (reason,) = explanation.why_silent(felt, "hand")
+    assert words == ""
+    assert "'ground' and 'crate' are 4.0 cm apart" in reason.words
+    assert explanation.why_silent(felt, "hand")[1][0] is reason
+    assert explanation.why_silent(felt, "foot") == ("", ())
+    bpy.data.objects["shaker"].haptics.source.muted = True
+    felt.frame_set(51)
+    assert explanation.why_silent(felt, "foot")[1][0].words == "'shaker' is muted"
+    assert "no listener" in explanation.why_silent(felt, "crate")[0]
+
+
+def test_why_silent_says_when_nothing_is_traced(felt):
+    felt.haptics.tracing = False
+    assert explanation.why_silent(felt, "hand")[0].startswith("Tracing is switched off")
+    session.clear()
+    assert explanation.why_silent(felt, "hand") == ("Tracing is switched off: tick the box of the panel Haptic Tracing", ())
+    felt.haptics.tracing = True
+    assert "press Trace This Frame" in explanation.why_silent(felt, "hand")[0]
+
+
+def test_without_a_device_nothing_is_said_of_devices(felt):
+    assert explanation.device_words(felt, "hand") == ""
+
+
+def test_silence_panel_has_a_button_to_what_is_to_blame(felt):
+    _activate("hand")
+    layout = _drawn(result_panel.HAPTIC_PT_silence)
+    assert "hand" in layout.labels
+    assert "crate" in layout.labels
+    assert "haptic.select_object" in layout.operators
+    _activate("foot")
+    assert any("felt" in label for label in _drawn(result_panel.HAPTIC_PT_silence).labels)
+    _activate("crate")
+    assert not result_panel.HAPTIC_PT_silence.poll(bpy.context)
+
+
+def test_panels_show_values_as_text(felt):
+    labels = _drawn(result_panel.HAPTIC_PT_meters).labels
+    foot, _ = draw.levels_of(felt)
+    assert {"foot", "hand", "silent", foot.feeling()} <= set(labels)
+    assert any("█" in label or "▆" in label or "▇" in label for label in labels)
+
+
+def test_modes_by_one_click(felt):
+    def gains():
+        return session.result_of(felt).gains[0].tolist()
+
+    before = gains()
+    assert before[1] == 0
+    bpy.ops.haptic.set_mode(mode="MN")
+    assert gains() == [1, 1]
+    assert draw.levels_of(felt)[1].is_felt  # although nothing plays
+    for mode in ("HT", "SD", "MD", "MN"):
+        bpy.ops.haptic.set_mode(mode="NEXT")
+        assert felt.haptics.mode == mode
+    bpy.ops.haptic.set_mode(mode="HT")
+    assert gains() == pytest.approx(before)
+    felt.haptics.localise = 1.0
+    felt.frame_set(51)
+    assert gains()[0] == pytest.approx(before[0])
+
+
+def test_compare_panel_shows_all_modes_side_by_side(felt):
+    labels = _drawn(result_panel.HAPTIC_PT_comparison).labels
+    place = labels.index("hand")
+    assert labels[place + 1 : place + 5] == ["—", "—", labels[place + 3], "0"]
+    assert {"HT", "SD", "MD", "MN"} <= set(labels)
+
+
+def test_every_panel_of_the_result_draws_without_one(scene):
+    for panel in result_panel.CLASSES:
+        assert isinstance(_drawn(panel).labels, list)
+
+
+def test_picture_has_the_meters_at_the_upper_left(felt, tmp_path):
+    if not picture.starts_gpu():
+        assert bpy.app.version < (5, 2), "Blender 5.2 on can draw off-screen with Mesa: install libegl1 and libgl1-mesa-dri"
+        pytest.skip("before Blender 5.2 nothing can be drawn without a window")
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.location, camera.rotation_euler = (0, -9, 1), (1.5, 0, 0)
+    felt.collection.objects.link(camera)
+    felt.camera = camera
+    bpy.context.view_layer.update()
+    result, size = session.result_of(felt), (960, 540)
+    plain, metered = (picture.viewport_picture(felt, result, size, meters=meters).astype(int) for meters in (False, True))
+    changed = np.abs(plain - metered).max(axis=2) > 20
+    ((left, bottom, right, top),) = plate_of(picture.meters_above(felt, result, size, 1.0))
+    inside = np.zeros(size[::-1], dtype=bool)
+    inside[: size[1] - int(bottom) + 3, : int(right) + 3] = True
+    assert changed[inside].mean() > 0.5 * (right - left) * (top - bottom) / inside.sum()
+    assert changed[~inside].mean() < 0.1  # labels that made way
+
+
+def test_handler_comes_and_goes(scene):
+    for _ in range(2):
+        draw.unregister()
+        assert not draw._handlers
+        draw.register()
+        draw.register()
+        assert len(draw._handlers) == 1
+    draw._draw_pixels()  # outside a viewport: nothing
