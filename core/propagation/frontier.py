@@ -41,7 +41,7 @@ ELEMENTS = 16
 
 
 class TooWide(Exception):
-    """The states would take more work than allowed."""
+    """More ends may wait than a state has room for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,43 +224,58 @@ class _Moves:
         self.factor: list[int] = []
 
 
-def sum_over_paths(
-    crossings: Sequence[Crossing],
-    weights: Sequence[Weights],
-    start: FloatArray,
-    at_start: FloatArray,
-    limited: bool,
-    expected: Sequence[float],
-    allowed: float,
-) -> tuple[FloatArray, float]:
-    """Sum (listeners, contacts crossed, lanes) over all paths from the start to the listeners, and the work done.
+class SumOverPaths:
+    """Sum (listeners, contacts crossed, lanes) over all paths from the start to the listeners, which can be paused between two crossings.
 
     ``start`` (contacts crossed, lanes): the value at the start; ``at_start`` (listeners, lanes): factors of ending there at once. With
     ``limited`` contacts are counted, and paths with more than there is room for are left out; else there is room for one count, which
-    stands for all. Raises TooWide where more than ``allowed`` work would be needed, or will be as far as ``expected`` (an estimate of the
-    states up to each patch) tells.
+    stands for all. ``expected``: an estimate of the states up to each patch. ``work`` is what has been done so far.
     """
-    listeners, (steps, lanes) = len(at_start), start.shape
-    layer = _Layer(listeners, steps, lanes)
-    layer.opened[SOURCE] = 0
-    layer.open_values = start[None]
-    total = at_start[:, None] * start
-    cost = 1 + listeners * steps * lanes / ELEMENTS
-    work = 0.0
-    following = layer
-    for crossing, weight in zip(crossings, weights, strict=True):
+
+    def __init__(
+        self,
+        crossings: Sequence[Crossing],
+        weights: Sequence[Weights],
+        start: FloatArray,
+        at_start: FloatArray,
+        limited: bool,
+        expected: Sequence[float],
+    ) -> None:
+        listeners, (steps, lanes) = len(at_start), start.shape
+        self.work = 0.0
+        self._crossings, self._weights, self._limited, self._expected = crossings, weights, limited, expected
+        self._place = 0
+        self._total = at_start[:, None] * start
+        self._layer = self._following = _Layer(listeners, steps, lanes)
+        self._layer.opened[SOURCE] = 0
+        self._layer.open_values = start[None]
+        self._cost = 1 + listeners * steps * lanes / ELEMENTS
+
+    def run(self, allowed: float) -> FloatArray | None:
+        """The sum, or None where it takes more than ``allowed`` work altogether, or will as far as can be told. It goes on from where it
+        was."""
+        while self._place < len(self._crossings):
+            if self.work > allowed or self._hopeless(allowed):
+                return None
+            self._take(self._crossings[self._place], self._weights[self._place])
+            self._place += 1
+        return self._total
+
+    def _hopeless(self, allowed: float) -> bool:
+        done = self._expected[self._crossings[self._place - 1].patch] if self._place else math.inf
+        return self.work > HOPELESS * allowed and self.work * self._expected[-1] > 2 * allowed * done
+
+    def _take(self, crossing: Crossing, weight: Weights) -> None:
         if crossing.first:
-            layer = following
-            following = _Layer(listeners, steps, lanes)
+            layer, following = self._following, _Layer(0, 0, 0)
             following.opened, following.closed = dict(layer.opened), dict(layer.closed)
             following.open_values, following.closed_values = layer.open_values, layer.closed_values
-        work += cost * _cross(layer, following, total, crossing, weight, limited)
-        if work > allowed or (work > HOPELESS * allowed and work * expected[-1] > 2 * allowed * expected[crossing.patch]):
-            raise TooWide
+            self._layer, self._following = layer, following
+        following = self._following
+        self.work += self._cost * _cross(self._layer, following, self._total, crossing, weight, self._limited)
         for slots, most in crossing.most:
             following.opened, following.open_values = _at_most(following.opened, following.open_values, slots, most)
             following.closed, following.closed_values = _at_most(following.closed, following.closed_values, slots, most)
-    return total, work
 
 
 def _cross(layer: _Layer, following: _Layer, total: FloatArray, crossing: Crossing, weight: Weights, limited: bool) -> int:
@@ -403,12 +418,19 @@ def _add(values: FloatArray, moves: _Moves, terms: FloatArray) -> None:
 
 def _at_most(states: dict[int, int], values: FloatArray, slots: Sequence[int], most: int) -> tuple[dict[int, int], FloatArray]:
     """The states in which at most ``most`` of the slots hold a waiting end."""
-    shifts = [BITS * slot for slot in slots]
+    lowest = sum(1 << BITS * slot for slot in slots)
+    mask = lowest * FIELD
     if most == 0:
-        mask = sum(FIELD << shift for shift in shifts)
         kept = [(state, row) for state, row in states.items() if not state & mask]
     else:
-        kept = [(state, row) for state, row in states.items() if sum(state >> shift & FIELD > 0 for shift in shifts) <= most]
+        kept = []
+        for state, row in states.items():
+            any_bit = state & mask
+            any_bit |= any_bit >> 1
+            any_bit |= any_bit >> 2
+            any_bit |= any_bit >> 3  # the lowest bit of each field now says whether any of its seven is set
+            if (any_bit & lowest).bit_count() <= most:
+                kept.append((state, row))
     if len(kept) == len(states):
         return states, values
     return {state: number for number, (state, _) in enumerate(kept)}, values[[row for _, row in kept]]

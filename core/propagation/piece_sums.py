@@ -202,7 +202,7 @@ class Programme:
             self.crossings = frontier.plan(ordered, (start, entrance))
         except frontier.TooWide:
             self.crossings, self.width = [], math.inf
-        self.weights: list[frontier.Weights] | None = None
+        self.running: frontier.SumOverPaths | None = None
 
     def _factors(self, a: IntArray, b: IntArray) -> FloatArray:
         """Factors (n, lanes) of intra-connections."""
@@ -248,22 +248,22 @@ class Programme:
         return weights
 
     def sum(self, allowed: int) -> tuple[FloatArray | None, int]:
-        """(exits, k, lanes), or None where ``allowed`` is not enough; and the work done."""
-        problem = self.problem
+        """(exits, k, lanes), or None where ``allowed`` altogether is not enough; and the work done this time."""
         if self.width > allowed:
             return None, 0
+        with np.errstate(over="ignore", invalid="ignore"):
+            if self.running is None:
+                self.running = self._begin()
+            before = self.running.work
+            total = self.running.run(allowed)
+        # What is larger than any number is no sum: the search reports it as one without bound.
+        found = total if total is not None and np.all(total <= LARGEST) else None
+        return found, int(self.running.work - before)
+
+    def _begin(self) -> frontier.SumOverPaths:
+        problem = self.problem
         start = np.zeros((problem.steps, self.lanes))
         start[0] = 1.0
         (ends,) = self._ends(np.array([problem.entrance]))
         at_start = np.zeros((len(self.exits), self.lanes)) if ends is None else ends
-        try:
-            with np.errstate(over="ignore", invalid="ignore"):
-                if self.weights is None:
-                    self.weights = self._weigh()
-                total, work = frontier.sum_over_paths(
-                    self.crossings, self.weights, start, at_start, problem.limited, self.expected, allowed
-                )
-        except frontier.TooWide:
-            return None, allowed
-        # What is larger than any number is no sum: the search reports it as one without bound.
-        return (total if np.all(total <= LARGEST) else None), int(work)
+        return frontier.SumOverPaths(self.crossings, self._weigh(), start, at_start, problem.limited, self.expected)

@@ -180,8 +180,9 @@ def test_frontier_gives_up_at_once():
         )
         for c in crossings
     ]
-    with pytest.raises(frontier.TooWide):
-        frontier.sum_over_paths(crossings, weights, one, np.zeros((1, 1)), False, expected, 1000)
+    running = frontier.SumOverPaths(crossings, weights, one, np.zeros((1, 1)), False, expected)
+    assert running.run(1000) is None
+    assert running.work < 2000
 
 
 def test_same_result_every_time():
@@ -190,3 +191,24 @@ def test_same_result_every_time():
     first, second = (propagate(graph, chosen, 500) for _ in range(2))
     assert dataclasses.asdict(first)["gain"].tolist() == dataclasses.asdict(second)["gain"].tolist()
     assert first.error_bound.tolist() == second.error_bound.tolist()
+
+
+def test_frontier_paused_again_and_again():
+    """However small its steps, the sum is the same to the last bit."""
+    graph = graph_of_scene(dense(6, Constant(gain_value=0.9)))
+    whole = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0, tolerance=0.0), 10**9)
+    begun: list[frontier.SumOverPaths] = []
+    run = frontier.SumOverPaths.run
+
+    def in_steps(self: frontier.SumOverPaths, allowed: float):
+        begun.append(self)
+        for part in np.linspace(0, allowed, 50):
+            if (total := run(self, part)) is not None:
+                return total
+        return None
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(frontier.SumOverPaths, "run", in_steps)
+        paused = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0, tolerance=0.0), 10**9)
+    assert begun
+    assert paused.gain.tolist() == whole.gain.tolist()
