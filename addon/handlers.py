@@ -17,10 +17,17 @@ from .suspension import is_stepped, is_suspended
 
 
 @persistent
+def frame_change_pre(*_: Any) -> None:
+    """Blender begins to evaluate a frame."""
+    session.frame_begins()
+
+
+@persistent
 def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
     """Trace the frame that Blender has just evaluated, or read it from the baked track."""
     if is_suspended() or depsgraph.mode == "RENDER":
         return
+    session.frame_evaluated()
     if is_stepped(scene):
         session.trace(scene, depsgraph)
         return
@@ -70,6 +77,7 @@ def _edited(depsgraph: Depsgraph) -> bool:
 
 
 _HANDLERS: dict[str, Callable[..., None]] = {
+    "frame_change_pre": frame_change_pre,
     "frame_change_post": frame_change_post,
     "depsgraph_update_post": depsgraph_update_post,
     "load_pre": forget_everything,

@@ -354,6 +354,8 @@ def read_contact_settings(scene: Scene) -> ContactSettings:
         tolerance=shortest(haptics.contact_tolerance),
         least_energy=shortest(haptics.minimum_energy),
         full_energy=max(shortest(haptics.maximum_energy), 1e-3),
+        gravity=tuple(scene.gravity) if scene.use_gravity else (0.0, 0.0, 0.0),
+        time_scale=max(scene.rigidbody_world.time_scale, 1e-3) if scene.rigidbody_world is not None else 1.0,
     )
 
 

@@ -24,6 +24,7 @@ class Session:
     result: FrameResult | None = None
     problems: tuple[Problem, ...] = ()
     frame: int | None = None
+    frame_seconds: float = 0.0
     version: int = -1
     history: History = field(default_factory=History)
 
@@ -31,6 +32,8 @@ class Session:
 _sessions: dict[int, Session] = {}
 _version = 0
 _edits = 0
+_begun = 0.0
+_evaluating = 0.0
 
 
 def mark_changed() -> None:
@@ -81,6 +84,18 @@ def clear() -> None:
     mark_changed()
 
 
+def frame_begins() -> None:
+    """Blender begins to evaluate a frame."""
+    global _begun
+    _begun = time.perf_counter()
+
+
+def frame_evaluated() -> None:
+    """Blender has evaluated the frame: what that took is in the statistics of the frame that is traced now."""
+    global _evaluating
+    _evaluating = time.perf_counter() - _begun if _begun else 0.0
+
+
 def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult | None:
     """Trace the scene as it stands now and keep the result. None where nothing is tagged, or where a problem forbids it. ``live``: for the
     moment only, so that contacts that no signal gets to need not be looked for."""
@@ -98,8 +113,10 @@ def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult
     session.tracer.lazy = live and not feeling.wanted_in(scene)
     session.tracer.contact_settings = reading.contact_settings
     session.tracer.impact_sources = scene.haptics.impacts
-    continuous = session.frame is not None and scene.frame_current == session.frame + 1
-    session.frame = scene.frame_current
+    step, whole = scene.render.fps_base / scene.render.fps, scene.frame_subframe == 0
+    follows = session.frame is not None and scene.frame_current == session.frame + 1
+    continuous = whole and follows and step == session.frame_seconds
+    session.frame, session.frame_seconds = scene.frame_current if whole else None, step
     try:
         result = session.tracer.step(frame_of(scene, reading, continuous))
     except ValueError as error:
@@ -107,7 +124,11 @@ def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult
         session.result = None
         session.problems = (*reading.problems, Problem("", str(error)))
         return None
-    session.result = replace(result, milliseconds={"read": read_milliseconds, **result.milliseconds})
+    session.result = replace(
+        result,
+        milliseconds={"read": read_milliseconds, **result.milliseconds},
+        statistics={**result.statistics, "blender_milliseconds": 1000 * _evaluating},
+    )
     session.history.feed(result)
     session.problems = reading.problems + tuple(Problem("", warning) for warning in result.warnings) + feeling.trace(scene, result)
     return session.result

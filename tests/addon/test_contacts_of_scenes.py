@@ -1,0 +1,167 @@
+"""Contacts in Blender scenes: bad geometry is named and the rest goes on; jumps make no impacts; simulated falls hit as mechanics says."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from haptic_tracing.addon import session
+
+
+def problems():
+    return {problem.object: problem.message for problem in session.problems_of(bpy.context.scene)}
+
+
+def add_mesh(name, corners, faces=(), edges=(), body=None, location=(0, 0, 0)):
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(corners, edges, faces)
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    obj.location = location
+    if body is not None:
+        with bpy.context.temp_override(object=obj, active_object=obj, selected_objects=[obj]):
+            bpy.ops.rigidbody.object_add(type="PASSIVE")
+        obj.rigid_body.collision_shape = body
+    obj.haptics.enabled = True
+    return obj
+
+
+@pytest.fixture
+def bench(add_box):
+    """A plank with a source and a box on it that listens: what goes on whatever else is wrong."""
+    plank, box = add_box("plank", (0, 0, 0), (4, 1, 0.2)), add_box("box", (1.5, 0, 0.35), (0.5, 0.5, 0.5))
+    plank.haptics.source.enabled = box.haptics.listener.enabled = True
+    return plank, box
+
+
+SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+
+
+@pytest.mark.parametrize(
+    ("corners", "faces", "body", "word"),
+    [
+        ([(0, 0, 0)], (), None, "one place"),
+        ([(0, 0, 0)], (), "CONVEX_HULL", "one place"),
+        ([(0, 0, 0), (1, 0, 0)], (), "MESH", "no faces"),
+        ([], (), "MESH", "no vertices"),
+        (SQUARE, ((0, 1, 2, 3),), "BOX", "greater than 0"),
+        ([(0, 0, 0), (1, 0, 0), (1, 1, float("inf")), (0, 1, 0)], ((0, 1, 2, 3),), "CONVEX_HULL", "not finite"),
+        ([(0, 0, 0), (1, 0, 0), (1, 1, float("nan")), (0, 1, 0)], ((0, 1, 2, 3),), "MESH", "not finite"),
+    ],
+)
+def test_shapes_that_are_none_are_named_and_the_rest_goes_on(bench, traced, corners, faces, body, word):
+    add_mesh("broken", corners, faces, body=body)
+    bpy.context.view_layer.update()
+    result = traced()
+    assert result.gains[0, 0] > 0
+    assert word in problems()["broken"], problems()["broken"]
+
+
+@pytest.mark.parametrize("body", [None, "CONVEX_HULL", "MESH"])
+def test_flat_and_self_intersecting_meshes_take_part(bench, traced, body):
+    flat = add_mesh("flat", SQUARE, ((0, 1, 2, 3),), body=body, location=(-1.5, -0.5, 0.105 if body != "MESH" else 0.14))
+    crossed = [(0, 0, 0), (1, 1, 0), (1, 0, 0), (0, 1, 0), (0.5, 0.5, 1)]
+    add_mesh("knot", crossed, ((0, 1, 4), (2, 3, 4), (0, 1, 2), (1, 0, 3)), body=body, location=(-0.5, -0.5, flat.location.z))
+    bpy.context.view_layer.update()
+    result = traced()
+    touching = {frozenset(result.objects[k] for k in pair) for pair in result.contacts.pairs.tolist()}
+    assert {frozenset(("plank", "flat")), frozenset(("plank", "knot"))} <= touching
+    assert problems() == {}
+
+
+def test_a_mesh_of_two_million_triangles(bench, traced):
+    side = 1001
+    x, y = np.meshgrid(np.arange(side) / side, np.arange(side) / side)
+    corners = np.stack([x.ravel(), y.ravel(), 0.01 * np.sin(20 * x.ravel())], axis=1)
+    first = (np.arange(side - 1)[:, None] * side + np.arange(side - 1)).ravel()
+    faces = np.stack([first, first + 1, first + side + 1, first + side], axis=1)
+    mesh = bpy.data.meshes.new("terrain")
+    mesh.vertices.add(len(corners))
+    mesh.vertices.foreach_set("co", corners.astype(np.float32).ravel())
+    mesh.loops.add(faces.size)
+    mesh.loops.foreach_set("vertex_index", faces.astype(np.int32).ravel())
+    mesh.polygons.add(len(faces))
+    mesh.polygons.foreach_set("loop_start", np.arange(0, faces.size, 4, dtype=np.int32))
+    mesh.update(calc_edges=True)
+    obj = bpy.data.objects.new("terrain", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    with bpy.context.temp_override(object=obj, active_object=obj, selected_objects=[obj]):
+        bpy.ops.rigidbody.object_add(type="PASSIVE")
+    obj.rigid_body.collision_shape = "MESH"
+    obj.haptics.enabled = True
+    bpy.context.view_layer.update()
+    assert traced().gains[0, 0] > 0
+    assert "2,000,000" in problems()["terrain"]
+    obj.rigid_body.collision_shape = "CONVEX_HULL"
+    obj.location = (-1.5, -0.5, 0.115)
+    bpy.context.view_layer.update()
+    result = traced()
+    assert problems() == {}
+    assert ["plank", "terrain"] in [sorted(result.objects[k] for k in pair) for pair in result.contacts.pairs.tolist()]
+
+
+@pytest.fixture
+def drop(add_box, scene):
+    """A box that falls from 2 m onto a floor, simulated by Blender."""
+    add_box("floor", (0, 0, -0.5), (20, 20, 1), "PASSIVE")
+    box = add_box("box", (0, 0, 2.5), (1, 1, 1), "ACTIVE", mass=10.0)
+    box.haptics.source.enabled = box.haptics.listener.enabled = True
+    box.rigid_body.linear_damping = 0.0
+    scene.rigidbody_world.substeps_per_frame = 40
+    return box
+
+
+def played(scene, frames):
+    found = []
+    for frame in frames:
+        scene.frame_set(frame)
+        result = session.result_of(scene)
+        found += [(frame, impact) for impact in result.impacts]
+    return found
+
+
+@pytest.mark.parametrize(("rate", "gravity", "scale"), [(24, 9.81, 1.0), (60, 9.81, 1.0), (24, 1.62, 1.0), (25, 9.81, 0.5)])
+def test_a_simulated_fall_hits_with_its_potential_energy(drop, scene, rate, gravity, scale):
+    scene.render.fps = rate
+    scene.gravity = (0, 0, -gravity)
+    scene.rigidbody_world.time_scale = scale
+    fall = math.sqrt(2 * 2.0 / gravity) / scale
+    found = played(scene, range(1, math.ceil(fall * rate) + 4))
+    _, first = found[0]
+    assert first.energy == pytest.approx(10 * gravity * 2.0, rel=0.03)
+    # Blender's simulation begins in the first interval, by a part of a substep.
+    assert first.time == pytest.approx(fall, abs=0.002 + 1 / rate / 40)
+
+
+def test_jumps_rate_changes_and_subframes_make_no_impacts(drop, scene):
+    played(scene, range(1, 12))
+    assert played(scene, [40, 41]) == []
+    assert played(scene, [1, 2]) == []
+    played(scene, range(3, 12))
+    scene.render.fps = 60
+    assert played(scene, [12, 13]) == []
+    scene.render.fps = 24
+    scene.frame_set(1)
+    played(scene, range(2, 10))
+    scene.frame_set(15, subframe=0.5)
+    assert session.result_of(scene).impacts == ()
+
+
+def test_the_same_timeline_twice_gives_the_same_bits(drop, scene):
+    runs = []
+    for _ in range(2):
+        blocks = []
+        for frame in range(1, 25):
+            scene.frame_set(frame)
+            result = session.result_of(scene)
+            blocks.append((result.impacts, result.gains.tobytes(), result.contacts.positions.tobytes()))
+        runs.append(blocks)
+    assert runs[0] == runs[1]
+
+
+def test_statistics_tell_what_blender_took_and_what_was_skipped(drop, scene):
+    scene.frame_set(1)
+    result = session.result_of(scene)
+    assert set(result.milliseconds) >= {"read", "broad", "narrow", "graph", "propagate", "mix"}
+    assert result.statistics["blender_milliseconds"] > 0
+    assert {"candidate_pairs", "contact_queries", "queries_avoided"} <= set(result.statistics)
