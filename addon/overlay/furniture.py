@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
@@ -156,15 +157,17 @@ def _add_labels(
     taken = np.concatenate([taken, around(places, scale * data.points.size[symbols] / 2)])
     busy = project(_along_paths(data.paths), perspective, size)
     corner = place_labels(anchor, extent, clearance, free, taken, busy[~np.isnan(busy[:, 0])])
+    corners, anchors, extents = np.round(corner).tolist(), anchor.tolist(), extent.tolist()
     for k in np.flatnonzero(~np.isnan(corner[:, 0])).tolist():
-        label, low = labels[k], np.round(corner[k])
-        nearest = np.clip(anchor[k], low, low + extent[k])
-        if np.linalg.norm(nearest - anchor[k]) > clearance[k] + _GAP * scale:
-            board.line(anchor[k], nearest, (*FAINT_INK, 0.8), 1.0)
-        board.plate(low, low + extent[k], PLATE, 4.0)
-        left, base = low[0] + scale * _PADDING[0], low[1] + scale * (_PADDING[1] + 1.2)
-        board.text(label.name, (left, base), INK)
-        board.text(label.value, (left + names[k] + space, base), label.colour)
+        label, (x, y), (left, bottom) = labels[k], anchors[k], corners[k]
+        right, top = left + extents[k][0], bottom + extents[k][1]
+        nearest = min(max(x, left), right), min(max(y, bottom), top)
+        if math.dist(nearest, (x, y)) > clearance[k] + _GAP * scale:
+            board.line((x, y), nearest, (*FAINT_INK, 0.8), 1.0)
+        board.plate((left, bottom), (right, top), PLATE, 4.0)
+        start, base = left + scale * _PADDING[0], bottom + scale * (_PADDING[1] + 1.2)
+        board.text(label.name, (start, base), INK)
+        board.text(label.value, (start + float(names[k]) + space, base), label.colour)
 
 
 def _along_paths(lines: Lines) -> FloatArray:

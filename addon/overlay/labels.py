@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,7 @@ from .colour_map import FloatArray
 _SIDES = np.array([(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)], dtype=np.float64)
 _REACH_OF_SIDE = np.where(np.abs(_SIDES).sum(axis=1, keepdims=True) > 1, 0.5, 1.0)  # a diagonal needs less on either axis
 _REACHES = (1.0, 2.2, 4.0)
+_CELL = 8.0  # pixels
 _COST_OF_REACH = 6  # a step farther is worth that many covered pixels of a path
 _COST_OF_CONFUSION = 15  # so is standing nearer to the place of another label than to one's own
 
@@ -45,49 +48,59 @@ def place_labels(
     (k, 2), else the right.
     """
     corner = np.full_like(anchor, np.nan)
-    rectangles = np.concatenate([taken.reshape(-1, 4), np.zeros_like(anchor).repeat(2, axis=1)])  # room for those placed here
-    count = len(taken)
-    for k in range(len(anchor)):
-        best, lowest = None, np.inf
-        for step, factor in enumerate(_REACHES):
-            if lowest <= step * _COST_OF_REACH:
+    if not len(anchor):
+        return corner
+    reach = np.repeat(_REACHES, len(_SIDES))[None, :, None] * np.tile(_REACH_OF_SIDE, (len(_REACHES), 1))[None]
+    side = np.tile(_SIDES, (len(_REACHES), 1))[None]
+    low = anchor[:, None] + side * (extent[:, None] / 2 + clearance[:, None, None] * reach) - extent[:, None] / 2
+    high = low + extent[:, None]
+    cost = _covered(low, high, busy, room) + _COST_OF_REACH * np.repeat(np.arange(len(_REACHES)), len(_SIDES))
+    cost += _COST_OF_CONFUSION * _nearer_to_another(low, high, anchor)
+    free = _free(low, high, room, taken.reshape(-1, 4))
+    placed: list[tuple[float, float, float, float]] = []
+    orders, corners = np.argsort(cost, axis=1, kind="stable").tolist(), np.concatenate([low, high], axis=2).tolist()
+    for k, (order, rectangles) in enumerate(zip(orders, corners, strict=True)):
+        for number in order:
+            if not free[k, number]:
+                continue
+            x0, y0, x1, y1 = rectangles[number]
+            if not any(x0 < right and x1 > left and y0 < top and y1 > bottom for left, bottom, right, top in placed):
+                corner[k] = x0, y0
+                placed.append((x0, y0, x1, y1))
                 break
-            low = anchor[k] + _SIDES * (extent[k] / 2 + factor * clearance[k] * _REACH_OF_SIDE) - extent[k] / 2
-            high = low + extent[k]
-            free = np.flatnonzero(_free(low, high, room, rectangles[:count]))
-            if len(free):
-                cost = _covered(low[free], high[free], busy) + step * _COST_OF_REACH
-                cost = cost + _COST_OF_CONFUSION * _nearer_to_another(low[free], high[free], anchor, k)
-                if cost.min() < lowest:
-                    best, lowest = low[free[np.argmin(cost)]], cost.min()
-        if best is not None:
-            corner[k] = best
-            rectangles[count] = *best, *(best + extent[k])
-            count += 1
     return corner
 
 
-# The last axis is only two long: comparing its parts by themselves is several times faster than `all` over it.
+# Rectangles ``low`` to ``high`` are (n, s, 2): those of n labels in s places. The last axis is only two long: comparing its parts by
+# themselves is several times faster than `all` over it.
 
 
-def _free(low: FloatArray, high: FloatArray, room: tuple[float, float, float, float], rectangles: FloatArray) -> NDArray[np.bool_]:
-    """Which rectangles ``low`` to ``high`` (s, 2) lie inside ``room`` and off ``rectangles`` (m, 4)."""
-    (x0, y0), (x1, y1) = low.T, high.T
-    left, bottom, right, top = rectangles.T
-    overlaps = (x0[:, None] < right) & (x1[:, None] > left) & (y0[:, None] < top) & (y1[:, None] > bottom)
-    return (x0 >= room[0]) & (y0 >= room[1]) & (x1 <= room[2]) & (y1 <= room[3]) & ~overlaps.any(axis=1)
+def _free(low: FloatArray, high: FloatArray, room: tuple[float, float, float, float], taken: FloatArray) -> NDArray[np.bool_]:
+    """Which rectangles lie inside ``room`` and off ``taken`` (m, 4)."""
+    (x0, y0), (x1, y1) = np.moveaxis(low, 2, 0), np.moveaxis(high, 2, 0)
+    result = (x0 >= room[0]) & (y0 >= room[1]) & (x1 <= room[2]) & (y1 <= room[3])
+    for left, bottom, right, top in taken.tolist():
+        result &= ~((x0 < right) & (x1 > left) & (y0 < top) & (y1 > bottom))
+    return result
 
 
-def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray, own: int) -> NDArray[np.bool_]:
-    """Which rectangles (s,) are nearer to another place than to their own."""
-    (x0, y0), (x1, y1), (x, y) = low.T[:, :, None], high.T[:, :, None], anchor.T
-    squared = np.maximum(np.maximum(x0 - x, x - x1), 0) ** 2 + np.maximum(np.maximum(y0 - y, y - y1), 0) ** 2
-    return squared.min(axis=1) < squared[:, own]
+def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray) -> NDArray[np.bool_]:
+    """Which rectangles are nearer to the place of another label than to that of their own."""
+    (x0, y0), (x1, y1), (x, y) = np.moveaxis(low, 2, 0)[..., None], np.moveaxis(high, 2, 0)[..., None], anchor.T
+    squared = np.maximum(np.maximum(x0 - x, x - x1), 0) ** 2
+    squared += np.maximum(np.maximum(y0 - y, y - y1), 0) ** 2
+    own = np.diagonal(squared, axis1=0, axis2=2).T
+    return np.asarray(squared.min(axis=2) < own)
 
 
-def _covered(low: FloatArray, high: FloatArray, busy: FloatArray) -> NDArray[np.int64]:
-    """How many of the pixels ``busy`` (k, 2) lie in each rectangle (s,)."""
-    (x0, y0), (x1, y1), (x, y) = low.T[:, :, None], high.T[:, :, None], busy.T
-    near = (x > x0.min()) & (x < x1.max()) & (y > y0.min()) & (y < y1.max())
-    x, y = x[near], y[near]
-    return ((x > x0) & (x < x1) & (y > y0) & (y < y1)).sum(axis=1)
+def _covered(low: FloatArray, high: FloatArray, busy: FloatArray, room: tuple[float, float, float, float]) -> FloatArray:
+    """How many of the pixels ``busy`` (k, 2) lie in each rectangle, give or take those at its edges: counted by cells, summed up once."""
+    width, height = (max(math.ceil(end / _CELL), 1) for end in room[2:])
+    cells = np.zeros((width + 1, height + 1), dtype=np.int32)
+    place = (busy / _CELL).astype(np.int64)
+    place = place[(place >= 0).all(axis=1) & (place[:, 0] < width) & (place[:, 1] < height)]
+    np.add.at(cells, (place[:, 0] + 1, place[:, 1] + 1), 1)
+    sums = cells.cumsum(axis=0, dtype=np.int32).cumsum(axis=1, dtype=np.int32)
+    x0, y0 = (np.clip(np.rint(low[..., axis] / _CELL), 0, end).astype(np.int64) for axis, end in enumerate((width, height)))
+    x1, y1 = (np.clip(np.rint(high[..., axis] / _CELL), 0, end).astype(np.int64) for axis, end in enumerate((width, height)))
+    return np.asarray(sums[x1, y1] - sums[x0, y1] - sums[x1, y0] + sums[x0, y0], dtype=np.float64)

@@ -149,6 +149,8 @@ def _shown_pairs(result: FrameResult, options: Options) -> BoolArray:
 def _tree_lines(graph: HapticGraph, spreading: Spread, scale: GainScale, opacity: float) -> Lines:
     """How the signal spreads: every node joined to the one that its strongest arrival came from, weak ones first."""
     ends = np.flatnonzero(spreading.predecessor >= 0)
+    # Where two objects touch in one point there is nothing to draw but the contact itself.
+    ends = ends[(graph.node_position[ends] != graph.node_position[spreading.predecessor[ends]]).any(axis=1)]
     ends = ends[np.argsort(spreading.gain[ends], kind="stable")]
     nodes = np.stack([spreading.predecessor[ends], ends], axis=1)
     gain = spreading.gain[nodes]
