@@ -20,6 +20,7 @@ def _modules() -> tuple:
         panels,
         preferences,
         properties,
+        translations,
     )
 
     return (
@@ -38,6 +39,7 @@ def _modules() -> tuple:
         live_output,
         menus,
         keymap,
+        translations,
     )
 
 

@@ -50,12 +50,12 @@ class HapticTracingPreferences(AddonPreferences):
         update=_redraw,
     )
     default_device: StringProperty(
-        name="Default Device", description="The device that new scenes play on: a part of its name; empty for the first that is found"
+        name="Default Device", description="What Connect Device takes: a part of its name; empty for the first device that is found"
     )
     keep_awake: BoolProperty(
         name="Keep Devices Awake",
-        description="While previewing, send to a device now and then even if nothing changes, so that it does not fall asleep",
-        default=True,
+        description="When playback ends, hold devices at zero instead of releasing them, so that they do not fall asleep",
+        default=False,
     )
 
     def draw(self, context: Context) -> None:
@@ -74,7 +74,7 @@ class HapticTracingPreferences(AddonPreferences):
         keymap.draw(layout, context)
 
 
-_DEFAULTS = SimpleNamespace(gain_unit="BOTH", curve_colour=(1.0, 0.62, 0.2), overlay_size=1.0, default_device="", keep_awake=True)
+_DEFAULTS = SimpleNamespace(gain_unit="BOTH", curve_colour=(1.0, 0.62, 0.2), overlay_size=1.0, default_device="", keep_awake=False)
 
 
 def preferences() -> Any:

@@ -10,6 +10,7 @@ from bpy.types import Context, Operator
 
 from ...core.devices.mapping import Place
 from ..operators.polling import UNDO
+from ..preferences import preferences
 from . import outputs, player, preview, refresh
 from .properties import adjustment_of
 
@@ -33,19 +34,20 @@ class HAPTIC_OT_connect_device(Operator):
     bl_label = "Connect"
     bl_description = "Let listeners be felt through this device while the timeline plays"
 
-    device: StringProperty()
+    device: StringProperty(name="Device", description="Which one; empty for the default device of the preferences")
 
     def execute(self, context: Context) -> set[str]:
-        found = outputs.found(self.device)
+        key = self.device or outputs.preferred(preferences().default_device)
+        found = outputs.found(key)
         if found is None:
-            self.report({"WARNING"}, f"{self.device} is not connected: press Find Devices")
+            self.report({"WARNING"}, f"{key or 'A device'} is not connected: press Find Devices")
             return {"CANCELLED"}
         devices = context.scene.haptics.live_output.devices
-        settings = devices.get(self.device)
+        settings = devices.get(key)
         if settings is None:
             settings = devices.add()
-            settings.name = self.device
-        outputs.connect(self.device, adjustment_of(settings, found.device))
+            settings.name = key
+        outputs.connect(key, adjustment_of(settings, found.device))
         refresh.start()
         return {"FINISHED"}
 

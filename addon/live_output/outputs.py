@@ -105,6 +105,13 @@ def found(key: str) -> Found | None:
     return next((device for device in (_inventory or Inventory()).devices if device.key == key), None)
 
 
+def preferred(part: str) -> str:
+    """The key of the first found device whose name has ``part`` in it, of the first device where none has; "" where none was found."""
+    devices = (_inventory or Inventory()).devices
+    wanted = [device.key for device in devices if part.lower() in f"{device.key} {device.title}".lower()]
+    return next(iter([*wanted, *(device.key for device in devices)]), "")
+
+
 def connect(key: str, adjustment: Adjustment) -> None:
     """Drive a found device from now on. Raises ValueError if it is unknown."""
     global _version

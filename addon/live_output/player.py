@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...core.devices.mapping import ActuatorMapping, Loss, Place, map_listeners
 from ...core.frame_result import FrameResult
 from ...core.playback import Playback, grain, recorded_grain
+from ..preferences import preferences
 from . import outputs, preview
 
 AUTOMATIC = ""
@@ -49,16 +50,16 @@ def start(scene: int, time: float) -> None:
 
 
 def stop() -> None:
-    """Playback ends: silence."""
+    """Playback ends: silence. The devices are released, unless the user wants them to be kept awake."""
     _state.playing = False
-    rest()
+    rest(release=not preferences().keep_awake)
 
 
-def rest() -> None:
+def rest(release: bool = True) -> None:
     """Zero, then release, now; the next frame plays again."""
     _state.result = None
     _state.playback = Playback()
-    outputs.rest()
+    (outputs.rest if release else outputs.silence)()
     preview.silence()
 
 

@@ -11,7 +11,7 @@ from ..operators.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode
 from . import library
 from .properties import TARGET_ITEMS, made_of
 
-PRESET_ITEMS = tuple((material.name, material.title, f"κ {material.kappa:g}, ρ {material.rho:g}") for material in MATERIALS.values())
+PRESET_ITEMS = tuple((material.name, material.title, "") for material in MATERIALS.values())
 
 
 def _poll_material(cls: type[Operator], context: Context) -> bool:

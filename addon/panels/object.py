@@ -7,6 +7,7 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Object, Panel, UILayout
 
 from ...core.bands import BAND_EDGES
@@ -100,7 +101,7 @@ def advice(context: Context, obj: Object) -> Iterator[tuple[str, ...]]:
         else:
             twin = _twin(context, haptics)
             if twin is not None:
-                yield f"Feels the same as {twin}:", "only (1 - κ) ρ counts"
+                yield iface_("Feels the same as {}:").format(twin), "only (1 - κ) ρ counts"
     elif haptics.function == "constant" and haptics.constant == 0:
         yield ("Passes on nothing: the gain is 0",)
     if obj.rigid_body is not None and context.scene.rigidbody_world is None:

@@ -1,0 +1,45 @@
+"""German is complete: every text of the add-on's classes, properties and sources has its translation, with the same gaps to fill."""
+
+import importlib.util
+import re
+from pathlib import Path
+
+import bpy
+from haptic_tracing.addon.translations import german
+
+_spec = importlib.util.spec_from_file_location("messages_of_the_add_on", Path(__file__).parent / "messages.py")
+messages = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(messages)
+
+# Names of encodings and examples, which are the same in every language.
+SAME = {"pcm16", "float32", "0.50  -6 dB", "-6 dB"}
+# What Blender translates itself.
+BLENDERS = {
+    "Unique name used in the code and scripting, can be re-defined in Python sub-classes if needed",
+    "Unique name used in the code and scripting",
+}
+
+
+def test_every_text_is_translated():
+    shown = messages.registered_texts() | messages.written_texts()
+    assert len(shown) > 300
+    assert sorted(shown - german.MESSAGES.keys() - SAME - BLENDERS) == []
+
+
+def test_translations_keep_the_gaps():
+    for text, words in german.MESSAGES.items():
+        assert sorted(re.findall(r"\{[^}]*\}", text)) == sorted(re.findall(r"\{[^}]*\}", words)), text
+        assert words.strip() == words
+        assert words
+
+
+def test_reports_fill_translated_gaps():
+    assert german.MESSAGES["{} listeners mirrored"].format(3) == "3 Empfänger gespiegelt"
+
+
+def test_the_dictionary_is_registered_and_removed():
+    bpy.app.translations.unregister("haptic_tracing.addon.translations")
+    from haptic_tracing.addon import translations
+
+    translations.register()
+    assert bpy.app.translations.pgettext_iface("Make Haptic") in ("Make Haptic", "Haptisch machen")
