@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from ..core.contacts.tracker import Body, ContactSettings, Motion
 from ..core.functions import ModulationFunction, function_from_dict
 from ..core.scene import HapticObject, Listener, Pose, Settings, Source, SourceKind
-from ..core.signals import DEFAULT_IMPACT, Loop, Noise, Pulse, Signal, Sine, read_wav
+from ..core.signals import DEFAULT_IMPACT, Loop, Noise, Pulse, Signal, Sine, Track, read_wav
 from . import compatibility
+from .animated_frequency import AnimatedFrequencies
 from .collision_shapes import collision_shape
 from .decimals import shortest
 from .formats.kept import kept_object, kept_source
@@ -112,6 +113,7 @@ class SceneReader:
         self._session_ids: NDArray[np.int32] | None = None
         self._tagged: dict[int, _Tagged] = {}  # by row
         self._shapes: dict[int, tuple[Any, Any]] = {}  # by session id: what it was built from, and the shape
+        self._frequencies = AnimatedFrequencies()
         self._lists: _Lists | None = None
         self._raw = np.zeros((0, 16), dtype=np.float32)  # all matrices of the file as they were read last
         self._rigid = np.zeros((0, 4, 4))  # of the tagged rows
@@ -155,6 +157,7 @@ class SceneReader:
     def _read_all(self, depsgraph: Depsgraph) -> None:
         shown = {obj.session_uid for obj in depsgraph.view_layer.objects}
         tagged = {row: obj for row, obj in enumerate(bpy.data.objects) if obj.session_uid in shown and is_tagged(obj)}
+        self._frequencies.clear()
         self._tagged = {row: self._read_object(row, obj, depsgraph) for row, obj in tagged.items()}
         self._lists = None
 
@@ -208,7 +211,7 @@ class SceneReader:
             except ValueError as error:
                 problems.append(Problem(name, str(error)))
         carrier = haptic_carrier(obj)
-        for role, read in (("source", read_source), ("listener", read_listener)):
+        for role in ("source", "listener"):
             if not getattr(haptics, role).enabled:
                 continue
             if carrier is None:
@@ -216,10 +219,10 @@ class SceneReader:
             elif carrier == obj and haptic_object is None:
                 continue  # the object's own problem says it
             elif role == "listener":
-                listener = read(obj, carrier.name_full)
+                listener = read_listener(obj, carrier.name_full)
             else:
                 try:
-                    source = read(obj, carrier.name_full)
+                    source = read_source(obj, carrier.name_full, self._frequencies.track(obj, depsgraph.scene))
                 except (OSError, ValueError) as error:
                     problems.append(Problem(name, str(error)))
         animated = compatibility.is_animated(obj)
@@ -287,8 +290,9 @@ def read_object(obj: Object) -> HapticObject:
     )
 
 
-def read_source(obj: Object, carrier: str) -> Source:
-    """The source of a Blender object that stands on the haptic object ``carrier``; its position is filled in per frame."""
+def read_source(obj: Object, carrier: str, frequency: Track | None = None) -> Source:
+    """The source of a Blender object that stands on the haptic object ``carrier``; its position is filled in per frame. ``frequency``:
+    over the scene's time, where it is animated."""
     properties = obj.haptics.source
     kept = kept_source(properties.imported)
     second = bpy.data.objects.get(kept.second_object or "")
@@ -298,7 +302,7 @@ def read_source(obj: Object, carrier: str) -> Source:
         object=carrier,
         amplitude=0.0 if properties.muted else shortest(properties.amplitude),
         kind=kept.kind,
-        signal=kept.signal if properties.signal == "KEPT" else read_signal(properties),
+        signal=kept.signal if properties.signal == "KEPT" else read_signal(properties, frequency),
         second_object=kept.second_object if struck else None,
         second_position=kept.second_position if struck else None,
         onset=kept.onset,
@@ -306,13 +310,15 @@ def read_source(obj: Object, carrier: str) -> Source:
     )
 
 
-def read_signal(properties: Any) -> Signal:
-    """The signal of a source's properties. Raises ValueError in words where its file can't be read."""
+def read_signal(properties: Any, frequency: Track | None = None) -> Signal:
+    """The signal of a source's properties, at an animated ``frequency`` where there is one. Raises ValueError in words where its file
+    can't be read."""
+    hertz = shortest(properties.frequency) if frequency is None else frequency
     match properties.signal:
         case "SINE":
-            return Sine(shortest(properties.frequency))
+            return Sine(hertz)
         case "PULSE":
-            return Pulse(shortest(properties.frequency))
+            return Pulse(hertz)
         case "NOISE":
             return Noise()
     if not properties.filepath:
