@@ -5,7 +5,9 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field, replace
 
+import numpy as np
 from bpy.types import Depsgraph, Scene
+from numpy.typing import NDArray
 
 from ..core.frame_result import FrameResult
 from ..core.tracer import Frame, Tracer
@@ -70,11 +72,11 @@ def problems_of(scene: Scene) -> tuple[Problem, ...]:
     return session.problems if session is not None else ()
 
 
-def show(scene: Scene, result: FrameResult) -> None:
-    """Keep a result that was read from a track instead of being traced."""
+def show(scene: Scene, result: FrameResult, samples: NDArray[np.float64]) -> None:
+    """Keep a result that was read from a track instead of being traced, and the ``samples`` (l, n) that lead up to its end."""
     session = of(scene)
     session.result, session.frame = result, None
-    session.history.feed(result)
+    session.history.take(result, samples)
 
 
 def clear() -> None:
@@ -113,6 +115,7 @@ def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult
     session.tracer.lazy = live and not feeling.wanted_in(scene)
     session.tracer.contact_settings = reading.contact_settings
     session.tracer.impact_sources = scene.haptics.impacts
+    session.tracer.impact_materials = reading.impact_materials if scene.haptics.impact_signal == "MATERIALS" else {}
     step, whole = scene.render.fps_base / scene.render.fps, scene.frame_subframe == 0
     follows = session.frame is not None and scene.frame_current == session.frame + 1
     continuous = whole and follows and step == session.frame_seconds

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from bpy.types import Scene
 
 from .. import session
+from ..meters.history import SECONDS
 from . import storage
 from .digest import changes, digest_of
 from .track import HapticTrack
@@ -45,9 +46,10 @@ def play(scene: Scene) -> bool:
     started = time.perf_counter()
     track = storage.track_of(scene)
     result = None if track is None else track.result(scene.frame_current)
-    if result is None:
+    if track is None or result is None:
         return False
-    session.show(scene, replace(result, milliseconds={"read_track": 1000 * (time.perf_counter() - started)}))
+    result = replace(result, milliseconds={"read_track": 1000 * (time.perf_counter() - started)})
+    session.show(scene, result, track.samples_until(scene.frame_current, SECONDS))
     return True
 
 

@@ -122,6 +122,11 @@ class HapticTrack:
         """All samples of a listener, in [-1, 1]."""
         return self.samples[index].astype(np.float64) / FULL_SCALE
 
+    def samples_until(self, frame: int, seconds: float) -> FloatArray:
+        """The last ``seconds`` of all listeners up to the end of a frame, (l, n)."""
+        last = int(self.offsets[frame - self.frame_start + 1])
+        return self.samples[:, max(last - round(seconds * self.sample_rate), 0) : last].astype(np.float64) / FULL_SCALE
+
     def result(self, frame: int) -> FrameResult | None:
         """A frame as if it had just been traced, without contacts and paths; None outside the range."""
         k = frame - self.frame_start

@@ -11,7 +11,7 @@ from bpy.types import Context, Scene, SpaceView3D
 from ...core.frame_result import FrameResult
 from .. import session
 from ..overlay import draw as overlay
-from ..overlay.furniture import Furniture, Rectangle, plate_of
+from ..overlay.furniture import Furniture, Rectangle, legend_width, plate_of
 from ..overlay.quads import quads_of
 from ..preferences import preferences
 from .board import Scope, meters
@@ -19,6 +19,7 @@ from .levels import Level, levels
 
 _MARGIN = 12.0  # points to the edges of what is free
 _SHARE = 0.6  # of the free height
+_LEAST_WIDTH = 320.0  # points: with less than that beside it, the legend stands above
 
 _handlers: list[Any] = []
 
@@ -90,7 +91,11 @@ def draw_board(context: Context, scene: Scene, result: FrameResult) -> None:
     left, bottom, right, top = overlay.free_rectangle(context)
     margin = _MARGIN * scale
     corner = (round(left + margin), round(bottom + margin))
-    room = (right - left - 2 * margin, _SHARE * (top - bottom) - margin)
+    width = right - left - 2 * margin
+    beside_legend = width - legend_width(scale, overlay.text_width) - margin
+    if scene.haptics.show_overlay and beside_legend >= _LEAST_WIDTH * scale:
+        width = beside_legend
+    room = (width, _SHARE * (top - bottom) - margin)
     chosen = scene.haptics.meters
     atlas = overlay.shared_atlas()
     key = (corner, room, scale, chosen.show_scope, chosen.show_body, scene.haptics.mode, watched(scene))

@@ -35,6 +35,11 @@ class History:
         self.listeners, self.sample_rate = names, result.sample_rate
         self._end = None if result.block is None else result.first_sample + block.shape[1]
 
+    def take(self, result: FrameResult, samples: FloatArray) -> None:
+        """Take what came before as well: ``samples`` (l, n) up to the end of the frame, from a track."""
+        self.feed(result)
+        self._samples = samples[:, -round(SECONDS * result.sample_rate) :]
+
     def clear(self) -> None:
         """Forget everything."""
         self._samples, self.listeners, self._end = np.zeros((0, 0)), (), None

@@ -20,6 +20,7 @@ FAINT_INK = (0.72, 0.72, 0.72)
 PLATE = (0.075, 0.075, 0.085, 0.84)
 _PADDING = (6.0, 4.0)
 _GAP = 5.0  # points between a place's symbol and its label
+_LEGEND = (18.0, 10.0, 10.0)  # points: a symbol, between two names, around everything
 _MOST_STEPS, _MOST_LABELS = 150, 48
 _NAMES = {Shape.SOURCE: "Source", Shape.IMPACT: "Impact", Shape.LISTENER: "Listener", Shape.CONTACT: "Contact"}
 
@@ -177,6 +178,13 @@ def _along_paths(lines: Lines) -> FloatArray:
     return (ends[:, :1] * (1 - part) + ends[:, 1:] * part).reshape(-1, 3)
 
 
+def legend_width(scale: float, measure: Measure) -> float:
+    """As wide as with all symbols, so that the legend stays where it is when there is an impact [pixels]."""
+    symbol_width, gap, padding = (part * scale for part in _LEGEND)
+    names = sum(measure(name, TEXT_SIZE * scale) for name in _NAMES.values())
+    return names + len(_NAMES) * symbol_width + (len(_NAMES) - 1) * gap + 2 * padding
+
+
 @lru_cache(maxsize=8)
 def _legend(
     gains: GainScale, shapes: tuple[Shape, ...], corner: tuple[float, float], scale: float, measure: Measure
@@ -184,10 +192,8 @@ def _legend(
     """The legend, with its lower right corner a little away from ``corner``, and the rectangle that it takes."""
     board, text = Board(scale), TEXT_SIZE * scale
     widths = [measure(_NAMES[shape], text) for shape in shapes]
-    symbol_width, gap, padding = 18 * scale, 10 * scale, 10 * scale
-    # As wide as with all symbols, so that it stays where it is when there is an impact.
-    row = sum(measure(name, text) for name in _NAMES.values()) + len(_NAMES) * symbol_width + (len(_NAMES) - 1) * gap
-    width = row + 2 * padding
+    symbol_width, gap, padding = (part * scale for part in _LEGEND)
+    width = legend_width(scale, measure)
     height = 66 * scale
     left, bottom = round(corner[0] - width - 12 * scale), round(corner[1] + 12 * scale)
     board.plate((left, bottom), (left + width, bottom + height), PLATE, 6.0)

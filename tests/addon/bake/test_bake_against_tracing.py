@@ -248,3 +248,15 @@ def test_nothing_felt_gives_silent_curves(shaken):
     intensity, frequency = felt(storage.track_of(shaken), 0)
     assert not intensity.any()
     assert not frequency.any()
+
+
+def test_meters_know_the_last_second_wherever_the_track_is_entered(shaken):
+    shaken.frame_end = 60
+    bpy.ops.haptic.bake()
+    track = storage.track_of(shaken)
+    shaken.frame_set(50)
+    history = session.of(shaken).history
+    assert history.samples("foot").shape == (track.sample_rate,)
+    assert history.samples("foot") == pytest.approx(track.listener_samples(0)[: track.offsets[50]][-track.sample_rate :])
+    shaken.frame_set(51)
+    assert history.samples("foot") == pytest.approx(track.listener_samples(0)[: track.offsets[51]][-track.sample_rate :])
