@@ -8,6 +8,7 @@ from typing import Any
 
 from . import wav
 from .export import Export, scene_file
+from .motion import packed
 from .options import Option
 from .scene_json import current_document, scene_from_dict, scene_to_dict, write_document
 from .strict_json import read_json
@@ -53,7 +54,10 @@ def write_export(export: Export, path: Path, frames: bool = True, tracks: str = 
     if export.recording is not None and frames:
         document["frame_rate"] = export.recording.frame_rate
         document["frame_start"] = export.recording.frame_start
-        document["frames"] = (frame_to_dict(frame) for frame in export.recording.frames)
+        motions, recorded = packed(export.recording.frames)
+        if motions:
+            document["motions"] = motions
+        document["frames"] = (frame_to_dict(frame) for frame in recorded)
     if export.tracks is not None and tracks != "none":
         sidecar = path.with_name(path.name.removesuffix(".gz").removesuffix(SUFFIX) + ".tracks.wav")
         if tracks == "wav":

@@ -17,15 +17,13 @@ from ..rendering import SAMPLE_RATE
 from ..scene import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, SourceKind, Vector
 from ..signals import DEFAULT_IMPACT
 from ..tracer import Frame, Tracer
+from .poses import POSE_DIGITS, PoseRow, Poses
 
 FloatArray = NDArray[np.float64]
 Pair = tuple[str, str]
-PoseRow = tuple[float, float, float, float, float, float, float]
 
 DIGITS = 6
 """Decimals that are kept of what gains depend on: a micrometre changes none that anyone could measure."""
-POSE_DIGITS = 5
-"""Decimals of poses, which are there to be looked at: the contacts that they make are kept as well."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,7 +221,7 @@ class Recorder:
         """What has changed since."""
         return Recording(self._rate, self._start, tuple(self._frames))
 
-    def _changed_objects(self, objects: Sequence[HapticObject]) -> tuple[dict[str, PoseRow], dict[str, tuple[float, float]]]:
+    def _changed_objects(self, objects: Sequence[HapticObject]) -> tuple[Mapping[str, PoseRow], dict[str, tuple[float, float]]]:
         poses: dict[str, PoseRow] = {}
         properties: dict[str, tuple[float, float]] = {}
         for item in objects:
@@ -237,7 +235,7 @@ class Recorder:
                 poses[item.name] = row
             if (item.kappa, item.rho) != before[:2]:
                 properties[item.name] = (item.kappa, item.rho)
-        return poses, properties
+        return Poses.of(poses), properties
 
     def _changed_sources(
         self, sources: Sequence[Source]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import binascii
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,8 @@ from ..scene import HapticScene, Pose
 from ..signals.wav import wav_channels
 from .devices import ActuatorMapping, DeviceMapping
 from .error import FormatError
+from .motion import unpacked
+from .poses import Poses
 from .recording import RecordedFrame, Recording, pair_of
 from .scene_json import SceneReader, item_to_dict
 from .strict_json import read_bytes
@@ -47,13 +50,29 @@ def frame_to_dict(frame: RecordedFrame) -> dict[str, Any]:
 def recording_from_dict(document: Mapping[str, Any], scene: HapticScene, file: str | Path) -> Recording | None:
     """The frames of a validated document, or None where it has none. Raises FormatError."""
     frames = document.get("frames", [])
+    moving = unpacked(document.get("motions", []), {item.name for item in scene.objects}, file)
     if not frames:
+        if moving:
+            raise FormatError(file, "/frames", "is required where there are motions")
         return None
     if "frame_rate" not in document:
         raise FormatError(file, "/frame_rate", "is required where there are frames")
     reader = _FrameReader(scene, file)
-    recorded = tuple(reader.frame(form, f"/frames/{i}", i) for i, form in enumerate(frames))
+    recorded = tuple(_moved(reader.frame(form, f"/frames/{i}", i), moving, f"/frames/{i}", file) for i, form in enumerate(frames))
+    if moving:
+        raise FormatError(file, "/motions", f"frame {min(moving)} is not among the frames")
     return Recording(float(document["frame_rate"]), document.get("frame_start", recorded[0].number), recorded)
+
+
+def _moved(frame: RecordedFrame, moving: dict[int, Poses], place: str, file: str | Path) -> RecordedFrame:
+    """A frame with the poses that motions have for it, which are taken out of ``moving``."""
+    poses = moving.pop(frame.number, None)
+    if poses is None:
+        return frame
+    for name in frame.poses:
+        if name in poses:
+            raise FormatError(file, f"{place}/poses/{_escaped(name)}", "a motion has a pose for this frame, too")
+    return replace(frame, poses={**poses, **frame.poses} if frame.poses else poses)
 
 
 class _FrameReader:
