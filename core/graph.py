@@ -88,8 +88,10 @@ class ObjectTable:
         return {name: i for i, name in enumerate(self.names)}
 
     def gain(self, index: int, distance: FloatArray) -> FloatArray:
-        """Gains of object ``index`` over ``distance`` (metres, any shape). Raises NoGain where its expression
-        gives none."""
+        """Gains of object ``index`` over ``distance`` (metres, any shape). Raises NoGain where its expression gives none, and ValueError
+        for a distance that is negative or not finite."""
+        if not np.all((distance >= 0) & (distance < math.inf)):
+            raise ValueError("distance: must be finite and at least 0 m")
         if index not in self.special:
             return np.asarray(self.factor[index] * np.exp(-self.decay[index] * distance))
         haptic_object = self.objects[index]

@@ -40,7 +40,7 @@ PRECISION = 1e-15
 """Conjugate gradients stop when no energy can be wrong by more than this part of the power put in."""
 
 HIGHEST = 1e150
-"""Gains above this are taken as this: their squares have to be numbers."""
+"""Gains and distances above this are taken as this: their squares have to be numbers."""
 
 SAMPLES = 65
 """Distances at which a function without a closed form is looked at, to find where it damps."""
@@ -229,7 +229,7 @@ def _centres(graph: HapticGraph, contacts: IntArray, of_node: IntArray, count: i
     safe = np.where(weight > 0, weight, 1.0)
     position = graph.node_position[contacts]
     centre = np.stack([np.bincount(region, weights=share * position[:, k], minlength=count) for k in range(3)], axis=1) / safe[:, None]
-    spread = np.bincount(region, weights=share * distances(position, centre[region]) ** 2, minlength=count)
+    spread = np.bincount(region, weights=share * np.minimum(distances(position, centre[region]), HIGHEST) ** 2, minlength=count)
     patch = patches_of(graph)[graph.contact[contacts]]
     keys, which = np.unique(np.column_stack([region, patch]), axis=0, return_inverse=True)
     of_patch = np.bincount(which.reshape(-1), weights=share, minlength=len(keys))

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.functions import Expression
+from haptic_tracing.core.functions import Exponential, Expression, Identity
 from haptic_tracing.core.graph import NoGain, ObjectTable, build_graph, graph_of_scene
 from haptic_tracing.core.propagation import objects_on, propagate
 from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Mode, Settings, Source, Strategy
@@ -143,3 +143,29 @@ def test_localise_is_for_haptic_tracing_alone():
         assert np.array_equal(propagate(GRAPH, Settings(mode=mode, localise=0.7)).gain, propagate(GRAPH, Settings(mode=mode)).gain)
     with pytest.raises(ValueError, match="localise"):
         Settings(localise=1.5)
+
+
+@pytest.mark.parametrize("distance", [-1e-9, math.nan, math.inf])
+def test_distances_that_are_none(distance):
+    table = ObjectTable.of(SCENE.objects, 0.1)
+    with pytest.raises(ValueError, match=r"^distance: must be finite and at least 0 m"):
+        table.gain(0, np.array([1.0, distance]))
+
+
+@pytest.mark.parametrize("strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE])
+@pytest.mark.parametrize("far", [1e160, 1e300])
+def test_distances_whose_squares_are_no_numbers(strategy, far):
+    """Identity carries over them, and nothing else does."""
+    for function, gain in ((Identity(), 1.0), (Exponential(alpha=1e-100), 0.0)):
+        scene = HapticScene(
+            (HapticObject("a", 0, 1, function), HapticObject("b", 0, 1, function)),
+            (Contact(("a", "b"), ((far, 0, 0), (far, -far, far))), Contact(("a", "b"), ((0, 0, far), (0, -far, far)))),
+            (Source("s", "a", (-far, far, 0)),),
+            (Listener("l", "b", (-far, 0, -far)),),
+        )
+        result = propagate(graph_of_scene(scene), Settings(strategy=strategy, threshold=0.0))
+        assert result.error_bound[0, 0] == 0
+        if strategy is Strategy.BEST_PATH:
+            assert result.gain[0, 0] == gain
+        else:
+            assert 0 <= result.gain[0, 0] <= 2 * gain
