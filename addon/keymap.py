@@ -14,7 +14,8 @@ def draw(layout: UILayout, context: Context) -> None:
     import rna_keymap_ui
 
     configuration = context.window_manager.keyconfigs.user
-    column = layout.column(heading="Shortcuts")
+    column = layout.column()
+    column.label(text="Shortcuts")
     for name in _KEYMAPS:
         keymap = configuration.keymaps.get(name) if configuration is not None else None
         for item in keymap.keymap_items if keymap is not None else ():

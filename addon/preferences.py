@@ -33,7 +33,7 @@ class HapticTracingPreferences(AddonPreferences):
     curve_colour: FloatVectorProperty(
         name="Curve",
         description="Colour of the gain over distance in the panel",
-        subtype="COLOR",
+        subtype="COLOR_GAMMA",
         size=3,
         min=0.0,
         max=1.0,

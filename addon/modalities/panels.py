@@ -6,7 +6,7 @@ import bpy
 from bpy.types import Context, Panel
 
 from ...core.modalities import Felt, Modality
-from ..panels.drawing import HapticsPanel, draw_carrier, draw_pair
+from ..panels.drawing import HapticsPanel, draw_carrier
 from ..panels.formula import draw_parameters
 from . import feeling
 from .properties import SHOWN
@@ -30,19 +30,23 @@ def _scene_panel(modality: Modality) -> type[Panel]:
         elif not felt.emitters:
             layout.label(text="No source: make an object one below", icon="INFO")
         else:
+            column = layout.column(align=True)
             for index in range(len(felt.listeners)):
-                _draw_listener(layout, felt, index)
+                _draw_listener(column, felt, index)
 
     return _panel(modality, "scene", {"bl_label": modality.title, "bl_order": _ORDER, "draw_header": draw_header, "draw": draw})
 
 
 def _draw_listener(layout, felt: Felt, index: int) -> None:
     value = float(felt.values[index])
-    column = layout.column(align=True)
-    draw_pair(column, felt.listeners[index], f"{value:+.1f} {felt.modality.source_value.unit}")
+    row = layout.split(factor=0.72)
+    row.label(text=felt.listeners[index], translate=False)
+    side = row.row()
+    side.alignment = "RIGHT"
+    side.label(text=f"{value:+.1f} {felt.modality.source_value.unit}", translate=False)
     words = felt.modality.sensation(value)
     if words:
-        column.label(text=words, icon="BLANK1")
+        layout.label(text=words, icon="BLANK1")
 
 
 def _object_panel(modality: Modality) -> type[Panel]:

@@ -20,14 +20,13 @@ class HAPTIC_PT_scene(HapticsPanel, Panel):
         layout = self.layout
         column = layout.column(align=True)
         column.operator("haptic.make_objects", icon="OUTLINER_OB_META")
-        row = column.row(align=True)
-        row.operator("haptic.add_source", icon="OUTLINER_OB_FORCE_FIELD")
-        row.operator("haptic.add_listener", icon="OUTLINER_OB_LIGHTPROBE")
+        column.operator("haptic.add_source", icon="OUTLINER_OB_FORCE_FIELD")
+        column.operator("haptic.add_listener", icon="OUTLINER_OB_LIGHTPROBE")
         column.operator("haptic.add_default_listeners", icon="OUTLINER_OB_ARMATURE")
         row = layout.row(align=True)
         playing = context.screen is not None and context.screen.is_animation_playing
         row.operator("screen.animation_play", text="Pause" if playing else "Play", icon="PAUSE" if playing else "PLAY")
-        row.menu("HAPTIC_MT_samples", text="Samples")
+        row.menu("HAPTIC_MT_samples")
         layout.label(text=next_step(context.scene), icon="INFO")
         draw_problems(layout, context)
 
@@ -84,6 +83,7 @@ class HAPTIC_PT_impacts(HapticsPanel, Panel):
         layout.use_property_decorate = False
         haptics = context.scene.haptics
         layout.active = haptics.impacts
+        layout.prop(haptics, "impact_signal")
         column = layout.column(align=True)
         column.prop(haptics, "minimum_energy")
         column.prop(haptics, "maximum_energy")

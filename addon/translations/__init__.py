@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-_CONTEXTS = ("*", "Operator")  # Blender looks texts of buttons for operators up in a context of their own
+# Blender looks texts of buttons for operators up in a context of their own. "Haptics" is for words that Blender translates in another sense.
+_CONTEXTS = ("*", "Operator", "Haptics")
 _NAME = __package__
 
 
