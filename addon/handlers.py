@@ -44,7 +44,7 @@ def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
     if is_suspended() or is_stepped(scene) or depsgraph.mode == "RENDER" or _is_playing():
         return
     session.mark_edited()
-    if not scene.haptics.tracing or playback.plays(scene):
+    if not scene.haptics.tracing or playback.keep_up(scene):
         return
     if _edited(depsgraph):
         session.of(scene).reader.forget()

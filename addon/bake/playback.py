@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from bpy.types import Scene
 
+from ...core.frame_result import FrameResult
 from .. import session
 from ..meters.history import SECONDS
 from . import storage
@@ -51,6 +52,19 @@ def play(scene: Scene) -> bool:
     result = replace(result, milliseconds={"read_track": 1000 * (time.perf_counter() - started)})
     session.show(scene, result, track.samples_until(scene.frame_current, SECONDS))
     return True
+
+
+def keep_up(scene: Scene) -> bool:
+    """After an edit, undo or redo: have the current frame of the track shown if it is not. False where the frame is not played from it."""
+    if not plays(scene):
+        return False
+    result = session.result_of(scene)
+    return is_from_track(result, scene.frame_current) or play(scene)
+
+
+def is_from_track(result: FrameResult | None, frame: int) -> bool:
+    """Whether a result is that frame, read from a track."""
+    return result is not None and result.number == frame and "read_track" in result.milliseconds
 
 
 def show_current(scene: Scene) -> None:

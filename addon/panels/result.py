@@ -37,7 +37,7 @@ class HAPTIC_PT_result(HapticsPanel, Panel):
             layout.operator("haptic.trace_frame", icon="FILE_REFRESH")
             return
         row = layout.row()
-        baked = playback.plays(scene)
+        baked = playback.is_from_track(result, result.number)
         row.label(text=f"Frame {result.number}" + (", from the baked track" if baked else ""), icon="RENDER_ANIMATION" if baked else "NONE")
         row.operator("haptic.trace_frame", text="", icon="FILE_REFRESH")
         levels = meters.levels_of(scene)
@@ -120,7 +120,7 @@ class HAPTIC_PT_comparison(HapticsPanel, Panel):
         if result is None or not result.listeners:
             layout.label(text="Nothing traced yet" if result is None else "No listener: add one to feel something")
             return
-        if playback.plays(scene):
+        if playback.is_from_track(result, result.number):
             layout.label(text="Switch off Play Baked Track to compare", icon="INFO")
             return
         gains = compared(result, scene_reader.read_settings(scene))

@@ -260,3 +260,19 @@ def test_meters_know_the_last_second_wherever_the_track_is_entered(shaken):
     assert history.samples("foot") == pytest.approx(track.listener_samples(0)[: track.offsets[50]][-track.sample_rate :])
     shaken.frame_set(51)
     assert history.samples("foot") == pytest.approx(track.listener_samples(0)[: track.offsets[51]][-track.sample_rate :])
+
+
+def test_after_undo_the_current_frame_of_the_track_is_shown_again(shaken):
+    bpy.ops.haptic.bake()
+    shaken.frame_set(9)
+    shaken.haptics.bake.use_track = False
+    shaken.frame_set(3)
+    assert not playback.is_from_track(session.result_of(shaken), 3)
+    bpy.context.view_layer.update()
+    shaken.haptics.bake.use_track = True  # shows it at once
+    assert playback.is_from_track(session.result_of(shaken), 3)
+    session.of(shaken).result = None
+    assert playback.keep_up(shaken)
+    assert session.result_of(shaken).number == 3
+    shaken.frame_set(99)
+    assert not playback.keep_up(shaken)
