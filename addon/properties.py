@@ -187,7 +187,11 @@ class HapticObjectProperties(PropertyGroup, HapticFunction):
         update=_changed,
     )
     medium: BoolProperty(
-        name="Medium", description="A volume such as air or water: it touches everything that it overlaps", default=False, update=_changed
+        name="Medium",
+        description="A volume such as air or water: it touches everything that it overlaps",
+        default=False,
+        translation_context="Haptics",
+        update=_changed,
     )
     imported: StringProperty(
         name="Imported", description="What an imported file says beyond these properties", options={"HIDDEN"}, update=_changed
@@ -280,6 +284,15 @@ class HapticSceneProperties(PropertyGroup):
     )
     impacts: BoolProperty(
         name="Impacts", description="Collisions make temporary sources that play the impact signal once", default=True, update=_changed
+    )
+    impact_signal: EnumProperty(
+        name="Signal",
+        description="What impacts feel like",
+        update=_changed,
+        items=(
+            ("MATERIALS", "By Material", "As the materials that meet: metal on stone rings, wood on soil thuds; plain where unknown"),
+            ("PLAIN", "Plain", "A short knock of 150 Hz, whatever meets"),
+        ),
     )
     minimum_energy: FloatProperty(
         name="Minimum Energy (J)",

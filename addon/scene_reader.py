@@ -6,6 +6,7 @@ calls: only session ids, row numbers and plain values.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,8 +18,9 @@ from numpy.typing import NDArray
 
 from ..core.contacts.tracker import Body, ContactSettings, Motion
 from ..core.functions import ModulationFunction, function_from_dict
+from ..core.materials import named_in
 from ..core.scene import HapticObject, Listener, Pose, Settings, Source, SourceKind
-from ..core.signals import DEFAULT_IMPACT, Loop, Noise, Pulse, Signal, Sine, Track, read_wav
+from ..core.signals import DEFAULT_IMPACT, Loop, Noise, Pulse, Signal, Sine, Track, impact_material, read_wav
 from . import compatibility
 from .animated_frequency import AnimatedFrequencies
 from .collision_shapes import collision_shape
@@ -48,6 +50,7 @@ class Reading:
     listeners: tuple[Listener, ...]
     settings: Settings
     contact_settings: ContactSettings
+    impact_materials: Mapping[str, str]  # what an object feels like when it is hit, where its material says it
     problems: tuple[Problem, ...]
 
     def posed_objects(self) -> tuple[HapticObject, ...]:
@@ -69,6 +72,7 @@ class _Tagged:
     body: Body | None
     source: Source | None
     listener: Listener | None
+    impact_material: str | None
     problems: tuple[Problem, ...]
 
 
@@ -85,6 +89,7 @@ class _Lists:
     objects: tuple[HapticObject, ...]
     bodies: tuple[Body, ...]
     places: tuple[Source | Listener, ...]
+    impact_materials: Mapping[str, str]
     problems: tuple[Problem, ...]
 
     @classmethod
@@ -102,6 +107,7 @@ class _Lists:
             objects=tuple(item for _, item, _ in bodies),
             bodies=tuple(body for _, _, body in bodies),
             places=tuple(item for _, item in places),
+            impact_materials={t.object.name: t.impact_material for t in tagged if t.object is not None and t.impact_material is not None},
             problems=tuple(problem for t in tagged for problem in t.problems),
         )
 
@@ -151,6 +157,7 @@ class SceneReader:
             listeners=tuple(item for item in heard if isinstance(item, Listener)),
             settings=read_settings(scene),
             contact_settings=read_contact_settings(scene),
+            impact_materials=lists.impact_materials,
             problems=lists.problems,
         )
 
@@ -226,7 +233,8 @@ class SceneReader:
                 except (OSError, ValueError) as error:
                     problems.append(Problem(name, str(error)))
         animated = compatibility.is_animated(obj)
-        return _Tagged(row, animated, tuple(scale.tolist()), haptic_object, body, source, listener, tuple(problems))
+        struck = read_impact_material(obj)
+        return _Tagged(row, animated, tuple(scale.tolist()), haptic_object, body, source, listener, struck, tuple(problems))
 
     def _scale(self, row: int, obj: Object) -> FloatArray:
         """The object's scale in the world; the known one where only rounding differs, so that what turns keeps its shape."""
@@ -338,6 +346,12 @@ def read_listener(obj: Object, carrier: str) -> Listener:
         mixing=properties.mixing,
         s_max=shortest(properties.s_max),
     )
+
+
+def read_impact_material(obj: Object) -> str | None:
+    """What an object feels like when it is hit, by the name of its haptic material; None where it has none that is known."""
+    material = named_in(obj.haptics.material.name)
+    return None if material is None else impact_material(material.name)
 
 
 def read_settings(scene: Scene) -> Settings:

@@ -7,7 +7,7 @@ One tracer serves the live preview, the bake, the export, the command line and t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
@@ -25,7 +25,7 @@ from .propagation import Propagation, propagate
 from .rendering import SAMPLE_RATE, sample_index
 from .scene import HapticObject, Listener, Settings, Source, SourceKind, Vector
 from .signal_reach import object_bounds, signal_reach
-from .signals import DEFAULT_IMPACT, Signal
+from .signals import DEFAULT_IMPACT, Signal, impact_template
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -97,8 +97,9 @@ class _Propagated:
 class Tracer:
     """Steps through the frames of a scene.
 
-    Impacts make temporary sources that play ``impact_signal``, unless ``impact_sources`` is False. ``lazy``: contacts are looked for only
-    where signals can get to with what the threshold wants; gains and impacts are the same.
+    Impacts make temporary sources that play ``impact_signal``, unless ``impact_sources`` is False; where ``impact_materials`` says what
+    both objects are made of (object to a material of `IMPACT_MATERIALS`), they play what these feel like. ``lazy``: contacts are looked
+    for only where signals can get to with what the threshold wants; gains and impacts are the same.
     """
 
     def __init__(
@@ -114,6 +115,7 @@ class Tracer:
         self.lazy = lazy
         self.impact_sources = impact_sources
         self.impact_signal = impact_signal
+        self.impact_materials: Mapping[str, str] = {}
         self.transmission = transmission
         self.sample_rate = sample_rate
         self._objects: tuple[HapticObject, ...] = ()
@@ -154,7 +156,7 @@ class Tracer:
         else:
             graph = build_graph(table, found.contacts, sources, frame.listeners)
             watch.lap("graph")
-            propagation = propagate(graph, frame.settings)
+            propagation = propagate(graph, frame.settings, sounding_only=True)
             self._propagated = _Propagated(table, found.contacts, sources, frame.listeners, frame.settings, graph, propagation)
         watch.lap("propagate")
         block = self._mixdown.render(self._time, frame.time, sources, frame.listeners, propagation)
@@ -276,6 +278,8 @@ class Tracer:
         assert frame.transforms is not None
         first, second = impact.objects
         names = frame.bodies[first].name, frame.bodies[second].name
+        materials = [self.impact_materials[name] for name in names if name in self.impact_materials]
+        signal = impact_template(materials[0], materials[1]) if len(materials) == 2 else self.impact_signal
         source = Source(
             name=f"impact of {names[0]} and {names[1]} at {impact.time:.4f} s",
             object=names[0],
@@ -284,11 +288,11 @@ class Tracer:
             second_position=impact.positions[1],
             amplitude=impact.amplitude,
             kind=SourceKind.TEMPORARY,
-            signal=self.impact_signal,
+            signal=signal,
             onset=impact.time,
         )
         local = (_local(frame.transforms[first], impact.positions[0]), _local(frame.transforms[second], impact.positions[1]))
-        return _Ringing(source, local, impact.time + self.impact_signal.duration)
+        return _Ringing(source, local, impact.time + signal.duration)
 
 
 class _Stopwatch:

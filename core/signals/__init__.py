@@ -8,7 +8,7 @@ from .oscillators import Oscillator, Pulse, Saw, Sine, Square, Triangle
 from .sampled import Sampled
 from .serialization import SIGNAL_KINDS, signal_from_dict
 from .signal import Signal
-from .templates import DEFAULT_IMPACT, DEFAULT_PERSISTENT, IMPACT_MATERIALS, ImpactMaterial, impact_template
+from .templates import DEFAULT_IMPACT, DEFAULT_PERSISTENT, IMPACT_MATERIALS, ImpactMaterial, impact_material, impact_template
 from .track import Track, ramp
 from .wav import decoded_wav, read_wav
 
@@ -41,6 +41,7 @@ __all__ = [
     "Track",
     "Triangle",
     "decoded_wav",
+    "impact_material",
     "impact_template",
     "ramp",
     "read_wav",

@@ -65,6 +65,29 @@ IMPACT_MATERIALS: Mapping[str, ImpactMaterial] = MappingProxyType(
 )
 
 
+# Materials that have no impact of their own, and what they feel like when they are hit.
+_KINDRED = {
+    "steel": "metal",
+    "aluminium": "metal",
+    "brass": "metal",
+    "lead": "metal",
+    "plaster": "brick",
+    "asphalt": "concrete",
+    "softwood": "wood",
+    "plywood": "wood",
+    "cork": "rubber",
+    "snow": "sand",
+    "foam": "fabric",
+    "paper": "fabric",
+}
+
+
+def impact_material(name: str) -> str | None:
+    """The name in IMPACT_MATERIALS of a material of `core.materials`; None where nothing can be hit (air), or the name is unknown."""
+    known = _KINDRED.get(name, name)
+    return known if known in IMPACT_MATERIALS else None
+
+
 @lru_cache(maxsize=512)
 def impact_template(first: str, second: str) -> Signal:
     """Return what is felt when two materials of IMPACT_MATERIALS hit each other, whichever hits; its largest sample is 1.

@@ -57,3 +57,11 @@ def test_harder_is_higher_and_metal_rings_longest() -> None:
 def test_unknown_material_is_named() -> None:
     with pytest.raises(ValueError, match=r"^second: 'cheese' is not one of stone"):
         impact_template("stone", "cheese")
+
+
+def test_every_material_that_can_be_hit_has_an_impact():
+    from haptic_tracing.core.materials import MATERIALS
+    from haptic_tracing.core.signals import impact_material
+
+    assert [name for name in MATERIALS if impact_material(name) is None] == ["air"]
+    assert impact_material("unobtainium") is None
