@@ -11,6 +11,8 @@ from bpy.types import Depsgraph, Scene
 
 from . import session
 from .bake import playback
+from .meters import draw as meters
+from .meters import explanation
 from .live_output import handlers as live_output
 from .overlay import draw
 from .suspension import is_stepped, is_suspended
@@ -57,6 +59,8 @@ def forget_everything(*_: Any) -> None:
     """Before and after another file is loaded."""
     session.clear()
     draw.forget()
+    meters.forget()
+    explanation.forget()
     playback.forget()
 
 

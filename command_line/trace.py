@@ -125,9 +125,11 @@ def print_statistics(played: Played) -> None:
     """Counts of the last frame, and the time per frame beside Blender's own."""
     print("\nStatistics of the last frame")
     _print_table(("", ""), [(key.replace("_", " "), f"{value:g}") for key, value in played.last.statistics.items()])
-    print("\nMilliseconds per frame, median")
-    own, tracing = float(np.median(played.blender_milliseconds)), float(np.median(played.tracing_milliseconds))
-    _print_table(("", ""), [("Blender", f"{own:.2f}"), ("tracing", f"{tracing:.2f}"), ("ratio", f"{tracing / max(own, 1e-9):.3f}")])
+    print("\nMilliseconds per frame")
+    times = {"Blender": played.blender_milliseconds, "tracing": played.tracing_milliseconds}
+    rows = [(name, *(f"{np.percentile(values, part):.2f}" for part in (50, 95, 100))) for name, values in times.items()]
+    own, tracing = (float(np.median(values)) for values in times.values())
+    _print_table(("", "median", "95 %", "longest"), [*rows, ("ratio", f"{tracing / max(own, 1e-9):.3f}", "", "")])
 
 
 def _gain_cells(gain: float) -> tuple[str, str]:

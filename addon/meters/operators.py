@@ -9,6 +9,7 @@ from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from .. import session
+from ..bake import playback
 from ..operators.polling import UNDO
 from ..overlay import draw
 
@@ -38,6 +39,9 @@ class HAPTIC_OT_set_mode(Operator):
 
     def execute(self, context: Context) -> set[str]:
         haptics = context.scene.haptics
+        if playback.plays(context.scene):
+            haptics.bake.use_track = False
+            self.report({"INFO"}, "Play Baked Track is off now: another mode has to be traced")
         following = MODES[(MODES.index(haptics.mode) + 1) % len(MODES)]
         haptics.mode = following if self.mode == "NEXT" else self.mode
         session.trace(context.scene, context.evaluated_depsgraph_get())

@@ -166,3 +166,11 @@ def test_handler_comes_and_goes(scene):
         draw.register()
         assert len(draw._handlers) == 1
     draw._draw_pixels()  # outside a viewport: nothing
+
+
+def test_another_mode_is_traced_although_a_track_is_there(felt):
+    bpy.ops.haptic.bake()
+    felt.frame_set(20)
+    bpy.ops.haptic.set_mode(mode="MN")
+    assert not felt.haptics.bake.use_track
+    assert session.result_of(felt).gains[0].tolist() == [1, 1]
