@@ -11,9 +11,9 @@ from bpy.types import Depsgraph, Scene
 
 from . import session
 from .bake import playback
+from .live_output import handlers as live_output
 from .meters import draw as meters
 from .meters import explanation
-from .live_output import handlers as live_output
 from .overlay import draw
 from .suspension import is_stepped, is_suspended
 
