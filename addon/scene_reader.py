@@ -27,6 +27,7 @@ from .collision_shapes import collision_shape
 from .decimals import shortest
 from .formats.kept import kept_object, kept_source
 from .function_properties import PARAMETERS
+from .progress import progress
 
 FloatArray = NDArray[np.float64]
 
@@ -165,7 +166,7 @@ class SceneReader:
         shown = {obj.session_uid for obj in depsgraph.view_layer.objects}
         tagged = {row: obj for row, obj in enumerate(bpy.data.objects) if obj.session_uid in shown and is_tagged(obj)}
         self._frequencies.clear()
-        self._tagged = {row: self._read_object(row, obj, depsgraph) for row, obj in tagged.items()}
+        self._tagged = {row: self._read_object(row, obj, depsgraph) for row, obj in progress(tuple(tagged.items()))}
         self._lists = None
 
     def _read_changed(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> _Lists:

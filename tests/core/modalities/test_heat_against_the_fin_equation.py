@@ -1,7 +1,9 @@
 """Warmth against the differential equation of the plates, solved by finite differences, and against closed forms."""
 
 import math
+from pathlib import Path
 
+import haptic_tracing
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
@@ -109,3 +111,19 @@ def test_modalities_are_consistent_data(modality):
         assert quantity.low <= quantity.default <= quantity.high
     assert list(modality.sensations) == sorted(modality.sensations)
     assert 0 <= modality.transmission(modality.defaults()) <= 1
+
+
+def test_a_third_modality_is_one_value():
+    """The example of the documentation, as it stands there."""
+    text = (Path(haptic_tracing.__file__).parent / "docs" / "functions.md").read_text(encoding="utf-8")
+    source = text.split("```python\n")[1].split("```")[0]
+    names = {"__name__": "haptic_tracing.core.modalities.wind", "__package__": "haptic_tracing.core.modalities"}
+    exec(compile(source, "functions.md", "exec"), names)
+    wind = names["WIND"]
+    contact = Contact(("hall", "room"), ((2, 0, 0), (2, 0, 0)))
+    contacts = ContactSet.from_contacts((contact,), {"hall": 0, "room": 1})
+    felt = feel(
+        wind, ("hall", "room"), {}, contacts, [Emitter("door", "hall", (0, 0, 0), 4.0)], [Listener("ear", "room", (3, 0, 0))], Settings()
+    )
+    assert felt.values[0] == pytest.approx(4.0 * (1 - 2 / 5) * (1 - 1 / 5))
+    assert wind.sensation(felt.values[0]) == "a breath"
