@@ -57,6 +57,13 @@ def load_pre(*_: Any) -> None:
     preview.switch_off()
 
 
+@persistent
+def exit_pre(*_: Any) -> None:
+    """Blender ends. Where it is a module of Python, Python has ended before it, with `atexit`, and taken this module's names away."""
+    if player is not None:
+        stop_everything()
+
+
 def frame_seconds(scene: Scene) -> float:
     """How long a frame lasts."""
     return scene.render.fps_base / scene.render.fps
@@ -82,7 +89,7 @@ _HANDLERS: dict[str, Callable[..., None]] = {
     "undo_pre": rest,
     "redo_pre": rest,
     "render_pre": rest,
-    "exit_pre": load_pre,
+    "exit_pre": exit_pre,
 }
 
 

@@ -351,6 +351,12 @@ MESSAGES: dict[str, str] = {
     "Contact Tolerance": "Kontakttoleranz",
     "Objects closer than this touch": "Objekte, die näher sind, berühren sich",
     "Impacts": "Aufpralle",
+    "What impacts feel like": "Wie sich Aufpralle anfühlen",
+    "By Material": "Nach Material",
+    "As the materials that meet: metal on stone rings, wood on soil thuds; plain where unknown": "Wie die Materialien, die sich treffen: "
+    "Metall auf Stein klingt, Holz auf Erde ist dumpf; schlicht, wo eines unbekannt ist",
+    "Plain": "Schlicht",
+    "A short knock of 150 Hz, whatever meets": "Ein kurzes Klopfen mit 150 Hz, was auch immer sich trifft",
     "Collisions make temporary sources that play the impact signal once": "Zusammenstöße machen kurze Quellen, die das Aufprallsignal einmal abspielen",
     "Minimum Energy (J)": "Mindestenergie (J)",
     "Collisions weaker than this, in joules, make no source; 5 J is a light contact": "Schwächere Zusammenstöße, in Joule, machen keine Quelle; 5 J sind eine leichte Berührung",
