@@ -47,6 +47,8 @@ _ALL_WAYS = _ways(40)
 _TURNS = (None, *rotations(np.array([[1.0, -2.0, 0.7], [0.4, 0.9, -2.2], [-1.3, 0.3, 1.9]])).transpose(2, 0, 1))
 """Ways to turn a question round."""
 
+_UPRIGHT = np.eye(3)
+
 
 class Size(Enum):
     """Which of its sizes a box is taken in."""
@@ -58,17 +60,15 @@ class Size(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Convex:
-    """A convex body for queries, around its own origin. ``item``: FCL's object. ``axes`` (k, 3): unit directions square to its faces, each
-    in one sense. ``support``: the greatest height of the body along unit directions (m, 3). ``curved``: not a polytope."""
+    """A convex body for queries, around its own origin. ``first`` and ``second``: FCL's objects for the first body of a pair, which stays
+    where it is, and for the second. ``axes`` (k, 3): unit directions square to its faces, each in one sense. ``support``: the greatest
+    height of the body along unit directions (m, 3). ``curved``: not a polytope."""
 
-    item: Any
+    first: Any
+    second: Any
     axes: FloatArray
     support: Callable[[FloatArray], FloatArray]
     curved: bool
-
-    def place(self, rotation: FloatArray, centre: FloatArray) -> None:
-        self.item.setRotation(rotation)
-        self.item.setTranslation(centre)
 
 
 class ConvexDistances:
@@ -76,14 +76,27 @@ class ConvexDistances:
 
     def __init__(self, table: CoreTable) -> None:
         self._table = table
-        self._cores: dict[tuple[int, Size], Convex] = {}
+        self._shared: dict[tuple[int, Size], Convex] = {}  # by the id of the core: equal bodies share theirs
+        self._cores: dict[Size, list[Convex | None]] = {size: [None] * len(table.cores) for size in Size}
         self._triangles: dict[tuple[int, int], Convex] = {}
 
     def core(self, number: int, size: Size = Size.CORE) -> Convex:
         """Of a core. ``size`` chooses among those of a box."""
-        made = self._cores.get((number, size))
-        if made is None:
-            made = self._cores[number, size] = convex_of(self._table.cores[number], size)
+        return self.cores([number], size)[0]
+
+    def cores(self, numbers: Sequence[int], size: Size) -> list[Convex]:
+        """Of several cores."""
+        known = self._cores[size]
+        made = []
+        for number in numbers:
+            convex = known[number]
+            if convex is None:
+                core = self._table.cores[number]
+                key = id(core), size
+                if key not in self._shared:
+                    self._shared[key] = convex_of(core, size)
+                convex = known[number] = self._shared[key]
+            made.append(convex)
         return made
 
     def triangle(self, core: int, number: int, corners: FloatArray) -> Convex:
@@ -114,16 +127,16 @@ def convex_of(core: Core, size: Size = Size.CORE) -> Convex:
     }[core.kind]()
     axes = np.eye(3) if core.kind is Kind.BOX else np.eye(3)[2:]
     curved = core.kind in (Kind.CYLINDER, Kind.CONE)
-    return Convex(fcl.CollisionObject(geometry), axes, partial(_SUPPORT[core.kind], half), curved)
+    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), axes, partial(_SUPPORT[core.kind], half), curved)
 
 
 def _polytope(hull: Hull) -> Convex:
     import fcl
 
     faces = np.concatenate([np.full((len(hull.triangles), 1), 3), hull.triangles], axis=1).ravel()
-    item = fcl.CollisionObject(fcl.Convex(hull.points, len(hull.triangles), faces))
+    geometry = fcl.Convex(hull.points, len(hull.triangles), faces)
     normals, _ = hull.planes()
-    return Convex(item, normals[:_MOST_AXES], partial(_support_of_points, hull.points), False)
+    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), normals[:_MOST_AXES], partial(_support_of_points, hull.points), False)
 
 
 def _support_of_box(half: FloatArray, directions: FloatArray) -> FloatArray:
@@ -152,70 +165,84 @@ _SUPPORT: dict[Kind, Callable[[FloatArray, FloatArray], FloatArray]] = {
 }
 
 
-def separations(
-    objects: Sequence[tuple[Convex, Convex]], rotation_a: FloatArray, centre_a: FloatArray, rotation_b: FloatArray, centre_b: FloatArray
-) -> Separation:
-    """Between pairs of objects, placed in the world by rotations (n, 3, 3) and centres (n, 3)."""
+def separations(first: Sequence[Convex], second: Sequence[Convex], rotation: FloatArray, offset: FloatArray) -> Separation:
+    """Between pairs of bodies, the second placed by ``rotation`` (n, 3, 3) and ``offset`` (n, 3) in the frame of the first, in which the
+    result is, too."""
     import fcl
 
     request = fcl.DistanceRequest(enable_nearest_points=True)
-    count = len(objects)
+    count = len(first)
     distance = np.empty(count)
-    normal = np.empty((count, 3))
     nearest = np.empty((count, 2, 3))
-    for k, (a, b) in enumerate(objects):
-        a.place(rotation_a[k], centre_a[k])
-        b.place(rotation_b[k], centre_b[k])
+    for k, (a, b, turn, shift) in enumerate(zip(first, second, rotation, offset, strict=True)):
+        moved = b.second
+        moved.setRotation(turn)
+        moved.setTranslation(shift)
         result = fcl.DistanceResult()
-        distance[k] = fcl.distance(a.item, b.item, request, result)
-        if distance[k] > _TOUCHING:
-            nearest[k] = result.nearest_points
-            normal[k] = (nearest[k, 1] - nearest[k, 0]) / distance[k]
-            if a.curved or b.curved:
-                distance[k], normal[k], nearest[k] = _confirmed(
-                    a, b, (rotation_a[k], centre_a[k]), (rotation_b[k], centre_b[k]), nearest[k]
-                )
-        else:
-            distance[k], normal[k], nearest[k] = _penetration(a, b, rotation_a[k], centre_a[k], rotation_b[k], centre_b[k])
+        distance[k] = fcl.distance(a.first, moved, request, result)
+        nearest[k] = result.nearest_points
+    apart = distance > _TOUCHING
+    normal = (nearest[:, 1] - nearest[:, 0]) / np.where(apart, distance, 1.0)[:, None]
+    for k in np.flatnonzero(~apart).tolist():
+        distance[k], normal[k], nearest[k] = _penetration(first[k], second[k], rotation[k], offset[k])
+    curved = np.flatnonzero(apart & np.array([a.curved or b.curved for a, b in zip(first, second, strict=True)], dtype=np.bool_))
+    if len(curved):
+        # Between the nearest points lies no less than the distance; between the supporting planes square to their line, no more.
+        way = normal[curved]
+        back = -np.einsum("nji,nj->ni", rotation[curved], way)
+        between = (way * offset[curved]).sum(axis=1)
+        between -= _supports([first[k] for k in curved.tolist()], way) + _supports([second[k] for k in curved.tolist()], back)
+        length = np.sqrt(((nearest[curved, 1] - nearest[curved, 0]) ** 2).sum(axis=1))
+        distance[curved] = length
+        normal[curved] = (nearest[curved, 1] - nearest[curved, 0]) / np.where(length > 0, length, 1.0)[:, None]
+        for k in curved[length - between > _CONFIRMED].tolist():
+            distance[k], normal[k], nearest[k] = _confirmed(first[k], second[k], rotation[k], offset[k], nearest[k])
     return Separation(distance, normal, nearest[:, 0].copy(), nearest[:, 1].copy())
 
 
-_Placed = tuple[FloatArray, FloatArray]
+def _supports(bodies: Sequence[Convex], directions: FloatArray) -> FloatArray:
+    """Heights (n,) of bodies along a direction (n, 3) each."""
+    rows: dict[int, list[int]] = {}
+    for row, body in enumerate(bodies):
+        rows.setdefault(id(body), []).append(row)
+    heights = np.empty(len(bodies))
+    for chosen in rows.values():
+        heights[chosen] = bodies[chosen[0]].support(directions[chosen])
+    return heights
 
 
-def _confirmed(a: Convex, b: Convex, place_a: _Placed, place_b: _Placed, nearest: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+def _confirmed(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, nearest: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     """Distance, normal and nearest points (2, 3) of two that are apart, of which one is curved.
 
-    Between the points that FCL found lies no less than the distance; between the supporting planes square to their line, no more. Now and
-    then the two differ by millimetres: then FCL is asked again with everything turned, until they agree.
+    Now and then the points that FCL finds are millimetres further apart than the supporting planes square to their line: then it is asked
+    again with everything turned, until the two agree.
     """
     import fcl
 
-    (rotation_a, centre_a), (rotation_b, centre_b) = place_a, place_b
     best = (np.inf, 0.0, nearest[0], nearest)
     for turn in _TURNS:
         if turn is not None:
-            a.place(turn @ rotation_a, turn @ centre_a)
-            b.place(turn @ rotation_b, turn @ centre_b)
+            a.first.setRotation(turn)
+            b.second.setRotation(turn @ rotation)
+            b.second.setTranslation(turn @ offset)
             result = fcl.DistanceResult()
-            fcl.distance(a.item, b.item, fcl.DistanceRequest(enable_nearest_points=True), result)
+            fcl.distance(a.first, b.second, fcl.DistanceRequest(enable_nearest_points=True), result)
             nearest = np.array(result.nearest_points) @ turn
         distance = float(np.linalg.norm(nearest[1] - nearest[0]))
         if distance <= _TOUCHING:
             continue
         normal = (nearest[1] - nearest[0]) / distance
         way = normal[None]
-        between = normal @ (centre_b - centre_a) - a.support(way @ rotation_a)[0] - b.support(-way @ rotation_b)[0]
+        between = normal @ offset - a.support(way)[0] - b.support(-way @ rotation)[0]
         if distance - between < best[0]:
             best = (distance - between, distance, normal, nearest)
         if best[0] <= _CONFIRMED:
             break
+    a.first.setRotation(_UPRIGHT)
     return best[1:]
 
 
-def _penetration(
-    a: Convex, b: Convex, rotation_a: FloatArray, centre_a: FloatArray, rotation_b: FloatArray, centre_b: FloatArray
-) -> tuple[float, FloatArray, FloatArray]:
+def _penetration(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     """Signed distance, normal and nearest points (2, 3) of two that overlap: the least way to move the second out.
 
     The overlap along any direction is what their supports say. From the best of many directions, those of their faces, axes and centres and
@@ -224,17 +251,18 @@ def _penetration(
     """
     import fcl
 
-    towards = centre_b - centre_a
-    length = float(np.linalg.norm(towards))
+    length = float(np.linalg.norm(offset))
     result = fcl.DistanceResult()
-    fcl.distance(a.item, b.item, fcl.DistanceRequest(enable_nearest_points=True, enable_signed_distance=True), result)
+    b.second.setRotation(rotation)
+    b.second.setTranslation(offset)
+    fcl.distance(a.first, b.second, fcl.DistanceRequest(enable_nearest_points=True, enable_signed_distance=True), result)
     suggested = np.subtract(*result.nearest_points)
     size = float(np.linalg.norm(suggested))
     directions = np.concatenate(
         [
-            a.axes @ rotation_a.T,
-            b.axes @ rotation_b.T,
-            towards[None] / length if length > 1e-9 else np.zeros((0, 3)),
+            a.axes,
+            b.axes @ rotation.T,
+            offset[None] / length if length > 1e-9 else np.zeros((0, 3)),
             suggested[None] / size if np.isfinite(size) and size > 1e-9 else np.zeros((0, 3)),
             _ALL_WAYS,
         ]
@@ -242,20 +270,20 @@ def _penetration(
     directions = np.concatenate([directions, -directions])
 
     def overlap(ways: FloatArray) -> FloatArray:
-        return a.support(ways @ rotation_a) + ways @ centre_a + b.support(-ways @ rotation_b) - ways @ centre_b
+        return a.support(ways) + b.support(-ways @ rotation) - ways @ offset
 
     overlaps = overlap(directions)
     request = fcl.DistanceRequest(enable_nearest_points=True)
-    depth, normal, nearest = np.inf, directions[0], np.stack([centre_a, centre_b])
+    depth, normal, nearest = np.inf, directions[0], np.stack([np.zeros(3), offset])
     for start in np.argsort(overlaps, kind="stable")[:_STARTS].tolist():
         here, way = float(overlaps[start]), directions[start]
         for _ in range(_MOST_STEPS):
             if here < depth:
                 depth, normal = here, way
             shift = way * (here + max(1e-3, 0.2 * here))
-            b.item.setTranslation(centre_b + shift)
+            b.second.setTranslation(offset + shift)
             result = fcl.DistanceResult()
-            apart = float(fcl.distance(a.item, b.item, request, result))
+            apart = float(fcl.distance(a.first, b.second, request, result))
             if apart <= _TOUCHING:
                 break
             points = np.array(result.nearest_points, dtype=np.float64)

@@ -270,13 +270,10 @@ class NarrowPhase:
         sharp = [bool(self._authored[a] and self._authored[b]) for a, b in bodies]
         sizes = [Size.SHARP if s else Size.CORE for s in sharp]
         start = self._table.start
-        objects = [
-            (self._convex.core(int(start[a]), size), self._convex.core(int(start[b]), size))
-            for (a, b), size in zip(bodies, sizes, strict=True)
-        ]
+        first = [self._convex.core(int(start[a]), size) for (a, _), size in zip(bodies, sizes, strict=True)]
+        second = [self._convex.core(int(start[b]), size) for (_, b), size in zip(bodies, sizes, strict=True)]
         turn = np.ascontiguousarray(boxes.rotation[..., rows].transpose(2, 0, 1))
-        still = np.broadcast_to(np.eye(3), turn.shape)
-        measured = separations(objects, still, np.zeros((len(rows), 3)), turn, np.ascontiguousarray(boxes.offset[:, rows].T))
+        measured = separations(first, second, turn, np.ascontiguousarray(boxes.offset[:, rows].T))
         found.distance[rows], found.normal[:, rows] = measured.distance, measured.normal.T
         found.centre[:, rows] = (measured.first + measured.second).T / 2
         found.area[rows] = 0.0
@@ -297,7 +294,7 @@ class NarrowPhase:
         distance = np.full(len(pairs), np.inf)
         found: list[_Found] = []
         for rows in self._rows(pairs, *_matrices(rotation, offset), reach):
-            self._finish(rows, self._separated(rows), reach, distance, found, corners)
+            self._finish(rows, self._separated(rows, reach), reach, distance, found, corners)
         return _reduced(np.where(np.isinf(distance), reach + _BEYOND, distance), found, corners)
 
     def _rows(self, pairs: IntArray, a: FloatArray, b: FloatArray, reach: FloatArray) -> Iterator[_Rows]:
@@ -386,8 +383,8 @@ class NarrowPhase:
             local[mine] = self._mesh(core).corners[triangle[mine]]
         return turned(rotation[:, None], local) + centre[:, None]
 
-    def _separated(self, rows: _Rows) -> AxisSeparation:
-        """Separations of the cores of one group."""
+    def _separated(self, rows: _Rows, reach: FloatArray | None = None) -> AxisSeparation:
+        """Separations of the cores of one group. With ``reach`` those of bodies (p,) beyond it are lower bounds without normals."""
         count = len(rows)
         if count == 0:
             empty = np.zeros((0, 3))
@@ -421,7 +418,7 @@ class NarrowPhase:
                 return box_to_box(rows.rotation_a, rows.centre_a, half_a, rows.rotation_b, rows.centre_b, half_b)
             case (_, Kind.MESH):
                 return self._separated_from_triangles(rows, kinds[0])
-        return _exact(self._by_fcl(rows))
+        return _exact(self._by_fcl(rows) if reach is None else self._near_by_fcl(rows, reach))
 
     def _separated_from_triangles(self, rows: _Rows, kind: Kind) -> AxisSeparation:
         assert rows.triangle_b is not None
@@ -434,21 +431,45 @@ class NarrowPhase:
             return box_to_triangle(rows.rotation_a, rows.centre_a, self._table.thick_half[rows.first], corners)
         return _exact(self._by_fcl(rows))
 
+    def _near_by_fcl(self, rows: _Rows, reach: FloatArray) -> Separation:
+        """`_by_fcl` of those rows whose bounding boxes are within reach; lower bounds for the others."""
+        table = self._table
+        centre_a = rows.centre_a + turned(rows.rotation_a, table.bound_centre[rows.first])
+        centre_b = rows.centre_b + turned(rows.rotation_b, table.bound_centre[rows.second])
+        turn = np.einsum("nki,nkj->ijn", rows.rotation_a, rows.rotation_b)
+        offset = turned_back(rows.rotation_a, centre_b - centre_a).T
+        bound = best_axes(turn, offset, table.bound_half[rows.first].T, table.bound_half[rows.second].T).distance
+        near = bound <= rows.radius_a + rows.radius_b + reach[rows.owner]
+        if near.all():
+            return self._by_fcl(rows)
+        result = Separation(bound, np.tile([0.0, 0.0, 1.0], (len(rows), 1)), centre_a, centre_b)
+        chosen = np.flatnonzero(near)
+        if len(chosen):
+            found = self._by_fcl(rows.chosen(chosen))
+            for name in ("distance", "normal", "first", "second"):
+                getattr(result, name)[chosen] = getattr(found, name)
+        return result
+
     def _sharp(self, rows: _Rows) -> BoolArray:
         """Which rows are of two boxes that meet with sharp edges."""
         table = self._table
         return np.asarray(table.is_box[rows.first] & table.is_box[rows.second] & (table.kind[rows.second] == Kind.BOX))
 
     def _by_fcl(self, rows: _Rows) -> Separation:
-        sharp = self._sharp(rows).tolist()
-        thick = rows.triangle_b is not None
-        objects = []
-        for k, (first, second) in enumerate(zip(rows.first.tolist(), rows.second.tolist(), strict=True)):
-            size = Size.SHARP if sharp[k] else Size.THICK if thick else Size.CORE
-            a = self._convex.core(first, size) if rows.triangle_a is None else self._triangle_object(first, int(rows.triangle_a[k]))
-            b = self._convex.core(second, size) if rows.triangle_b is None else self._triangle_object(second, int(rows.triangle_b[k]))
-            objects.append((a, b))
-        return separations(objects, rows.rotation_a, rows.centre_a, rows.rotation_b, rows.centre_b)
+        size = Size.CORE if rows.triangle_b is None else Size.THICK
+        first, second = (
+            self._convex.cores(core.tolist(), size)
+            if triangle is None
+            else [self._triangle_object(c, t) for c, t in zip(core.tolist(), triangle.tolist(), strict=True)]
+            for core, triangle in ((rows.first, rows.triangle_a), (rows.second, rows.triangle_b))
+        )
+        for k in np.flatnonzero(self._sharp(rows)).tolist():
+            first[k] = self._convex.core(int(rows.first[k]), Size.SHARP)
+            second[k] = self._convex.core(int(rows.second[k]), Size.SHARP)
+        turn = np.matmul(rows.rotation_a.transpose(0, 2, 1), rows.rotation_b)
+        found = separations(first, second, turn, turned_back(rows.rotation_a, rows.centre_b - rows.centre_a))
+        ends = (turned(rows.rotation_a, end) + rows.centre_a for end in (found.first, found.second))
+        return Separation(found.distance, turned(rows.rotation_a, found.normal), *ends)
 
     def _triangle_object(self, core: int, number: int) -> Convex:
         return self._convex.triangle(core, number, self._mesh(core).corners[number])
