@@ -21,10 +21,18 @@ def eevee_engine() -> str:
     return "BLENDER_EEVEE_NEXT" if "BLENDER_EEVEE_NEXT" in items else "BLENDER_EEVEE"
 
 
+_TRANSFORMS = ("location", "rotation_", "scale", "delta_", "hide_")
+"""How the data paths begin of what is animated most often, and is seen in the matrix."""
+
+
 def is_animated(datablock: Any) -> bool:
-    """True where an action, the NLA or drivers may change the datablock's properties."""
+    """True where an action, the NLA or drivers may change properties of the datablock other than its transform and visibility."""
     data = datablock.animation_data
-    return data is not None and (data.action is not None or len(data.drivers) > 0 or len(data.nla_tracks) > 0)
+    if data is None:
+        return False
+    if len(data.nla_tracks) > 0:
+        return True
+    return any(not curve.data_path.startswith(_TRANSFORMS) for curve in (*fcurves_of(datablock), *data.drivers))
 
 
 def fcurves_of(datablock: Any) -> list[Any]:

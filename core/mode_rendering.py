@@ -27,7 +27,7 @@ class ModeRendering:
         if result.block is None:
             self._mixdown.reset()
             self._time = None
-        propagation = propagate(result.graph, replace(settings, mode=self.mode))
+        propagation = propagate(result.graph, replace(settings, mode=self.mode), sounding_only=True)
         block = self._mixdown.render(self._time, result.time, result.sources, result.listeners, propagation)
         self._time = result.time
         return replace(

@@ -33,10 +33,11 @@ def strategy_of(kind: SourceKind, settings: Settings) -> Strategy:
     return Strategy.ALL_PATHS if kind is SourceKind.PERSISTENT else Strategy.BEST_PATH
 
 
-def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET) -> Propagation:
+def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET, sounding_only: bool = False) -> Propagation:
     """Gains from every source to every listener of the graph.
 
     ``budget`` bounds the work where an exact result is out of reach, by count and not by time: the result is the same on every machine.
+    ``sounding_only``: no path is searched for sources whose amplitude is 0; their gains are 0.
     Raises ValueError that names the argument for a negative budget, and the object where an expression gives no gain.
     """
     if budget < 0:
@@ -45,11 +46,13 @@ def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET) -> P
     if settings.mode in (Mode.MD, Mode.MN):
         return _direct(graph, settings, strategies)
     wanted = np.ones((len(graph.sources), len(graph.listeners)), dtype=np.bool_)
+    if sounding_only:
+        wanted[[source.amplitude == 0 for source in graph.sources]] = False
     if settings.mode is Mode.SD:
-        graph, wanted = distance_only(graph), nearest_listener(graph)
+        graph, wanted = distance_only(graph), wanted & nearest_listener(graph)
     elif settings.localise > 0:
         nearest = nearest_listener(graph)
-        wanted = nearest if settings.localise == 1 else wanted
+        wanted = wanted & nearest if settings.localise == 1 else wanted
         return localised(_Run(graph, settings, strategies, wanted, budget).result(), nearest, settings.localise)
     return _Run(graph, settings, strategies, wanted, budget).result()
 
