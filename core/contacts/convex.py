@@ -136,7 +136,8 @@ def _polytope(hull: Hull) -> Convex:
     faces = np.concatenate([np.full((len(hull.triangles), 1), 3), hull.triangles], axis=1).ravel()
     geometry = fcl.Convex(hull.points, len(hull.triangles), faces)
     normals, _ = hull.planes()
-    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), normals[:_MOST_AXES], partial(_support_of_points, hull.points), False)
+    support = partial(_support_of_points, hull.points)
+    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), normals[:_MOST_AXES], support, False)
 
 
 def _support_of_box(half: FloatArray, directions: FloatArray) -> FloatArray:

@@ -33,7 +33,9 @@ class Features:
 
     def __init__(self, table: CoreTable) -> None:
         self._table = table
-        self._faces: dict[int, tuple[FloatArray, FloatArray]] = {}
+        self._faces: list[tuple[FloatArray, FloatArray]] = []
+        self._hulls: dict[int, int] = {}  # number of the faces by core
+        self._numbers: dict[int, int] = {}  # and by the id of the hull: equal bodies share theirs
 
     def polygons(
         self, core: IntArray, rotation: FloatArray, centre: FloatArray, direction: FloatArray
@@ -67,24 +69,30 @@ class Features:
                     corners[rows[~flat], :FEW] = line[~flat]
                     many[rows] = wide[rows] = flat
                 case Kind.HULL:
-                    for row, way in zip(rows.tolist(), towards, strict=True):
-                        face = self._hull_face(int(core[row]), way)
-                        corners[row, : len(face)] = face
-                        many[row] = len(face) > FEW
+                    for alike, (normals, faces) in self._by_hull(core[rows]):
+                        face = faces[(towards[alike] @ normals.T).argmax(axis=1)]
+                        corners[rows[alike], : face.shape[1]] = face
+                        many[rows[alike]] = face.shape[1] > FEW
                 case _:
                     wide[rows] = False
                     corners[rows] = 0.0
         corners[~many, FEW:] = corners[~many, FEW - 1 : FEW]
         return turned(rotation[:, None], corners) + centre[:, None], many, wide
 
-    def _hull_face(self, core: int, direction: FloatArray) -> FloatArray:
-        made = self._faces.get(core)
-        if made is None:
-            hull = self._table.cores[core].sharp_hull
-            assert hull is not None
-            made = self._faces[core] = merged_faces(hull)
-        normals, faces = made
-        return np.asarray(faces[int(np.argmax(normals @ direction))])
+    def _by_hull(self, cores: IntArray) -> list[tuple[IntArray, tuple[FloatArray, FloatArray]]]:
+        """Rows of hulls that are the same, and normals and corners of their faces."""
+        numbers = []
+        for core in cores.tolist():
+            number = self._hulls.get(core)
+            if number is None:
+                hull = self._table.cores[core].sharp_hull
+                assert hull is not None
+                number = self._hulls[core] = self._numbers.setdefault(id(hull), len(self._faces))
+                if number == len(self._faces):
+                    self._faces.append(merged_faces(hull))
+            numbers.append(number)
+        kept = np.array(numbers, dtype=np.int64)
+        return [(np.flatnonzero(kept == number), self._faces[number]) for number in np.unique(kept).tolist()]
 
 
 def merged_faces(hull: Hull) -> tuple[FloatArray, FloatArray]:

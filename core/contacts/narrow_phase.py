@@ -30,7 +30,7 @@ from .closed_forms import (
 )
 from .convex import Convex, ConvexDistances, Size, separations
 from .cores import CoreTable, Kind
-from .features import FEW, Features, triangle_polygons
+from .features import FEW, MANY, Features, triangle_polygons
 from .hull import hull_2d
 from .mesh_index import MeshIndex
 from .patch import Patches, contact_plane, patches
@@ -40,6 +40,18 @@ from .shapes import Shape
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+
+_CLOSED_FORMS = {
+    (Kind.POINT, Kind.POINT),
+    (Kind.POINT, Kind.SEGMENT),
+    (Kind.POINT, Kind.BOX),
+    (Kind.POINT, Kind.CYLINDER),
+    (Kind.POINT, Kind.CONE),
+    (Kind.SEGMENT, Kind.SEGMENT),
+    (Kind.SEGMENT, Kind.BOX),
+    (Kind.BOX, Kind.BOX),
+}
+"""Pairs of kinds that need not go to FCL."""
 
 _DRAWN_ROUGHLY = (Kind.CYLINDER, Kind.CONE, Kind.HULL)
 """Kinds whose features have fewer corners than they should."""
@@ -293,8 +305,27 @@ class NarrowPhase:
         """Pairs of any shapes."""
         distance = np.full(len(pairs), np.inf)
         found: list[_Found] = []
+        kind = self._table.kind
+        closed: list[tuple[_Rows, AxisSeparation]] = []
+        others = []
         for rows in self._rows(pairs, *_matrices(rotation, offset), reach):
-            self._finish(rows, self._separated(rows, reach), reach, distance, found, corners)
+            if rows.triangle_b is not None:
+                self._finish(rows, self._separated(rows), reach, distance, found, corners)
+            elif (int(kind[rows.first[0]]), int(kind[rows.second[0]])) in _CLOSED_FORMS:
+                closed.append((rows, self._separated(rows)))
+            else:
+                others.append(rows)
+        # The rest together: fewer, longer arrays.
+        if others:
+            rows = _joined(others)
+            closed.append((rows, _exact(self._near_by_fcl(rows, reach))))
+        if closed:
+            rows, separated = _together(closed)
+            points = kind[rows.first] == Kind.POINT
+            for chosen in (np.flatnonzero(points), np.flatnonzero(~points)):
+                if len(chosen):
+                    part = AxisSeparation(_chosen(separated.separation, chosen), separated.exact[chosen])
+                    self._finish(rows.chosen(chosen), part, reach, distance, found, corners)
         return _reduced(np.where(np.isinf(distance), reach + _BEYOND, distance), found, corners)
 
     def _rows(self, pairs: IntArray, a: FloatArray, b: FloatArray, reach: FloatArray) -> Iterator[_Rows]:
@@ -383,8 +414,8 @@ class NarrowPhase:
             local[mine] = self._mesh(core).corners[triangle[mine]]
         return turned(rotation[:, None], local) + centre[:, None]
 
-    def _separated(self, rows: _Rows, reach: FloatArray | None = None) -> AxisSeparation:
-        """Separations of the cores of one group. With ``reach`` those of bodies (p,) beyond it are lower bounds without normals."""
+    def _separated(self, rows: _Rows) -> AxisSeparation:
+        """Separations of the cores of one group."""
         count = len(rows)
         if count == 0:
             empty = np.zeros((0, 3))
@@ -418,7 +449,7 @@ class NarrowPhase:
                 return box_to_box(rows.rotation_a, rows.centre_a, half_a, rows.rotation_b, rows.centre_b, half_b)
             case (_, Kind.MESH):
                 return self._separated_from_triangles(rows, kinds[0])
-        return _exact(self._by_fcl(rows) if reach is None else self._near_by_fcl(rows, reach))
+        return _exact(self._by_fcl(rows))
 
     def _separated_from_triangles(self, rows: _Rows, kind: Kind) -> AxisSeparation:
         assert rows.triangle_b is not None
@@ -509,16 +540,14 @@ class NarrowPhase:
         second, many_b, wide_b = self._polygons(rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b, -normal)
         first -= middle[:, None]
         second -= middle[:, None]
-        many = many_a | many_b
-        if not many.any():
-            result = patches(first[:, :FEW], second[:, :FEW], normal)
-        elif many.all():
-            result = patches(first, second, normal)
-        else:
-            of_few = patches(first[~many, :FEW], second[~many, :FEW], normal[~many])
-            result = _merged(many, patches(first[many], second[many], normal[many]), of_few)
-        if max(self._table.kind[rows.first[0]], self._table.kind[rows.second[0]]) in _DRAWN_ROUGHLY:
-            result = _at_nearest_points(result)
+        parts = []
+        for corners_a, corners_b in ((FEW, FEW), (MANY, FEW), (FEW, MANY), (MANY, MANY)):
+            alike = np.flatnonzero((many_a == (corners_a == MANY)) & (many_b == (corners_b == MANY)))
+            if len(alike):
+                parts.append((alike, patches(first[alike, :corners_a], second[alike, :corners_b], normal[alike])))
+        result = _merged(count, parts)
+        kind = np.maximum(self._table.kind[rows.first], self._table.kind[rows.second])
+        result = _at_nearest_points(result, np.isin(kind, _DRAWN_ROUGHLY))
         return Patches(
             middle + result.centre, result.area, result.found, result.gap, middle[:, None] + result.corners, result.used, wide_a & wide_b
         )
@@ -533,12 +562,26 @@ class NarrowPhase:
         return triangle_polygons(corners), np.zeros(count, dtype=np.bool_), np.ones(count, dtype=np.bool_)
 
 
-def _at_nearest_points(patch: Patches) -> Patches:
-    """Patches around the origin, the nearest points of their cores; those that miss it moved there."""
+def _joined(groups: list[_Rows]) -> _Rows:
+    """Groups without triangles as one."""
+    names = [f.name for f in fields(_Rows) if not f.name.startswith("triangle")]
+    return groups[0] if len(groups) == 1 else _Rows(*(np.concatenate([getattr(rows, name) for rows in groups]) for name in names))
+
+
+def _together(groups: list[tuple[_Rows, AxisSeparation]]) -> tuple[_Rows, AxisSeparation]:
+    """Groups without triangles as one."""
+    if len(groups) == 1:
+        return groups[0]
+    parts = (np.concatenate([getattr(s.separation, f.name) for _, s in groups]) for f in fields(Separation))
+    return _joined([rows for rows, _ in groups]), AxisSeparation(Separation(*parts), np.concatenate([s.exact for _, s in groups]))
+
+
+def _at_nearest_points(patch: Patches, rough: BoolArray) -> Patches:
+    """Patches around the origin, the nearest points of their cores; ``rough`` ones that miss it moved there."""
     mask = patch.used[..., None]
     low = np.where(mask, patch.corners, np.inf).min(axis=1)
     high = np.where(mask, patch.corners, -np.inf).max(axis=1)
-    missed = patch.found & ((low > _NEAR) | (high < -_NEAR)).any(axis=1)
+    missed = rough & patch.found & ((low > _NEAR) | (high < -_NEAR)).any(axis=1)
     keep = ~missed[:, None]
     return replace(patch, centre=patch.centre * keep, area=patch.area * ~missed, corners=patch.corners * keep[..., None])
 
@@ -605,15 +648,21 @@ def _chosen(values: Any, rows: Any) -> Any:
     return type(values)(*(getattr(values, f.name)[rows] for f in fields(values)))
 
 
-def _merged(many: BoolArray, of_many: Patches, of_few: Patches) -> Patches:
-    """Results of two calls put together, the shorter rows of corners filled up."""
+def _merged(count: int, parts: list[tuple[IntArray, Patches]]) -> Patches:
+    """Results for parts of ``count`` rows put together, shorter rows of corners filled up."""
+    if len(parts) == 1:
+        return parts[0][1]
     merged = []
     for field in fields(Patches):
-        a, b = getattr(of_many, field.name), getattr(of_few, field.name)
-        values = np.zeros((len(many), *a.shape[1:]), dtype=a.dtype)
-        values[many] = a
-        values[~many] = b if a.shape[1:] == b.shape[1:] else np.pad(b, [(0, 0), (0, a.shape[1] - b.shape[1]), *[(0, 0)] * (b.ndim - 2)])
-        merged.append(values)
+        values = [getattr(part, field.name) for _, part in parts]
+        shape = max(value.shape[1:] for value in values)
+        whole = np.zeros((count, *shape), dtype=values[0].dtype)
+        for (rows, _), value in zip(parts, values, strict=True):
+            if value.ndim == 1 or value.shape[1:] == shape:
+                whole[rows] = value
+            else:
+                whole[rows, : value.shape[1]] = value
+        merged.append(whole)
     return Patches(*merged)
 
 
