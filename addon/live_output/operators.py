@@ -24,7 +24,7 @@ class HAPTIC_OT_find_devices(Operator):
     bl_description = "Look for haptic devices that are connected to this computer"
 
     def execute(self, context: Context) -> set[str]:
-        outputs.find(profile_folders())
+        outputs.find(profile_folders(), context.scene.haptics.live_output.sound_cards)
         refresh.start()
         return {"FINISHED"}
 

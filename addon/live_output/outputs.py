@@ -79,11 +79,11 @@ def is_finding() -> bool:
     return _finder is not None and _finder.is_alive()
 
 
-def find(folders: tuple[Path, ...] = ()) -> None:
+def find(folders: tuple[Path, ...] = (), sound_cards: bool = False) -> None:
     """Look for devices, in the background: some systems take their time. ``folders``: of device profiles of the user's own."""
     global _finder
     if not is_finding():
-        _finder = threading.Thread(target=_find, args=(folders,), name="haptics find devices", daemon=True)
+        _finder = threading.Thread(target=_find, args=(folders, sound_cards), name="haptics find devices", daemon=True)
         _finder.start()
 
 
@@ -169,7 +169,7 @@ def forget() -> None:
     _inventory = None
 
 
-def _find(folders: tuple[Path, ...]) -> None:
+def _find(folders: tuple[Path, ...], with_sound_cards: bool) -> None:
     """The thread of a look."""
     global _inventory
     from ...core.devices.connection import connected, hid_module
@@ -187,6 +187,11 @@ def _find(folders: tuple[Path, ...]) -> None:
                 strangers.append(device.title or f"{device.vendor:04x}:{device.product:04x}")
     except OSError as error:
         problems = (*problems, str(error))
+    if with_sound_cards:
+        try:
+            devices += _sound_cards()
+        except OSError as error:
+            problems = (*problems, str(error))
     _inventory = Inventory(_with_unique_keys(devices), tuple(strangers), problems)
 
 
@@ -208,6 +213,23 @@ def _hid_device(profile: Profile, device: object) -> Found:
         rule=rule,
         open=lambda adjustment: DeviceOutput(profile, serial=device.serial, adjustment=adjustment),
     )
+
+
+def _sound_cards() -> list[Found]:
+    from ...core.devices.sound_card import SoundCard, SoundCardOutput, sound_cards, sound_module
+
+    def found(card: SoundCard) -> Found:
+        return Found(
+            key=f"sound card {card.title}",
+            title=card.title,
+            kind=f"sound card, {card.channels} channels",
+            device=card,
+            permission="",
+            rule="",
+            open=lambda adjustment: SoundCardOutput(card, adjustment=adjustment),
+        )
+
+    return [found(card) for card in sound_cards(sound_module())]
 
 
 def _with_unique_keys(devices: list[Found]) -> tuple[Found, ...]:

@@ -28,6 +28,7 @@ class HAPTIC_PT_live_output(HapticsPanel, Panel):
         row = layout.row(align=True)
         row.operator("haptic.find_devices", text="Looking..." if outputs.is_finding() else "Find Devices", icon="VIEWZOOM")
         row.operator("haptic.panic", text="", icon="CANCEL")
+        layout.prop(context.scene.haptics.live_output, "sound_cards")
         row = layout.row(align=True)
         row.operator("haptic.toggle_preview", icon="PLAY_SOUND", depress=preview.is_on())
         row.prop(context.scene.haptics.live_output, "preview_volume", text="")

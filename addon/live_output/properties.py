@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bpy.props import CollectionProperty, FloatProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, FloatProperty, StringProperty
 from bpy.types import Context, PropertyGroup
 
 from ...core.devices.mapping import ActuatedDevice
@@ -76,6 +76,11 @@ class HapticLiveOutputProperties(PropertyGroup):
     """The live output of a scene."""
 
     devices: CollectionProperty(type=HapticDeviceProperties)
+    sound_cards: BoolProperty(
+        name="Sound Cards Too",
+        description="Look for sound cards as well: shakers, cushions and headsets that are felt, and a DualSense's actuators over USB",
+        default=False,
+    )
     preview_volume: FloatProperty(
         name="Volume",
         description="How loud listeners are heard",

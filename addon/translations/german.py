@@ -442,6 +442,9 @@ MESSAGES: dict[str, str] = {
     "Devices": "Geräte",
     "Device": "Gerät",
     "Find Devices": "Geräte suchen",
+    "Sound Cards Too": "Auch Soundkarten",
+    "Look for sound cards as well: shakers, cushions and headsets that are felt, and a DualSense's actuators over USB": "Auch Soundkarten suchen: "
+    "Rüttler, Kissen und Kopfhörer, die man fühlt, und die Aktoren eines DualSense über USB",
     "Look for haptic devices that are connected to this computer": "Nach haptischen Geräten suchen, die mit diesem Rechner verbunden sind",
     "Looking...": "Suche …",
     "No haptic device is connected": "Kein haptisches Gerät ist verbunden",

@@ -48,3 +48,21 @@ class DriveLimits:
         risen = self._driven + self._slew * min(elapsed, self._interval)
         self._driven = np.minimum(np.minimum(wanted, self._scale * self._ceilings), np.minimum(risen, sustainable))
         return self._driven.copy()
+
+
+class SampleLimits:
+    """The limits of channels that are driven by samples: these are turned down where their peaks would not keep them."""
+
+    def __init__(self, limits: DriveLimits, channels: int) -> None:
+        self._limits = limits
+        self._gains = np.ones((channels, 1))
+
+    def limited(self, samples: Array, seconds: float) -> Array:
+        """Samples (channels, n) that last ``seconds``, scaled so that their peaks keep the limits; a scale that rises does so smoothly."""
+        peaks = np.abs(samples).max(axis=1, initial=0.0)
+        allowed = self._limits.limited(np.minimum(peaks, 1.0), seconds)
+        gains = np.divide(allowed, peaks, out=np.ones_like(peaks), where=peaks > 0.0)[:, None]
+        ramp = np.linspace(0.0, 1.0, samples.shape[1])
+        start = np.minimum(self._gains, gains)
+        self._gains = gains
+        return np.asarray(samples * (start + (gains - start) * ramp))

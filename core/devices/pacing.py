@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .actuation import SampleActuation, ToneActuation
 from .family import RumbleFamily, StreamFamily
-from .limits import DriveLimits
+from .limits import DriveLimits, SampleLimits
 from .profiles import Adjustment, Profile
 from .report import Report, Tones, Transport
 
@@ -206,7 +206,7 @@ class StreamPacing:
         self._startup = deque(family.startup(transport, 0))
         self._starting = False
         self._queue = np.zeros((len(family.channels), 0))
-        self._gains = np.ones((len(family.channels), 1))
+        self._samples = SampleLimits(self._limits, len(family.channels))
         self._sequence = 0
         self._due: float | None = None
         self._seam = False
@@ -226,7 +226,7 @@ class StreamPacing:
             self._actuation.reset()
         samples = self._actuation.process(block)
         if seam:
-            _join(samples, 0, self._last if dry else kept[:, -1:])
+            join(samples, 0, self._last if dry else kept[:, -1:])
         if dry or self._due is None:
             self._due = max(sent + self._delay + self.lead, self._due or -np.inf)
         self._queue = np.concatenate([kept, samples], axis=1)
@@ -272,7 +272,7 @@ class StreamPacing:
         self._due = None
 
     def _packet(self) -> Report:
-        samples = self._limited(self._next_frames())
+        samples = self._samples.limited(self._next_frames(), self._family.period)
         report = self._family.encode(np.round(127.0 * samples).astype(np.int8), self._sequence)
         self._sequence += 1
         return report
@@ -284,23 +284,13 @@ class StreamPacing:
         dry = frames - taken.shape[1]
         played = np.pad(taken, ((0, 0), (0, dry)))
         if dry:
-            _join(played, taken.shape[1], taken[:, -1:] if taken.shape[1] else self._last)
+            join(played, taken.shape[1], taken[:, -1:] if taken.shape[1] else self._last)
         self._seam = dry > 0
         self._last = played[:, -1:]
         return played
 
-    def _limited(self, samples: Array) -> Array:
-        """Samples scaled so that their peaks keep the limits; a scale that rises does so smoothly."""
-        peaks = np.abs(samples).max(axis=1)
-        allowed = self._limits.limited(np.minimum(peaks, 1.0), self._family.period)
-        gains = np.divide(allowed, peaks, out=np.ones_like(peaks), where=peaks > 0.0)[:, None]
-        ramp = np.linspace(0.0, 1.0, samples.shape[1])
-        start = np.minimum(self._gains, gains)
-        self._gains = gains
-        return np.asarray(samples * (start + (gains - start) * ramp))
 
-
-def _join(samples: Array, start: int, last: Array) -> None:
+def join(samples: Array, start: int, last: Array) -> None:
     """Let the samples from ``start`` on begin at the value ``last``, in place."""
     seam = samples[:, start : start + _SEAM]
     seam += (last - seam) * (1.0 - (np.arange(seam.shape[1]) + 1.0) / _SEAM)

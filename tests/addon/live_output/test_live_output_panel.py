@@ -124,3 +124,21 @@ def test_a_device_that_is_not_there_can_not_be_connected(hid, scene):
     assert bpy.ops.haptic.connect_device(device="toaster") == {"CANCELLED"}
     assert bpy.ops.haptic.copy_udev_rule(device="toaster") == {"CANCELLED"}
     assert outputs.running() == {}
+
+
+def test_sound_cards_are_offered_when_wanted_and_what_is_missing_is_said(hid, scene, monkeypatch):
+    monkeypatch.setitem(sys.modules, "sounddevice", None)
+    find()
+    assert "sound cards need" not in text().lower()
+    scene.haptics.live_output.sound_cards = True
+    find()
+    assert "Sound cards need the Python package" in text()
+    card = {"name": "Cushion", "hostapi": 0, "max_output_channels": 2, "default_samplerate": 48000.0}
+    monkeypatch.setitem(
+        sys.modules,
+        "sounddevice",
+        SimpleNamespace(PortAudioError=OSError, query_hostapis=lambda: [{"name": "ALSA"}], query_devices=lambda: [card]),
+    )
+    find()
+    assert "Cushion (sound card, 2 channels)" in drawn().labels
+    assert outputs.found("sound card Cushion").device.channels == 2

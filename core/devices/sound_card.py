@@ -1,0 +1,262 @@
+"""Sound cards whose channels are actuators: a DualSense over USB (channels 3 and 4), bass shakers, cushions and headsets.
+
+Through python-sounddevice, which is PortAudio: its wheels for Windows and macOS bring it along, Linux has it as a package (libportaudio2).
+PortAudio asks for samples from a thread of its own; what is due lies ready in a queue that empties by itself, so that a program that
+hangs leaves the card silent.
+"""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from statistics import median
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .actuation import checked_block
+from .connection import DeviceError
+from .limits import DriveLimits, SampleLimits
+from .output import RESCAN, SAMPLE_RATE, State, Status
+from .pacing import join
+from .profiles import Actuator, Adjustment, Calibration, Channel
+from .resampling import Resampler
+
+Array = NDArray[np.float64]
+
+# Where a card is recognised: its name, the least number of channels, and what is felt where, by channel.
+_KNOWN: tuple[tuple[str, int, Mapping[int, tuple[str, str]]], ...] = (
+    (r"DualSense|^Wireless Controller", 4, {2: ("left grip", "hand.L"), 3: ("right grip", "hand.R")}),
+)
+# Of the ways to the same card, the one that adds least.
+_HOSTS = ("Windows WASAPI", "Core Audio", "PipeWire", "PulseAudio", "JACK Audio Connection Kit", "ALSA")
+_MOST_CHANNELS = 8
+_BAND = (20.0, 1000.0)
+_SAFE_MAXIMUM, _SLEW, _SUSTAINED, _SUSTAINED_SECONDS = 1.0, 50.0, 0.7, 10.0
+# So much lies ready before a block begins, so that a frame may be late without a gap; more than the second makes it begin anew.
+_MARGIN, _LATE = 0.015, 0.120
+
+
+@dataclass(frozen=True, slots=True)
+class SoundCard:
+    """A sound card. index: PortAudio's number. channels: how many it has. rate: hertz. actuators: those of its channels that are used, each
+    with the channel's number (from 0) as its channel's name."""
+
+    title: str
+    index: int
+    channels: int
+    rate: int
+    actuators: tuple[Actuator, ...]
+
+    @property
+    def plays_frequency(self) -> bool:
+        """Samples have all of it."""
+        return True
+
+
+def sound_module() -> Any:
+    """python-sounddevice. Raises DeviceError that says how to get it."""
+    try:
+        return import_module("sounddevice")
+    except ImportError:
+        raise DeviceError("sound cards need the Python package sounddevice, which is not installed") from None
+    except OSError:
+        raise DeviceError("sound cards need the library PortAudio (Debian, Ubuntu: libportaudio2; Fedora: portaudio)") from None
+
+
+def sound_cards(module: Any) -> tuple[SoundCard, ...]:
+    """The cards that can play, each once. Raises DeviceError if the system's audio can't be asked."""
+    try:
+        hosts = [host["name"] for host in module.query_hostapis()]
+        devices = [dict(device) for device in module.query_devices()]
+    except module.PortAudioError as error:
+        raise DeviceError(f"sound cards can't be listed: {error}") from None
+    wanted = next((name for name in _HOSTS if name in hosts and any(hosts[d["hostapi"]] == name for d in devices)), None)
+    return tuple(
+        SoundCard(device["name"], number, device["max_output_channels"], round(device["default_samplerate"]), _actuators(device))
+        for number, device in enumerate(devices)
+        if device["max_output_channels"] > 0 and wanted in (None, hosts[device["hostapi"]])
+    )
+
+
+def _actuators(device: Mapping[str, Any]) -> tuple[Actuator, ...]:
+    channels = device["max_output_channels"]
+    used: Mapping[int, tuple[str, str]] = {number: (f"channel {number + 1}", "") for number in range(min(channels, _MOST_CHANNELS))}
+    for pattern, least, known in _KNOWN:
+        if channels >= least and re.search(pattern, device["name"]):
+            used = known
+    return tuple(
+        Actuator(
+            name=name,
+            body_parts=(part,) if part else (),
+            kind="PCM",
+            band=_BAND,
+            latency=0.005,
+            safe_maximum=_SAFE_MAXIMUM,
+            channels=(Channel(str(number), _BAND),),
+            calibration=Calibration(),
+        )
+        for number, (name, part) in used.items()
+    )
+
+
+class SoundCardOutput:
+    """A sound card that is fed with blocks of samples, one row per actuator; used like `DeviceOutput`."""
+
+    def __init__(self, card: SoundCard, *, rate: int = SAMPLE_RATE, adjustment: Adjustment | None = None, module: Any = None) -> None:
+        """rate: samples per second of the blocks. module: in place of python-sounddevice."""
+        self.profile = card
+        self._module = module
+        self._rows = len(card.actuators)
+        self._places = [int(actuator.channels[0].name) for actuator in card.actuators]
+        self._resampler = Resampler(self._rows, rate, card.rate)
+        ceilings = np.array([actuator.safe_maximum for actuator in card.actuators])
+        self._drive = DriveLimits(ceilings, _SLEW, _SUSTAINED, _SUSTAINED_SECONDS, 1.0 / 24.0)
+        self._limits = SampleLimits(self._drive, self._rows)
+        self._lock = threading.Lock()
+        # Guarded by _lock:
+        self._queue = np.zeros((self._rows, 0))
+        self._last = np.zeros((self._rows, 1))
+        self._dry = True
+        self._stop = threading.Event()
+        self._ended = threading.Event()
+        self._state: State = "searching"
+        self._message = ""
+        self._latency = 0.0
+        self._blocks = self._losses = self._failed = self._dropped = 0
+        self._delays: deque[float] = deque(maxlen=256)
+        self._thread = threading.Thread(target=self._run, name=f"haptics {card.title}", daemon=True)
+        self.adjust(adjustment or Adjustment())
+
+    def start(self) -> None:
+        """Open the card and play on it from now on."""
+        self._thread.start()
+
+    def adjust(self, adjustment: Adjustment) -> None:
+        """Follow these settings from the next block on."""
+        self._adjustment = adjustment
+        self._drive.scale_ceilings(adjustment.ceiling)
+        gains = [adjustment.calibrations.get(actuator.name, actuator.calibration).gain for actuator in self.profile.actuators]
+        self._gains = np.array(gains)[:, None]
+
+    def send(self, block: ArrayLike) -> None:
+        """Play a block after what is left of the one before. (actuators, n) in [-1, 1] at the rate."""
+        checked = checked_block(np.asarray(block), self._rows)
+        if self._state != "open":
+            self._dropped += 1
+            return
+        rate = self.profile.rate
+        samples = self._resampler.process(self._gains * checked)
+        samples = self._limits.limited(samples, samples.shape[1] / rate)
+        with self._lock:
+            if self._queue.shape[1] > _LATE * rate:
+                self._dropped += 1
+                self._queue = self._queue[:, : round(_MARGIN * rate)]
+                join(samples, 0, self._queue[:, -1:])
+            if self._dry:
+                lead = np.zeros((self._rows, round(max(_MARGIN + self._adjustment.delay, 0.0) * rate)))
+                self._queue = np.concatenate([self._queue, lead], axis=1)
+            self._delays.append(self._queue.shape[1] / rate)
+            self._queue = np.concatenate([self._queue, samples], axis=1)
+            self._dry = False
+        self._blocks += 1
+
+    def silence(self) -> None:
+        """Go to zero at once, and forget what was sent so far."""
+        with self._lock:
+            self._queue = self._queue[:, :0]
+        self._resampler.reset()
+
+    def rest(self) -> None:
+        """The same: a card needs no release."""
+        self.silence()
+
+    def request_stop(self) -> None:
+        """Begin to stop, without waiting."""
+        self.silence()
+        self._stop.set()
+
+    def stop(self, timeout: float = 1.0) -> bool:
+        """Silence and close the card; returns after at most ``timeout`` seconds whether that is done."""
+        self.request_stop()
+        if self._thread.is_alive():
+            self._thread.join(timeout)
+        return not self._thread.is_alive()
+
+    @property
+    def status(self) -> Status:
+        """What the output is doing right now: blocks count as reports."""
+        delays = list(self._delays)
+        delay = median(delays) if delays else None
+        return Status(
+            state=self._state,
+            message=self._message,
+            written=self._blocks,
+            failed_writes=self._failed,
+            losses=self._losses,
+            dropped_blocks=self._dropped,
+            writing_for=0.0,
+            delay=delay,
+            lag=None if delay is None else delay + self._latency + self._resampler.delay + 0.005,
+        )
+
+    def fill(self, out: NDArray[np.float32]) -> None:
+        """The next samples, (n, channels): what lies ready, then silence, without a jump."""
+        out[:] = 0.0
+        with self._lock:
+            taken = self._queue[:, : len(out)]
+            self._queue = self._queue[:, len(out) :]
+            played = np.pad(taken, ((0, 0), (0, len(out) - taken.shape[1])))
+            if taken.shape[1] < len(out):
+                self._dry = True
+                join(played, taken.shape[1], taken[:, -1:] if taken.shape[1] else self._last)
+            self._last = played[:, -1:]
+        out[:, self._places] = np.clip(played, -1.0, 1.0).T
+
+    def _run(self) -> None:
+        """The thread: keeps the stream open until the end."""
+        try:
+            module = self._module or sound_module()
+        except DeviceError as error:
+            self._state, self._message = "failed", str(error)
+            return
+        while not self._stop.is_set():
+            try:
+                self._play(module)
+            except (module.PortAudioError, ValueError) as error:
+                self._message = f"{self.profile.title}: {error}"
+                self._failed += 1
+            if not self._stop.is_set():
+                self._state = "searching"
+                self._stop.wait(RESCAN)
+        self._state = "stopped"
+
+    def _play(self, module: Any) -> None:
+        def callback(out: NDArray[np.float32], frames: int, time: Any, status: Any) -> None:
+            self.fill(out)
+
+        self._ended.clear()
+        channels = max(self._places) + 1
+        with module.OutputStream(
+            device=self.profile.index,
+            channels=channels if channels <= 2 else self.profile.channels,
+            samplerate=self.profile.rate,
+            dtype="float32",
+            latency="low",
+            callback=callback,
+            finished_callback=self._ended.set,
+        ) as stream:
+            self._latency, self._message, self._state = float(stream.latency), "", "open"
+            while not self._stop.is_set() and not self._ended.wait(0.05):
+                pass
+            if not self._stop.is_set():
+                self._losses += 1
+                self._message = f"{self.profile.title} is gone"
+            else:
+                # The way to zero is still to be heard.
+                self._ended.wait(min(self._latency + 0.02, 0.2))
