@@ -124,7 +124,7 @@ def render_data(result: FrameResult, settings: Settings, options: Options) -> Re
     return RenderData(
         tree=tree if options.show_intra and on_graph else no_lines(),
         paths=paths if options.show_best_paths or not on_graph else no_lines(),
-        points=_points(result, spreading, scale, options),
+        points=_points(result, spreading, scale, options, pairs),
         labels=_labels(result, scale, options) if options.show_labels else (),
         scale=scale,
     )
@@ -227,27 +227,33 @@ def _running_sums(values: FloatArray, counts: IntArray) -> FloatArray:
     return np.concatenate([np.cumsum(run) for run in runs])
 
 
-def _points(result: FrameResult, spreading: Spread, scale: GainScale, options: Options) -> Points:
-    """Contacts, over them listeners, over them sources."""
+def _points(result: FrameResult, spreading: Spread, scale: GainScale, options: Options, pairs: BoolArray) -> Points:
+    """Contacts, over them listeners, over them sources. Of selected listeners only the contacts on their best paths stand out."""
+    shown = np.ones(result.graph.node_count, dtype=np.bool_)
+    if options.listeners:
+        shown[:] = False
+        shown[[node for pair, nodes in result.propagation.best_path.items() if pairs[pair] for node in nodes]] = True
     parts = (
-        _contact_points(result.graph, spreading, scale),
+        _contact_points(result.graph, spreading, scale, shown),
         _listener_points(result, scale, options),
         _source_points(result, options),
     )
     return Points(*(np.concatenate([getattr(part, key) for part in parts]) for key in ("position", "colour", "size", "shape")))
 
 
-def _contact_points(graph: HapticGraph, spreading: Spread, scale: GainScale) -> Points:
-    """Each contact once, in the middle between its two nodes, the strongest on top. Smaller where there are many."""
+def _contact_points(graph: HapticGraph, spreading: Spread, scale: GainScale, shown: BoolArray) -> Points:
+    """Each contact once, in the middle between its two nodes, the strongest on top. Smaller where there are many. Those whose nodes are not
+    ``shown`` (n,) are dimmed."""
     first = np.flatnonzero(graph.partner > np.arange(graph.node_count))
     second = graph.partner[first]
     gain = np.maximum(spreading.gain[first], spreading.gain[second])
     order = np.argsort(gain, kind="stable")
     first, second, gain = first[order], second[order], gain[order]
     reached = gain > 0
+    opacity = np.where(reached, np.where(shown[first] & shown[second], 1.0, UNSELECTED), DIMMED)
     size = POINT_SIZE[Shape.CONTACT] * min(1.0, max(0.5, (400 / max(len(first), 1)) ** 0.25)) * np.where(reached, 1.0, 0.7)
     position = (graph.node_position[first] + graph.node_position[second]) / 2
-    return _point_array(position, _gain_colour(scale, gain), np.where(reached, 1.0, DIMMED), size, Shape.CONTACT)
+    return _point_array(position, _gain_colour(scale, gain), opacity, size, Shape.CONTACT)
 
 
 def _listener_points(result: FrameResult, scale: GainScale, options: Options) -> Points:

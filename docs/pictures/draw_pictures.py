@@ -18,7 +18,7 @@ from haptic_tracing.addon.suspension import suspended
 from haptic_tracing.sample_scenes import build_sample
 
 FOLDER = Path(__file__).parent
-SIZE = (1280, 800)
+SIZE = (1280, 720)
 
 
 def main() -> None:
@@ -34,7 +34,7 @@ def main() -> None:
     with suspended():
         everything = picture.shown_options(scene)
         ear = replace(everything, listeners=frozenset({result.listeners[0].name}))
-        write_png(FOLDER / "overlay.png", picture.viewport_picture(scene, result, SIZE))
+        write_png(FOLDER / "overlay.png", picture.viewport_picture(scene, result, SIZE, meters=True))
         write_png(FOLDER / "overlay-selected-listener.png", picture.viewport_picture(scene, result, SIZE, ear))
         session.of(scene).result = result
         bpy.ops.haptic.graph_to_geometry()

@@ -185,3 +185,12 @@ def test_nothing_traced_is_nothing_drawn():
     data = render_data(result, BRIDGE.settings, Options())
     assert len(data.tree.width) == len(data.paths.width) == len(data.points.size) == 0
     assert data.labels == ()
+
+
+def test_contacts_off_the_paths_of_the_selected_listener_are_dimmed(bridge):
+    for chosen, opaque in (("driver", 0), ("walker", 2)):
+        data = render_data(bridge, BRIDGE.settings, Options(listeners=frozenset({chosen})))
+        opacity = data.points.colour[data.points.shape == Shape.CONTACT, 3]
+        assert (opacity == 1).sum() == opaque
+    everything = render_data(bridge, BRIDGE.settings, Options())
+    assert (everything.points.colour[everything.points.shape == Shape.CONTACT, 3] == 1).sum() == 2
