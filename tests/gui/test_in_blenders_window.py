@@ -35,6 +35,11 @@ def test_quick_start(play):
     assert all(seen.values()), seen
 
 
+def test_authoring(play):
+    seen = played_through(play(SCENARIOS / "authoring.py"))
+    assert all(seen.values()), seen
+
+
 def test_files_scenes_and_workspaces(play):
     seen = played_through(play(SCENARIOS / "files.py"))
     assert seen.pop("frame handlers") == 1
@@ -43,4 +48,9 @@ def test_files_scenes_and_workspaces(play):
 
 def test_demo(play):
     seen = played_through(play(SCENARIOS / "demo.py"))
+    assert all(seen.values()), seen
+
+
+def test_bake_and_meters(play):
+    seen = played_through(play(SCENARIOS / "bake.py"))
     assert all(seen.values()), seen

@@ -1,0 +1,88 @@
+"""Every authoring operator on the default cube and a neighbour, each undone and redone; the German interface; the gain as a picture."""
+
+import json
+
+import bpy
+
+
+def state() -> str:
+    """Everything that authoring changes."""
+    haptics = bpy.context.scene.haptics
+    objects = {}
+    for obj in bpy.context.scene.objects:
+        own = obj.haptics
+        objects[obj.name] = (
+            own.enabled, own.material.name, round(own.kappa, 4), round(own.rho, 4), own.source.enabled, own.source.signal,
+            own.listener.enabled, own.listener.body_part, round(own.modalities.thermal.conductivity, 3), obj.rigid_body is not None,
+            [round(value, 3) for value in obj.matrix_world.translation],
+        )  # fmt: skip
+    library = [(item.name, round(item.kappa, 4)) for item in haptics.materials.items]
+    return json.dumps([objects, library, haptics.tracing], sort_keys=True)
+
+
+def steps(window):
+    yield from window.show_sidebar()
+    with window.context():
+        bpy.ops.mesh.primitive_cube_add(location=(2, 0, 0))
+        bpy.context.object.name = "Oak Crate"
+        bpy.ops.object.select_all(action="SELECT")
+    yield 0.3
+
+    def alone(name):
+        for obj in bpy.context.scene.objects:
+            obj.select_set(obj.name == name)
+        bpy.context.view_layer.objects.active = bpy.context.scene.objects[name]
+
+    for number, (operator, arguments, active) in enumerate(
+        (
+            ("make_objects", {}, None),
+            ("make_objects", {"physics": True}, None),
+            ("apply_material", {"preset": "rubber"}, None),
+            ("new_material", {}, "Oak Crate"),
+            ("copy_material", {}, "Oak Crate"),
+            ("remove_material", {}, "Oak Crate"),
+            ("guess_material", {}, "Oak Crate"),
+            ("unlink_material", {}, "Oak Crate"),
+            ("add_source", {}, "Cube"),
+            ("add_listener", {}, "Oak Crate"),
+            ("add_default_listeners", {"parts": "ALL"}, "Oak Crate"),
+            ("mirror_listeners", {}, "Oak Crate hand.L"),
+            ("add_source_object", {"kind": "NOISE"}, "Cube"),
+            ("add_medium", {}, "Cube"),
+            ("toggle_tracing", {}, "Cube"),
+            ("toggle_tracing", {}, "Cube"),
+            ("clear", {}, "Cube"),
+        )
+    ):
+        if active is not None:
+            alone(active)
+            if operator == "mirror_listeners":
+                bpy.data.objects.remove(bpy.data.objects["Oak Crate hand.R"])
+        with window.context():
+            bpy.ops.ed.undo_push(message="before")
+        yield 0.2
+        before = state()
+        with window.context():
+            getattr(bpy.ops.haptic, operator)("EXEC_DEFAULT", True, **arguments)
+        yield 0.2
+        after = state()
+        yield from window.undo()
+        window.seen[f"{number} {operator} is undone"] = state() == before != after
+        yield from window.redo()
+        window.seen[f"{number} {operator} is redone"] = state() == after
+
+    alone("Oak Crate")
+    with window.context():
+        bpy.ops.haptic.apply_material(preset="stone")
+    yield 0.5
+    yield from window.screenshot("gain")
+    preferences = bpy.context.preferences.view
+    languages = [item.identifier for item in preferences.bl_rna.properties["language"].enum_items]
+    if "de_DE" in languages or "de" in languages or len(languages) > 1:
+        preferences.language = "de_DE"
+        preferences.use_translate_interface = True
+        yield 0.5
+        window.seen["in German"] = bpy.app.translations.pgettext_iface("Make Haptic") == "Haptisch machen"
+        yield from window.screenshot("german")
+        preferences.language = "en_US"
+    yield 0.3
