@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Object, UILayout
 
 from .. import session
@@ -29,7 +30,7 @@ def draw_carrier(layout: UILayout, obj: Object, enabled: bool, verb: str) -> Non
     if carrier is None:
         warn(layout, "Not on a haptic object:", "make it haptic or parent it to one")
     elif carrier != obj:
-        layout.label(text=f"{verb} {carrier.name}", icon="LINKED")
+        layout.label(text=f"{iface_(verb)} {carrier.name}", icon="LINKED", translate=False)
 
 
 def draw_pair(layout: UILayout, name: str, value: str) -> None:
@@ -54,13 +55,14 @@ def draw_problems(layout: UILayout, context: Context) -> None:
     if not problems:
         return
     box = layout.box()
-    box.label(text=f"{len(problems)} problem{'s' if len(problems) > 1 else ''}", icon="ERROR")
+    box.label(text="1 problem" if len(problems) == 1 else iface_("{} problems").format(len(problems)), icon="ERROR")
     for problem in problems[:_SHOWN_PROBLEMS]:
         column = box.column(align=True)
         if problem.object:
-            column.operator("haptic.select_object", text=problem.object, icon="RESTRICT_SELECT_OFF").name = problem.object
-        for line in wrapped(problem.message):
-            column.label(text=line)
+            button = column.operator("haptic.select_object", text=problem.object, icon="RESTRICT_SELECT_OFF", translate=False)
+            button.name = problem.object
+        for line in wrapped(iface_(problem.message)):
+            column.label(text=line, translate=False)
 
 
 def wrapped(text: str, width: int = 40) -> list[str]:

@@ -353,6 +353,10 @@ MESSAGES: dict[str, str] = {
     "Impacts": "Aufpralle",
     "What impacts feel like": "Wie sich Aufpralle anfühlen",
     "By Material": "Nach Material",
+    "Plain": "Einfach",
+    "A short knock of 150 Hz, whatever meets": "Ein kurzes Klopfen von 150 Hz, was auch zusammentrifft",
+    "What impacts feel like": "Wie sich Aufpralle anfühlen",
+    "By Material": "Nach Material",
     "As the materials that meet: metal on stone rings, wood on soil thuds; plain where unknown": "Wie die Materialien, die sich treffen: "
     "Metall auf Stein klingt, Holz auf Erde ist dumpf; schlicht, wo eines unbekannt ist",
     "Plain": "Schlicht",
@@ -405,7 +409,7 @@ MESSAGES: dict[str, str] = {
     "Render the scene in another way, to compare: through touching objects, at the nearest listener, by distance, or without fading": "Die Szene zum Vergleich anders wiedergeben: durch einander berührende Objekte, am nächsten Empfänger, nach Entfernung oder ohne Abklingen",
     "Next": "Nächster",
     "The one after the current: HT, SD, MD, MN, HT": "Der auf den aktuellen folgende: HT, SD, MD, MN, HT",
-    "Switch off Play Baked Track to compare": "„Gebackene Spur abspielen“ zum Vergleich ausschalten",
+    "Play Baked Track is off now: another mode has to be traced": "„Gebackene Spur abspielen“ ist nun aus: Ein anderer Modus muss verfolgt werden",
     # Bake
     "Bake": "Backen",
     "Bake Again": "Erneut backen",
@@ -571,6 +575,16 @@ MESSAGES: dict[str, str] = {
     "Haptic materials of meshes as an extension of ISO/IEC 23090-14": "Haptische Materialien von Netzen als Erweiterung von ISO/IEC 23090-14",
     "Of that extension: drafts of the standard differ": "Dieser Erweiterung: Entwürfe der Norm weichen voneinander ab",
     "Roles, haptic properties, functions and contacts, in the extras of nodes": "Rollen, haptische Eigenschaften, Funktionen und Kontakte, in den Extras der Knoten",
+    # Problems
+    "1 problem": "1 Problem",
+    "{} problems": "{} Probleme",
+    "This source is on no haptic object: make it haptic, or parent it to a haptic object": "Diese Quelle ist auf keinem haptischen Objekt: haptisch machen oder einem haptischen Objekt unterordnen",
+    "This listener is on no haptic object: make it haptic, or parent it to a haptic object": "Dieser Empfänger ist auf keinem haptischen Objekt: haptisch machen oder einem haptischen Objekt unterordnen",
+    "its scale is 0: give it an extent in every direction": "Seine Skalierung ist 0: ihm in jeder Richtung eine Ausdehnung geben",
+    "its shape is Compound Parent, but none of its children is a rigid body": "Seine Form ist zusammengesetzt, aber keines seiner Kinder ist ein Starrkörper",
+    "its mesh has no vertices": "Sein Netz hat keine Scheitelpunkte",
+    "its mesh has no faces": "Sein Netz hat keine Flächen",
+    "its signal is a WAV file, but none is chosen": "Sein Signal ist eine WAV-Datei, aber keine ist gewählt",
     # Preferences
     "Display": "Anzeige",
     "Gains": "Verstärkungen",
