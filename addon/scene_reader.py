@@ -32,6 +32,10 @@ from .progress import progress
 FloatArray = NDArray[np.float64]
 
 
+_TREMBLE = np.float32(1e-6)
+"""Change of the numbers of a matrix that is none."""
+
+
 @dataclass(frozen=True, slots=True)
 class Problem:
     """Something a designer should mend: the object's name ("" for the scene) and what to do, in the words of the panel."""
@@ -175,7 +179,8 @@ class SceneReader:
         if lists is not self._lists or len(raw) != len(self._raw):
             self._rigid, moved = np.zeros((len(lists.rows), 4, 4)), np.arange(len(lists.rows))
         else:
-            moved = np.flatnonzero((raw[lists.rows] != self._raw[lists.rows]).any(axis=1))
+            # Where simulations at rest tremble, the matrix of before stays.
+            moved = np.flatnonzero(~(np.abs(raw[lists.rows] - self._raw[lists.rows]) <= _TREMBLE).all(axis=1))
         rows = set(lists.animated)
         if len(moved):
             rigid, scales = rigid_transforms(_matrices(raw[lists.rows[moved]]))
@@ -202,7 +207,11 @@ class SceneReader:
             self._placed = [
                 replace(item, position=tuple(place)) for place, item in zip(raw[lists.of_places, 12:15].tolist(), lists.places, strict=True)
             ]
-        self._raw, self._lists = raw, lists
+        if len(self._raw) != len(raw):
+            self._raw = raw
+        elif len(moved):
+            self._raw[lists.rows[moved]] = raw[lists.rows[moved]]
+        self._lists = lists
         return lists
 
     def _read_object(self, row: int, obj: Object, depsgraph: Depsgraph) -> _Tagged:

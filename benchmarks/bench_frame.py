@@ -1,11 +1,12 @@
 """What tracing adds to Blender's own frame while rigid bodies fall and settle, or lie still.
 
-    python -m benchmarks.bench_frame [--bodies 100 1000 3000] [--settled 10000] [--frames 200] [--shape BOX] [--strategy auto]
+    python -m benchmarks.bench_frame [--bodies 100 1000 3000] [--settled 10000] [--frames 200] [--shape BOX] [--strategy auto] [--impacts]
 
 Every frame is simulated by Blender and traced by the add-on's own handler, which is timed within it: `tracing` and `Blender` are medians of
 the milliseconds over all frames, `cost` the median of their ratio frame by frame. 4 sources are on bodies, 10 listeners on others; all
-contacts that signals reach are wanted. `off` is the median of Blender's frame in a run of its own with tracing off. Settled bodies lie
-on the ground with one source at the edge; `beyond reading` is what tracing costs without reading the transforms.
+contacts that signals reach are wanted. Impacts are found, and with `--impacts` each makes one more source. `off` is the median of Blender's
+frame in a run of its own with tracing off. Settled bodies lie on the ground with one source at the edge; `beyond reading` is what tracing
+costs without reading the transforms.
 """
 
 from __future__ import annotations
@@ -76,18 +77,18 @@ def _add(name: str, mesh: bpy.types.Mesh | None, place: tuple[float, ...], turn:
 def _rigid(obj: bpy.types.Object, shape: str, kind: str = "ACTIVE") -> bpy.types.Object:
     bpy.context.scene.rigidbody_world.collection.objects.link(obj)
     body = obj.rigid_body
-    body.type, body.collision_shape, body.mass = kind, shape, 10.0
+    body.type, body.collision_shape = kind, shape
     obj.haptics.enabled = True
     return obj
 
 
-def build(bodies: int, shape: str, frames: int, settled: bool, strategy: str) -> bpy.types.Scene:
+def build(bodies: int, shape: str, frames: int, settled: bool, strategy: str, impacts: bool) -> bpy.types.Scene:
     """A new file with so many bodies above a ground: in layers, turned at random, that fall onto each other, or side by side at rest."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = 1, frames
     scene.haptics.tracing = False
-    scene.haptics.strategy = strategy
+    scene.haptics.strategy, scene.haptics.impacts = strategy, impacts
     bpy.ops.rigidbody.world_add()
     world = scene.rigidbody_world
     world.collection, world.constraints = bpy.data.collections.new("bodies"), bpy.data.collections.new("constraints")
@@ -135,18 +136,18 @@ class _Watch:
         self.tracing.append(time.perf_counter() - self._begun)
 
 
-def measure(bodies: int, shape: str, frames: int, settled: bool, strategy: str) -> Row:
+def measure(bodies: int, shape: str, frames: int, settled: bool, strategy: str, impacts: bool) -> Row:
     """Play the scene once with tracing and once without."""
-    scene = build(bodies, shape, frames, settled, strategy)
+    scene = build(bodies, shape, frames, settled, strategy, impacts)
     off = _play(scene, frames)[0] * 1000
-    scene = build(bodies, shape, frames, settled, strategy)
+    scene = build(bodies, shape, frames, settled, strategy, impacts)
     scene.haptics.tracing = True
     watch = _Watch()
     whole, results = _play(scene, frames)
     tracing = np.array(watch.tracing)
     own = whole - tracing
     stages = {stage: float(np.median([r.milliseconds[stage] for r in results])) for stage in results[0].milliseconds}
-    row = Row(
+    return Row(
         bodies=bodies,
         blender=1000 * float(np.median(own)),
         off=float(np.median(off)),
@@ -158,7 +159,6 @@ def measure(bodies: int, shape: str, frames: int, settled: bool, strategy: str) 
         avoided=sum(r.statistics["queries_avoided"] for r in results) // frames,
         memory=_held(scene),
     )
-    return row
 
 
 def _play(scene: bpy.types.Scene, frames: int) -> tuple[np.ndarray, list]:
@@ -187,29 +187,45 @@ def _held(scene: bpy.types.Scene) -> int:
 
 
 def run(
-    bodies: tuple[int, ...] = (100, 1000, 3000), settled: int = 10_000, frames: int = 200, shape: str = "BOX", strategy: str = "auto"
+    bodies: tuple[int, ...] = (100, 1000, 3000),
+    settled: int = 10_000,
+    frames: int = 200,
+    shape: str = "BOX",
+    strategy: str = "auto",
+    impacts: bool = False,
 ) -> list[Row]:
     """Print the table; its rows."""
     print(f"{frames} frames, {shape.lower()}, {SOURCES} sources, {LISTENERS} listeners, strategy {strategy}; milliseconds a frame")
-    heading = f"{'bodies':>7} {'Blender':>8} {'off':>8} {'tracing':>8} {'cost':>7} {'goal':>6} {'contacts':>8} {'queries':>8} {'avoided':>8} {'MB':>6}"
-    print(heading + "  stages")
+    print(" bodies  Blender      off  tracing    cost   goal contacts  queries  avoided     MB  stages")
     rows = []
     haptic_tracing.register()
     try:
         for count in bodies:
-            row = measure(count, shape, frames, False, strategy)
+            row = measure(count, shape, frames, False, strategy, impacts)
             rows.append(row)
             goal = f"{GOALS[count]:.0%}" if count in GOALS else ""
             _show(row, f"{row.cost:7.1%} {goal:>6}")
         if settled:
-            row = measure(settled, shape, frames, True, strategy)
+            row = measure(settled, shape, frames, True, strategy, impacts)
             rows.append(row)
             _show(row, f"{row.cost:7.1%} {'':>6}")
             beyond = row.tracing - row.stages["read"]
             print(f"{settled} settled, one local source: {beyond:.2f} ms a frame beyond reading (goal {SETTLED_GOAL:g} ms)", flush=True)
+        print(f"the handler where tracing is off: {_idle(False):.1f} us, where nothing is tagged: {_idle(True):.1f} us (goal 20 us)")
     finally:
         haptic_tracing.unregister()
     return rows
+
+
+def _idle(tracing: bool) -> float:
+    """Microseconds of the handler where there is nothing to do."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    scene = bpy.context.scene
+    scene.haptics.tracing = tracing
+    watch = _Watch()
+    for frame in range(200):
+        scene.frame_set(frame)
+    return 1e6 * float(np.median(watch.tracing))
 
 
 def _show(row: Row, cost: str) -> None:
@@ -229,8 +245,9 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=200)
     parser.add_argument("--shape", choices=SHAPES, default="BOX")
     parser.add_argument("--strategy", choices=("auto", "best_path", "all_paths", "energy_balance"), default="auto")
+    parser.add_argument("--impacts", action="store_true")
     options = parser.parse_args()
-    run(tuple(options.bodies), options.settled, options.frames, options.shape, options.strategy)
+    run(tuple(options.bodies), options.settled, options.frames, options.shape, options.strategy, options.impacts)
 
 
 if __name__ == "__main__":

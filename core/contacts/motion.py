@@ -104,6 +104,10 @@ class MotionHistory:
         self._still[moved] = 0
         self._begun[moved] = True
 
+    def advance_still(self, time: float) -> None:
+        """Add a frame in which nothing has moved."""
+        self.advance(time, self._poses[-1], np.zeros(0, dtype=np.int64))
+
     def disturb(self, bodies: IntArray | BoolArray) -> None:
         """These have hit something in the last interval: their motion in it and before says nothing about what follows."""
         self._clean[bodies] = 0

@@ -150,7 +150,7 @@ class ContactTracker:
         count = len(self.bodies)
         none = np.zeros(0, dtype=np.int64)
         self._history = MotionHistory(count)
-        self._flat = np.full((count, 12), np.nan)
+        self._flat = self._seen = np.full((count, 12), np.nan)
         self._pose = np.full((12, count), np.nan)
         self._version = np.zeros(count, dtype=np.int64)
         self._low, self._high = np.full((3, count), np.inf), np.full((3, count), -np.inf)
@@ -226,6 +226,10 @@ class ContactTracker:
     def _take(self, time: float, transforms: FloatArray) -> tuple[IntArray, tuple[str, ...]]:
         """Take over the poses of bodies that have moved; their numbers, and warnings of those left out."""
         flat = transforms[:, :3].reshape(-1, 12).copy()
+        if self._history.times and np.array_equal(flat, self._seen):
+            self._history.advance_still(time)
+            return np.zeros(0, dtype=np.int64), ()
+        self._seen = flat
         stays = np.abs(flat - self._flat) <= self._still
         if stays.all():
             self._history.advance(time, flat[:, _COLUMNS].T, np.zeros(0, dtype=np.int64))
