@@ -353,10 +353,6 @@ MESSAGES: dict[str, str] = {
     "Impacts": "Aufpralle",
     "What impacts feel like": "Wie sich Aufpralle anfühlen",
     "By Material": "Nach Material",
-    "Plain": "Einfach",
-    "A short knock of 150 Hz, whatever meets": "Ein kurzes Klopfen von 150 Hz, was auch zusammentrifft",
-    "What impacts feel like": "Wie sich Aufpralle anfühlen",
-    "By Material": "Nach Material",
     "As the materials that meet: metal on stone rings, wood on soil thuds; plain where unknown": "Wie die Materialien, die sich treffen: "
     "Metall auf Stein klingt, Holz auf Erde ist dumpf; schlicht, wo eines unbekannt ist",
     "Plain": "Schlicht",
@@ -409,6 +405,7 @@ MESSAGES: dict[str, str] = {
     "Render the scene in another way, to compare: through touching objects, at the nearest listener, by distance, or without fading": "Die Szene zum Vergleich anders wiedergeben: durch einander berührende Objekte, am nächsten Empfänger, nach Entfernung oder ohne Abklingen",
     "Next": "Nächster",
     "The one after the current: HT, SD, MD, MN, HT": "Der auf den aktuellen folgende: HT, SD, MD, MN, HT",
+    "Switch off Play Baked Track to compare": "„Gebackene Spur abspielen“ zum Vergleich ausschalten",
     "Play Baked Track is off now: another mode has to be traced": "„Gebackene Spur abspielen“ ist nun aus: Ein anderer Modus muss verfolgt werden",
     # Bake
     "Bake": "Backen",
