@@ -185,7 +185,7 @@ def _fit_band(z: ComplexArray, band: Band, allowed: FloatArray, duration: float,
     amplitude = (z * np.exp(-1j * phase)).real
     offset = _stepped(np.clip(_slope(z, rate, fit.signed) + centre, fit.lowest, fit.highest), fit.frequency_step) - centre
     grid = _Grid(rate, phase, amplitude, offset, allowed, fit, centre)
-    return [carrier for keys in grid.keys(runs) if (carrier := grid.carrier(keys, duration)) is not None]
+    return grid.carriers(grid.keys(runs), duration)
 
 
 def _slope(z: ComplexArray, rate: float, signed: bool) -> FloatArray:
@@ -285,46 +285,64 @@ class _Grid:
         middle = (2 * cycles - self.offset[start] * before - self.offset[end] * after) / (before + after)
         return _stepped(np.clip(middle + self.centre, self.fit.lowest, self.fit.highest), self.fit.frequency_step) - self.centre
 
-    def carrier(self, keys: IntArray, duration: float) -> Carrier | None:
-        """The carrier with keys at the given grid points, without those that change nothing."""
+    def carriers(self, runs: Sequence[IntArray], duration: float) -> list[Carrier]:
+        """The carriers with keys at the given grid points, without those that change nothing. All runs are handled at once."""
         fit = self.fit
-        times = (keys - keys[0]) / self.rate
-        start = float(keys[0]) / self.rate
-        key_times, frequencies = self._frequencies(keys, times)
+        lengths = np.array([len(keys) for keys in runs])
+        keys = np.concatenate(runs)
+        run = np.repeat(np.arange(len(runs)), lengths)
+        first = np.cumsum(lengths) - lengths
+        times = (keys - keys[first][run]) / self.rate
+        key_run, key_times, frequencies = self._frequencies(keys, times, run)
         amplitudes = np.clip(_stepped(self.amplitude[keys], fit.amplitude_step), -1.0 if fit.signed else 0.0, 1.0)
-        kept = needed_keys(times, amplitudes, 0.25 * np.sqrt(self.allowed[keys]))
-        needed = needed_keys(key_times, frequencies, np.full(len(frequencies), 1e-9 if fit.frequency_step else EVEN))
-        end = min(start + float(times[-1]), duration)
-        if end <= start or not amplitudes[kept].any():
-            return None
-        phase = (self.phase[keys[0]] + 2 * math.pi * self.centre * start + math.pi / 2) % (2 * math.pi)
-        return Carrier(start, end, float(phase), times[kept], amplitudes[kept], key_times[needed], frequencies[needed])
+        kept = needed_keys(times, amplitudes, 0.25 * np.sqrt(self.allowed[keys]), run)
+        needed = needed_keys(key_times, frequencies, np.full(len(frequencies), 1e-9 if fit.frequency_step else EVEN), key_run)
+        start = keys[first] / self.rate
+        end = np.minimum(start + times[first + lengths - 1], duration)
+        phase = (self.phase[keys[first]] + 2 * math.pi * self.centre * start + math.pi / 2) % (2 * math.pi)
+        bounds = np.arange(len(runs) + 1)
+        parts = np.searchsorted(run[kept], bounds).tolist()
+        key_parts = np.searchsorted(key_run[needed], bounds).tolist()
+        result = []
+        for k in range(len(runs)):
+            own, keyed = kept[parts[k] : parts[k + 1]], needed[key_parts[k] : key_parts[k + 1]]
+            if end[k] > start[k] and amplitudes[own].any():
+                ends = float(start[k]), float(end[k])
+                result.append(Carrier(*ends, float(phase[k]), times[own], amplitudes[own], key_times[keyed], frequencies[keyed]))
+        return result
 
-    def _frequencies(self, keys: IntArray, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Times and values of the frequency keys, one within each stretch, so that the phase is the signal's at every border.
+    def _frequencies(self, keys: IntArray, times: FloatArray, run: IntArray) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Runs, times and values of the frequency keys, one within each stretch, so that the phase is the signal's at every border.
 
         Straight lines between keys make a tridiagonal system, strictly diagonally dominant: nothing of it rings far.
         """
-        before, after = self._halves(np.diff(keys))
-        key_times = times[:-1] + before
+        stretch = np.flatnonzero(run[1:] == run[:-1])
+        before, after = self._halves(keys[stretch + 1] - keys[stretch])
+        key_run = run[stretch]
+        together = key_run[1:] == key_run[:-1]
         # How near the border between two keys lies to the later one: its frequency is that far on the line between theirs.
         share = after[:-1] / (after[:-1] + before[1:])
-        from_last = np.append(0.0, before[1:] * (1 - share) / 2)
-        from_next = np.append(after[:-1] * share / 2, 0.0)
-        own = before * (1 + np.append(1.0, share)) / 2 + after * (1 + np.append(1 - share, 1.0)) / 2
-        cycles = np.diff(self.phase[keys]) / (2 * math.pi)
-        return key_times, self._rounded(_tridiagonal(from_last, own, from_next, cycles) + self.centre, from_last, own, from_next)
+        from_last = np.append(0.0, np.where(together, before[1:] * (1 - share) / 2, 0.0))
+        from_next = np.append(np.where(together, after[:-1] * share / 2, 0.0), 0.0)
+        own = before * (1 + np.append(1.0, np.where(together, share, 1.0))) / 2
+        own += after * (1 + np.append(np.where(together, 1 - share, 1.0), 1.0)) / 2
+        cycles = (self.phase[keys[stretch + 1]] - self.phase[keys[stretch]]) / (2 * math.pi)
+        longest = int(np.bincount(key_run).max())
+        frequencies = _tridiagonal(from_last, own, from_next, cycles, longest) + self.centre
+        weights = own + np.append(from_last[1:], 0.0) + np.append(0.0, from_next[:-1])
+        return key_run, times[stretch] + before, self._rounded(frequencies, weights, key_run)
 
-    def _rounded(self, frequencies: FloatArray, from_last: FloatArray, own: FloatArray, from_next: FloatArray) -> FloatArray:
-        """The frequencies in steps and within limits; what that costs in phase is made up for by the keys that follow."""
+    def _rounded(self, frequencies: FloatArray, weights: FloatArray, run: IntArray) -> FloatArray:
+        """The frequencies in steps and within limits; what that costs in phase is made up for by the keys that follow in a run."""
         fit = self.fit
         within = np.clip(frequencies, fit.lowest, fit.highest)
         if not fit.frequency_step and (within == frequencies).all():
             return within
-        weights = own + np.append(from_last[1:], 0.0) + np.append(0.0, from_next[:-1])
-        missing = 0.0
+        missing, last = 0.0, -1
         values = []
-        for wanted, weight in zip(frequencies.tolist(), weights.tolist(), strict=True):
+        for wanted, weight, number in zip(frequencies.tolist(), weights.tolist(), run.tolist(), strict=True):
+            if number != last:
+                missing, last = 0.0, number
             value = min(max(wanted + missing / weight, fit.lowest), fit.highest)
             if fit.frequency_step:
                 value = round(value / fit.frequency_step) * fit.frequency_step
@@ -334,11 +352,11 @@ class _Grid:
         return np.array(values)
 
 
-def _tridiagonal(lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray) -> FloatArray:
-    """Solve ``lower[k] x[k-1] + diagonal[k] x[k] + upper[k] x[k+1] = right[k]`` by cyclic reduction: in each round, every equation takes
-    in its neighbours' and then knows only those twice as far away."""
+def _tridiagonal(lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray, longest: int) -> FloatArray:
+    """Solve ``lower[k] x[k-1] + diagonal[k] x[k] + upper[k] x[k+1] = right[k]``, in which at most ``longest`` equations in a row hang
+    together, by cyclic reduction: in each round, every equation takes in its neighbours' and then knows only those twice as far away."""
     step = 1
-    while step < len(right):
+    while step < longest:
         to_last = np.zeros_like(right)
         to_next = np.zeros_like(right)
         to_last[step:] = lower[step:] / diagonal[:-step]
@@ -356,14 +374,18 @@ def _tridiagonal(lower: FloatArray, diagonal: FloatArray, upper: FloatArray, rig
     return right / diagonal
 
 
-def needed_keys(times: FloatArray, values: FloatArray, tolerance: FloatArray) -> IntArray:
-    """Indices of the keys that remain when those go that lie on the line between their neighbours, every second one at a time."""
+def needed_keys(times: FloatArray, values: FloatArray, tolerance: FloatArray, run: IntArray | None = None) -> IntArray:
+    """Indices of the keys that remain when those go that lie on the line between their neighbours, every second one at a time. The first
+    and the last of each ``run`` stay; None: all keys are one."""
     kept = np.arange(len(times))
+    inside = np.zeros(len(times), dtype=np.bool_)
+    inside[1:-1] = True if run is None else (run[1:-1] == run[:-2]) & (run[1:-1] == run[2:])
     idle = 0
     for turn in range(2 * len(times).bit_length()):
         if len(kept) < 3 or idle == 2:
             break
         inner = np.arange(1 + turn % 2, len(kept) - 1, 2)
+        inner = inner[inside[kept[inner]]]
         left, here, right = kept[inner - 1], kept[inner], kept[inner + 1]
         width = times[right] - times[left]
         share = np.divide(times[here] - times[left], width, out=np.zeros_like(width), where=width > 0)
