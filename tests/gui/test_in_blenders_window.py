@@ -54,3 +54,8 @@ def test_demo(play):
 def test_bake_and_meters(play):
     seen = played_through(play(SCENARIOS / "bake.py"))
     assert all(seen.values()), seen
+
+
+def test_live_output(play):
+    seen = played_through(play(SCENARIOS / "live_output.py"))
+    assert all(seen.values()), seen

@@ -1,0 +1,51 @@
+"""Baking with its progress bar, cancelled and done; the meters; the four modes by their buttons; undo and redo of a bake."""
+
+import bpy
+
+
+def steps(window):
+    scene = window.module("sample_scenes").build_sample("jackhammer_bench")
+    bpy.context.window.scene = scene
+    window.view.spaces.active.region_3d.view_perspective = "CAMERA"
+    running, storage, session = (window.module(name) for name in ("addon.bake.operators", "addon.bake.storage", "addon.session"))
+    playback = window.module("addon.bake.playback")
+    yield from window.show_sidebar()
+    scene.frame_set(40)
+    bpy.ops.ed.undo_push(message="Sample")
+    yield
+
+    with window.context():
+        bpy.ops.haptic.bake("INVOKE_DEFAULT")
+    yield 0.5
+    baking = running.running()
+    window.seen["bakes a piece at a time"] = baking is not None and 0 < baking.part < 1
+    window.point_at_view()
+    yield from window.press("ESC")
+    yield 0.5
+    window.seen["cancelled"] = running.running() is None and storage.track_of(scene) is None and scene.frame_current == 40
+
+    with window.context():
+        bpy.ops.haptic.bake("INVOKE_DEFAULT")
+    while running.running() is not None:
+        yield 0.2
+    window.seen["baked"] = storage.track_of(scene).frame_count == 120 and scene.frame_current == 40
+    window.seen["plays from the track"] = playback.is_from_track(session.result_of(scene), 40)
+    window.seen["fits"] = playback.stale_reasons(scene, at_once=True) == ()
+    yield from window.screenshot("bake")
+    yield from window.undo()
+    window.seen["undone"] = storage.track_of(bpy.context.scene) is None
+    yield from window.redo()
+    scene = bpy.context.scene
+    window.seen["redone"] = storage.track_of(scene).frame_count == 120
+
+    scene.haptics.bake.use_track = False
+    for frame in range(20, 41):
+        scene.frame_set(frame)
+    yield from window.screenshot("meters")
+    bpy.context.view_layer.objects.active = None  # the panel Result is then in sight
+    yield from window.click_button("haptic.set_mode")
+    yield 0.5
+    yield from window.screenshot("mode")
+    window.seen["felt"] = any(level.is_felt for level in window.module("addon.meters.draw").levels_of(scene))
+    yield from window.use_scale(2.0)
+    yield from window.screenshot("meters-2x")
