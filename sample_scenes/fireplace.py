@@ -1,6 +1,6 @@
-"""A fire felt in an armchair, through the air: a persistent source with a slow signal.
+"""A fire felt in an armchair, through the air: a persistent source with a slow signal, and warmth.
 
-Heat will travel by functions of its own once there is a thermal modality; until then the fire is a vibration of less than one hertz.
+The slow signal is a vibration of less than one hertz. The warmth is felt through the same contacts by functions of its own.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ FRAMES = 120
 CHAIR_HEIGHT, LEAN = 0.42, math.radians(12)
 FIRE = Vector((-1.02, 0.0, 0.0))
 AIR_FADES = 0.6  # per metre
+EMBERS_WARMER = 600.0  # kelvin, than the room
+WARMTH_FADES = 0.8  # per metre
 
 
 def build(scene: Scene) -> None:
@@ -34,14 +36,25 @@ def build(scene: Scene) -> None:
     boards = (surface("Floor Boards", "#8a5f3c", 0.45, mottle=0.3), surface("Joists", "#3e2f25", 0.8))
     make_static(scene, place(scene, "Floor", _floor(), boards), WOOD, "BOX")
     _add_fireplace(scene)
-    _add_fire(scene)
+    fire = _add_fire(scene)
     cloth, wood = surface("Green Cloth", "#4d6b57", 0.9, mottle=0.15, mottle_scale=30.0), surface("Dark Wood", "#3f2718", 0.4)
     place_of_chair = (0.98, 0.0, 0.0)
     add_armchair(scene, place_of_chair, cloth, wood, heading=-math.pi / 2, height=CHAIR_HEIGHT, lean=LEAN)
     build_avatar(scene, seated(CHAIR_HEIGHT, LEAN), place_of_chair, -math.pi / 2)
     air = place(scene, "Air", box((2.5, 1.5, 1.75)).moved(-0.05, 0.0, 0.92), (surface("Air", "#9fc4e8"),))
     make_medium(air, AIR_FADES)
+    _let_warm(scene, fire, air)
     _add_surroundings(scene)
+
+
+def _let_warm(scene: Scene, fire: Object, air: Object) -> None:
+    """The logs are hot all over; the air between carries radiation and draught, which fade with distance alone."""
+    scene.haptics.modalities.thermal.enabled = True
+    embers = fire.haptics.modalities.thermal
+    embers.function, embers.constant = "constant", 1.0
+    embers.is_source, embers.source_value = True, EMBERS_WARMER
+    air.haptics.modalities.thermal.function = "exponential"
+    air.haptics.modalities.thermal.alpha = WARMTH_FADES
 
 
 def _floor() -> Geometry:

@@ -8,6 +8,7 @@ from haptic_tracing.addon import session
 from haptic_tracing.addon.modalities import feeling
 from haptic_tracing.core.modalities import MODALITIES, THERMAL
 from haptic_tracing.core.modalities.thermal import JOINT
+from haptic_tracing.sample_scenes import build_sample
 
 
 @pytest.fixture
@@ -74,3 +75,13 @@ def test_properties_are_those_of_the_data(modality, add_box):
     assert [item.identifier for item in group.bl_rna.properties["function"].enum_items] == list(modality.functions)
     assert group.function == modality.default_function
     assert THERMAL in MODALITIES.values()
+
+
+def test_the_sample_with_a_fire_warms_the_side_that_faces_it():
+    build_sample("fireplace")
+    bpy.context.scene.frame_set(2)
+    assert session.problems_of(bpy.context.scene) == ()
+    (felt,) = feeling.felt_in(bpy.context.scene)
+    warmth = dict(zip(felt.listeners, felt.values, strict=True))
+    assert min(warmth["ear.L"], warmth["upper_leg.L"]) > 2 * max(warmth["upper_back.L"], warmth["middle_back.R"]) > 0
+    assert all(path[:2] == ("Fire", "Air") for path in felt.paths.values())
