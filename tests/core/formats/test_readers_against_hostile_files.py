@@ -17,7 +17,12 @@ from haptic_tracing.core.scene import HapticObject, HapticScene, Source
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-LOOSE = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
+LOOSE = settings(
+    max_examples=150,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+)
 
 
 @pytest.fixture(scope="module")
