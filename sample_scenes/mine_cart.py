@@ -12,7 +12,8 @@ from .animation import animate
 from .geometry import SUNK, Geometry, box, joined, rod
 from .materials import STEEL, WOOD, surface
 from .mine import TOP_OF_RAIL
-from .railway import MINE_GAUGE, wheelset
+from .railway import MINE_GAUGE, RAIL_HEAD
+from .railway import wheelset as wheelset_shape
 from .staging import fade_exponentially, make_moving, place, place_empty
 
 WHEEL = 0.17
@@ -30,11 +31,12 @@ WHEELSET_MASS, BOARD_MASS = 0.5, 2.0
 
 @dataclass(frozen=True, slots=True)
 class Cart:
-    """What carries the cart, its haptic parts and its wheelsets by name."""
+    """What carries the cart, its haptic parts by name, its haptic wheelsets, and the wheels that are seen to roll."""
 
     root: Object
     parts: Mapping[str, Object]
     wheelsets: tuple[Object, ...]
+    wheels: tuple[Object, ...]
 
 
 def add_cart(scene: Scene, name: str, colour: str, *, seat: bool) -> Cart:
@@ -59,12 +61,13 @@ def add_cart(scene: Scene, name: str, colour: str, *, seat: bool) -> Cart:
         parts["Backrest"] = place(scene, f"{name} Backrest", board, (wood, iron), on_seat, (0.0, -LEAN, 0.0), root)
     for part in parts.values():
         fade_exponentially(make_moving(scene, part, WOOD, BOARD_MASS, "BOX"), CART_FADES)
-    wheelsets = tuple(_wheels(scene, f"{name} Wheelset {number}", root, x) for number, x in enumerate((-0.52, 0.52), 1))
+    wheelsets = tuple(_wheelset(scene, f"{name} Wheelset {number}", root, x) for number, x in enumerate((-0.52, 0.52), 1))
+    wheels = tuple(_wheels(scene, f"{name} Wheels {number}", wheelset) for number, wheelset in enumerate(wheelsets, 1))
     x, y, rim = LENGTH / 2, WIDTH / 2, FLOOR + RIM
     trim = [rod((-x, side * y, rim), (x, side * y, rim), 0.02, 8) for side in (-1, 1)]
     trim += [rod((side * x, -y, rim), (side * x, y, rim), 0.02, 8) for side in (-1, 1)]
     place(scene, f"{name} Trim", joined(trim), (iron,), parent=root)
-    return Cart(root, parts, wheelsets)
+    return Cart(root, parts, wheelsets, wheels)
 
 
 def _wall(length: float) -> Geometry:
@@ -74,13 +77,23 @@ def _wall(length: float) -> Geometry:
     return joined([*boards, *bands])
 
 
-def _wheels(scene: Scene, name: str, root: Object, x: float) -> Object:
+def _wheelset(scene: Scene, name: str, root: Object, x: float) -> Object:
+    """A box about a wheelset. It does not roll: so only what it rolls on has to be looked at in every frame."""
+    shape = box((2 * WHEEL, MINE_GAUGE + 2 * RAIL_HEAD, 2 * WHEEL))
+    iron = surface(f"{name} Iron", "#3a3937", 0.45, 0.8)
+    wheelset = place(scene, name, shape, (iron,), (x, 0.0, TOP_OF_RAIL + WHEEL - SUNK), parent=root)
+    wheelset.display_type = "WIRE"
+    wheelset.hide_render = True
+    return fade_exponentially(make_moving(scene, wheelset, STEEL, WHEELSET_MASS, "BOX"), 0.05)
+
+
+def _wheels(scene: Scene, name: str, wheelset: Object) -> Object:
+    """What is seen of a wheelset: nothing haptic."""
     iron, dark = surface(f"{name} Tread", "#8b8783", 0.35, 0.9), surface(f"{name} Hub", "#2f2d2b", 0.6, 0.5)
-    wheels = place(scene, name, wheelset(WHEEL, MINE_GAUGE), (iron, dark), (x, 0.0, TOP_OF_RAIL + WHEEL - SUNK), parent=root)
-    return fade_exponentially(make_moving(scene, wheels, STEEL, WHEELSET_MASS), 0.05)
+    return place(scene, name, wheelset_shape(WHEEL, MINE_GAUGE), (iron, dark), parent=wheelset)
 
 
 def roll(cart: Cart, distances: Mapping[float, float]) -> None:
     """Turn the wheels as far as the cart has gone, in metres by frame."""
-    for wheels in cart.wheelsets:
+    for wheels in cart.wheels:
         animate(wheels, "rotation_euler", {frame: (0.0, distance / WHEEL, 0.0) for frame, distance in distances.items()})
