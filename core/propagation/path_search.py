@@ -32,8 +32,14 @@ PAIRS = 4
 FEW = 1000
 """Up to so many steps or paths, plain ways are faster, and precise enough."""
 
+BITES = 256
+"""To copy so many bytes of crossed patches takes as long as one unit of work elsewhere."""
+
 BYTES = 1 << 28
 """What the states may take together."""
+
+SPENT_ON_LEVEL = 0.5
+"""Part of the work still allowed that one level may take: something has to be left for the deeper ones."""
 
 SPENT_PER_LEVEL = 0.15
 """Part of the error still allowed that one level may use: enough to thin the states out, and something is left for the deeper ones."""
@@ -130,9 +136,9 @@ def search(
     useful = limits.ahead > 0
     growing = bool(np.max(steps.gain, initial=0.0) > 1 or np.max(arena.ends.gain, initial=0.0) > 1)
     amplified = not np.all(np.isfinite(limits.ahead))
-    each = 1 + len(arena.steps.to) / (PAIRS * count)
     keys = _keys(arena) if merge else None
     place, bit, size = _bits(arena.patch)
+    each = 1 / PAIRS + size / BITES
     none = np.zeros((len(roots), size), dtype=np.uint8)
     states = _States(roots, np.ones(len(roots)), starts, none, np.zeros(len(roots), dtype=np.uint64))
     room = min(limits.states, BYTES // (size + 64))
@@ -142,15 +148,22 @@ def search(
     work = 0
     level = 0
     while len(states):
-        work += len(states)
+        sizes = steps.size[states.entry] if ranking is None else ranking.promising(states.entry, states.gain, least)
+        allowed = SPENT_ON_LEVEL * (limits.work - work) if level else math.inf
+        needed = len(states) + float(sizes.sum()) * each
+        if level and (limits.tolerance > 0 or len(states) > room or needed > allowed):
+            cost = 1.0 + sizes.astype(np.float64) * each
+            kept = _kept(states, limits, bounds, level, np.maximum(total, limits.known), missing, room, cost, allowed)
+            states, sizes = states.pick(kept), sizes[kept]
+            needed = len(states) + float(sizes.sum()) * each
+        work += int(needed)
         to, value = _end(arena, states, least)
         ended.append((to, value))
         if limits.tolerance > 0:
             total += np.bincount(to, weights=value[:, 0], minlength=arena.listeners)
         if level >= limits.crossings:
             break
-        which, step = steps.expand(states.entry, None if ranking is None else ranking.promising(states.entry, states.gain, least))
-        work += len(step) // PAIRS
+        which, step = steps.expand(states.entry, sizes)
         to = steps.to[step]
         gain = states.gain[which] * steps.gain[step]
         possible = useful[to]
@@ -178,9 +191,6 @@ def search(
             np.minimum(states.gain, LARGEST, out=states.gain)
             missing[:] = LARGEST
         level += 1
-        most = max(0, min(room, int((limits.work - work) / each)))
-        if limits.tolerance > 0 or len(states) > most:
-            states = _drop(states, limits, bounds, level, np.maximum(total, limits.known), missing, most)
     sums, paths = _add_up(ended, arena)
     if growing:
         missing[(sums[..., 0].sum(axis=0) > LARGEST) | (np.max(steps.gain) > LARGEST)] = LARGEST
@@ -257,24 +267,33 @@ def _merge(states: _States, entry_key: KeyArray) -> _States:
     return merged
 
 
-def _drop(states: _States, limits: Limits, bounds: Bounds, level: int, total: FloatArray, missing: FloatArray, most: int) -> _States:
-    """Leave out the states of least weight: as many as the tolerance allows at this level, and all above the number allowed. What they
-    might have added goes to ``missing``."""
-    if len(states) == 0:
-        return states
+def _kept(
+    states: _States,
+    limits: Limits,
+    bounds: Bounds,
+    level: int,
+    total: FloatArray,
+    missing: FloatArray,
+    most: int,
+    cost: FloatArray,
+    allowed: float,
+) -> IntArray:
+    """The states that stay. Those of least weight are left out: as many as the tolerance allows at this level, and all above the number
+    ``most`` or the work ``allowed`` (of which each takes its ``cost``). What they might have added goes to ``missing``."""
     value = states.value[:, :1]
     left = np.minimum(value * bounds.sums(level)[states.entry], LARGEST)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        score = np.nan_to_num(value * bounds.importance(level)[states.entry] / total, nan=0.0, posinf=math.inf).max(axis=1)
-    order = np.lexsort((np.arange(len(states)), score))
-    cut = max(0, len(states) - most)
+    with np.errstate(divide="ignore", over="ignore"):
+        score = (value * (bounds.importance(level) * np.minimum(1 / total, LARGEST))[states.entry]).max(axis=1)
+    order = np.argsort(score, kind="stable")
+    affordable = int(np.searchsorted(np.cumsum(cost[order[::-1]]), allowed, side="right"))
+    cut = len(states) - min(most, affordable)
     if limits.tolerance > 0:
-        allowed = np.maximum(limits.tolerance / (1 + limits.tolerance) * total - missing, 0.0)
+        tolerated = np.maximum(limits.tolerance / (1 + limits.tolerance) * total - missing, 0.0)
         lost = np.cumsum(left[order], axis=0)
-        if (lost[-1] <= allowed).all():
+        if (lost[-1] <= tolerated).all():
             cut = len(states)
         else:
-            cut = max(cut, int(np.searchsorted(~(lost <= SPENT_PER_LEVEL * allowed).all(axis=1), True)))
+            cut = max(cut, int(np.searchsorted(~(lost <= SPENT_PER_LEVEL * tolerated).all(axis=1), True)))
     missing += left[order[:cut]].sum(axis=0)
     np.minimum(missing, LARGEST, out=missing)
-    return states.pick(np.sort(order[cut:]))
+    return np.sort(order[cut:])
