@@ -15,7 +15,7 @@ from .digest import digest_of
 from .playback import play, wanted_range
 from .track import TrackRecorder, check_size
 
-_TRACING = 0.92  # of the progress bar
+_TRACING, _WRITING = 0.9, 0.98  # of the progress bar
 
 
 class Baking:
@@ -67,20 +67,25 @@ class Baking:
         del recorder
         storage.keep(scene, track)
         bake = scene.haptics.bake
-        with suspended():
-            if bake.write_curves:
-                self.words = "Baking haptics: writing F-curves"
+        if bake.write_curves:
+            self.words = "Baking haptics: writing F-curves"
+            left_out = []
+            for index, listener in enumerate(track.listeners):
                 yield
-                left_out = curves.write_curves(scene, track)
-                if left_out:
-                    names = ", ".join(left_out[:3]) + (", ..." if len(left_out) > 3 else "")
-                    self.warnings.append(f"no F-curves on what can't be edited: {names}")
-            if bake.write_sound:
-                self.words = "Baking haptics: adding the sound strip"
-                yield
-                try:
+                with suspended():
+                    if not curves.write_curves(scene, track, index):
+                        left_out.append(listener.name)
+                self.part = _TRACING + (_WRITING - _TRACING) * (index + 1) / len(track.listeners)
+            if left_out:
+                names = ", ".join(left_out[:3]) + (", ..." if len(left_out) > 3 else "")
+                self.warnings.append(f"no F-curves on what can't be edited: {names}")
+        if bake.write_sound:
+            self.words = "Baking haptics: adding the sound strip"
+            yield
+            try:
+                with suspended():
                     sound.add_strip(scene, track)
-                except (OSError, ValueError) as error:
-                    self.warnings.append(f"no sound strip: {error}")
+            except (OSError, ValueError) as error:
+                self.warnings.append(f"no sound strip: {error}")
         self.part = 1.0
         play(scene)

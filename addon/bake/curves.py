@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import bpy
 import numpy as np
 from bpy.types import Object, Scene
@@ -18,21 +16,16 @@ _GROUP = "Haptics"
 _LINEAR = 1
 
 
-def write_curves(scene: Scene, track: HapticTrack, progress: Callable[[float], None] = lambda part: None) -> tuple[str, ...]:
-    """Write the F-curves; a frame's key is what is felt up to that frame. Returns the names of the listeners that can't be written on,
-    because they are gone or linked from a library. ``progress`` is told how much is done, 0 to 1."""
-    left_out = []
+def write_curves(scene: Scene, track: HapticTrack, index: int) -> bool:
+    """Write the F-curves of listener number ``index``; a frame's key is what is felt up to that frame. False where that can't be done,
+    because the listener is gone or linked from a library."""
+    obj = _object(scene, track.listeners[index].name)
+    if obj is None or not obj.is_editable:
+        return False
     frames = np.arange(track.frame_start, track.frame_end + 1, dtype=np.float32)
-    for index, listener in enumerate(track.listeners):
-        obj = _object(scene, listener.name)
-        if obj is None or not obj.is_editable:
-            left_out.append(listener.name)
-            continue
-        intensity, frequency = felt(track, index)
-        _write(obj, INTENSITY, frames, intensity)
-        _write(obj, FREQUENCY, frames, frequency)
-        progress((index + 1) / len(track.listeners))
-    return tuple(left_out)
+    for path, values in zip((INTENSITY, FREQUENCY), felt(track, index), strict=True):
+        _write(obj, path, frames, values)
+    return True
 
 
 def remove_curves(scene: Scene) -> None:

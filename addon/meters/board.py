@@ -23,10 +23,11 @@ PADDING, GAP = 10.0, 8.0
 ROW, BAR = 17.0, 9.0
 NAME_WIDTH, BAR_WIDTH, LEVEL_WIDTH, FEELING_WIDTH = 112.0, 150.0, 44.0, 66.0
 LEAST_BAR_WIDTH = 60.0
-SCOPE_HEIGHT = 54.0
+SCOPE_HEIGHT = 58.0
 FIGURE_HEIGHT = (140.0, 200.0)  # as high as the rest, within these
 MOST_ROWS = 12
 _SCOPE_COLUMNS = 160
+_CAPTION = 14.0  # points of the scope's height
 
 _TRACK = (0.20, 0.20, 0.22, 1.0)
 _ABSENT = (0.26, 0.26, 0.28, 1.0)
@@ -180,11 +181,12 @@ def _add_scope(board: Board, corner: tuple[float, float], width: float, scope: S
     scale = board.scale
     left, low = corner
     high = low + SCOPE_HEIGHT * scale
-    middle, half = (low + high) / 2, (high - low) / 2 - 2 * scale
+    top = high - _CAPTION * scale
+    middle, half = (low + top) / 2, (top - low) / 2 - 2 * scale
     board.plate((left, low), (left + width, high), _TRACK, 3.0)
     for quarter in (0.25, 0.5, 0.75):
         x = left + quarter * width
-        board.plate((x - 0.5, low), (x + 0.5, high), _GRID, 0.0)
+        board.plate((x - 0.5, low), (x + 0.5, top), _GRID, 0.0)
     board.plate((left, middle - 0.5), (left + width, middle + 0.5), _GRID, 0.0)
     peak = float(np.abs(scope.samples).max(initial=0.0))
     full = 10 ** (math.ceil(math.log10(peak) * 2 - 1e-9) / 2) if peak > 1e-3 else 1e-3

@@ -121,7 +121,8 @@ class HAPTIC_PT_comparison(HapticsPanel, Panel):
             layout.label(text="Nothing traced yet" if result is None else "No listener: add one to feel something")
             return
         if playback.is_from_track(result, result.number):
-            layout.label(text="Switch off Play Baked Track to compare", icon="INFO")
+            layout.label(text="This frame was not traced:", icon="INFO")
+            layout.label(text="switch off Play Baked Track", icon="BLANK1")
             return
         gains = compared(result, scene_reader.read_settings(scene))
         grid = layout.grid_flow(row_major=True, columns=1 + len(Mode), even_columns=False, align=True)
