@@ -204,6 +204,7 @@ class SceneReader:
             lists = _Lists.of(self._tagged)  # of the same rows
         if len(moved) or lists is not self._lists:
             self._transforms = self._rigid[lists.of_bodies]
+            self._transforms.setflags(write=False)  # so that the tracker knows it again
             self._placed = [
                 replace(item, position=tuple(place)) for place, item in zip(raw[lists.of_places, 12:15].tolist(), lists.places, strict=True)
             ]

@@ -57,7 +57,10 @@ def edits() -> int:
 
 def of(scene: Scene) -> Session:
     """The session of a scene, made at first use."""
-    return _sessions.setdefault(scene.session_uid, Session())
+    session = _sessions.get(scene.session_uid)
+    if session is None:
+        session = _sessions[scene.session_uid] = Session()
+    return session
 
 
 def result_of(scene: Scene) -> FrameResult | None:

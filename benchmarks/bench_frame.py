@@ -5,7 +5,7 @@
 Every frame is simulated by Blender and traced by the add-on's own handler, which is timed within it: `tracing` and `Blender` are medians of
 the milliseconds over all frames, `cost` the median of their ratio frame by frame. 4 sources are on bodies, 10 listeners on others; all
 contacts that signals reach are wanted. Impacts are found, and with `--impacts` each makes one more source. `off` is the median of Blender's
-frame in a run of its own with tracing off. Settled bodies lie on the ground with one source at the edge; `beyond reading` is what tracing
+frame in a run of its own with tracing off. Settled bodies lie asleep on the ground with one source at the edge; `beyond reading` is what tracing
 costs without reading the transforms.
 """
 
@@ -112,6 +112,7 @@ def build(bodies: int, shape: str, frames: int, settled: bool, strategy: str, im
             turn = random.uniform(-0.5, 0.5, 3)
         kind = kinds[k % len(kinds)]
         made.append(_rigid(_add(f"body {k:05d}", meshes[kind], tuple(place), tuple(turn)), kind))
+        made[-1].rigid_body.use_deactivation = settled
     for k in range(1 if settled else SOURCES):
         made[k * bodies // SOURCES].haptics.source.enabled = True
     for k in range(LISTENERS):

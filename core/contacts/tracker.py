@@ -150,7 +150,9 @@ class ContactTracker:
         count = len(self.bodies)
         none = np.zeros(0, dtype=np.int64)
         self._history = MotionHistory(count)
-        self._flat = self._seen = np.full((count, 12), np.nan)
+        self._flat = np.full((count, 12), np.nan)
+        self._seen: FloatArray | None = None
+        self._lost = False
         self._pose = np.full((12, count), np.nan)
         self._version = np.zeros(count, dtype=np.int64)
         self._low, self._high = np.full((3, count), np.inf), np.full((3, count), -np.inf)
@@ -163,6 +165,7 @@ class ContactTracker:
         self._queries = 0
         self._begun = 0.0
         self._last: FrameContacts | None = None
+        self._reported = np.zeros((3, 0), dtype=np.int64)
         self._last_wanted: BoolArray | Reach | None = None
 
     def replace_bodies(self, bodies: Sequence[Body]) -> None:
@@ -179,6 +182,8 @@ class ContactTracker:
         self._near_larger, self._near_smaller = self._by_size(self._near)
         self._pairs.larger, self._pairs.smaller = self._by_size(self._pairs.key)
         self._pairs.known[:] = False
+        self._seen = None
+        self._version[changed] += 1
 
     def update(
         self, time: float, transforms: FloatArray, wanted: BoolArray | Reach | None = None, continuous: bool = True
@@ -225,20 +230,24 @@ class ContactTracker:
 
     def _take(self, time: float, transforms: FloatArray) -> tuple[IntArray, tuple[str, ...]]:
         """Take over the poses of bodies that have moved; their numbers, and warnings of those left out."""
-        flat = transforms[:, :3].reshape(-1, 12).copy()
-        if self._history.times and np.array_equal(flat, self._seen):
+        # An array that can't be written to and is here again is not even compared.
+        same = transforms is self._seen and not transforms.flags.writeable
+        self._seen = transforms
+        if same and self._history.times and not self._lost:
             self._history.advance_still(time)
             return np.zeros(0, dtype=np.int64), ()
-        self._seen = flat
+        flat = transforms[:, :3].reshape(-1, 12).copy()
         stays = np.abs(flat - self._flat) <= self._still
         if stays.all():
             self._history.advance(time, flat[:, _COLUMNS].T, np.zeros(0, dtype=np.int64))
+            self._lost = False
             return np.zeros(0, dtype=np.int64), ()
         self._before = (self._low.copy(), self._high.copy())
         moved = np.flatnonzero(~stays.all(axis=1))
         poses = flat[moved]
         finite = np.isfinite(poses).all(axis=1)
         lost = moved[~finite]
+        self._lost = len(lost) > 0
         if len(lost):
             moved, poses = moved[finite], poses[finite]
             gone = lost[np.isfinite(self._flat[lost, 0])]
@@ -418,10 +427,16 @@ class ContactTracker:
         self._airborne[pairs.smaller[pairs.struck]] = False
 
         reported = pairs.touching & asked
+        rows = np.flatnonzero(reported)
+        state = np.stack([key[rows], self._version[pairs.larger[rows]], self._version[pairs.smaller[rows]]])
+        if self._last is None or not np.array_equal(state, self._reported):
+            contacts, self._reported = self._contact_set(rows), state
+        else:
+            contacts = self._last.contacts
         began = key[reported & apart] if not first_frame else key[:0]
         lost = touched[~_among(touched, key[pairs.touching | ~looked])]
         return FrameContacts(
-            contacts=self._contact_set(np.flatnonzero(reported)),
+            contacts=contacts,
             began=self._numbers(began),
             ended=self._numbers(lost),
             impacts=impacts,
