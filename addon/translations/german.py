@@ -405,7 +405,8 @@ MESSAGES: dict[str, str] = {
     "Render the scene in another way, to compare: through touching objects, at the nearest listener, by distance, or without fading": "Die Szene zum Vergleich anders wiedergeben: durch einander berührende Objekte, am nächsten Empfänger, nach Entfernung oder ohne Abklingen",
     "Next": "Nächster",
     "The one after the current: HT, SD, MD, MN, HT": "Der auf den aktuellen folgende: HT, SD, MD, MN, HT",
-    "Switch off Play Baked Track to compare": "„Gebackene Spur abspielen“ zum Vergleich ausschalten",
+    "This frame was not traced:": "Dieses Bild wurde nicht verfolgt:",
+    "switch off Play Baked Track": "„Gebackene Spur abspielen“ ausschalten",
     "Play Baked Track is off now: another mode has to be traced": "„Gebackene Spur abspielen“ ist nun aus: Ein anderer Modus muss verfolgt werden",
     # Bake
     "Bake": "Backen",
