@@ -6,7 +6,7 @@ import bpy
 from bpy.types import Context, Panel, Scene, UILayout
 
 from ...core.devices.connection import UDEV_FILE
-from ...core.devices.mapping import LATEST
+from ...core.devices.mapping import LATEST, ActuatorMapping
 from ...core.devices.output import Status
 from .. import session
 from ..panels.drawing import HapticsPanel, draw_pair, wrapped
@@ -29,9 +29,9 @@ class HAPTIC_PT_live_output(HapticsPanel, Panel):
         row.operator("haptic.find_devices", text="Looking..." if outputs.is_finding() else "Find Devices", icon="VIEWZOOM")
         row.operator("haptic.panic", text="", icon="CANCEL")
         layout.prop(context.scene.haptics.live_output, "sound_cards")
-        row = layout.row(align=True)
-        row.operator("haptic.toggle_preview", icon="PLAY_SOUND", depress=preview.is_on())
-        row.prop(context.scene.haptics.live_output, "preview_volume", text="")
+        layout.operator("haptic.toggle_preview", icon="PLAY_SOUND", depress=preview.is_on())
+        if preview.is_on():
+            layout.prop(context.scene.haptics.live_output, "preview_volume")
         _draw_devices(layout, context.scene)
 
 
@@ -52,18 +52,23 @@ class HAPTIC_PT_actuators(HapticsPanel, Panel):
             column = layout.column(align=True)
             row = column.split(factor=0.45)
             row.label(text=listener.name)
-            felt = [
-                f"{outputs.running()[key].profile.title}: {actuator.name}"
-                for key, weights in mapping.weights.items()
-                for actuator, weight in zip(outputs.running()[key].profile.actuators, weights[:, row_number], strict=True)
-                if weight
-            ]
-            automatic = listener.name not in choices
-            text = ("Auto: " if automatic else "") + (", ".join(felt) or "none")
+            text = ", ".join(_actuators_of(mapping, row_number)) or "none"
+            text = text if listener.name in choices else f"Auto: {text}"
             row.operator_menu_enum("haptic.choose_actuator", "place", text=text).listener = listener.name
             for loss in mapping.losses:
                 if loss.listener == listener.name and outputs.running():
-                    _draw_text(column, loss.text)
+                    _draw_text(column, loss.text.removeprefix(f"{listener.name} is not felt: ").removeprefix(f"{listener.name}: "))
+
+
+def _actuators_of(mapping: ActuatorMapping, row: int) -> list[str]:
+    """The actuators of a listener, with their device where there are several."""
+    running = outputs.running()
+    return [
+        f"{running[key].profile.title}: {actuator.name}" if len(running) > 1 else actuator.name
+        for key, weights in mapping.weights.items()
+        for actuator, weight in zip(running[key].profile.actuators, weights[:, row], strict=True)
+        if weight
+    ]
 
 
 def _draw_devices(layout: UILayout, scene: Scene) -> None:

@@ -59,3 +59,8 @@ def test_bake_and_meters(play):
 def test_live_output(play):
     seen = played_through(play(SCENARIOS / "live_output.py"))
     assert all(seen.values()), seen
+
+
+def test_files_out_and_in(play):
+    seen = played_through(play(SCENARIOS / "formats.py"))
+    assert all(seen.values()), seen
