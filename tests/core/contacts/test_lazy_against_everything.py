@@ -1,6 +1,8 @@
-"""Tracing that looks for contacts only where signals get to, against tracing that resolves all of them: the same gains, impacts and samples."""
+"""Tracing that looks for contacts only where signals get to, against tracing that resolves all: the same gains, impacts and samples."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,8 +25,10 @@ def field(generator, special=False):
         column, row, level = k // 2 % ROWS, k // 2 // ROWS, k % 2
         name = f"body {k:03d}"
         kappa, rho = generator.uniform(0.0, 0.6), generator.uniform(0.5, 1.0)
-        function = {"propagation": (Linear(range=5.0), Expression(expression="0.9 * exp(-0.3 * d)"))[k % 2]} if special and k % 5 == 0 else {}
-        objects.append(HapticObject(name, kappa, rho, **function))
+        item = HapticObject(name, kappa, rho)
+        if special and k % 5 == 0:
+            item = replace(item, propagation=(Linear(range=5.0), Expression(expression="0.9 * exp(-0.3 * d)"))[k % 2])
+        objects.append(item)
         ball = level == 1 and column % 3 == 0
         bodies.append(Body(name, Sphere(0.25) if ball else Box((0.5, 0.5, 0.5)), float(10 ** generator.uniform(0, 2.5))))
         start.append((1.1 * column, 1.1 * row, 0.25 + 0.5 * level))
