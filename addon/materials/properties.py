@@ -201,7 +201,7 @@ class HapticMaterialLibrary(PropertyGroup):
 
 
 class HAPTIC_UL_materials(UIList):
-    """The scene's haptic materials, each with how many objects are made of it."""
+    """The haptic materials of the scene, each with the one number that counts, (1 - κ) ρ."""
 
     bl_idname = "HAPTIC_UL_materials"
 

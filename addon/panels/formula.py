@@ -40,14 +40,14 @@ def draw_formula(layout: UILayout, source: str, kappa: float, rho: float, epsilo
         shown, place = excerpt(source, finding.column)
         column.label(text=shown, translate=False)
         column.label(text=" " * spaces_under(shown, place) + "^", translate=False)
-    for number, line in enumerate(wrapped(finding.message)):
+    for number, line in enumerate(wrapped(finding.message, 34)):
         column.label(text=line, icon=("INFO" if finding.usable else "ERROR") if number == 0 else "BLANK1", translate=False)
     return finding
 
 
 def spaces_under(shown: str, place: int) -> int:
     """How many spaces reach as far as the characters before ``place``, in the proportional font of panels."""
-    blf.size(0, 12)
+    blf.size(0, 240)  # widths are in whole pixels: large letters are measured more exactly
     space = blf.dimensions(0, "x x")[0] - blf.dimensions(0, "xx")[0]
     return round(_width(shown[:place]) / space) if space > 0 else place
 

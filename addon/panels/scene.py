@@ -36,6 +36,8 @@ def next_step(scene: Scene) -> str:
     result = session.result_of(scene)
     if not scene.haptics.tracing:
         return "Switch tracing on, above"
+    if result is None and session.problems_of(scene):
+        return "Mend the problem below"
     if result is None or not result.objects:
         return "Select objects: Make Haptic"
     if not result.sources and not scene.haptics.impacts:

@@ -39,7 +39,7 @@ def test_a_right_formula_takes_no_room():
 def test_the_mark_stands_below_the_place(source):
     _, (shown, mark, *_) = _said(source)
     place = shown.index(next(letter for letter in "qiW" if letter in shown))
-    blf.size(0, 12)
+    blf.size(0, 240)
     width, space = (
         blf.dimensions(0, shown[:place] + "|")[0] - blf.dimensions(0, "|")[0],
         blf.dimensions(0, "x x")[0] - blf.dimensions(0, "xx")[0],
