@@ -34,6 +34,7 @@ from .staging import (
     make_static,
     place,
     place_empty,
+    place_mesh,
 )
 
 FRAME_RATE = 24
@@ -385,13 +386,11 @@ def _add_pieces(
     columns, rows = counts
     width, height = 2 * WALL_HALF_WIDTH / columns, (WALL_TOP - WALL_BOTTOM) / rows
     shape = box((WALL_THICKNESS, width - 0.012, height - 0.012), 0.012)
-    mesh_of = place(scene, f"{name} Piece 1", shape, (look,)).data
+    original = place(scene, f"{name} Piece 1", shape, (look,))
     for k in range(columns * rows):
         column, row = k % columns, k // columns
         spot = Vector((x, (column + 0.5) * width - WALL_HALF_WIDTH, WALL_BOTTOM + (row + 0.5) * height))
-        piece = bpy.data.objects[f"{name} Piece 1"] if k == 0 else bpy.data.objects.new(f"{name} Piece {k + 1}", mesh_of)
-        if k:
-            scene.collection.objects.link(piece)
+        piece = place_mesh(scene, f"{name} Piece {k + 1}", original.data, spot) if k else original
         speed = Vector((draw.uniform(2.2, 4.0), spot.y * 1.6 + draw.uniform(-0.4, 0.4), draw.uniform(0.2, 1.8)))
         spin = Vector([draw.uniform(-5, 5) for _ in range(3)])
         moves, turns = {float(frame - 1): tuple(spot)}, {float(frame - 1): (0.0, 0.0, 0.0)}

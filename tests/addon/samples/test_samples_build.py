@@ -83,3 +83,19 @@ def test_first_frames_are_traced_without_a_problem(name):
 def test_unknown_sample_is_named_with_the_known_ones():
     with pytest.raises(ValueError, match=r"'pyramid' is unknown: use one of jackhammer_bench"):
         build_sample("pyramid")
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_built_again_in_the_same_file_plays_beside_the_first(name):
+    """Names get a number there; nothing of the first may become part of the second."""
+    first = fresh(name)
+    names = sorted(obj.name for obj in first.objects)
+    with suspended():
+        second = build_sample(name)
+    assert sorted(obj.name for obj in first.objects) == names
+    assert sorted(re.sub(r"\.\d{3}$", "", obj.name) for obj in second.objects) == names
+    assert not set(first.objects) & set(second.objects)
+    moving = {obj.name for obj in first.objects if obj.animation_data and obj.animation_data.action}
+    assert moving == {re.sub(r"\.\d{3}$", "", obj.name) for obj in second.objects if obj.animation_data and obj.animation_data.action}
+    actions = [obj.animation_data.action for scene in (first, second) for obj in scene.objects if obj.animation_data]
+    assert len(set(actions)) == len(actions)
