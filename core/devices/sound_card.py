@@ -64,7 +64,8 @@ def sound_module() -> Any:
     try:
         return import_module("sounddevice")
     except ImportError:
-        raise DeviceError("sound cards need the Python package sounddevice: with Blender's own Python, run python -m pip install sounddevice") from None
+        needed = "sound cards need the Python package sounddevice: python -m pip install sounddevice, with Blender's Python"
+        raise DeviceError(needed) from None
     except OSError:
         raise DeviceError("sound cards need the library PortAudio (Debian, Ubuntu: libportaudio2; Fedora: portaudio)") from None
 

@@ -297,3 +297,29 @@ def test_the_actuation_must_be_of_the_familys_kind():
     device, stream = profile("dualsense"), profile("dualsense-pcm")
     with pytest.raises(ValueError, match="not of the family's kind"):
         pacing_of(device, device.family, "usb", actuation_of(stream, stream.family, RATE, {}))
+
+
+def test_half_an_hour_of_frames_does_not_drift_from_the_picture():
+    """Frames of 333 or 334 samples at 24 a second, each sent as its picture comes; a knock is felt just as late in every minute."""
+    paced = pacing("dualsense-pcm", "bt")
+    simulation = Simulation(paced)
+    edges = np.ceil(np.arange(30 * 60 * 24 + 1) / 24 * RATE - 1e-6).astype(int)
+    silence, knock = np.zeros((2, 334)), tone(0.02, 150.0, 0.9)
+    lags = []
+    for number in range(30 * 60 * 24):
+        start = edges[number] / RATE
+        simulation.run_until(start)
+        length = edges[number + 1] - edges[number]
+        if number % (60 * 24) != 30 * 24:
+            paced.accept(silence[:, :length], start)
+            continue
+        block = np.zeros((2, length))
+        block[:, : knock.shape[1]] = knock
+        simulation.written.clear()
+        paced.accept(block, start)
+        simulation.run_until(start + 0.040)
+        packets = ((time, np.abs(np.frombuffer(data, np.int8)[13:77:2].astype(int))) for time, data in simulation.written)
+        time, left = next((time, left) for time, left in packets if left.max() > 10)
+        lags.append(time + int(np.argmax(left > 10)) / 3000 - start)
+    assert len(lags) == 30
+    assert max(lags) - min(lags) <= 2 / 3000, "within a sample of the device, and one of the frame's rounding"
