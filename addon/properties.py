@@ -282,6 +282,12 @@ class HapticSceneProperties(PropertyGroup):
         precision=4,
         update=_changed,
     )
+    patch_points: BoolProperty(
+        name="Contact Points",
+        description="Signals pass at each corner of where two objects lie on each other, instead of in its middle; the sum stays the same",
+        default=False,
+        update=_changed,
+    )
     impacts: BoolProperty(
         name="Impacts", description="Collisions make temporary sources that play the impact signal once", default=True, update=_changed
     )
@@ -308,6 +314,24 @@ class HapticSceneProperties(PropertyGroup):
         default=100.0,
         min=0.001,
         soft_max=1000.0,
+        update=_changed,
+    )
+    impact_energy: EnumProperty(
+        name="Energy",
+        description="The energy that a collision is judged by",
+        update=_changed,
+        items=(
+            ("kinetic", "Of Both Motions", "What both objects bring along, moving as they do over the ground"),
+            ("normal", "Of the Blow", "What comes together at the contact: the same however fast both travel side by side"),
+        ),
+    )
+    refractory_time: FloatProperty(
+        name="Refractory Time (s)",
+        description="After an impact the same two objects make no other for so many seconds, however they bounce",
+        default=0.1,
+        min=0.0,
+        soft_max=2.0,
+        precision=3,
         update=_changed,
     )
     show_overlay: BoolProperty(name="Overlay", description="Draw the haptic graph over the 3D viewport", default=True, update=_view_changed)

@@ -385,6 +385,9 @@ def read_contact_settings(scene: Scene) -> ContactSettings:
         tolerance=shortest(haptics.contact_tolerance),
         least_energy=shortest(haptics.minimum_energy),
         full_energy=max(shortest(haptics.maximum_energy), 1e-3),
+        energy=haptics.impact_energy,
+        refractory=shortest(haptics.refractory_time),
+        patch_points=haptics.patch_points,
         gravity=tuple(scene.gravity) if scene.use_gravity else (0.0, 0.0, 0.0),
         time_scale=max(scene.rigidbody_world.time_scale, 1e-3) if scene.rigidbody_world is not None else 1.0,
     )

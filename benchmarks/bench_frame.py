@@ -5,8 +5,8 @@
 Every frame is simulated by Blender and traced by the add-on's own handler, which is timed within it: `tracing` and `Blender` are medians of
 the milliseconds over all frames, `cost` the median of their ratio frame by frame. 4 sources are on bodies, 10 listeners on others; all
 contacts that signals reach are wanted. Impacts are found, and with `--impacts` each makes one more source. `off` is the median of
-Blender's frame in a run with tracing off. Settled bodies lie asleep on the ground with one source at the edge; `beyond reading` is what tracing
-costs without reading the transforms.
+Blender's frame in a run with tracing off. Settled bodies lie asleep on the ground with one source at the edge; `beyond reading` is what
+tracing costs without reading the transforms.
 """
 
 from __future__ import annotations

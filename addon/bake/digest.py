@@ -36,7 +36,7 @@ def digest_of(scene: Scene) -> Digest:
         key: _plain(getattr(haptics, key))
         for key in (
             "mode", "localise", "strategy", "max_connections", "threshold", "epsilon", "contact_tolerance", "impacts", "minimum_energy",
-            "maximum_energy",
+            "maximum_energy", "impact_energy", "refractory_time", "patch_points",
         )
         if hasattr(haptics, key)
     }  # fmt: skip

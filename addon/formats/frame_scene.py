@@ -22,7 +22,15 @@ from .kept import KeptContact, kept_contacts, kept_listener, kept_object, kept_s
 
 T = TypeVar("T")
 
-AUTHORED = ("contact_tolerance", "impacts", "minimum_energy", "maximum_energy")
+AUTHORED = (
+    "contact_tolerance",
+    "patch_points",
+    "impacts",
+    "minimum_energy",
+    "maximum_energy",
+    "impact_energy",
+    "refractory_time",
+)
 """Properties of a scene that its settings in the file don't hold; they stand in its extras, under `EXTRAS`."""
 EXTRAS = "blender"
 MATERIAL = "material"

@@ -36,9 +36,9 @@ def next_step(scene: Scene) -> str:
     result = session.result_of(scene)
     if not scene.haptics.tracing:
         return "Switch tracing on, above"
-    if result is None and session.problems_of(scene):
-        return "Mend the problem below"
     if result is None or not result.objects:
+        if session.problems_of(scene):
+            return "Mend the problem below"
         return "Select objects: Make Haptic"
     if not result.sources and not scene.haptics.impacts:
         return "Select what vibrates: Add Source"
@@ -67,7 +67,9 @@ class HAPTIC_PT_propagation(HapticsPanel, Panel):
         column.prop(haptics, "threshold")
         column.prop(haptics, "max_connections")
         column.prop(haptics, "epsilon")
-        layout.prop(haptics, "contact_tolerance")
+        column = layout.column(align=True)
+        column.prop(haptics, "contact_tolerance")
+        column.prop(haptics, "patch_points")
 
 
 class HAPTIC_PT_impacts(HapticsPanel, Panel):
@@ -89,6 +91,8 @@ class HAPTIC_PT_impacts(HapticsPanel, Panel):
         column = layout.column(align=True)
         column.prop(haptics, "minimum_energy")
         column.prop(haptics, "maximum_energy")
+        column.prop(haptics, "impact_energy")
+        column.prop(haptics, "refractory_time")
 
 
 class HAPTIC_PT_overlay(HapticsPanel, Panel):

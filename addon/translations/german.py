@@ -361,6 +361,19 @@ MESSAGES: dict[str, str] = {
     "Collisions make temporary sources that play the impact signal once": "Zusammenstöße machen kurze Quellen, die das Aufprallsignal einmal abspielen",
     "Minimum Energy (J)": "Mindestenergie (J)",
     "Collisions weaker than this, in joules, make no source; 5 J is a light contact": "Schwächere Zusammenstöße, in Joule, machen keine Quelle; 5 J sind eine leichte Berührung",
+    "Contact Points": "Kontaktpunkte",
+    "Signals pass at each corner of where two objects lie on each other, instead of in its middle; the sum stays the same": "Signale gehen "
+    "an jeder Ecke der Fläche über, mit der zwei Objekte aufeinander liegen, statt in ihrer Mitte; die Summe bleibt gleich",
+    "Energy": "Energie",
+    "The energy that a collision is judged by": "Die Energie, nach der ein Zusammenstoß beurteilt wird",
+    "Of Both Motions": "Beider Bewegungen",
+    "What both objects bring along, moving as they do over the ground": "Was beide Objekte mitbringen, so wie sie sich über den Boden bewegen",
+    "Of the Blow": "Des Schlags",
+    "What comes together at the contact: the same however fast both travel side by side": "Was am Kontakt zusammenkommt: gleich viel, "
+    "wie schnell auch beide nebeneinander fahren",
+    "Refractory Time (s)": "Refraktärzeit (s)",
+    "After an impact the same two objects make no other for so many seconds, however they bounce": "Nach einem Aufprall machen dieselben "
+    "beiden Objekte so viele Sekunden lang keinen weiteren, wie sie auch springen",
     "Full Energy (J)": "Volle Energie (J)",
     "A collision of this energy, in joules, plays the impact signal at full strength": "Ein Zusammenstoß dieser Energie, in Joule, spielt das Aufprallsignal in voller Stärke",
     # Overlay, meters, result

@@ -165,3 +165,26 @@ def test_statistics_tell_what_blender_took_and_what_was_skipped(drop, scene):
     assert set(result.milliseconds) >= {"read", "broad", "narrow", "graph", "propagate", "mix"}
     assert result.statistics["blender_milliseconds"] > 0
     assert {"candidate_pairs", "contact_queries", "queries_avoided"} <= set(result.statistics)
+
+
+def test_points_of_a_patch_have_shares_that_add_up_to_one(bench, traced, scene):
+    one = traced()
+    scene.haptics.patch_points = True
+    several = traced()
+    assert len(one.contacts) == 1 and one.contacts.share.tolist() == [1.0]
+    assert len(several.contacts) == 4 and several.contacts.share.sum() == pytest.approx(1.0)
+    assert several.contacts.area.sum() == pytest.approx(one.contacts.area.sum(), rel=1e-5) == pytest.approx(0.25, rel=1e-4)
+
+
+def test_energy_of_the_blow_and_refractory_time_are_the_scenes(drop, scene):
+    drop.rigid_body.restitution = bpy.data.objects["floor"].rigid_body.restitution = 1.0
+    scene.rigidbody_world.substeps_per_frame = 10
+    bounces = played(scene, range(1, 60))
+    assert len(bounces) >= 2
+    scene.haptics.refractory_time = 2.0
+    scene.haptics.impact_energy = "normal"
+    scene.frame_set(1)
+    found = played(scene, range(2, 60))
+    assert len(found) == 1
+    # The floor can't be pushed: all of the energy is that of the blow.
+    assert found[0][1].energy == pytest.approx(bounces[0][1].energy, rel=0.01)
