@@ -27,7 +27,7 @@ from .frame_scene import scene_of_frame, scene_of_result, within
 
 TRACK_FORMATS = tuple(name for name in registry.FORMATS if name != "scene")
 SCENE_ENDINGS = (".json.gz", ".json")
-LINE = 46
+LINE = 34
 """Characters of a line in the file browser's sidebar."""
 MOST_REPORTED = 12
 
@@ -132,8 +132,8 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
             self.filepath += self.filename_ext
         try:
             if self.frames == "RANGE":
-                return self.captured(context, True, self.tracks != "none", self._write)
-            reports = self._write(self._current(context))
+                return self.captured(context, True, self.tracks != "none", self._writer())
+            reports = self._writer()(self._current(context))
         except (ValueError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -145,10 +145,16 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
         scene, names = current_scene(context), self.names()
         return Export(export_name(self.filepath), scene if names is None else within(scene, names))
 
-    def _write(self, export: Export) -> list[job.Report]:
-        path = Path(bpy.path.abspath(self.filepath))
-        files = write_export(export, path, tracks=self.tracks if export.tracks is not None else "none", encoding=self.encoding)
-        return written(files, registry.losses("scene", export, self._options()))
+    def _writer(self) -> Callable[[Export], list[job.Report]]:
+        """What writes the file once all frames are stepped: this operator is gone by then."""
+        path, options = Path(bpy.path.abspath(self.filepath)), self._options()
+
+        def write(export: Export) -> list[job.Report]:
+            tracks = options["tracks"] if export.tracks is not None else "none"
+            files = write_export(export, path, tracks=tracks, encoding=options["encoding"])
+            return written(files, registry.losses("scene", export, options))
+
+        return write
 
     def _options(self) -> dict[str, Any]:
         return {"tracks": self.tracks if self.frames == "RANGE" else "none", "encoding": self.encoding}
@@ -192,15 +198,20 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
 
     def execute(self, context: Context) -> set[str]:
         try:
-            return self.captured(context, False, True, self._write)
+            return self.captured(context, False, True, self._writer())
         except (ValueError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
 
-    def _write(self, export: Export) -> list[job.Report]:
-        folder = Path(bpy.path.abspath(self.filepath)).parent
-        done = registry.write(self.format, export, folder, chosen(self, self.format))
-        return written(done.files, done.losses)
+    def _writer(self) -> Callable[[Export], list[job.Report]]:
+        """As that of a scene."""
+        name, folder, options = self.format, Path(bpy.path.abspath(self.filepath)).parent, chosen(self, self.format)
+
+        def write(export: Export) -> list[job.Report]:
+            done = registry.write(name, export, folder, options)
+            return written(done.files, done.losses)
+
+        return write
 
 
 def current_scene(context: Context) -> HapticScene:

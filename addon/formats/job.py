@@ -61,7 +61,7 @@ def run(operator: Operator, context: Context, job: Job) -> set[str]:
             operator.report({"ERROR"}, f"{_running.label} is not done yet")
             return {"CANCELLED"}
         _running = job
-        bpy.ops.haptic.run_job("INVOKE_DEFAULT")
+        bpy.app.timers.register(_start, first_interval=0.05)  # the file browser closes first
         return {"FINISHED"}
     manager = context.window_manager
     manager.progress_begin(0, job.total)
@@ -77,6 +77,15 @@ def run(operator: Operator, context: Context, job: Job) -> set[str]:
     for kind, text in reports:
         operator.report(kind, text)
     return {"FINISHED"}
+
+
+def _start() -> None:
+    """Begin the job that waits, in Blender's first window."""
+    if _running is None:
+        return
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window, screen=window.screen):
+        bpy.ops.haptic.run_job("INVOKE_DEFAULT")
 
 
 class HAPTIC_OT_run_job(Operator):
@@ -139,7 +148,9 @@ def draw_status(header: Header, context: Context) -> None:
     if _running is not None:
         row = header.layout.row()
         row.label(text="Cancel", icon="EVENT_ESC")
-        draw_progress(row, _running)
+        bar = row.row()
+        bar.ui_units_x = 16
+        draw_progress(bar, _running)
 
 
 def draw_progress(layout: bpy.types.UILayout, job: Job) -> None:
@@ -157,6 +168,8 @@ def _redraw(manager: WindowManager) -> None:
 def stop() -> None:
     """Give up what runs: the add-on goes."""
     global _running
+    if bpy.app.timers.is_registered(_start):
+        bpy.app.timers.unregister(_start)
     if _running is not None:
         _running.cancel()
         _running = None

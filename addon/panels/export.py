@@ -24,6 +24,9 @@ class HAPTIC_PT_export(HapticsPanel, Panel):
         column = layout.column(align=True)
         column.operator("export_scene.haptic_scene", text="Haptic Scene", icon="EXPORT")
         column.operator("export_scene.haptic_tracks", text="Haptic Tracks", icon="EXPORT")
+        column = layout.column(align=True)
+        column.operator("import_scene.haptic_scene", text="Haptic Scene", icon="IMPORT")
+        column.operator("haptic.import_signal", icon="IMPORT")
 
 
 CLASSES = (HAPTIC_PT_export,)
