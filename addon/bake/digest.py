@@ -26,20 +26,16 @@ _ASPECTS = {
     "physics": "its rigid body changed",
     "relations": "its parent, constraints or modifiers changed",
 }
+_VIEW = {"tracing", "show_overlay", "show_intra", "show_best_paths", "show_labels", "show_flow", "xray"}
+_NAMES = {"rna_type", "name"}
+_LONG = 60  # characters of a text that are kept
 _TRANSFORM = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
 
 
 def digest_of(scene: Scene) -> Digest:
     """What is baked of a scene as it stands now; it does not depend on the current frame."""
     haptics, render = scene.haptics, scene.render
-    settings = {
-        key: _plain(getattr(haptics, key))
-        for key in (
-            "mode", "localise", "strategy", "max_connections", "threshold", "epsilon", "contact_tolerance", "impacts", "minimum_energy",
-            "maximum_energy", "impact_energy", "refractory_time", "patch_points",
-        )
-        if hasattr(haptics, key)
-    }  # fmt: skip
+    settings = dict(_properties(haptics, [key for key in _plain_keys(haptics) if key not in _VIEW]))
     world = scene.rigidbody_world
     world_keys = ("enabled", "time_scale", "substeps_per_frame", "solver_iterations")
     return {
@@ -89,9 +85,12 @@ def _matters(obj: Object) -> bool:
 
 def _object(obj: Object) -> dict[str, str]:
     paths, animation = _animation(obj)
+    keys = getattr(obj.data, "shape_keys", None)
+    if keys is not None:
+        animation += _animation(keys)[1] + _sum([(key.name, round(key.value, 5)) for key in keys.key_blocks if not keys.animation_data])
     pose = [list(getattr(obj, key)) for key in _TRANSFORM if key not in paths]
     haptics = obj.haptics
-    groups = (("", haptics), ("source.", haptics.source), ("listener.", haptics.listener))
+    groups = (("", haptics), ("source.", haptics.source), ("listener.", haptics.listener), ("material.", haptics.material))
     roles = [
         _settings(group, {path for path in paths if path.startswith(f"haptics.{prefix}")}) for prefix, group in groups if is_tagged(obj)
     ]
@@ -105,9 +104,9 @@ def _object(obj: Object) -> dict[str, str]:
              "collision_margin", "linear_damping", "angular_damping"),
         )
     )  # fmt: skip
-    parent = obj.parent.name_full if obj.parent is not None else ""
+    parent, body_of_it = (item.name_full if item is not None else "" for item in (obj.parent, haptics.body))
     relations = [
-        [parent, obj.parent_type, obj.parent_bone, [[round(v, 5) for v in row] for row in obj.matrix_parent_inverse]],
+        [body_of_it, parent, obj.parent_type, obj.parent_bone, [[round(v, 5) for v in row] for row in obj.matrix_parent_inverse]],
         [(item.name, item.type, item.mute) for item in obj.constraints],
         [(item.name, item.type, item.show_viewport) for item in obj.modifiers],
     ]
@@ -125,8 +124,11 @@ def _object(obj: Object) -> dict[str, str]:
 def _settings(group: Any, animated: Iterable[str]) -> list[Any]:
     """The plain properties of a group that no F-curve changes: the values of those would be the current frame's."""
     skipped = {path.rpartition(".")[2] for path in animated}
-    keys = [p.identifier for p in group.bl_rna.properties if p.type not in {"POINTER", "COLLECTION"}]
-    return _properties(group, [key for key in keys if key not in skipped and key not in {"rna_type", "name"}])
+    return _properties(group, [key for key in _plain_keys(group) if key not in skipped])
+
+
+def _plain_keys(group: Any) -> list[str]:
+    return [p.identifier for p in group.bl_rna.properties if p.type not in {"POINTER", "COLLECTION"} and p.identifier not in _NAMES]
 
 
 def _properties(owner: Any, keys: Iterable[str]) -> list[Any]:
@@ -136,7 +138,9 @@ def _properties(owner: Any, keys: Iterable[str]) -> list[Any]:
 def _plain(value: Any) -> Any:
     if isinstance(value, float):
         return float(f"{value:.6g}")
-    return value if isinstance(value, (bool, int, str)) else str(value)
+    if isinstance(value, str):
+        return value if len(value) <= _LONG else f"{value[:_LONG]}... {_sum(value)}"
+    return value if isinstance(value, (bool, int)) else [_plain(part) for part in value]
 
 
 def _shape(obj: Object) -> str:
