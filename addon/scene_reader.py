@@ -148,10 +148,11 @@ class SceneReader:
     def read(self, scene: Scene, depsgraph: Depsgraph) -> Reading:
         """The scene as it stands in ``depsgraph``."""
         session_ids = _session_ids()
+        raw = _raw_matrices(len(session_ids))
         if self._session_ids is None or not np.array_equal(self._session_ids, session_ids):
-            self._read_all(depsgraph)
+            self._read_all(depsgraph, raw)
             self._session_ids = session_ids
-        lists = self._read_changed(depsgraph, _raw_matrices(len(session_ids)))
+        lists = self._read_changed(depsgraph, raw)
         now, duration = seconds_of(scene, scene.frame_current), scene.render.fps_base / scene.render.fps
         heard = [item for item in self._placed if _sounds(item, now, duration)]
         return Reading(
@@ -166,11 +167,12 @@ class SceneReader:
             problems=lists.problems,
         )
 
-    def _read_all(self, depsgraph: Depsgraph) -> None:
+    def _read_all(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> None:
         shown = {obj.session_uid for obj in depsgraph.view_layer.objects}
         tagged = {row: obj for row, obj in enumerate(bpy.data.objects) if obj.session_uid in shown and is_tagged(obj)}
         self._frequencies.clear()
-        self._tagged = {row: self._read_object(row, obj, depsgraph) for row, obj in progress(tuple(tagged.items()))}
+        scales = dict(zip(tagged, rigid_transforms(_matrices(raw[np.array(list(tagged), dtype=np.int64)]))[1], strict=True))
+        self._tagged = {row: self._read_object(row, obj, depsgraph, scales[row]) for row, obj in progress(tuple(tagged.items()))}
         self._lists = None
 
     def _read_changed(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> _Lists:
@@ -195,8 +197,9 @@ class SceneReader:
                 self._shapes.pop(session_id, None)
             rows |= {row for row in self._tagged if self._session_ids is not None and int(self._session_ids[row]) in deformed}
         changed = False
-        for row in sorted(rows):
-            tagged = self._read_object(row, bpy.data.objects[row], depsgraph)
+        again = sorted(rows)
+        for row, scale in zip(again, rigid_transforms(_matrices(raw[np.array(again, dtype=np.int64)]))[1], strict=True):
+            tagged = self._read_object(row, bpy.data.objects[row], depsgraph, scale)
             if tagged != self._tagged[row]:
                 self._tagged[row] = tagged
                 changed = True
@@ -215,12 +218,12 @@ class SceneReader:
         self._lists = lists
         return lists
 
-    def _read_object(self, row: int, obj: Object, depsgraph: Depsgraph) -> _Tagged:
+    def _read_object(self, row: int, obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> _Tagged:
         haptics = obj.haptics
         name = obj.name_full
         problems: list[Problem] = []
         haptic_object = body = source = listener = None
-        scale = self._scale(row, obj)
+        scale = self._scale(row, scale)
         if haptics.enabled:
             try:
                 shape = self._shape(obj, depsgraph, scale)
@@ -247,9 +250,8 @@ class SceneReader:
         struck = read_impact_material(obj)
         return _Tagged(row, animated, tuple(scale.tolist()), haptic_object, body, source, listener, struck, tuple(problems))
 
-    def _scale(self, row: int, obj: Object) -> FloatArray:
+    def _scale(self, row: int, scale: FloatArray) -> FloatArray:
         """The object's scale in the world; the known one where only rounding differs, so that what turns keeps its shape."""
-        scale = _scale(obj)
         known = np.array(self._tagged[row].scale) if row in self._tagged else scale
         return known if np.all(np.abs(scale - known) <= 1e-5 * np.abs(known)) else scale
 
@@ -434,11 +436,6 @@ def pose_of(transform: FloatArray) -> Pose:
     """The pose of a rigid transform (4, 4)."""
     rotation = Matrix(transform[:3, :3].tolist()).to_quaternion()
     return Pose(tuple(transform[:3, 3].tolist()), (rotation.w, rotation.x, rotation.y, rotation.z))
-
-
-def _scale(obj: Object) -> FloatArray:
-    matrix = np.array(obj.matrix_world, dtype=np.float64)
-    return rigid_transforms(matrix[None])[1][0]
 
 
 def rigid_transforms(matrices: FloatArray) -> tuple[FloatArray, FloatArray]:
