@@ -6,6 +6,7 @@ from functools import lru_cache
 from typing import Any
 
 import blf
+import bpy
 from bpy.types import UILayout
 
 from ...core.functions import Finding, check_expression, excerpt
@@ -46,10 +47,20 @@ def draw_formula(layout: UILayout, source: str, kappa: float, rho: float, epsilo
 
 
 def spaces_under(shown: str, place: int) -> int:
-    """How many spaces reach as far as the characters before ``place``, in the proportional font of panels."""
-    blf.size(0, 240)  # widths are in whole pixels: large letters are measured more exactly
-    space = blf.dimensions(0, "x x")[0] - blf.dimensions(0, "xx")[0]
-    return round(_width(shown[:place]) / space) if space > 0 else place
+    """How many spaces reach to the middle of the character at ``place``, in the proportional font of panels."""
+    blf.size(0, _font_size())
+    space = (_width("x" + " " * _MANY + "x") - _width("xx")) / _MANY
+    middle = (_width(shown[:place]) + _width(shown[: place + 1]) - _width("^")) / 2
+    return max(round(middle / space), 0) if space > 0 else place
+
+
+_MANY = 40  # widths are in whole pixels: of many spaces together they are exact
+
+
+def _font_size() -> float:
+    """The size of text in panels, in pixels."""
+    preferences = bpy.context.preferences
+    return preferences.ui_styles[0].widget.points * (preferences.system.ui_scale or 1.0)  # 0 where there is no window
 
 
 def _width(text: str) -> float:

@@ -39,13 +39,14 @@ def test_a_right_formula_takes_no_room():
 def test_the_mark_stands_below_the_place(source):
     _, (shown, mark, *_) = _said(source)
     place = shown.index(next(letter for letter in "qiW" if letter in shown))
-    blf.size(0, 240)
-    width, space = (
-        blf.dimensions(0, shown[:place] + "|")[0] - blf.dimensions(0, "|")[0],
-        blf.dimensions(0, "x x")[0] - blf.dimensions(0, "xx")[0],
-    )
+    blf.size(0, 11)
+
+    def width(text):
+        return blf.dimensions(0, text + "|")[0] - blf.dimensions(0, "|")[0]
+
+    middle = (width(shown[:place]) + width(shown[: place + 1])) / 2
     assert mark.strip() == "^"
-    assert (len(mark) - 1) * space == pytest.approx(width, abs=space)
+    assert width(mark) - width("^") / 2 == pytest.approx(middle, abs=3)
 
 
 def test_the_object_panel_shows_the_error_and_no_curve(add_box):
