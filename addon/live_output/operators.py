@@ -24,7 +24,8 @@ class HAPTIC_OT_find_devices(Operator):
     bl_description = "Look for haptic devices that are connected to this computer"
 
     def execute(self, context: Context) -> set[str]:
-        outputs.find(profile_folders(), context.scene.haptics.live_output.sound_cards)
+        settings = context.scene.haptics.live_output
+        outputs.find(profile_folders(), settings.sound_cards, settings.players)
         refresh.start()
         return {"FINISHED"}
 

@@ -11,6 +11,7 @@ from typing import Protocol
 from numpy.typing import ArrayLike
 
 from ...core.devices.mapping import ActuatedDevice
+from ...core.devices.network import PlayerModule
 from ...core.devices.output import Status
 from ...core.devices.profiles import Adjustment, Profile
 
@@ -79,11 +80,11 @@ def is_finding() -> bool:
     return _finder is not None and _finder.is_alive()
 
 
-def find(folders: tuple[Path, ...] = (), sound_cards: bool = False) -> None:
+def find(folders: tuple[Path, ...] = (), sound_cards: bool = False, players: bool = False) -> None:
     """Look for devices, in the background: some systems take their time. ``folders``: of device profiles of the user's own."""
     global _finder
     if not is_finding():
-        _finder = threading.Thread(target=_find, args=(folders, sound_cards), name="haptics find devices", daemon=True)
+        _finder = threading.Thread(target=_find, args=(folders, sound_cards, players), name="haptics find devices", daemon=True)
         _finder.start()
 
 
@@ -169,7 +170,7 @@ def forget() -> None:
     _inventory = None
 
 
-def _find(folders: tuple[Path, ...], with_sound_cards: bool) -> None:
+def _find(folders: tuple[Path, ...], with_sound_cards: bool, with_players: bool) -> None:
     """The thread of a look."""
     global _inventory
     from ...core.devices.connection import connected, hid_module
@@ -192,6 +193,12 @@ def _find(folders: tuple[Path, ...], with_sound_cards: bool) -> None:
             devices += _sound_cards()
         except OSError as error:
             problems = (*problems, str(error))
+    if with_players:
+        for look in (_bhaptics, _intiface):
+            try:
+                devices += look()
+            except OSError as error:
+                problems = (*problems, str(error))
     _inventory = Inventory(_with_unique_keys(devices), tuple(strangers), problems)
 
 
@@ -230,6 +237,32 @@ def _sound_cards() -> list[Found]:
         )
 
     return [found(card) for card in sound_cards(sound_module())]
+
+
+def _bhaptics() -> list[Found]:
+    from ...core.devices.network import bhaptics
+
+    return [_player_device(*bhaptics())]
+
+
+def _intiface() -> list[Found]:
+    from ...core.devices.network import intiface
+
+    return [_player_device(profile, module) for profile, module in intiface()]
+
+
+def _player_device(profile: Profile, module: PlayerModule) -> Found:
+    from ...core.devices.output import DeviceOutput
+
+    return Found(
+        key=f"player {profile.title}",
+        title=profile.title,
+        kind="haptic player",
+        device=profile,
+        permission="",
+        rule="",
+        open=lambda adjustment: DeviceOutput(profile, adjustment=adjustment, hid=module),
+    )
 
 
 def _with_unique_keys(devices: list[Found]) -> tuple[Found, ...]:

@@ -28,7 +28,9 @@ class HAPTIC_PT_live_output(HapticsPanel, Panel):
         row = layout.row(align=True)
         row.operator("haptic.find_devices", text="Looking..." if outputs.is_finding() else "Find Devices", icon="VIEWZOOM")
         row.operator("haptic.panic", text="", icon="CANCEL")
-        layout.prop(context.scene.haptics.live_output, "sound_cards")
+        column = layout.column(align=True)
+        column.prop(context.scene.haptics.live_output, "sound_cards")
+        column.prop(context.scene.haptics.live_output, "players")
         layout.operator("haptic.toggle_preview", icon="PLAY_SOUND", depress=preview.is_on())
         if preview.is_on():
             layout.prop(context.scene.haptics.live_output, "preview_volume")

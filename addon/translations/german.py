@@ -459,6 +459,9 @@ MESSAGES: dict[str, str] = {
     "Device": "Gerät",
     "Find Devices": "Geräte suchen",
     "Sound Cards Too": "Auch Soundkarten",
+    "Haptic Players Too": "Auch Haptik-Programme",
+    "Look on this computer, and only here, for bHaptics Player and Intiface as well, which drive vests and other devices": "Auch den "
+    "bHaptics Player und Intiface auf diesem Rechner suchen, und nur hier, die Westen und andere Geräte ansteuern",
     "Look for sound cards as well: shakers, cushions and headsets that are felt, and a DualSense's actuators over USB": "Auch Soundkarten suchen: "
     "Rüttler, Kissen und Kopfhörer, die man fühlt, und die Aktoren eines DualSense über USB",
     "Look for haptic devices that are connected to this computer": "Nach haptischen Geräten suchen, die mit diesem Rechner verbunden sind",

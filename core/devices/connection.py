@@ -148,6 +148,8 @@ def _open(hid: HidModule, interface: Interface) -> Opened:
             raise DeviceError(f"{interface.title or 'device'} is already in use here")
         try:
             device.open_path(interface.path)
+        except DeviceError:
+            raise
         except (OSError, RuntimeError):
             raise DeviceError(open_failure(interface)) from None
         _held.add(interface.path)

@@ -58,4 +58,4 @@ def test_every_python_and_platform_has_every_wheel(manifest, pins):
 
 
 def test_permissions_are_the_ones_used(manifest):
-    assert set(manifest["permissions"]) == {"files"}
+    assert set(manifest["permissions"]) == {"files", "network"}

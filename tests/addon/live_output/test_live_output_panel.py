@@ -142,3 +142,18 @@ def test_sound_cards_are_offered_when_wanted_and_what_is_missing_is_said(hid, sc
     find()
     assert "Cushion (sound card, 2 channels)" in drawn().labels
     assert outputs.found("sound card Cushion").device.channels == 2
+
+
+def test_players_are_looked_for_only_when_wanted(hid, scene, monkeypatch):
+    from haptic_tracing.core.devices import network
+
+    asked = []
+    monkeypatch.setattr(
+        network, "Connection", lambda url: asked.append(url) or (_ for _ in ()).throw(OSError(f"no player answers at {url}"))
+    )
+    find()
+    assert asked == []
+    scene.haptics.live_output.players = True
+    find()
+    assert len(asked) == 2 and all(url.startswith("ws://127.0.0.1:") for url in asked)
+    assert text().count("No player answers at") == 2
