@@ -85,8 +85,8 @@ def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patche
     least_gap = np.where(used, np.minimum(from_gap, to_gap), np.inf).min(axis=1)
     top = np.where(np.isinf(least_gap), 0.0, least_gap)[:, None] + PATCH_GAP
     rise = to_gap - from_gap
-    share = np.divide(top - from_gap, rise, out=np.zeros_like(rise), where=rise != 0)
     leaves, enters = used & (from_gap <= top) & (to_gap > top), used & (from_gap > top) & (to_gap <= top)
+    share = np.divide(top - from_gap, rise, out=np.zeros_like(rise), where=leaves | enters)
     used &= (from_gap <= top) | (to_gap <= top)
     cut = start + (end - start) * share[..., None]
     start, end = np.where(enters[..., None], cut, start), np.where(leaves[..., None], cut, end)

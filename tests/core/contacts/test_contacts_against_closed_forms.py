@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from haptic_tracing.core.contacts.motion import rotations
 from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Shape, Sphere, pose_matrix
+from haptic_tracing.core.contacts.tracker import Body, ContactTracker
 from haptic_tracing.core.scene import HapticObject, HapticScene, Pose
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -227,3 +229,28 @@ def test_media_touch_what_they_overlap():
     assert [tuple(pair) for pair in found.pairs.tolist()] == [(0, 1), (0, 2), (1, 3)]
     np.testing.assert_allclose(found.positions[1].mean(axis=0), [1, 1, 3], atol=1e-6)
     np.testing.assert_allclose(found.positions[2].mean(axis=0), [0.5, 0, -0.5], atol=1e-6)
+
+
+@pytest.mark.parametrize("rounding", [0.0, 0.04])
+@pytest.mark.parametrize("corners", [3, 5, 6, 8, 12])
+def test_prisms_face_to_face(corners, rounding):
+    """Hulls that touch exactly, or are next to touching, all over a face: found, with its area and its middle, in any position."""
+    generator = np.random.default_rng(corners)
+    angle = 2 * np.pi * np.arange(corners) / corners
+    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1) / 2
+    prism = ConvexHull(np.concatenate([np.column_stack([ring, np.full(corners, z)]) for z in (-0.5, 0.5)]), rounding=rounding)
+    area = corners * np.sin(2 * np.pi / corners) / 8
+    for gap in (-1e-3, -1e-6, 0.0, 1e-6, 1e-4, 5e-3):
+        for _ in range(5):
+            first = np.eye(4)
+            first[:3, :3] = rotations(generator.normal(size=(3, 1)))[..., 0]
+            first[:3, 3] = generator.normal(size=3) * 3
+            second = first.copy()
+            second[:3, 3] += first[:3, 2] * (1 + gap)
+            placed = np.stack([first, second]).astype(np.float32).astype(np.float64)
+            found = ContactTracker([Body("a", prism), Body("b", prism)]).update(0.0, placed).contacts
+            assert len(found) == 1
+            assert found.distance[0] == pytest.approx(gap, abs=2e-6)
+            assert found.area[0] == pytest.approx(area, rel=2e-3)
+            middle = first[:3, 3] + first[:3, 2] * (0.5 + gap / 2)
+            np.testing.assert_allclose(found.positions[0].mean(axis=0), middle, atol=1e-3)
