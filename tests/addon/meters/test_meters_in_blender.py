@@ -174,3 +174,18 @@ def test_another_mode_is_traced_although_a_track_is_there(felt):
     bpy.ops.haptic.set_mode(mode="MN")
     assert not felt.haptics.bake.use_track
     assert session.result_of(felt).gains[0].tolist() == [1, 1]
+
+
+def test_a_device_that_is_not_felt_at_the_listener_is_named(felt, monkeypatch):
+    """The mapping is the real one, of a real profile; only that it is connected is made up."""
+    from haptic_tracing.addon.live_output import outputs
+    from haptic_tracing.core.devices.profiles import BUILT_IN, load_profiles
+
+    profiles, _ = load_profiles([BUILT_IN])
+    profile = next(p for p in profiles.values() if any("hand.R" in a.body_parts for a in p.actuators))
+    monkeypatch.setattr(outputs, "running", lambda: {"pad": SimpleNamespace(profile=profile)})
+    monkeypatch.setattr(outputs, "version", lambda: -1)
+    assert explanation.device_words(felt, "hand") == ""
+    assert "no device has an actuator at foot.L" in explanation.device_words(felt, "foot")
+    _activate("foot")
+    assert any("actuator" in label for label in _drawn(result_panel.HAPTIC_PT_silence).labels)
