@@ -1,0 +1,205 @@
+"""Time, memory and nodes visited from 10 to 100,000 objects, beside NetworkX, SciPy and rustworkx on the explicit graph.
+
+    python -m benchmarks.bench_propagation_scaling [--largest 100000] [--seconds 20]
+
+Every time includes building the graph from the arrays of contacts. `best_path` and `all_paths` keep the scene's default limits (32
+connections, a gain of 0.001), `free` lifts both, as the peers have none. Memory is the peak of what Python allocates, in a run of its own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import time
+import tracemalloc
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+import numpy as np
+from haptic_tracing.core.propagation import Propagation, propagate
+from haptic_tracing.core.scene import Settings, Strategy
+
+from .families import FAMILIES, Family
+from .peers import PEERS
+from .report import milliseconds, publish, table
+
+SIZES = (10, 100, 1000, 10_000, 100_000)
+FREE = Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0.0)
+RUNS = {
+    "best_path": Settings(strategy=Strategy.BEST_PATH),
+    "best_path, free": FREE,
+    "all_paths": Settings(strategy=Strategy.ALL_PATHS),
+    "energy_balance": Settings(strategy=Strategy.ENERGY_BALANCE),
+}
+MOST = {"NetworkX": 600_000, "SciPy": 15_000_000, "rustworkx": 3_000_000}
+"""Explicit connections that a peer is given at most: more would not fit into memory, or take minutes."""
+COLOURS = {
+    "best_path": "#1a6b3c",
+    "best_path, free": "#7cc49a",
+    "all_paths": "#1f5fa8",
+    "energy_balance": "#b08900",
+    "NetworkX": "#b3261e",
+    "SciPy": "#8e44ad",
+    "rustworkx": "#e0703a",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One family at one size: seconds and megabytes by what ran, None where it was left out."""
+
+    family: str
+    objects: int
+    contacts: int
+    nodes: int
+    implied: int
+    visited: int
+    visited_free: int
+    seconds: dict[str, float | None]
+    megabytes: dict[str, float | None]
+
+
+def best_time(run: Callable[[], object]) -> float:
+    """The best of up to five runs within a second."""
+    best, spent = math.inf, 0.0
+    for _ in range(5):
+        begun = time.process_time()
+        run()
+        used = time.process_time() - begun
+        best, spent = min(best, used), spent + used
+        if spent > 1:
+            break
+    return best
+
+
+def peak(run: Callable[[], object]) -> float:
+    """Megabytes allocated at most."""
+    tracemalloc.start()
+    run()
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return most / 1e6
+
+
+def traced(family: Family, settings: Settings) -> Propagation:
+    return propagate(family.graph(), settings)
+
+
+def measure(family: Family, seconds: float, slow: set[str]) -> Row:
+    """Measure all; what takes longer than ``seconds`` goes into ``slow`` and is left out from then on."""
+    graph = family.graph()
+    used: dict[str, float | None] = {}
+    memory: dict[str, float | None] = {}
+    free = traced(family, FREE)
+    for name in (*RUNS, *PEERS):
+        used[name] = memory[name] = None
+        if name in slow or (name in PEERS and graph.intra_connection_count() > MOST[name]):
+            continue
+
+        def run(name: str = name) -> object:
+            return PEERS[name](family) if name in PEERS else traced(family, RUNS[name])
+
+        used[name] = best_time(run)
+        memory[name] = peak(run)
+        if name in PEERS and not np.allclose(PEERS[name](family), free.gain, rtol=1e-9, atol=1e-300):
+            raise AssertionError(f"{name} finds other gains in {family.name}")
+        if used[name] > seconds:
+            slow.add(name)
+    limited = traced(family, RUNS["best_path"])
+    return Row(
+        family=family.name,
+        objects=len(family.table.names),
+        contacts=len(family.contacts),
+        nodes=graph.node_count,
+        implied=graph.intra_connection_count(),
+        visited=int(limited.statistics["nodes_visited"]),
+        visited_free=int(free.statistics["nodes_visited"]),
+        seconds=used,
+        megabytes=memory,
+    )
+
+
+def summary(rows: list[Row]) -> str:
+    """Two tables: times, and what they are made of."""
+    names = list(rows[0].seconds)
+    times = table(
+        ["family", "objects", *(f"{name} [ms]" for name in names)],
+        [(r.family, f"{r.objects:,}", *(milliseconds(r.seconds[n]) for n in names)) for r in rows],
+    )
+    sizes = table(
+        [
+            "family",
+            "objects",
+            "contacts",
+            "nodes",
+            "implied intra-connections",
+            "visited",
+            "visited, free",
+            "best_path, free [MB]",
+            "bytes per contact",
+            "SciPy [MB]",
+        ],
+        [
+            (
+                r.family,
+                f"{r.objects:,}",
+                f"{r.contacts:,}",
+                f"{r.nodes:,}",
+                f"{r.implied:,}",
+                f"{r.visited:,}",
+                f"{r.visited_free:,}",
+                f"{r.megabytes['best_path, free']:.3g}",
+                f"{1e6 * r.megabytes['best_path, free'] / r.contacts:.0f}",
+                "-" if r.megabytes["SciPy"] is None else f"{r.megabytes['SciPy']:.3g}",
+            )
+            for r in rows
+        ],
+    )
+    return f"{times}\n\n{sizes}"
+
+
+def draw(rows: list[Row]):
+    """One panel per family."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(13, 8), layout="constrained")
+    axes = figure.subplots(2, 3, sharex=True, sharey=True).ravel()
+    for axis, family in zip(axes, dict.fromkeys(row.family for row in rows), strict=True):
+        here = [row for row in rows if row.family == family]
+        for name, colour in COLOURS.items():
+            points = [(row.objects, 1000 * row.seconds[name]) for row in here if row.seconds[name] is not None]
+            axis.plot(*zip(*points, strict=True), "--s" if name in PEERS else "-o", color=colour, label=name, markersize=4, linewidth=1.3)
+        axis.set(xscale="log", yscale="log", title=family)
+        axis.grid(alpha=0.25)
+    for axis in axes[3:]:
+        axis.set_xlabel("objects")
+    for axis in axes[::3]:
+        axis.set_ylabel("run time with building the graph [ms]")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=7, frameon=False)
+    return figure
+
+
+def main() -> None:
+    """Measure, print, write."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--largest", type=int, default=SIZES[-1], help=f"objects at most ({SIZES[-1]})")
+    parser.add_argument("--seconds", type=float, default=20.0, help="what takes longer at one size is left out at larger ones (20)")
+    options = parser.parse_args()
+    rows = []
+    for make in FAMILIES.values():
+        slow: set[str] = set()
+        rows += [measure(make(size), options.seconds, slow) for size in SIZES if size <= options.largest]
+    text = (
+        "One source, up to 10 listeners; processor time with building the graph, the best of some runs. `best_path`, `all_paths` and\n"
+        "`energy_balance` with the default limits (32 connections, a gain of 0.001, which energies do not use); `free` without any, like\n"
+        "the peers, whose gains are checked to be the same. `visited`: nodes that `best_path` reaches, of those present. Left out (-):\n"
+        "peers where the explicit graph would be too large.\n\n" + summary(rows)
+    )
+    publish("propagation_scaling", "Propagation from 10 to 100,000 objects", text, [asdict(row) for row in rows], draw(rows))
+
+
+if __name__ == "__main__":
+    main()
