@@ -13,7 +13,7 @@ from bpy.types import Scene
 from .. import session
 from ..bake import playback
 from ..scene_reader import seconds_of
-from . import outputs, player, preview, refresh
+from . import outputs, player, preview, properties, refresh
 
 
 def frame_changed(scene: Scene) -> None:
@@ -70,9 +70,23 @@ def frame_seconds(scene: Scene) -> float:
 
 
 def choices(result: Any) -> dict[str, str]:
-    """What the listeners of a frame are to be felt through, where that is not automatic."""
-    objects = ((listener.name, bpy.data.objects.get(listener.name)) for listener in result.listeners)
-    return {name: obj.haptics.live_output.actuators for name, obj in objects if obj is not None and obj.haptics.live_output.actuators}
+    """What the listeners of a frame are to be felt through, where that is not automatic. Read where something was chosen since."""
+    global _chosen
+    key = (properties.choices_made(), tuple(listener.name for listener in result.listeners))
+    if _chosen[0] != key:
+        objects = ((name, bpy.data.objects.get(name)) for name in key[1])
+        found = {name: obj.haptics.live_output.actuators for name, obj in objects if obj is not None}
+        _chosen = key, {name: actuators for name, actuators in found.items() if actuators}
+    return _chosen[1]
+
+
+_chosen: tuple[Any, dict[str, str]] = (None, {})
+
+
+@persistent
+def choose_again(*_: Any) -> None:
+    """After undo, redo and another file any choice may be another."""
+    properties.choose()
 
 
 def stop_everything() -> None:
@@ -88,6 +102,9 @@ _HANDLERS: dict[str, Callable[..., None]] = {
     "load_pre": load_pre,
     "undo_pre": rest,
     "redo_pre": rest,
+    "undo_post": choose_again,
+    "redo_post": choose_again,
+    "load_post": choose_again,
     "render_pre": rest,
     "exit_pre": exit_pre,
 }
@@ -98,6 +115,7 @@ def register() -> None:
         if hasattr(bpy.app.handlers, event):  # exit_pre: Blender 5.1 on
             getattr(bpy.app.handlers, event).append(handler)
     atexit.register(stop_everything)
+    choose_again()
 
 
 def unregister() -> None:

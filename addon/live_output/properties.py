@@ -16,6 +16,24 @@ def _device_changed(self: PropertyGroup, context: Context) -> None:
         output.adjust(adjustment_of(self, output.profile))
 
 
+_choices = 0
+
+
+def choose() -> None:
+    """Something else was chosen, for some listener."""
+    global _choices
+    _choices += 1
+
+
+def choices_made() -> int:
+    """A number that changes with every choice of actuators."""
+    return _choices
+
+
+def _actuators_chosen(self: PropertyGroup, context: Context) -> None:
+    choose()
+
+
 def _volume_changed(self: PropertyGroup, context: Context) -> None:
     preview.set_volume(self.preview_volume)
 
@@ -101,7 +119,9 @@ class HapticActuatorProperties(PropertyGroup):
     """What a listener is felt through."""
 
     actuators: StringProperty(
-        name="Actuators", description="Empty for those at its body part, - for none, else device/actuator, separated by semicolons"
+        name="Actuators",
+        description="Empty for those at its body part, - for none, else device/actuator, separated by semicolons",
+        update=_actuators_chosen,
     )
 
 
