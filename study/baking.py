@@ -75,13 +75,13 @@ def bake_ride(
 
 
 def lively_frames(ride: Ride, count: int) -> list[int]:
-    """``count`` frames of every section, each where most is felt in a part of it."""
+    """Of every section ``count`` frames at most, each where most is felt in a part of it; none of a part in which nothing is."""
     felt = ride.renditions[Mode.HT].peak.sum(axis=1)
     chosen = []
     for _, _, first, last in ride.sections:
         rows = ride.rows(first, last)
         parts = np.array_split(np.arange(rows.start, rows.stop), count)
-        chosen += [int(ride.frames[part[felt[part].argmax()]]) for part in parts if len(part)]
+        chosen += [int(ride.frames[part[felt[part].argmax()]]) for part in parts if felt[part].any()]
     return chosen
 
 
