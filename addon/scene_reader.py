@@ -32,6 +32,12 @@ from .progress import progress
 FloatArray = NDArray[np.float64]
 
 
+_STEADY = frozenset(
+    "ARRAY BEVEL DECIMATE EDGE_SPLIT MIRROR MULTIRES NORMAL_EDIT REMESH SCREW SKIN SMOOTH SOLIDIFY SUBSURF TRIANGULATE UV_PROJECT UV_WARP "
+    "WEIGHTED_NORMAL WELD WIREFRAME".split()
+)
+"""Modifiers that make the same of a mesh in every frame unless they are animated."""
+
 _TREMBLE = np.float32(1e-6)
 """Change of the numbers of a matrix that is none."""
 
@@ -72,6 +78,7 @@ class _Tagged:
 
     row: int  # in bpy.data.objects
     animated: bool
+    deforming: bool
     scale: tuple[float, float, float]
     object: HapticObject | None
     body: Body | None
@@ -89,6 +96,7 @@ class _Lists:
     rows: NDArray[np.int64]
     scales: FloatArray
     animated: tuple[int, ...]
+    deforming: bool  # any of them
     of_bodies: NDArray[np.int64]
     of_places: NDArray[np.int64]
     objects: tuple[HapticObject, ...]
@@ -107,6 +115,7 @@ class _Lists:
             rows=np.array([t.row for t in tagged], dtype=np.int64),
             scales=np.array([t.scale for t in tagged], dtype=np.float64).reshape(-1, 3),
             animated=tuple(t.row for t in tagged if t.animated),
+            deforming=any(t.deforming for t in tagged),
             of_bodies=np.array([k for k, _, _ in bodies], dtype=np.int64),
             of_places=np.array([row for row, _ in places], dtype=np.int64),
             objects=tuple(item for _, item, _ in bodies),
@@ -191,7 +200,7 @@ class SceneReader:
             self._rigid[moved] = rigid
             known = lists.scales[moved]
             rows |= set(lists.rows[moved[np.any(np.abs(scales - known) > 1e-5 * np.abs(known), axis=1)]].tolist())
-        if depsgraph.id_type_updated("MESH") or depsgraph.id_type_updated("ARMATURE"):
+        if lists.deforming or depsgraph.id_type_updated("MESH"):
             deformed = {u.id.original.session_uid for u in depsgraph.updates if u.is_updated_geometry and isinstance(u.id, Object)}
             for session_id in deformed:
                 self._shapes.pop(session_id, None)
@@ -247,8 +256,9 @@ class SceneReader:
                 except (OSError, ValueError) as error:
                     problems.append(Problem(name, str(error)))
         animated = compatibility.is_animated(obj)
+        deforming = any(animated or modifier.type not in _STEADY for modifier in obj.modifiers)
         struck = read_impact_material(obj)
-        return _Tagged(row, animated, tuple(scale.tolist()), haptic_object, body, source, listener, struck, tuple(problems))
+        return _Tagged(row, animated, deforming, tuple(scale.tolist()), haptic_object, body, source, listener, struck, tuple(problems))
 
     def _scale(self, row: int, scale: FloatArray) -> FloatArray:
         """The object's scale in the world; the known one where only rounding differs, so that what turns keeps its shape."""

@@ -188,3 +188,45 @@ def test_energy_of_the_blow_and_refractory_time_are_the_scenes(drop, scene):
     assert len(found) == 1
     # The floor can't be pushed: all of the energy is that of the blow.
     assert found[0][1].energy == pytest.approx(bounces[0][1].energy, rel=0.01)
+
+
+@pytest.mark.parametrize("way", ["shape key", "armature", "modifier"])
+def test_a_deforming_mesh_touches_where_its_hull_is_in_the_frame(add_box, scene, way):
+    block, lid = add_box("block", (0, 0, 0), (1, 1, 1)), add_box("lid", (0, 0, 1.3), (1, 1, 1))
+    block.haptics.source.enabled = lid.haptics.listener.enabled = True
+    if way == "shape key":
+        block.shape_key_add(name="Basis")
+        key = block.shape_key_add(name="taller")
+        for k, vertex in enumerate(block.data.vertices):
+            if vertex.co.z > 0:
+                key.data[k].co.z += 0.3
+        for frame, value in ((1, 0.0), (11, 1.0)):
+            key.value = value
+            key.keyframe_insert("value", frame=frame)
+    elif way == "armature":
+        rig = bpy.data.objects.new("rig", bpy.data.armatures.new("rig"))
+        scene.collection.objects.link(rig)
+        bpy.context.view_layer.objects.active = rig
+        bpy.ops.object.mode_set(mode="EDIT")
+        bone = rig.data.edit_bones.new("bone")
+        bone.head, bone.tail = (0, 0, 0), (0, 0, 1)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        group = block.vertex_groups.new(name="bone")
+        group.add([k for k, vertex in enumerate(block.data.vertices) if vertex.co.z > 0], 1.0, "REPLACE")
+        block.modifiers.new("rig", "ARMATURE").object = rig
+        for frame, rise in ((1, 0.0), (11, 0.3)):
+            rig.pose.bones["bone"].location = (0, rise, 0)
+            rig.pose.bones["bone"].keyframe_insert("location", frame=frame)
+    else:
+        modifier = block.modifiers.new("thicker", "DISPLACE")
+        modifier.direction, modifier.mid_level = "Z", 0.0
+        for frame, strength in ((1, 0.0), (11, 0.3)):
+            modifier.strength = strength
+            modifier.keyframe_insert("strength", frame=frame)
+    gaps = {}
+    for frame in (1, 5, 11):
+        scene.frame_set(frame)
+        contacts = session.trace(scene, bpy.context.evaluated_depsgraph_get()).contacts
+        gaps[frame] = contacts.distance.tolist()
+    assert gaps[1] == gaps[5] == []
+    assert gaps[11] == [pytest.approx(0.0, abs=1e-5)]
