@@ -33,8 +33,10 @@ FloatArray = NDArray[np.float64]
 
 
 _STEADY = frozenset(
-    "ARRAY BEVEL DECIMATE EDGE_SPLIT MIRROR MULTIRES NORMAL_EDIT REMESH SCREW SKIN SMOOTH SOLIDIFY SUBSURF TRIANGULATE UV_PROJECT UV_WARP "
-    "WEIGHTED_NORMAL WELD WIREFRAME".split()
+    (
+        "ARRAY", "BEVEL", "DECIMATE", "EDGE_SPLIT", "MIRROR", "MULTIRES", "NORMAL_EDIT", "REMESH", "SCREW", "SKIN", "SMOOTH",
+        "SOLIDIFY", "SUBSURF", "TRIANGULATE", "UV_PROJECT", "UV_WARP", "WEIGHTED_NORMAL", "WELD", "WIREFRAME"
+    )
 )
 """Modifiers that make the same of a mesh in every frame unless they are animated."""
 
