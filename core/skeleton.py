@@ -105,7 +105,8 @@ def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dic
     left = _unit(left)
     front = np.cross(left, up)
     height = _height(head, limbs, up, hips)
-    chest, belly, middle = torso[-1], torso[min(1, len(torso) - 1)], torso[len(torso) // 2]
+    chest, middle = torso[-1], torso[len(torso) // 2]
+    belly = next((bone for bone in torso if bone is not hips), torso[0])
     result: dict[str, Place] = {}
     for part in parts:
         name = part.name.partition(".")[0]
