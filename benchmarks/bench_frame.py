@@ -6,7 +6,8 @@ Every frame is simulated by Blender and traced by the add-on's own handler, whic
 the milliseconds over all frames, `cost` the median of their ratio frame by frame. 4 sources are on bodies, 10 listeners on others; all
 contacts that signals reach are wanted. Impacts are found, and with `--impacts` each makes one more source. `off` is the median of
 Blender's frame in a run with tracing off. Settled bodies lie asleep on the ground with one source at the edge; `beyond reading` is what
-tracing costs without reading the transforms.
+tracing costs without reading the transforms. `CPU`: the same in CPU time, which other work on the machine does not lengthen: of all threads
+while Blender evaluates, and of the one that traces.
 """
 
 from __future__ import annotations
@@ -36,14 +37,17 @@ SHAPES = ("BOX", "SPHERE", "CONVEX_HULL", "CYLINDER", "CAPSULE", "CONE", "MIXED"
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """Medians over the frames of one scene: milliseconds of Blender's own frame, of it in a run with tracing off, of tracing and of each
-    of its stages; the ratio; narrow-phase queries made and avoided per frame, all told; bytes that the tracer holds."""
+    """Medians over the frames of one scene: milliseconds of Blender's own frame, of it in a run with tracing off, of tracing, of each of
+    its stages; the ratio; the same of CPU time; narrow-phase queries made and avoided per frame, all told; bytes that the tracer holds."""
 
     bodies: int
     blender: float
     off: float
     tracing: float
     cost: float
+    blender_cpu: float
+    tracing_cpu: float
+    cost_cpu: float
     stages: dict[str, float]
     contacts: float
     queries: int
@@ -126,15 +130,18 @@ class _Watch:
 
     def __init__(self) -> None:
         self.tracing: list[float] = []
+        self.working: list[float] = []
         handlers = bpy.app.handlers.frame_change_post
         handlers.insert(0, self._begin)
         handlers.append(self._end)
 
     def _begin(self, *_: object) -> None:
-        self._begun = time.perf_counter()
+        self._begun = time.perf_counter(), time.thread_time()
 
     def _end(self, *_: object) -> None:
-        self.tracing.append(time.perf_counter() - self._begun)
+        begun, worked = self._begun
+        self.tracing.append(time.perf_counter() - begun)
+        self.working.append(time.thread_time() - worked)
 
 
 def measure(bodies: int, shape: str, frames: int, settled: bool, strategy: str, impacts: bool) -> Row:
@@ -144,8 +151,8 @@ def measure(bodies: int, shape: str, frames: int, settled: bool, strategy: str, 
     scene = build(bodies, shape, frames, settled, strategy, impacts)
     scene.haptics.tracing = True
     watch = _Watch()
-    whole, results = _play(scene, frames)
-    tracing = np.array(watch.tracing)
+    whole, worked, results = _play(scene, frames)
+    tracing, working = np.array(watch.tracing), np.array(watch.working)
     own = whole - tracing
     stages = {stage: float(np.median([r.milliseconds[stage] for r in results])) for stage in results[0].milliseconds}
     return Row(
@@ -154,6 +161,9 @@ def measure(bodies: int, shape: str, frames: int, settled: bool, strategy: str, 
         off=float(np.median(off)),
         tracing=1000 * float(np.median(tracing)),
         cost=float(np.median(tracing / own)),
+        blender_cpu=1000 * float(np.median(worked - working)),
+        tracing_cpu=1000 * float(np.median(working)),
+        cost_cpu=float(np.median(working / (worked - working))),
         stages=stages,
         contacts=float(np.median([len(r.contacts) for r in results])),
         queries=sum(r.statistics["contact_queries"] for r in results) // frames,
@@ -162,17 +172,17 @@ def measure(bodies: int, shape: str, frames: int, settled: bool, strategy: str, 
     )
 
 
-def _play(scene: bpy.types.Scene, frames: int) -> tuple[np.ndarray, list]:
-    """Seconds of each frame, and what was traced in it."""
-    seconds, results = np.empty(frames), []
+def _play(scene: bpy.types.Scene, frames: int) -> tuple[np.ndarray, np.ndarray, list]:
+    """Seconds of each frame, of CPU time of all threads in it, and what was traced."""
+    seconds, worked, results = np.empty(frames), np.empty(frames), []
     for k in range(frames):
-        begun = time.perf_counter()
+        begun, working = time.perf_counter(), time.process_time()
         scene.frame_set(k + 1)
-        seconds[k] = time.perf_counter() - begun
+        seconds[k], worked[k] = time.perf_counter() - begun, time.process_time() - working
         result = session.result_of(scene)
         if result is not None:
             results.append(result)
-    return seconds, results
+    return seconds, worked, results
 
 
 def _held(scene: bpy.types.Scene) -> int:
@@ -197,7 +207,7 @@ def run(
 ) -> list[Row]:
     """Print the table; its rows."""
     print(f"{frames} frames, {shape.lower()}, {SOURCES} sources, {LISTENERS} listeners, strategy {strategy}; milliseconds a frame")
-    print(" bodies  Blender      off  tracing    cost   goal contacts  queries  avoided     MB  stages")
+    print(" bodies  Blender      off  tracing    cost   goal |   CPU:  tracing    cost | contacts  queries  avoided     MB  stages")
     rows = []
     haptic_tracing.register()
     try:
@@ -210,8 +220,9 @@ def run(
             row = measure(settled, shape, frames, True, strategy, impacts)
             rows.append(row)
             _show(row, f"{row.cost:7.1%} {'':>6}")
-            beyond = row.tracing - row.stages["read"]
-            print(f"{settled} settled, one local source: {beyond:.2f} ms a frame beyond reading (goal {SETTLED_GOAL:g} ms)", flush=True)
+            beyond = row.tracing - row.stages["read"], row.tracing_cpu - row.stages["read"]
+            words = f"{beyond[0]:.2f} ms a frame beyond reading, {beyond[1]:.2f} ms of CPU time"
+            print(f"{settled} settled, one local source: {words} (goal {SETTLED_GOAL:g} ms)", flush=True)
         print(f"the handler where tracing is off: {_idle(False):.1f} us, where nothing is tagged: {_idle(True):.1f} us (goal 20 us)")
     finally:
         haptic_tracing.unregister()
@@ -232,7 +243,8 @@ def _idle(tracing: bool) -> float:
 def _show(row: Row, cost: str) -> None:
     stages = ", ".join(f"{stage} {milliseconds:.2f}" for stage, milliseconds in row.stages.items())
     print(
-        f"{row.bodies:7} {row.blender:8.2f} {row.off:8.2f} {row.tracing:8.2f} {cost} {row.contacts:8.0f} {row.queries:8} {row.avoided:8}"
+        f"{row.bodies:7} {row.blender:8.2f} {row.off:8.2f} {row.tracing:8.2f} {cost} | {row.blender_cpu:7.2f}"
+        f" {row.tracing_cpu:7.2f} {row.cost_cpu:7.1%} | {row.contacts:8.0f} {row.queries:8} {row.avoided:8}"
         f" {row.memory / 1e6:6.1f}  {stages}",
         flush=True,
     )
