@@ -142,7 +142,8 @@ def _liveliest(ride: Ride, first: int, last: int) -> int:
 
 def _legend() -> str:
     stops = ",".join(shades()[1::9])
-    return f"<p class=legend>-46 dB <span style='background:linear-gradient(90deg,{stops})'></span> full scale, peak of the frame; bodies seen from behind</p>"
+    bar = f"<span style='background:linear-gradient(90deg,{stops})'></span>"
+    return f"<p class=legend>-46 dB {bar} full scale, peak of the frame; bodies seen from behind</p>"
 
 
 def _player(ride: Ride, pictures: Mapping[int, bytes]) -> str:
