@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...core.devices.mapping import ActuatorMapping, Loss, Place, map_listeners
 from ...core.frame_result import FrameResult
 from ...core.playback import Playback, grain, recorded_grain
+from ...core.signals import Sine, Track
 from ..preferences import preferences
 from . import outputs, preview
 
@@ -90,9 +91,10 @@ def _samples(result: FrameResult, frame_seconds: float, recorded: bool) -> NDArr
 def mapping_of(result: FrameResult, choices: Mapping[str, str]) -> ActuatorMapping:
     """Which actuators the listeners of a frame are felt through, and what gets lost."""
     listeners = tuple((listener.name, listener.body_part) for listener in result.listeners)
-    key = (outputs.version(), listeners, tuple(sorted(choices.items())))
+    bands = _bands(result)
+    key = (outputs.version(), listeners, tuple(sorted(choices.items())), tuple(bands.items()))
     if _state.mapping is None or _state.mapped != key:
-        _state.mapping, _state.mapped = _mapped(dict(listeners), choices), key
+        _state.mapping, _state.mapped = _mapped(dict(listeners), choices, bands), key
     return _state.mapping
 
 
@@ -108,7 +110,19 @@ def choice_of(places: Sequence[Place]) -> str:
     return ";".join(f"{place.device}/{place.actuator}" for place in places) or MUTED
 
 
-def _mapped(listeners: Mapping[str, str], choices: Mapping[str, str]) -> ActuatorMapping:
+def _bands(result: FrameResult) -> dict[str, tuple[float, float]]:
+    """The lowest and highest frequency [Hz] that reaches a listener, where all that does are tones."""
+    tones = [source.signal if isinstance(source.signal, Sine) else None for source in result.sources]
+    bands = {}
+    for row, listener in enumerate(result.listeners):
+        heard = [tone for tone, gain in zip(tones, result.gains[:, row].tolist(), strict=True) if gain > 0]
+        if heard and None not in heard:
+            values = np.concatenate([f.values if isinstance(f, Track) else [f] for f in (tone.frequency for tone in heard if tone)])
+            bands[listener.name] = float(values.min()), float(values.max())
+    return bands
+
+
+def _mapped(listeners: Mapping[str, str], choices: Mapping[str, str], bands: Mapping[str, tuple[float, float]]) -> ActuatorMapping:
     devices = {key: output.profile for key, output in outputs.running().items()}
     known = {Place(key, actuator.name) for key, device in devices.items() for actuator in device.actuators}
     chosen: dict[str, list[Place]] = {}
@@ -122,5 +136,5 @@ def _mapped(listeners: Mapping[str, str], choices: Mapping[str, str]) -> Actuato
         if missing:
             names = ", ".join(f"{place.actuator} of {place.device}" for place in missing)
             absent.append(Loss(listener, "actuator", f"{listener} is not felt through {names}: not connected"))
-    mapping = map_listeners(listeners, devices, chosen=chosen)
+    mapping = map_listeners(listeners, devices, chosen=chosen, bands=bands)
     return ActuatorMapping(mapping.listeners, mapping.weights, (*absent, *mapping.losses))

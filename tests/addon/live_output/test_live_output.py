@@ -216,6 +216,14 @@ def test_listeners_go_to_the_actuator_at_their_body_part_or_where_they_are_sent(
     assert handlers.choices(result) == {}
 
 
+def test_a_tone_that_the_actuator_can_not_play_is_said(sounds, playing):
+    for frequency, words in ((12.0, "is outside"), (150.0, None)):
+        bpy.data.objects["box"].haptics.source.frequency = frequency
+        playing(1)
+        losses = [loss.text for loss in player.mapping_of(session.result_of(bpy.context.scene), {}).losses if loss.kind == "band"]
+        assert len(losses) == (2 if words else 0) and all(words in text for text in losses)
+
+
 def test_a_choice_of_a_device_that_is_not_there_is_said_and_nothing_fails(sounds, playing):
     bpy.data.objects["left"].haptics.live_output.actuators = "xbox/low motor"
     playing(1)
