@@ -30,7 +30,7 @@ class HAPTIC_OT_import_scene(Operator):
     bl_label = "Import Haptic Scene"
     bl_options = UNDO
 
-    filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"SKIP_SAVE"})
+    filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
     filter_glob: StringProperty(default="*.json;*.json.gz", options={"HIDDEN"})
     use_settings: BoolProperty(
         name="Settings", description="Take over the settings of the file, its frame rate and its frames", default=True
@@ -62,7 +62,7 @@ class HAPTIC_OT_import_signal(Operator):
     bl_label = "Import Haptic Signal"
     bl_options = UNDO
 
-    filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"SKIP_SAVE"})
+    filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
     filter_glob: StringProperty(default=";".join(f"*{suffix}" for suffix in registry.READERS), options={"HIDDEN"})
     channel: IntProperty(name="Channel", description="Which one of the file's vibrations", default=1, min=1, soft_max=32)
     loop: BoolProperty(name="Loop", description="Play it again and again; otherwise once, at the scene's beginning", default=True)

@@ -84,7 +84,7 @@ def _start() -> None:
     if _running is None:
         return
     window = bpy.context.window_manager.windows[0]
-    with bpy.context.temp_override(window=window, screen=window.screen):
+    with bpy.context.temp_override(window=window):
         bpy.ops.haptic.run_job("INVOKE_DEFAULT")
 
 

@@ -67,11 +67,14 @@ def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[s
             _write(attached[f"source {name}"], {("haptics.source.amplitude", 0): (times, values[:, 0])})
     for key, keys in places.items():
         local = _local(keys, poses[carriers[key]])
-        drift = np.abs(np.array(list(local.values())) - next(iter(local.values()))).max()
-        if drift <= STILL:
-            continue
+        begin = next(iter(local.values()))
+        drifts = np.abs(np.array(list(local.values())) - begin).max() > STILL
         if attached[key] is objects[carriers[key]]:
-            losses.append(f"{key} moves apart from its object")
+            if drifts:
+                losses.append(f"{key} moves apart from its object")
+            continue
+        attached[key].location = begin  # what begins later does so where its object has come to
+        if not drifts:
             continue
         times, values = _held(local)
         _write(attached[key], {("location", k): (times, values[:, k]) for k in range(3)})

@@ -126,7 +126,16 @@ def test_odd_extras_are_left_out(bench, gltf, tmp_path):
         assert not bpy.data.objects["seat"].haptics.enabled and bpy.data.objects["ground"].haptics.enabled
 
 
-def test_the_exporters_panel_draws(bench, gltf):
+def test_the_exporters_panel_draws(bench, gltf, recording_layout):
     for name in ("glTF2ExportUserExtension", "glTF2ImportUserExtension", "draw_export", "draw_import"):
         assert hasattr(haptic_tracing, name)
     assert not hasattr(haptic_tracing, "glTF2ExportUserExtensions")
+
+    class Layout(recording_layout):
+        def panel(self, name, default_closed):
+            return self, self
+
+    layout = Layout()
+    bench.haptics.gltf.use_material = True
+    haptic_tracing.draw_export(bpy.context, layout)
+    assert layout.properties == ["use_extras", "use_material", "material_name"]

@@ -320,7 +320,9 @@ def test_impacts_of_a_range_come_from_the_file(tmp_path, add_box):
     assert not bpy.context.scene.haptics.impacts
     bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "b.json"), frames="RANGE", frame_start=1, frame_end=20, tracks="inline")
     again = read_export(tmp_path / "b.json")
-    assert [s.name for frame in again.recording.frames for s in frame.sources] == [begun[0].name]
+    (source,) = [source for frame in again.recording.frames for source in frame.sources]
+    assert source.name == begun[0].name and source.onset == begun[0].onset
+    np.testing.assert_allclose(source.position, begun[0].position, atol=1e-3)
     np.testing.assert_allclose(again.tracks.samples, first.tracks.samples, atol=2e-3)
     assert np.abs(again.tracks.samples).max() > 0.05
 
