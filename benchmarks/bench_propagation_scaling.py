@@ -198,7 +198,7 @@ def main() -> None:
         "the peers, whose gains are checked to be the same. `visited`: nodes that `best_path` reaches, of those present. Left out (-):\n"
         "peers where the explicit graph would be too large.\n\n" + summary(rows)
     )
-    publish("propagation_scaling", "Propagation from 10 to 100,000 objects", text, [asdict(row) for row in rows], draw(rows))
+    publish("propagation_scaling", f"Propagation from 10 to {options.largest:,} objects", text, [asdict(row) for row in rows], draw(rows))
 
 
 if __name__ == "__main__":
