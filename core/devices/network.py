@@ -60,7 +60,7 @@ def websocket_module() -> Any:
     try:
         return import_module("websocket")
     except ImportError:
-        needed = "haptic players need the Python package websocket-client: python -m pip install websocket-client, with Blender's Python"
+        needed = "haptic players need the Python package websocket-client, which the extension carries: install it from its zip"
         raise DeviceError(needed) from None
 
 

@@ -64,8 +64,7 @@ def sound_module() -> Any:
     try:
         return import_module("sounddevice")
     except ImportError:
-        needed = "sound cards need the Python package sounddevice: python -m pip install sounddevice, with Blender's Python"
-        raise DeviceError(needed) from None
+        raise DeviceError("sound cards need the Python package sounddevice, which the extension carries: install it from its zip") from None
     except OSError:
         raise DeviceError("sound cards need the library PortAudio (Debian, Ubuntu: libportaudio2; Fedora: portaudio)") from None
 
