@@ -166,9 +166,10 @@ def search(
         which, step = steps.expand(states.entry, sizes)
         to = steps.to[step]
         gain = states.gain[which] * steps.gain[step]
-        possible = useful[to]
-        if least > 0:
-            possible &= gain * limits.ahead[to] >= least
+        if least == 0:
+            possible = useful[to]
+        else:
+            possible = gain * limits.ahead[to] >= least
             if amplified:  # else the gain of the whole path says it all
                 possible &= (gain >= least) & (states.gain[which] * steps.inside[step] >= least)
         kept = possible.nonzero()[0]

@@ -138,6 +138,8 @@ class _Run:
             warnings.append("some gains are above 1: paths were searched by their number of connections; energies count them as 1")
         if best.bound:
             warnings.append("the budget was spent before it was certain that the best paths are the best: see the error bounds")
+        if not error.any() and not np.any(gain >= LARGEST):
+            return tuple(warnings)
         summed = [row for row, strategy in enumerate(self.strategies) if strategy is Strategy.ALL_PATHS]
         uncertain = error[summed] > self.settings.tolerance * gain[summed] * (1 + ROUNDING)
         if np.any(error[summed] >= LARGEST):
