@@ -9,7 +9,10 @@ def steps(window):
     yield from window.click_button("haptic.make_objects")
     cube = bpy.context.scene.objects["Cube"]
     cube.haptics.source.enabled = cube.haptics.listener.enabled = True
-    yield from window.click_button("haptic.trace_frame")
+    window.point_at_view()
+    yield
+    yield from window.press("RIGHT_ARROW")
+    yield 0.5
     window.seen["gain"] = float(session.result_of(bpy.context.scene).gains.max()) > 0
 
     path = str(window.folder / "saved.blend")
