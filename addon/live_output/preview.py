@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import deque
 from typing import Any
 
+import bpy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,6 +28,10 @@ _ENVELOPE[PIECE:] = _ENVELOPE[:_FADE][::-1]
 LEAD = 0.060
 """Seconds between a block and its sound, so that a frame may be late without a gap."""
 _LATE = 0.300
+
+
+OLDEST = (5, 2, 0)
+"""Blender 5.0 and earlier play only the end of a piece that begins between two of their audio buffers."""
 
 
 class AudioUnavailable(Exception):
@@ -152,6 +157,8 @@ def _audio() -> tuple[Any, Any]:
         import aud
     except ImportError:
         raise AudioUnavailable("this Blender is built without audio") from None
+    if bpy.app.version < OLDEST:
+        raise AudioUnavailable("the preview needs Blender 5.2: the audio system of earlier ones leaves out short sounds")
     try:
         device = aud.Device()
     except aud.error as error:

@@ -26,6 +26,8 @@ class Device:
 @pytest.fixture
 def loudspeaker(monkeypatch, scene):
     aud = pytest.importorskip("aud", reason="this bpy is built without audio")
+    if bpy.app.version < preview.OLDEST:
+        pytest.skip("before Blender 5.2 the preview says that its audio system leaves out short sounds")
     device = Device()
     monkeypatch.setattr(preview, "_audio", lambda: (aud, device))
     preview.switch_on()
@@ -41,7 +43,7 @@ def heard(device, seconds):
 def test_without_an_audio_device_the_operator_says_so(scene):
     assert bpy.ops.haptic.toggle_preview() == {"CANCELLED"}
     assert not preview.is_on()
-    with pytest.raises(preview.AudioUnavailable, match=r"no audio device|without audio"):
+    with pytest.raises(preview.AudioUnavailable, match=r"no audio device|without audio|needs Blender 5.2"):
         preview.switch_on()
 
 
