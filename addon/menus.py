@@ -117,10 +117,11 @@ def _draw_add_menu(self: Menu, context: Context) -> None:
 
 CLASSES = (HAPTIC_MT_more, HAPTIC_MT_object, HAPTIC_MT_samples, HAPTIC_MT_add)
 
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
+
 
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    _register_classes()
     bpy.types.VIEW3D_MT_object.append(_draw_object_menu)
     bpy.types.VIEW3D_MT_add.append(_draw_add_menu)
 
@@ -128,5 +129,4 @@ def register() -> None:
 def unregister() -> None:
     bpy.types.VIEW3D_MT_add.remove(_draw_add_menu)
     bpy.types.VIEW3D_MT_object.remove(_draw_object_menu)
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    _unregister_classes()

@@ -31,6 +31,12 @@ MIXING_ITEMS = (
     ("strongest", "Strongest", "Only the strongest signal is felt"),
     ("power", "Power", "Adds up energies: the root of the sum of squares"),
 )
+MODE_ITEMS = (
+    ("HT", "Haptic Tracing", "Through touching objects, as their properties say"),
+    ("SD", "Single Nearest", "Only the listener nearest to each source, fading with distance alone"),
+    ("MD", "All by Distance", "Every source directly to every listener, fading with distance alone"),
+    ("MN", "All Alike", "Every source directly to every listener, without fading"),
+)
 BODY_PART_ITEMS = (
     ("NONE", "None", "Not a part of the body"),
     *((part.name, part.name.replace("_", " ").title(), f"Stands for the {part.name.replace('_', ' ')}") for part in BODY_PARTS),
@@ -216,13 +222,8 @@ class HapticSceneProperties(PropertyGroup):
     mode: EnumProperty(
         name="Mode",
         description="The rendering",
+        items=MODE_ITEMS,
         update=_changed,
-        items=(
-            ("HT", "Haptic Tracing", "Through touching objects, as their properties say"),
-            ("SD", "Single Nearest", "Only the listener nearest to each source, fading with distance alone"),
-            ("MD", "All by Distance", "Every source directly to every listener, fading with distance alone"),
-            ("MN", "All Alike", "Every source directly to every listener, without fading"),
-        ),
     )
     localise: FloatProperty(
         name="Localise",
@@ -377,10 +378,11 @@ CLASSES = (
     HapticSceneProperties,
 )
 
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
+
 
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    _register_classes()
     Object.haptics = PointerProperty(type=HapticObjectProperties, name="Haptics")
     Scene.haptics = PointerProperty(type=HapticSceneProperties, name="Haptics")
 
@@ -388,5 +390,4 @@ def register() -> None:
 def unregister() -> None:
     del Scene.haptics
     del Object.haptics
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    _unregister_classes()

@@ -115,12 +115,4 @@ def _side(obj: Object) -> str:
 
 CLASSES = (HAPTIC_OT_add_default_listeners, HAPTIC_OT_mirror_listeners)
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -53,12 +53,4 @@ class HAPTIC_PT_materials(HapticsPanel, Panel):
 
 CLASSES = (HAPTIC_UL_materials, HAPTIC_MT_materials, HAPTIC_PT_materials)
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

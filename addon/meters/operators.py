@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
+from bpy.app.translations import pgettext_tip as tip_
 from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
@@ -12,15 +13,9 @@ from .. import session
 from ..bake import playback
 from ..operators.polling import UNDO
 from ..overlay import draw
+from ..properties import MODE_ITEMS
 
-MODES = ("HT", "SD", "MD", "MN")
-_ITEMS = (
-    ("HT", "Haptic Tracing", "Through touching objects, as their properties say"),
-    ("SD", "Single Nearest", "Only the listener nearest to each source, fading with distance alone"),
-    ("MD", "All by Distance", "Every source directly to every listener, fading with distance alone"),
-    ("MN", "All Alike", "Every source directly to every listener, without fading"),
-    ("NEXT", "Next", "The one after the current: HT, SD, MD, MN, HT"),
-)
+_ITEMS = (*MODE_ITEMS, ("NEXT", "Next", "The one after the current: HT, SD, MD, MN, HT"))
 
 
 class HAPTIC_OT_set_mode(Operator):
@@ -35,14 +30,15 @@ class HAPTIC_OT_set_mode(Operator):
     @classmethod
     def description(cls, context: Context, properties: Any) -> str:
         """The tooltip of a button: what its mode does."""
-        return next(f"{title}: {words}" for name, title, words in _ITEMS if name == properties.mode)
+        return next(f"{tip_(title)}: {tip_(words)}" for name, title, words in _ITEMS if name == properties.mode)
 
     def execute(self, context: Context) -> set[str]:
         haptics = context.scene.haptics
         if playback.plays(context.scene):
             haptics.bake.use_track = False
             self.report({"INFO"}, "Play Baked Track is off now: another mode has to be traced")
-        following = MODES[(MODES.index(haptics.mode) + 1) % len(MODES)]
+        modes = [name for name, *_ in MODE_ITEMS]
+        following = modes[(modes.index(haptics.mode) + 1) % len(modes)]
         haptics.mode = following if self.mode == "NEXT" else self.mode
         session.trace(context.scene, context.evaluated_depsgraph_get())
         draw.redraw()
@@ -51,12 +47,4 @@ class HAPTIC_OT_set_mode(Operator):
 
 CLASSES = (HAPTIC_OT_set_mode,)
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

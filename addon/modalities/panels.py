@@ -83,12 +83,4 @@ def _panel(modality: Modality, part: str, values: dict[str, object]) -> type[Pan
 
 CLASSES = tuple(panel(modality) for modality in SHOWN for panel in (_scene_panel, _object_panel))
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

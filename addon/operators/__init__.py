@@ -8,12 +8,4 @@ from . import adding, selection, tagging, tracing
 
 CLASSES = tuple(cls for module in (tagging, adding, tracing, selection) for cls in module.CLASSES)
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

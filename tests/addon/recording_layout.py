@@ -14,6 +14,8 @@ class RecordingLayout:
         self.labels: list[str] = []
         self.properties: list[str] = []
         self.operators: list[str] = []
+        self.menus: list[str] = []
+        self.icons: list[int] = []
 
     def column(self, **_: Any) -> RecordingLayout:
         return self
@@ -47,6 +49,7 @@ class RecordingLayout:
 
     def template_icon(self, *, icon_value: int, scale: float = 1.0) -> None:
         assert icon_value >= 0
+        self.icons.append(icon_value)
 
     def progress(self, *, factor: float, text: str = "", **_: Any) -> None:
         assert 0 <= factor <= 1
@@ -62,6 +65,7 @@ class RecordingLayout:
 
     def menu(self, identifier: str, **_: Any) -> None:
         assert hasattr(bpy.types, identifier)
+        self.menus.append(identifier)
 
 
 class _OperatorProperties:

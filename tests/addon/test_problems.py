@@ -101,9 +101,12 @@ def test_a_camera_has_no_surface(sound, traced):
 def test_a_rigid_body_without_a_world_is_traced_where_it_stands(add_box, traced):
     box = add_box("box", (0, 0, 0), (1, 1, 1), "ACTIVE")
     box.haptics.source.enabled = box.haptics.listener.enabled = True
-    bpy.context.scene.rigidbody_world.collection.objects.unlink(box) if bpy.context.scene.rigidbody_world.collection else None
+    bpy.context.scene.rigidbody_world.collection.objects.unlink(box)  # else it stops being a rigid body
     bpy.ops.rigidbody.world_remove()
+    assert box.rigid_body is not None
+    assert bpy.context.scene.rigidbody_world is None
     _goes_on(traced())
+    assert _problems() == {}
 
 
 def test_a_missing_recording(sound, traced):

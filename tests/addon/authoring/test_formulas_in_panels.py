@@ -112,7 +112,8 @@ def test_every_panel_and_menu_of_authoring_draws(add_box, add_empty):
                 bpy.context.scene.frame_set(2)
             for cls in (*panels.CLASSES, *materials.CLASSES, *modalities.CLASSES, *menus.CLASSES):
                 if hasattr(cls, "draw") and (not hasattr(cls, "poll") or cls.poll(bpy.context)):
-                    _draw(cls)
+                    layout = _draw(cls)
+                    assert layout.labels or layout.properties or layout.operators or layout.menus, cls
 
 
 def test_panels_draw_with_an_object_of_another_library(add_box):

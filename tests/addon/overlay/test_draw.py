@@ -1,6 +1,7 @@
 """Handlers, and what is kept between redraws."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import bpy
 import pytest
@@ -68,15 +69,21 @@ def test_handlers_come_and_go_any_number_of_times():
         assert len(draw._handlers) == 2
 
 
-def test_redraw_without_a_3d_viewport_does_nothing(scene):
-    for area in bpy.context.window.screen.areas:
-        area.type = "TEXT_EDITOR"
+def test_redraw_tags_every_3d_viewport_and_nothing_else(monkeypatch):
+    tagged = []
+    areas = [SimpleNamespace(type=kind, tag_redraw=lambda kind=kind: tagged.append(kind)) for kind in ("VIEW_3D", "TEXT_EDITOR", "VIEW_3D")]
+    windows = [SimpleNamespace(screen=SimpleNamespace(areas=chosen)) for chosen in (areas, areas[1:2])]
+    monkeypatch.setattr(draw, "bpy", SimpleNamespace(context=SimpleNamespace(window_manager=SimpleNamespace(windows=windows))))
     draw.redraw()
+    assert tagged == ["VIEW_3D", "VIEW_3D"]
 
 
-def test_draw_callbacks_outside_a_viewport_draw_nothing(scene):
+def test_draw_callbacks_outside_a_viewport_draw_nothing(uploads, shown):
+    shown()
     draw._draw_view()
     draw._draw_pixels()
+    assert uploads == []
+    assert not draw._drawings
 
 
 def test_overlay_properties_have_tooltips():
