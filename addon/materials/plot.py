@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from bpy.types import Context
 from numpy.typing import NDArray
 
 from ...core.functions.curve import Curve
+from ..panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
 
-Pixels = NDArray[np.float32]
-Colour = tuple[float, float, float]
-
-SIZE = 256
 FLOOR = -60.0
 """Decibels at the bottom of the picture."""
 
 _MARGIN = 10
-_KEY = "gain"
 
-_previews: Any = None
-_shown: object = None
+_picture = Picture()
 
 
 def picture(curve: Curve, colour: Colour, ink: Colour) -> Pixels:
@@ -31,12 +23,12 @@ def picture(curve: Curve, colour: Colour, ink: Colour) -> Pixels:
     Lines every 20 dB and at quarters of the reach, in ``ink``; the curve in ``colour``, filled below; the lowest and the highest band as
     thin lines.
     """
-    pixels = np.zeros((SIZE, SIZE, 4), dtype=np.float32)
+    pixels = blank()
     inside = slice(_MARGIN, SIZE - _MARGIN)
     for part in np.linspace(0, 1, 4):
-        _tint(pixels[_place(part), inside], ink, 0.5 if part == 0 else 0.2)
+        tint(pixels[_place(part), inside], ink, 0.5 if part == 0 else 0.2)
     for part in np.linspace(0, 1, 5):
-        _tint(pixels[inside, _place(part)], ink, 0.5 if part == 0 else 0.2)
+        tint(pixels[inside, _place(part)], ink, 0.5 if part == 0 else 0.2)
     columns = np.arange(_MARGIN, SIZE - _MARGIN)
     at = np.linspace(0, curve.reach, len(columns))
     for gains, width, filled in _lines(curve):
@@ -44,13 +36,6 @@ def picture(curve: Curve, colour: Colour, ink: Colour) -> Pixels:
         heights = _MARGIN + np.clip(1 - decibels / FLOOR, -0.02, 1) * (SIZE - 2 * _MARGIN - 1)
         _draw(pixels, columns, heights, colour, width, filled)
     return pixels
-
-
-def _tint(pixels: Pixels, colour: Colour, alpha: float | NDArray[np.float64]) -> None:
-    """Lay a colour over pixels (..., 4) whose colours are times their opacity."""
-    cover = np.broadcast_to(np.asarray(alpha, dtype=np.float32), pixels.shape[:-1])[..., None]
-    pixels *= 1 - cover
-    pixels += cover * np.array([*colour, 1.0], dtype=np.float32)
 
 
 def _lines(curve: Curve) -> list[tuple[NDArray[np.float64], float, bool]]:
@@ -72,36 +57,15 @@ def _draw(pixels: Pixels, columns: NDArray[np.int64], heights: NDArray[np.float6
     if filled:
         alpha = np.maximum(alpha, np.where((rows < heights) & (rows > _MARGIN), 0.22, 0.0))
     chosen = pixels[:, columns]
-    _tint(chosen, colour, alpha)
+    tint(chosen, colour, alpha)
     pixels[:, columns] = chosen
 
 
 def icon(key: object, curve: Curve, colour: Colour, ink: Colour) -> int:
     """The number of the icon that shows the curve; ``key`` says what it is drawn from, so that the same is not drawn twice."""
-    global _previews, _shown
-    from bpy.utils import previews
-
-    if _previews is None:
-        _previews = previews.new()
-        _previews.new(_KEY).image_size = (SIZE, SIZE)
-        _shown = None
-    preview = _previews[_KEY]
-    if _shown != (key, colour, ink):
-        preview.image_pixels_float.foreach_set(picture(curve, colour, ink).ravel())
-        _shown = (key, colour, ink)
-    return preview.icon_id
+    return _picture.icon((key, colour, ink), lambda: picture(curve, colour, ink))
 
 
 def forget() -> None:
     """Free the picture."""
-    global _previews, _shown
-    if _previews is not None:
-        from bpy.utils import previews
-
-        previews.remove(_previews)
-        _previews, _shown = None, None
-
-
-def theme_ink(context: Context) -> Colour:
-    """The colour of text in the theme in use."""
-    return tuple(context.preferences.themes[0].user_interface.wcol_regular.text)
+    _picture.forget()

@@ -35,6 +35,7 @@ _SILENT = (0.42, 0.42, 0.44, 1.0)
 _WHITE = (0.97, 0.97, 0.97, 1.0)
 _MARK = (*SOURCE_COLOUR.tolist(), 1.0)
 _GRID = (0.32, 0.32, 0.34, 1.0)
+SCOPE_COLOUR: Colour = (*colour_table()[len(colour_table()) * 3 // 5].tolist(), 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,32 +189,33 @@ def _add_scope(board: Board, corner: tuple[float, float], width: float, scope: S
         x = left + quarter * width
         board.plate((x - 0.5, low), (x + 0.5, top), _GRID, 0.0)
     board.plate((left, middle - 0.5), (left + width, middle + 0.5), _GRID, 0.0)
-    peak = float(np.abs(scope.samples).max(initial=0.0))
-    full = 10 ** (math.ceil(math.log10(peak) * 2 - 1e-9) / 2) if peak > 1e-3 else 1e-3
-    colour = (*colour_table()[len(colour_table()) * 3 // 5].tolist(), 1.0)
-    for x, least, greatest in _columns(scope):
-        at = left + x * width
-        ends = middle + half * least / full, middle + half * greatest / full
-        board.plate((at, min(ends) - 0.5 * scale), (at + width / _SCOPE_COLUMNS, max(ends) + 0.5 * scale), colour, 0.0)
+    full = full_scale(scope)
+    columns, least, greatest = spans(scope, _SCOPE_COLUMNS)
+    lows, highs = middle + half / full * least - 0.5 * scale, middle + half / full * greatest + 0.5 * scale
+    for x, low_end, high_end in zip((left + columns * width / _SCOPE_COLUMNS).tolist(), lows.tolist(), highs.tolist(), strict=True):
+        board.plate((x, low_end), (x + width / _SCOPE_COLUMNS, high_end), SCOPE_COLOUR, 0.0)
     size = TEXT_SIZE * 0.86
     board.text(f"{scope.listener}, last second", (left + 5 * scale, high - 11 * scale), FAINT_INK, size)
     words = f"±{full:.3g}"
     board.text(words, (left + width - measure(words, size * scale) - 5 * scale, high - 11 * scale), FAINT_INK, size)
 
 
-def _columns(scope: Scope) -> list[tuple[float, float, float]]:
-    """Where a column begins, 0 to 1, and the lowest and highest sample in it."""
+def full_scale(scope: Scope) -> float:
+    """What the edge of the scope stands for: the next of 1, 0.316, 0.1, ... above the peak, at least 0.001."""
+    peak = float(np.abs(scope.samples).max(initial=0.0))
+    return 10 ** (math.ceil(math.log10(peak) * 2 - 1e-9) / 2) if peak > 1e-3 else 1e-3
+
+
+def spans(scope: Scope, count: int) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
+    """The last second cut into ``count`` columns: the numbers of those that there is something of, their lowest and highest samples."""
     whole = round(scope.sample_rate)
     samples = scope.samples[-whole:]
-    if not len(samples):
-        return []
-    borders = np.round(np.linspace(0, whole, _SCOPE_COLUMNS + 1)).astype(np.int64) - (whole - len(samples))
+    borders = np.round(np.linspace(0, whole, count + 1)).astype(np.int64) - (whole - len(samples))
     filled = np.flatnonzero(borders[:-1] >= 0)
+    if not len(filled) or not len(samples):
+        return np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0)
     starts = borders[filled]
-    if not len(starts):
-        return []
-    least, greatest = np.minimum.reduceat(samples, starts), np.maximum.reduceat(samples, starts)
-    return list(zip((filled / _SCOPE_COLUMNS).tolist(), least.tolist(), greatest.tolist(), strict=True))
+    return filled, np.minimum.reduceat(samples, starts), np.maximum.reduceat(samples, starts)
 
 
 def _add_body(board: Board, corner: tuple[float, float], height: float, parts: dict[str, Level], measure: Measure) -> None:

@@ -14,6 +14,7 @@ from ..overlay import draw as overlay
 from ..overlay.furniture import Furniture, Rectangle, legend_width, plate_of
 from ..overlay.quads import quads_of
 from ..preferences import preferences
+from . import pictures
 from .board import Scope, meters
 from .levels import Level, levels
 
@@ -62,13 +63,18 @@ def watched(scene: Scene) -> str:
     return max(shown, key=lambda level: level.rms).listener if shown else ""
 
 
+def scope_of(scene: Scene) -> Scope | None:
+    """The last second of the listener that is watched; None where there is nothing of it, or where it is not to be drawn."""
+    name, history = watched(scene), session.of(scene).history
+    if not scene.haptics.meters.show_scope or not name or not history.sample_rate:
+        return None
+    return Scope(name, history.samples(name), history.sample_rate)
+
+
 def board_of(scene: Scene, corner: tuple[float, float], room: tuple[float, float], scale: float) -> Furniture:
     """The scene's meters as shapes."""
-    chosen = scene.haptics.meters
-    name, history = watched(scene), session.of(scene).history
-    scope = Scope(name, history.samples(name), history.sample_rate) if chosen.show_scope and name and history.sample_rate else None
-    title = f"Mode {scene.haptics.mode}"
-    return meters(levels_of(scene), scope, corner, room, scale, overlay.text_width, title=title, body=chosen.show_body)
+    title, body = f"Mode {scene.haptics.mode}", scene.haptics.meters.show_body
+    return meters(levels_of(scene), scope_of(scene), corner, room, scale, overlay.text_width, title=title, body=body)
 
 
 def _draw_pixels() -> None:
@@ -120,6 +126,7 @@ def forget() -> None:
     """Drop what is kept between redraws."""
     _shown.clear()
     _levels.clear()
+    pictures.forget()
 
 
 def register() -> None:

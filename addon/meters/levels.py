@@ -78,13 +78,3 @@ def levels(result: FrameResult, history: History) -> tuple[Level, ...]:
         )
         for listener, p, r, s in zip(result.listeners, loud.tolist(), mean.tolist(), sensation.tolist(), strict=True)
     )  # fmt: skip
-
-
-def sparkline(samples: np.ndarray, columns: int = 24) -> str:
-    """The strength of samples (n,) over time in one line of text, for panels: a block character per part, the scale that of the meters."""
-    if not len(samples):
-        return ""
-    parts = np.array_split(samples, columns)
-    peaks = [float(np.abs(part).max(initial=0.0)) for part in parts]
-    places = [place_of(20 * math.log10(peak)) if peak > 0 else 0.0 for peak in peaks]
-    return "".join("▁▂▃▄▅▆▇█"[min(int(place * 8), 7)] for place in places)

@@ -29,8 +29,12 @@ def draw_parameters(layout: UILayout, group: Any, kappa: float, rho: float, epsi
 
 
 def draw_formula(layout: UILayout, source: str, kappa: float, rho: float, epsilon: float) -> Finding | None:
-    """Say what is wrong with a formula, or nothing; a formula that is right takes no room. Returns what was said."""
-    finding: Finding | None = _checked(source, kappa, rho, epsilon)
+    """Say what is wrong with a formula of a function, or nothing. Returns what was said."""
+    return draw_finding(layout, source, _checked(source, kappa, rho, epsilon))
+
+
+def draw_finding(layout: UILayout, source: str, finding: Finding | None) -> Finding | None:
+    """Say what is wrong with a formula; one that is right takes no room. Returns what was said."""
     if finding is None:
         return None
     box = layout.box()

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from bpy.types import Context, Panel
 
+from ...core.mixing import check_mixing
 from .drawing import HapticsPanel, draw_carrier
+from .formula import draw_finding
 
 
 class HAPTIC_PT_listener(HapticsPanel, Panel):
@@ -28,9 +30,15 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
         settings.prop(listener, "body_part")
         settings.prop(listener, "radius")
         settings.prop(listener, "mixing")
+        if listener.mixing == "custom":
+            row = settings.row()
+            row.use_property_split = False
+            row.prop(listener, "mixing_expression", text="")
+            draw_finding(settings, listener.mixing_expression, check_mixing(listener.mixing_expression, listener.s_max))
         column = settings.column(align=True)
         column.prop(listener, "gain")
         column.prop(listener, "s_max")
+        settings.prop(listener, "limiter")
         draw_carrier(layout, context.object, listener.enabled, "Feels")
         row = layout.row(align=True)
         row.operator("haptic.add_default_listeners", text="Add Body Listeners", icon="OUTLINER_OB_ARMATURE")

@@ -11,12 +11,16 @@ from ...core.scene import Mode
 from .. import scene_reader, session
 from ..bake import playback
 from ..meters import draw as meters
+from ..meters import pictures
+from ..meters.board import full_scale
 from ..meters.comparison import compared
 from ..meters.explanation import device_words, why_silent
-from ..meters.levels import Level, decibels, sparkline
+from ..meters.levels import Level, decibels
+from ..panel_picture import theme_ink
 from .drawing import HapticsPanel, draw_pair, wrapped
 
 _SHOWN_SOURCES = 4
+_PICTURE = 6.0  # lines high
 _ALL_IN_DETAIL = 3  # listeners; of more only the active one shows its sources
 
 
@@ -101,10 +105,7 @@ class HAPTIC_PT_meters(HapticsPanel, Panel):
             draw_pair(column, level.listener, decibels(level.rms))
             if level.feeling():
                 draw_pair(column, f"    {decibels(level.peak)} peak", level.feeling())
-        name = meters.watched(scene)
-        if name:
-            layout.label(text=f"{name}, last second:")
-            layout.label(text=sparkline(session.of(scene).history.samples(name)))
+        _draw_pictures(layout, context)
 
 
 class HAPTIC_PT_comparison(HapticsPanel, Panel):
@@ -183,6 +184,22 @@ def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
         column.label(text=f"and {len(felt) - _SHOWN_SOURCES} more")
     if not felt:
         column.label(text="Nothing reaches it")
+
+
+def _draw_pictures(layout: UILayout, context: Context) -> None:
+    """The scope and the body side by side, as in the viewport."""
+    scene, ink = context.scene, theme_ink(context)
+    levels, scope = meters.levels_of(scene), meters.scope_of(scene)
+    body = scene.haptics.meters.show_body and any(level.body_part for level in levels)
+    row = layout.row()
+    if scope is not None:
+        column = row.column()
+        column.template_icon(icon_value=pictures.scope_icon(scope, ink), scale=_PICTURE)
+        column.label(text=f"{scope.listener}, ±{full_scale(scope):.3g}", translate=False)
+    if body:
+        column = row.column()
+        column.template_icon(icon_value=pictures.body_icon(levels, ink), scale=_PICTURE)
+        column.label(text="Front and back")
 
 
 CLASSES = (HAPTIC_PT_result, HAPTIC_PT_silence, HAPTIC_PT_meters, HAPTIC_PT_comparison, HAPTIC_PT_statistics)

@@ -31,6 +31,7 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
         elif source.signal not in ("NOISE", "KEPT"):
             layout.prop(source, "frequency")
         layout.operator("haptic.import_signal", icon="IMPORT")
+        layout.prop(source, "decay")
         layout.prop(source, "priority")
         layout.prop(source, "muted")
         draw_carrier(layout, context.object, source.enabled, "Shakes")

@@ -8,7 +8,7 @@ import pytest
 from haptic_tracing.addon.meters.body_map import HALF_WIDTH, HEIGHT, figure
 from haptic_tracing.addon.meters.comparison import compared
 from haptic_tracing.addon.meters.history import History
-from haptic_tracing.addon.meters.levels import FLOOR, decibels, levels, place_of, sparkline
+from haptic_tracing.addon.meters.levels import FLOOR, decibels, levels, place_of
 from haptic_tracing.addon.meters.still import still_samples
 from haptic_tracing.core.body import BODY_PARTS
 from haptic_tracing.core.contacts.contact_set import ContactSet
@@ -96,15 +96,6 @@ def test_levels_do_not_need_the_right_history():
 def test_places_and_texts():
     assert [place_of(level) for level in (-math.inf, FLOOR, FLOOR / 2, 0.0, 6.0)] == [0, 0, 0.5, 1, 1]
     assert [decibels(level) for level in (-math.inf, -11.6, -0.2, 0.0, 3.2)] == ["silent", "−12 dB", "0 dB", "0 dB", "3 dB"]
-
-
-def test_sparkline_rises_with_the_signal():
-    rising = sparkline(np.geomspace(1e-3, 1.0, 2400))
-    assert len(rising) == 24
-    assert list(rising) == sorted(rising)
-    assert rising[-1] == "█"
-    assert set(sparkline(np.zeros(100))) == {"▁"}
-    assert sparkline(np.zeros(0)) == ""
 
 
 def test_every_body_part_is_on_a_figure_and_mirrored():

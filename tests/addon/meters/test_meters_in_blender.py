@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon import session
-from haptic_tracing.addon.meters import draw, explanation
+from haptic_tracing.addon.meters import draw, explanation, pictures
 from haptic_tracing.addon.overlay import picture
 from haptic_tracing.addon.overlay.furniture import plate_of
 from haptic_tracing.addon.panels import result as result_panel
@@ -105,7 +105,31 @@ def test_panels_show_values_as_text(felt):
     labels = _drawn(result_panel.HAPTIC_PT_meters).labels
     foot, _ = draw.levels_of(felt)
     assert {"foot", "hand", "silent", foot.feeling()} <= set(labels)
-    assert any("█" in label or "▆" in label or "▇" in label for label in labels)
+
+
+def test_panel_shows_scope_and_body_as_pictures(felt, monkeypatch):
+    drawn = []
+    for name in ("scope_picture", "body_picture"):
+        draw_it = getattr(pictures, name)
+        monkeypatch.setattr(pictures, name, lambda *what, name=name, draw_it=draw_it: drawn.append(name) or draw_it(*what))
+    pictures.forget()
+    layout = _drawn(result_panel.HAPTIC_PT_meters)
+    assert len(layout.icons) == 2
+    assert "foot, ±1" in layout.labels
+    assert "Front and back" in layout.labels
+    _drawn(result_panel.HAPTIC_PT_meters)
+    assert drawn == ["scope_picture", "body_picture"]  # nothing has changed, nothing is drawn
+    felt.frame_set(51)
+    _drawn(result_panel.HAPTIC_PT_meters)
+    assert drawn == ["scope_picture", "body_picture", "scope_picture"]  # the foot feels as much as before
+    bpy.data.objects["shaker"].haptics.source.muted = True
+    felt.frame_set(52)
+    felt.haptics.meters.show_scope = False
+    assert len(_drawn(result_panel.HAPTIC_PT_meters).icons) == 1
+    assert drawn[3:] == ["body_picture"]
+    felt.haptics.meters.show_body = False
+    assert _drawn(result_panel.HAPTIC_PT_meters).icons == []
+    pictures.forget()
 
 
 def test_modes_by_one_click(felt):

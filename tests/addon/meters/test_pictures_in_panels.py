@@ -1,0 +1,60 @@
+"""The scope and the body map of the panel, pixel by pixel."""
+
+import math
+
+import numpy as np
+import pytest
+from haptic_tracing.addon.meters.board import SCOPE_COLOUR, Scope, colour_of, full_scale, spans
+from haptic_tracing.addon.meters.body_map import figure
+from haptic_tracing.addon.meters.levels import Level
+from haptic_tracing.addon.meters.pictures import body_picture, scope_picture
+from haptic_tracing.core.body import BODY_PARTS
+
+INK = (0.9, 0.9, 0.9)
+RATE = 8000.0
+
+
+def wave(pixels):
+    """Which pixels have the colour of the wave."""
+    return np.abs(pixels[..., :3] - SCOPE_COLOUR[:3]).max(axis=2) < 0.02
+
+
+def test_full_scale_is_the_next_step_of_ten_decibels():
+    for peak, full in ((1.0, 1.0), (0.99, 1.0), (0.3, 10**-0.5), (0.1, 0.1), (0.0, 0.001)):
+        assert full_scale(Scope("a", np.array([0.0, -peak]), RATE)) == pytest.approx(full)
+
+
+def test_spans_hold_the_lowest_and_highest_sample():
+    samples = np.random.default_rng(1).normal(size=5000)
+    columns, least, greatest = spans(Scope("a", samples, RATE), 100)
+    assert columns.tolist() == list(range(38, 100))  # 80 samples each, the first 3000 are not there yet
+    assert least.tolist() == [samples[80 * k - 3000 : 80 * k - 2920].min() for k in columns.tolist()]
+    assert greatest.tolist() == [samples[80 * k - 3000 : 80 * k - 2920].max() for k in columns.tolist()]
+    assert len(spans(Scope("a", np.zeros(0), RATE), 100)[0]) == 0
+
+
+def test_scope_shows_a_burst_where_and_as_high_as_it_was():
+    samples = np.zeros(8000)
+    samples[4000:6000] = 0.5 * np.sin(np.arange(2000))
+    drawn = wave(scope_picture(Scope("a", samples, RATE), INK))
+    height, place = np.ptp(np.where(drawn.any(axis=1))[0]), np.where(drawn.sum(axis=0) > 10)[0]
+    assert height == pytest.approx(244 * 0.5, abs=4)  # of full scale 1
+    assert (place.min(), place.max()) == (pytest.approx(6 + 122, abs=1), pytest.approx(6 + 183, abs=1))
+
+
+def test_scope_of_nothing_is_empty():
+    assert not wave(scope_picture(Scope("a", np.zeros(0), RATE), INK)).any()
+
+
+@pytest.mark.parametrize("part", [part.name for part in BODY_PARTS])
+def test_a_body_part_lights_up_alone(part):
+    colour = colour_of(Level("x", part, -6.0, -9.0, 30.0, -39.0))[:3]
+    dark, lit = body_picture({}, INK), body_picture({part: colour}, INK)
+    changed = np.abs(lit - dark).max(axis=2) > 0.01
+    assert changed.any()
+    solid = lit[..., 3] > 0.99
+    assert np.abs(lit[solid][:, :3] - colour).max() < 0.01
+    covered = (lit[..., 3] - dark[..., 3]).sum() / (1 - dark[..., 3].max())
+    areas = [math.pi * limb.width**2 / 4 + limb.width * math.dist(limb.start, limb.end) for v in ("front", "back") for limb in figure(v)
+             if limb.part == part]  # fmt: skip
+    assert covered == pytest.approx(sum(areas) * (244 / 2.48) ** 2, rel=0.03)
