@@ -232,9 +232,9 @@ def _lengths(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         squared += y * y
         squared += z * z
         result = np.asarray(np.sqrt(squared))
-        if np.max(squared, initial=1.0) > 1e300 or np.min(squared, initial=1.0) < 1e-280:
-            extreme = (squared > 1e300) | (squared < 1e-280)
-            result[extreme] = np.hypot(np.hypot(x, y), z)[extreme]
+        extreme = (squared > 1e300) | (squared < 1e-280)
+        if extreme.any():
+            result[extreme] = np.hypot(np.hypot(x[extreme], y[extreme]), z[extreme])
     return result
 
 

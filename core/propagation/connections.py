@@ -37,7 +37,7 @@ def _intra(graph: HapticGraph, a: IntArray, b: IntArray, distance: FloatArray) -
     """Cost of intra-connections in two terms, the constant one and that of the distance."""
     index = graph.node_object[a]
     constant, varying = graph.table.loss[index], graph.table.decay[index] * distance
-    for number in set(index.tolist()) & graph.table.special:
+    for number in set(index.tolist()) & graph.table.special if graph.table.special else ():
         chosen = np.flatnonzero(index == number)
         constant[chosen], varying[chosen] = 0.0, cost_of(graph.table.gain(number, distance[chosen]))
     return constant, varying

@@ -84,11 +84,13 @@ class _Work:
         self.count = graph.node_count
         self.arrival = np.full((rows, self.count), math.inf)
         self.entry = np.full((rows, self.count), -1, dtype=np.int64)
+        self.arrivals, self.entries = self.arrival.reshape(-1), self.entry.reshape(-1)
         self.limits = limits
         self.complete = complete or bool(graph.table.special)
         self.size = np.diff(graph.start)
         self.special = np.zeros(len(self.size), dtype=np.bool_)
         self.special[list(graph.table.special)] = True
+        self.loss = np.maximum(0.0, graph.table.loss)
         crossing = np.maximum(0.0, np.append(graph.transmission_loss, math.inf))
         self.crossing = crossing[graph.contact]  # per node: cost of its inter-connection; contact -1 takes the appended infinity
         self.relaxed = 0
@@ -126,10 +128,10 @@ def _step(work: _Work, row: IntArray, node: IntArray, cost: FloatArray) -> tuple
     graph = work.graph
     index = graph.node_object[node]
     within = cost <= work.limits[row]
-    useful = within & (work.special[index] | (work.arrival[row, node] > cost + graph.table.loss[index]))
+    useful = within & (work.special[index] | (work.arrivals[row * work.count + node] > cost + work.loss[index]))
     batches = []
     if work.complete:
-        back = np.flatnonzero(within & ~useful & (work.entry[row, node] >= 0))
+        back = (within & ~useful & (work.entry[row, node] >= 0)).nonzero()[0]
         back = back[graph.partner[work.entry[row[back], node[back]]] >= 0]
         if len(back):
             other = work.entry[row[back], node[back]]
@@ -140,12 +142,12 @@ def _step(work: _Work, row: IntArray, node: IntArray, cost: FloatArray) -> tuple
         size = work.size[index]
         if size.sum() > BATCH:
             order = np.lexsort((node, row, cost))
-            now = max(1, int(np.searchsorted(np.cumsum(size[order]), BATCH, side="right")))
+            now = max(1, int(size[order].cumsum().searchsorted(BATCH, side="right")))
             later, order = order[now:], order[:now]
             batches.append((row[later], node[later], cost[later]))
             row, node, cost, index, size = row[order], node[order], cost[order], index[order], size[order]
-        which = np.repeat(np.arange(len(row)), size)
-        other = np.arange(len(which)) + (graph.start[index] - np.cumsum(size) + size)[which]
+        which = np.arange(len(row)).repeat(size)
+        other = np.arange(len(which)) + (graph.start[index] - size.cumsum() + size)[which]
         batches.append(_improve(work, row, node, cost, which, other))
     if len(batches) == 1:
         return batches[0]
@@ -159,24 +161,33 @@ def _improve(
     work: _Work, row: IntArray, node: IntArray, cost: FloatArray, which: IntArray, other: IntArray
 ) -> tuple[IntArray, IntArray, FloatArray]:
     """Relax the connections from entries ``node[which]`` to nodes ``other`` of the same objects; the entries that follow from it."""
-    graph = work.graph
+    graph, arrivals, entries = work.graph, work.arrivals, work.entries
     work.relaxed += len(other)
-    candidate = cost[which] + np.maximum(0.0, intra_costs(graph, node[which], other))
-    place = row[which] * work.count + other
-    arrival, entry = work.arrival.reshape(-1), work.entry.reshape(-1)
-    better = np.flatnonzero((candidate < arrival[place]) & (candidate <= work.limits[row][which]) & (other != node[which]))
-    place, candidate, other, which = place[better], candidate[better], other[better], which[better]
-    if len(row) > 1:  # of several ways to one node the cheapest, of equal ones the first entry
-        order = np.lexsort((node[which], candidate, place))
-        first = np.ones(len(order), dtype=np.bool_)
-        first[1:] = place[order[1:]] != place[order[:-1]]
-        chosen = order[first]
-        place, candidate, other, which = place[chosen], candidate[chosen], other[chosen], which[chosen]
-    arrival[place] = candidate
-    entry[place] = node[which]
+    begin = node[which]
+    distance = graph.node_distances(begin, other)
+    index = graph.node_object[node]
+    candidate = (cost + work.loss[index])[which] + graph.table.decay[index][which] * distance
+    if graph.table.special:
+        chosen = work.special[index][which].nonzero()[0]
+        candidate[chosen] = cost[which[chosen]] + np.maximum(0.0, intra_costs(graph, begin[chosen], other[chosen]))
+    place = (row * work.count)[which] + other
+    better = ((candidate < arrivals[place]) & (candidate <= work.limits[row][which]) & (other != begin)).nonzero()[0]
+    place, candidate = place[better], candidate[better]
+    # Of several ways to one node the cheapest, of equal ones that from the first entry.
+    np.minimum.at(arrivals, place, candidate)
+    cheapest = (candidate == arrivals[place]).nonzero()[0]
+    better, place, candidate = better[cheapest], place[cheapest], candidate[cheapest]
+    begin = begin[better]
+    entries[place] = begin
+    first = entries[place] == begin
+    if not first.all():
+        np.minimum.at(entries, place, begin)
+        first = entries[place] == begin
+        better, candidate = better[first], candidate[first]
+    row, other = row[which[better]], other[better]
     onwards = candidate + work.crossing[other]
-    go = np.flatnonzero((onwards <= work.limits[row[which]]) & (onwards < math.inf))
-    return row[which[go]], graph.partner[other[go]], onwards[go]
+    go = ((onwards <= work.limits[row]) & (onwards < math.inf)).nonzero()[0]
+    return row[go], graph.partner[other[go]], onwards[go]
 
 
 def _finish_with_heap(work: _Work, row: IntArray, node: IntArray, cost: FloatArray, targets: IntArray | None) -> None:
