@@ -6,6 +6,7 @@ import bpy
 from bpy.types import Context, Menu
 
 from .operators.adding import SOURCE_ITEMS
+from .properties import MODE_ITEMS
 
 # What works on the selection, on the scene, on materials; an operator that is not there is left out.
 _SELECTION = (
@@ -105,6 +106,19 @@ class HAPTIC_MT_samples(Menu):
             self.layout.operator("haptic.add_sample", text=sample.title).sample = sample.name
 
 
+class HAPTIC_MT_mode_pie(Menu):
+    """The four renderings around the pointer: the same scene, heard one way and then the other"""
+
+    bl_idname = "HAPTIC_MT_mode_pie"
+    bl_label = "Haptic Mode"
+
+    def draw(self, context: Context) -> None:
+        pie = self.layout.menu_pie()
+        for mode, title, _ in MODE_ITEMS:
+            current = context.scene.haptics.mode == mode
+            pie.operator("haptic.set_mode", text=title, icon="RADIOBUT_ON" if current else "RADIOBUT_OFF").mode = mode
+
+
 def _draw_object_menu(self: Menu, context: Context) -> None:
     self.layout.separator()
     self.layout.menu("HAPTIC_MT_object", icon="OUTLINER_OB_LIGHTPROBE")
@@ -115,7 +129,7 @@ def _draw_add_menu(self: Menu, context: Context) -> None:
     self.layout.menu("HAPTIC_MT_add", icon="OUTLINER_OB_LIGHTPROBE")
 
 
-CLASSES = (HAPTIC_MT_more, HAPTIC_MT_object, HAPTIC_MT_samples, HAPTIC_MT_add)
+CLASSES = (HAPTIC_MT_more, HAPTIC_MT_object, HAPTIC_MT_samples, HAPTIC_MT_add, HAPTIC_MT_mode_pie)
 
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
 

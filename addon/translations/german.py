@@ -24,6 +24,7 @@ MESSAGES: dict[str, str] = {
     # Quick start
     "Haptics": "Haptik",
     "Haptic": "Haptik",
+    "Haptic Mode": "Haptischer Modus",
     "Haptic Tracing": "Haptic Tracing",
     "Make Haptic": "Haptisch machen",
     "Let vibration pass through the selected objects; what they are made of is guessed from their names, shapes and masses": "Vibration durch die ausgewählten Objekte leiten; woraus sie bestehen, wird aus Namen, Formen und Massen erraten",

@@ -14,13 +14,14 @@ class RecordingLayout:
         self.labels: list[str] = []
         self.properties: list[str] = []
         self.operators: list[str] = []
+        self.operator_icons: list[str] = []
         self.menus: list[str] = []
         self.icons: list[int] = []
 
     def column(self, **_: Any) -> RecordingLayout:
         return self
 
-    row = box = split = grid_flow = column_flow = column
+    row = box = split = grid_flow = column_flow = menu_pie = column
 
     def context_pointer_set(self, *_: Any) -> None:
         pass
@@ -60,6 +61,7 @@ class RecordingLayout:
         module, name = identifier.split(".")
         operator = getattr(getattr(bpy.ops, module), name)
         self.operators.append(identifier)
+        self.operator_icons.append(icon)
         self.labels.append(text)
         return _OperatorProperties({p.identifier for p in operator.get_rna_type().properties})
 

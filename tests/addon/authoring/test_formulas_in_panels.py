@@ -166,9 +166,3 @@ def test_gains_are_written_without_the_add_on_enabled():
     assert preferences.gain_text(0.5) == "0.50  -6 dB"
     assert preferences.gain_text(0.0) == "0.00  -∞ dB"
     assert preferences.gain_text(0.012) == "0.012  -38 dB"
-
-
-def test_the_shortcut_toggles_tracing():
-    configuration = bpy.context.window_manager.keyconfigs.addon
-    items = [item for item in configuration.keymaps["3D View"].keymap_items if item.idname == "haptic.toggle_tracing"]
-    assert [(item.type, item.ctrl, item.shift, item.alt) for item in items] == [("T", True, True, True)]

@@ -1,0 +1,85 @@
+"""The add-on's shortcuts: Blender uses none of them, they come and go, and the mode menu offers the four renderings."""
+
+import importlib.util
+from pathlib import Path
+from types import SimpleNamespace
+
+import bpy
+import haptic_tracing
+import pytest
+from haptic_tracing.addon import keymap, menus
+from haptic_tracing.addon.properties import MODE_ITEMS
+
+_spec = importlib.util.spec_from_file_location("recording_layout_of_shortcuts", Path(__file__).parent / "recording_layout.py")
+recording_layout = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(recording_layout)
+
+MODIFIERS = ("ctrl", "shift", "alt", "oskey")
+
+
+def own_items():
+    """The add-on's shortcuts, and the keymaps that they are in."""
+    configuration = bpy.context.window_manager.keyconfigs.addon
+    return [(name.name, item) for name in configuration.keymaps for item in name.keymap_items if keymap.is_own(item)]
+
+
+def blenders_items():
+    """All shortcuts that Blender ships, as its own source has them: keymap, operator, and what is pressed."""
+    path = Path(bpy.utils.system_resource("SCRIPTS")) / "presets" / "keyconfig" / "keymap_data" / "blender_default.py"
+    specification = importlib.util.spec_from_file_location("blenders_keymaps", path)
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return [
+        (name, operator, pressed)
+        for name, options, content in module.generate_keymaps(module.Params())
+        if not options.get("modal")
+        for operator, pressed, _ in content["items"]
+    ]
+
+
+def test_tracing_modes_preview_and_panic_have_shortcuts():
+    found = {item.properties.name if item.idname == "wm.call_menu_pie" else item.idname for _, item in own_items()}
+    assert found == {"haptic.toggle_tracing", "HAPTIC_MT_mode_pie", "haptic.panic", "haptic.toggle_preview"}
+
+
+def test_blender_uses_none_of_them():
+    blenders = blenders_items()
+    assert len(blenders) > 1000
+    for _, item in own_items():
+        keys = tuple(bool(getattr(item, modifier)) for modifier in MODIFIERS)
+        taken = [
+            (name, operator)
+            for name, operator, pressed in blenders
+            if pressed["type"] == item.type
+            and (pressed.get("any") or tuple(pressed.get(modifier, False) in (True, 1) for modifier in MODIFIERS) == keys)
+        ]
+        assert taken == [], item.idname
+
+
+def test_they_are_taken_away():
+    haptic_tracing.unregister()
+    assert own_items() == []
+    haptic_tracing.register()
+    assert len(own_items()) == 4
+
+
+@pytest.mark.parametrize("mode", [mode for mode, *_ in MODE_ITEMS])
+def test_the_mode_menu_offers_every_mode_and_marks_the_current_one(scene, mode):
+    scene.haptics.mode = mode
+    pie = recording_layout.RecordingLayout()
+    menus.HAPTIC_MT_mode_pie.draw(SimpleNamespace(layout=pie), bpy.context)
+    assert pie.operators == ["haptic.set_mode"] * 4
+    assert pie.labels == [title for _, title, _ in MODE_ITEMS]
+    assert [icon == "RADIOBUT_ON" for icon in pie.operator_icons] == [name == mode for name, *_ in MODE_ITEMS]
+
+
+def test_preferences_list_them_where_they_can_be_changed(monkeypatch):
+    import rna_keymap_ui
+
+    drawn = []
+    monkeypatch.setattr(rna_keymap_ui, "draw_kmi", lambda *what: drawn.append(what[3].idname))
+    configurations = bpy.context.window_manager.keyconfigs
+    layout = recording_layout.RecordingLayout()
+    context = SimpleNamespace(window_manager=SimpleNamespace(keyconfigs=SimpleNamespace(user=configurations.addon)))
+    keymap.draw(layout, context)
+    assert sorted(drawn) == ["haptic.panic", "haptic.toggle_preview", "haptic.toggle_tracing", "wm.call_menu_pie"]
