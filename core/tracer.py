@@ -14,6 +14,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from .contacts.authored import AuthoredContacts
 from .contacts.contact_set import ContactSet
 from .contacts.reach import Reach
 from .contacts.tracker import STILL, Body, ContactSettings, ContactTracker, FrameContacts, Impact
@@ -38,7 +39,8 @@ class Frame:
     ``time`` [s]; the step renders the samples from the previous frame's time up to this one's, so that an impact between the two sounds
     when it happened. ``continuous``: this is the step after the previous call's frame; otherwise contact history, velocities and sounding
     signals are dropped. Either bodies move, then ``transforms`` (n, 4, 4) are the rigid world transforms of ``bodies``, which are
-    ``objects`` in the same order; or ``contacts`` are given, which number the objects by their sorted names.
+    ``objects`` in the same order; or ``contacts`` are given, which number the objects by their sorted names. ``authored`` contacts come
+    before those that are found between bodies.
     """
 
     number: int
@@ -51,6 +53,7 @@ class Frame:
     transforms: FloatArray | None = None
     contacts: ContactSet | None = None
     continuous: bool = True
+    authored: AuthoredContacts | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +125,7 @@ class Tracer:
         self._table = ObjectTable.of((), 0.0)
         self._tracker: ContactTracker | None = None
         self._found: FrameContacts | None = None
+        self._authored: AuthoredContacts | None = None
         self._bodies: tuple[Body, ...] = ()
         self._numbered: ObjectTable | None = None
         self._row: dict[str, int] = {}
@@ -203,13 +207,15 @@ class Tracer:
         watch = _Stopwatch({})
         numbers = self._follow(frame, table)
         assert self._tracker is not None
-        wanted = self._reach(frame, table) if self.lazy else None
+        wanted = self._reach(frame, table) if self.lazy and frame.authored is None else None
         found = self._tracker.update(frame.time, frame.transforms, wanted, continuous=frame.continuous)
-        if self._found is None or found.contacts is not self._found.contacts:
+        if self._found is None or found.contacts is not self._found.contacts or frame.authored is not self._authored:
             self._contacts = replace(found.contacts, pairs=numbers[found.contacts.pairs])
             if self.transmission is not None:
                 self._contacts = replace(self._contacts, transmissions=(self.transmission,))
-        self._found = found
+            if frame.authored is not None:
+                self._contacts = frame.authored.over(self._contacts)
+        self._found, self._authored = found, frame.authored
         statistics = found.statistics
         watch.lap("narrow")
         milliseconds = {"broad": 1000 * statistics.broad_seconds, "narrow": watch.milliseconds["narrow"] - 1000 * statistics.broad_seconds}

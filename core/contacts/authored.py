@@ -1,0 +1,69 @@
+"""Contacts that an author gave, over those that are found."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..functions import ModulationFunction
+from ..scene import Contact
+from .contact_set import ContactSet
+
+ARRAYS = ("pairs", "positions", "normal", "depth", "distance", "area", "share", "transmission")
+"""The arrays of a `ContactSet`, a row per contact."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AuthoredContacts:
+    """``contacts`` are all there are between two objects that are both ``settled`` (n,): they stand where their author put them.
+    ``transmissions``: by pair of objects, the smaller number first, what their contacts pass on wherever they are found. Objects are
+    numbered by their sorted names."""
+
+    settled: NDArray[np.bool_]
+    contacts: ContactSet
+    transmissions: Mapping[tuple[int, int], ModulationFunction]
+
+    @classmethod
+    def of(
+        cls,
+        names: Collection[str],
+        settled: Collection[str],
+        contacts: Sequence[Contact],
+        transmissions: Mapping[tuple[str, str], ModulationFunction],
+    ) -> AuthoredContacts:
+        """In a scene of the objects ``names``; what is said of others is left out."""
+        index = {name: number for number, name in enumerate(sorted(names))}
+        return cls(
+            settled=np.array([name in settled for name in index], dtype=np.bool_),
+            contacts=ContactSet.from_contacts([item for item in contacts if index.keys() >= set(item.objects)], index),
+            transmissions={
+                (min(index[a], index[b]), max(index[a], index[b])): function
+                for (a, b), function in transmissions.items()
+                if a in index and b in index
+            },
+        )
+
+    def over(self, found: ContactSet) -> ContactSet:
+        """The contacts that count where ``found`` were found."""
+        left = rows_of(found, np.logical_not(self.settled[found.pairs].all(axis=1)))
+        functions = list(left.transmissions)
+        transmission = left.transmission.copy()
+        for row, (a, b) in enumerate(left.pairs.tolist() if self.transmissions else ()):
+            function = self.transmissions.get((min(a, b), max(a, b)))
+            if function is not None:
+                transmission[row] = len(functions)
+                functions.append(function)
+        arrays = {key: np.concatenate([getattr(left, key), getattr(self.contacts, key)]) for key in ARRAYS[:-1]}
+        return ContactSet(
+            **arrays,
+            transmission=np.concatenate([transmission, self.contacts.transmission + len(functions)]),
+            transmissions=(*functions, *self.contacts.transmissions),
+        )
+
+
+def rows_of(contacts: ContactSet, chosen: NDArray[np.bool_]) -> ContactSet:
+    """Those contacts (n,) that are ``chosen``."""
+    return replace(contacts, **{key: getattr(contacts, key)[chosen] for key in ARRAYS})
