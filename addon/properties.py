@@ -30,6 +30,7 @@ MIXING_ITEMS = (
     ("weighted", "Weighted", "Averages the signals by the priorities of their sources"),
     ("strongest", "Strongest", "Only the strongest signal is felt"),
     ("power", "Power", "Adds up energies: the root of the sum of squares"),
+    ("custom", "Custom", "Your own formula of what the other methods give"),
 )
 MODE_ITEMS = (
     ("HT", "Haptic Tracing", "Through touching objects, as their properties say"),
@@ -99,6 +100,15 @@ class HapticSourceProperties(PropertyGroup):
         update=_changed,
     )
     filepath: StringProperty(name="WAV File", description="The recorded signal, looped", subtype="FILE_PATH", update=_changed)
+    decay: FloatProperty(
+        name="Decay Time (s)",
+        description="The source wears off from the first frame on: after so many seconds it is 37% as strong; 0 keeps it up",
+        default=0.0,
+        min=0.0,
+        max=1e6,
+        soft_max=60.0,
+        update=_changed,
+    )
     priority: FloatProperty(
         name="Priority",
         description="Weight of this source where a listener mixes by priority",
@@ -144,6 +154,14 @@ class HapticListenerProperties(PropertyGroup):
         update=_changed,
     )
     mixing: EnumProperty(name="Mixing", description="How signals that arrive together are combined", items=MIXING_ITEMS, update=_changed)
+    mixing_expression: StringProperty(
+        name="Formula",
+        description="The mix, sample by sample, of sum, weighted, strongest and power (what the other methods give) and s_max (the "
+        "ceiling)",
+        default="s_max * tanh(sum / s_max)",
+        maxlen=500,
+        update=_changed,
+    )
     s_max: FloatProperty(
         name="Ceiling",
         description="No sample of the mixed signal is stronger than this",
@@ -151,6 +169,13 @@ class HapticListenerProperties(PropertyGroup):
         min=0.01,
         max=1.0,
         subtype="FACTOR",
+        update=_changed,
+    )
+    limiter: BoolProperty(
+        name="Limiter",
+        description="Turns a mix that would exceed the ceiling down, ahead of its peaks, instead of cutting it off, which distorts. "
+        "All listeners then feel 5 ms later",
+        default=False,
         update=_changed,
     )
     imported: StringProperty(

@@ -20,7 +20,8 @@ from ..core.contacts.tracker import Body, ContactSettings, Motion
 from ..core.functions import ModulationFunction, function_from_dict
 from ..core.materials import named_in
 from ..core.scene import HapticObject, Listener, Pose, Settings, Source, SourceKind
-from ..core.signals import DEFAULT_IMPACT, Loop, Noise, Pulse, Signal, Sine, Track, impact_material, read_wav
+from ..core.signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Decay, Loop, Noise, Pulse, Signal, Sine, Track, impact_material, read_wav
+from ..core.signals.limits import MIN_SECONDS
 from . import compatibility
 from .animated_frequency import AnimatedFrequencies
 from .collision_shapes import collision_shape
@@ -250,11 +251,12 @@ class SceneReader:
                 problems.append(Problem(name, f"This {role} is on no haptic object: make it haptic, or parent it to a haptic object"))
             elif carrier == obj and haptic_object is None:
                 continue  # the object's own problem says it
-            elif role == "listener":
-                listener = read_listener(obj, carrier.name_full)
             else:
                 try:
-                    source = read_source(obj, carrier.name_full, self._frequencies.track(obj, depsgraph.scene))
+                    if role == "listener":
+                        listener = read_listener(obj, carrier.name_full)
+                    else:
+                        source = read_source(obj, carrier.name_full, self._frequencies.track(obj, depsgraph.scene))
                 except (OSError, ValueError) as error:
                     problems.append(Problem(name, str(error)))
         animated = compatibility.is_animated(obj)
@@ -330,17 +332,23 @@ def read_source(obj: Object, carrier: str, frequency: Track | None = None) -> So
     kept = kept_source(properties.imported)
     second = bpy.data.objects.get(kept.second_object or "")
     struck = second is not None and second.haptics.enabled and second.name_full != carrier
+    signal = kept.signal if properties.signal == "KEPT" else read_signal(properties, frequency)
     return Source(
         name=obj.name_full,
         object=carrier,
         amplitude=0.0 if properties.muted else shortest(properties.amplitude),
         kind=kept.kind,
-        signal=kept.signal if properties.signal == "KEPT" else read_signal(properties, frequency),
+        signal=_wearing_off(signal, properties.decay) if kept.kind is SourceKind.PERSISTENT else signal,
         second_object=kept.second_object if struck else None,
         second_position=kept.second_position if struck else None,
         onset=kept.onset,
         priority=shortest(properties.priority),
     )
+
+
+def _wearing_off(signal: Signal | None, seconds: float) -> Signal | None:
+    """A persistent source's signal that falls to 1/e in ``seconds``; as it is where these are 0."""
+    return (signal or DEFAULT_PERSISTENT) * Decay(shortest(seconds)) if seconds >= MIN_SECONDS else signal
 
 
 def read_signal(properties: Any, frequency: Track | None = None) -> Signal:
@@ -370,6 +378,8 @@ def read_listener(obj: Object, carrier: str) -> Listener:
         gain=shortest(properties.gain),
         mixing=properties.mixing,
         s_max=shortest(properties.s_max),
+        mixing_expression=properties.mixing_expression if properties.mixing == "custom" else "",
+        limiter=properties.limiter,
     )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .mixing import MixingExpression, MixingMethod
 from .propagation import Propagation
 from .rendering import SAMPLE_RATE, ListenerMix, Renderer, Voice
 from .scene import Listener, Source, SourceKind
@@ -43,7 +44,14 @@ class Mixdown:
 
 def listener_mixes(listeners: Sequence[Listener]) -> tuple[ListenerMix, ...]:
     """How listeners mix, for a `Renderer`."""
-    return tuple(ListenerMix(name=item.name, method=item.mixing, s_max=item.s_max) for item in listeners)  # type: ignore[arg-type]
+    return tuple(ListenerMix(item.name, mixing_method(item), item.s_max, limiter=item.limiter) for item in listeners)
+
+
+def mixing_method(listener: Listener) -> MixingMethod:
+    """How a listener mixes. Raises ValueError for a method that there is not."""
+    if listener.mixing == "custom":
+        return MixingExpression(listener.mixing_expression, listener.s_max)
+    return listener.mixing  # type: ignore[return-value]
 
 
 def source_voices(

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .functions import Finding
+from .functions.expression import CompiledExpression, ExpressionError, compile_expression
 
 Array = NDArray[np.float64]
 
@@ -23,6 +28,61 @@ HOLD = 0.025
 RELEASE = 0.15
 """Seconds in which the limiter's gain, once let go, rises by a factor e (8.7 dB)."""
 _RUN = 4096
+
+
+MIXING_VARIABLES = ("sum", "weighted", "strongest", "power", "s_max")
+"""What a designer's formula is made of: at every sample the results of the other methods, without a limit, and the ceiling."""
+
+
+@dataclass(frozen=True, slots=True)
+class MixingExpression:
+    """A designer's formula over `MIXING_VARIABLES` as a mixing method, such as ``s_max * tanh(sum / s_max)``.
+
+    Raises ExpressionError, a ValueError, for a formula that is not accepted.
+    """
+
+    expression: str
+    s_max: float = 1.0
+
+    def __post_init__(self) -> None:
+        _compiled(self.expression)
+
+    def __call__(self, signals: Array, weights: Array) -> Array:
+        """Return the formula's value at every sample, shape (n,); 0 where it has no finite one."""
+        values: dict[str, float | Array] = {
+            "sum": cumulative(signals),
+            "weighted": weighted(signals, weights),
+            "strongest": strongest(signals),
+            "power": power(signals),
+            "s_max": self.s_max,
+        }
+        mix = _compiled(self.expression).evaluate(np.zeros(signals.shape[1]), values)
+        return np.where(np.isfinite(mix), mix, 0.0)
+
+
+@lru_cache(maxsize=256)
+def _compiled(expression: str) -> CompiledExpression:
+    return compile_expression(expression, MIXING_VARIABLES)
+
+
+def check_mixing(expression: str, s_max: float = 1.0) -> Finding | None:
+    """Return what is wrong with a mixing formula, or None. It is tried with sums of two tones, and with silence."""
+    try:
+        compiled = _compiled(expression)
+    except ExpressionError as error:
+        return Finding(error.reason, error.column)
+    tones = np.sin(2.0 * np.pi * np.outer([3.0, 7.0], np.arange(200) / 200.0)) * np.array([[1.0], [0.5]])
+    total = cumulative(tones)
+    loudest = strongest(tones)
+    values: dict[str, float | Array] = {"sum": total, "weighted": total, "strongest": loudest, "power": power(tones), "s_max": s_max}
+    bad = ~np.isfinite(compiled.evaluate(np.zeros(200), values))
+    if bad.any():
+        return Finding(f"no finite value where sum is {total[bad][0]:.3g}: nothing is felt there", usable=True)
+    silence = {**dict.fromkeys(MIXING_VARIABLES, 0.0), "s_max": s_max}
+    rest = float(compiled.evaluate(np.zeros(1), silence)[0])
+    if math.isfinite(rest) and rest != 0.0:
+        return Finding(f"{rest:.3g} where nothing sounds; 0 would be silence", usable=True)
+    return None
 
 
 def cumulative(signals: Array, s_max: float = math.inf) -> Array:

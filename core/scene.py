@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from .functions import HapticTracing, Identity, ModulationFunction
+from .mixing import MixingExpression
 from .signals import Signal
 
 Vector = tuple[float, float, float]
@@ -184,7 +185,9 @@ class Source:
 
 @dataclass(frozen=True, slots=True)
 class Listener:
-    """Samples haptic data at a place of the body. ``radius`` is the extent of its bounding volume in metres."""
+    """Samples haptic data at a place of the body. ``radius`` is the extent of its bounding volume in metres. ``mixing_expression``: the
+    formula of ``custom`` mixing (`core.mixing.MixingExpression`). ``limiter``: the mix is turned down, not cut, where it would be above
+    ``s_max``."""
 
     name: str
     object: str
@@ -195,6 +198,8 @@ class Listener:
     mixing: str = "cumulative"
     s_max: float = 1.0
     extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    mixing_expression: str = ""
+    limiter: bool = False
 
     def __post_init__(self) -> None:
         _name("name", self.name)
@@ -205,6 +210,11 @@ class Listener:
                 raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")
         if not 0 < self.s_max <= 1:
             raise ValueError(f"s_max: must lie in (0, 1], got {self.s_max!r}")
+        if self.mixing == "custom":
+            try:
+                MixingExpression(self.mixing_expression)
+            except ValueError as error:
+                raise ValueError(f"mixing_expression: {str(error).removeprefix('expression: ')}") from None
 
 
 @dataclass(frozen=True, slots=True)

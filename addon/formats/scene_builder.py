@@ -15,7 +15,7 @@ from ...core.contacts.shapes import Box, Shape
 from ...core.formats.export import Export
 from ...core.functions import Identity, ModulationFunction
 from ...core.scene import HapticObject, Listener, Pose, Settings, Source, SourceKind, Vector
-from ...core.signals import Noise, Pulse, Signal, Sine
+from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..decimals import shortest
 from ..function_properties import PARAMETERS
 from ..materials import library
@@ -230,6 +230,7 @@ def write_source(source: Any, item: Source, placed: bool = True) -> None:
     """Make a source's properties those of ``item``; ``placed``: with its place in the world."""
     source.enabled, source.amplitude, source.priority = True, item.amplitude, item.priority
     signal = Sine(60.0) if item.signal is None and item.kind is SourceKind.PERSISTENT else item.signal
+    signal, source.decay = _without_decay(signal) if item.kind is SourceKind.PERSISTENT else (signal, 0.0)
     kept = _write_signal(source, signal)
     source.imported = text_of(
         amplitude=None if shortest(item.amplitude) == item.amplitude else item.amplitude,
@@ -246,6 +247,9 @@ def write_source(source: Any, item: Source, placed: bool = True) -> None:
 def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[str]:
     """As `write_source`. What could not be carried over, in words."""
     listener.enabled, listener.radius, listener.gain, listener.s_max = True, item.radius, item.gain, item.s_max
+    listener.limiter = item.limiter
+    if item.mixing == "custom":
+        listener.mixing_expression = item.mixing_expression
     losses = []
     if item.body_part and not _choose(listener, "body_part", item.body_part):
         losses.append(f"body part {item.body_part!r}")
@@ -268,6 +272,14 @@ def _mesh(name: str, shape: Shape) -> bpy.types.Mesh:
     mesh.from_pydata(points.tolist(), [], faces)
     mesh.validate()
     return mesh
+
+
+def _without_decay(signal: Signal | None) -> tuple[Signal | None, float]:
+    """A signal and the seconds in which it wears off, 0 where it does not, as the properties have them."""
+    match signal:
+        case Product(of=(worn, Decay(time_constant=seconds))) if shortest(seconds) == seconds:
+            return worn, seconds
+    return signal, 0.0
 
 
 def _write_signal(source: Any, signal: Signal | None) -> Signal | None:

@@ -159,6 +159,7 @@ CLASSES = (
     HAPTIC_OT_toggle_preview,
     HAPTIC_OT_panic,
 )
+register, unregister = bpy.utils.register_classes_factory(CLASSES)
 
 
 def profile_folders() -> tuple[Path, ...]:
@@ -167,13 +168,3 @@ def profile_folders() -> tuple[Path, ...]:
     if not package.startswith("bl_ext."):
         return ()
     return (Path(bpy.utils.extension_path_user(package, path="devices")),)
-
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)

@@ -8,6 +8,7 @@ from bpy.types import Context, Panel, Scene, UILayout
 from ...core.devices.connection import UDEV_FILE
 from ...core.devices.mapping import LATEST, ActuatorMapping
 from ...core.devices.output import Status
+from ...core.mixing import LOOK_AHEAD
 from .. import session
 from ..panels.drawing import HapticsPanel, draw_pair, wrapped
 from . import handlers, outputs, player, preview
@@ -79,7 +80,7 @@ def _draw_devices(layout: UILayout, scene: Scene) -> None:
         found = outputs.found(key)
         box = _draw_title(layout, output.profile.title, found.kind if found else "")
         box.operator("haptic.disconnect_device", icon="UNLINKED").device = key
-        _draw_status(box, output.status, handlers.frame_seconds(scene))
+        _draw_status(box, output.status, handlers.frame_seconds(scene), limiter_seconds(scene))
         settings = scene.haptics.live_output.devices.get(key)
         if settings is not None:
             column = box.column(align=True)
@@ -115,7 +116,7 @@ def _draw_title(layout: UILayout, title: str, kind: str) -> UILayout:
     return box
 
 
-def _draw_status(layout: UILayout, status: Status, frame_seconds: float) -> None:
+def _draw_status(layout: UILayout, status: Status, frame_seconds: float, rendering_seconds: float = 0.0) -> None:
     column = layout.column(align=True)
     state = {"searching": "Looking for it", "open": "Connected", "stopped": "Stopped", "failed": "Failed"}[status.state]
     column.label(text=state, icon="CHECKMARK" if status.state == "open" else "ERROR")
@@ -125,17 +126,23 @@ def _draw_status(layout: UILayout, status: Status, frame_seconds: float) -> None
         _draw_text(column, f"A write has been blocked for {status.writing_for:.1f} s")
     draw_pair(column, "Reports written", f"{status.written}")
     draw_pair(column, "Failed, lost", f"{status.failed_writes}, {status.losses}")
-    lag = lag_of_picture(status, frame_seconds)
+    lag = lag_of_picture(status, frame_seconds, rendering_seconds)
     if lag is not None:
         late = lag > LATEST or lag < EARLIEST
         draw_pair(column, "Touch follows by", f"{1000 * lag:.0f} ms" + (" (noticed)" if late else ""))
         column.label(text="-15 to 50 ms go unnoticed", icon="ERROR" if late else "BLANK1")
 
 
-def lag_of_picture(status: Status, frame_seconds: float) -> float | None:
+def lag_of_picture(status: Status, frame_seconds: float, rendering_seconds: float = 0.0) -> float | None:
     """Seconds by which touch follows the picture. A picture stands for its frame, so its middle counts: samples of the frame before it are
-    felt while it is shown, half a frame late on average."""
-    return None if status.lag is None else status.lag + frame_seconds / 2
+    felt while it is shown, half a frame late on average. ``rendering_seconds``: by which samples lag the frame."""
+    return None if status.lag is None else status.lag + frame_seconds / 2 + rendering_seconds
+
+
+def limiter_seconds(scene: Scene) -> float:
+    """Seconds by which a limiter holds back what all listeners feel; 0 where none has one."""
+    result = session.result_of(scene)
+    return LOOK_AHEAD if result is not None and any(listener.limiter for listener in result.listeners) else 0.0
 
 
 def _draw_text(layout: UILayout, text: str, icon: str = "NONE") -> None:
@@ -146,13 +153,4 @@ def _draw_text(layout: UILayout, text: str, icon: str = "NONE") -> None:
 
 
 CLASSES = (HAPTIC_PT_live_output, HAPTIC_PT_actuators)
-
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

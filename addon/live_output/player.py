@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...core.devices.mapping import ActuatorMapping, Loss, Place, map_listeners
 from ...core.frame_result import FrameResult
 from ...core.playback import Playback, grain, recorded_grain
-from ...core.signals import Sine, Track
+from ...core.signals import Decay, Product, Signal, Sine, Track
 from ..preferences import preferences
 from . import outputs, preview
 
@@ -112,7 +112,7 @@ def choice_of(places: Sequence[Place]) -> str:
 
 def _bands(result: FrameResult) -> dict[str, tuple[float, float]]:
     """The lowest and highest frequency [Hz] that reaches a listener, where all that does are tones."""
-    tones = [source.signal if isinstance(source.signal, Sine) else None for source in result.sources]
+    tones = [_tone(source.signal) for source in result.sources]
     bands = {}
     for row, listener in enumerate(result.listeners):
         heard = [tone for tone, gain in zip(tones, result.gains[:, row].tolist(), strict=True) if gain > 0]
@@ -120,6 +120,13 @@ def _bands(result: FrameResult) -> dict[str, tuple[float, float]]:
             values = np.concatenate([f.values if isinstance(f, Track) else [f] for f in (tone.frequency for tone in heard if tone)])
             bands[listener.name] = float(values.min()), float(values.max())
     return bands
+
+
+def _tone(signal: Signal | None) -> Sine | None:
+    """The tone that a signal is, wearing off or not."""
+    if isinstance(signal, Product) and all(isinstance(part, Decay) for part in signal.of[1:]):
+        signal = signal.of[0]
+    return signal if isinstance(signal, Sine) else None
 
 
 def _mapped(listeners: Mapping[str, str], choices: Mapping[str, str], bands: Mapping[str, tuple[float, float]]) -> ActuatorMapping:

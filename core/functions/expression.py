@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -97,8 +97,8 @@ class CompiledExpression:
         return bool(names & {"area", "depth", "angle"})
 
 
-def compile_expression(source: str) -> CompiledExpression:
-    """Check a formula against the whitelist.
+def compile_expression(source: str, variables: Collection[str] = VARIABLES) -> CompiledExpression:
+    """Check a formula against the whitelist, with these ``variables``.
 
     Raises ExpressionError, which gives the column, for anything that is not allowed, or where ``x`` is used but the formula is
     not proportional to it.
@@ -120,7 +120,7 @@ def compile_expression(source: str) -> CompiledExpression:
     if sum(1 for _ in ast.walk(tree)) > 3 * MAX_NODES:
         raise ExpressionError(f"more than {MAX_NODES} parts")
     try:
-        degree = _degree(tree)
+        degree = _degree(tree, variables)
     except ExpressionError as error:  # the parser counts the bytes of UTF-8
         before = formula.encode()[: error.column].decode(errors="ignore")
         raise ExpressionError(error.reason, indent + len(before)) from None
@@ -129,7 +129,7 @@ def compile_expression(source: str) -> CompiledExpression:
     return CompiledExpression(source, tree)
 
 
-def _degree(node: ast.expr) -> int | None:
+def _degree(node: ast.expr, variables: Collection[str]) -> int | None:
     """Check one node and return its degree in x: f(c x) = c^degree f(x) for c >= 0. None for a literal 0, which has any degree."""
     match node:
         case ast.Constant(value=value):
@@ -143,38 +143,38 @@ def _degree(node: ast.expr) -> int | None:
                 raise ExpressionError("number too large", node.col_offset)
             return None if value == 0 else 0
         case ast.Name(id=name):
-            if name not in VARIABLES and name not in CONSTANTS:
-                known = ", ".join((*VARIABLES, *CONSTANTS, *FUNCTION_NAMES))
+            if name not in variables and name not in CONSTANTS:
+                known = ", ".join((*variables, *CONSTANTS, *FUNCTION_NAMES))
                 raise ExpressionError(f"unknown name {name!r}; known are {known}", node.col_offset)
             return 1 if name == "x" else 0
         case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=operand):
-            return _degree(operand)
+            return _degree(operand, variables)
         case ast.BinOp(op=ast.Add() | ast.Sub(), left=left, right=right):
-            return _same_degree(node, [left, right])
+            return _same_degree(node, [left, right], variables)
         case ast.BinOp(op=ast.Mult(), left=left, right=right):
-            degrees = _degree(left), _degree(right)
+            degrees = _degree(left, variables), _degree(right, variables)
             return None if None in degrees else degrees[0] + degrees[1]  # type: ignore[operator]
         case ast.BinOp(op=ast.Div(), left=left, right=right):
-            top, bottom = _degree(left), _degree(right)
+            top, bottom = _degree(left, variables), _degree(right, variables)
             return None if top is None else top - (bottom or 0)
         case ast.BinOp(op=ast.Pow(), left=left, right=right):
-            if _degree(left) or _degree(right):
+            if _degree(left, variables) or _degree(right, variables):
                 raise ExpressionError("x can't stand in a power: the formula must be proportional to x", node.col_offset)
             return 0
         case ast.Call(func=ast.Name(id="where"), args=[ast.Compare(left=left, ops=[operator], comparators=[right]), a, b], keywords=[]):
             if type(operator) not in _COMPARE:
                 raise ExpressionError("where() compares with <, <=, > or >=", node.col_offset)
-            if _degree(left) or _degree(right):
+            if _degree(left, variables) or _degree(right, variables):
                 raise ExpressionError("a condition can't depend on x", node.col_offset)
-            return _same_degree(node, [a, b])
+            return _same_degree(node, [a, b], variables)
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in _FUNCTIONS:
             function = _FUNCTIONS[name]
             fewest, most = function.arguments
             if not fewest <= len(arguments) <= most:
                 raise ExpressionError(f"{name}() takes {fewest} argument{'s' if fewest > 1 else ''}, got {len(arguments)}", node.col_offset)
             if function.keeps_scale:
-                return _same_degree(node, arguments)
-            if any(_degree(argument) for argument in arguments):
+                return _same_degree(node, arguments, variables)
+            if any(_degree(argument, variables) for argument in arguments):
                 raise ExpressionError(f"x can't stand inside {name}(): the formula must be proportional to x", node.col_offset)
             return 0
         case ast.Call(func=ast.Name(id=name)):
@@ -183,8 +183,8 @@ def _degree(node: ast.expr) -> int | None:
             raise ExpressionError(f"{type(node).__name__} is not allowed", getattr(node, "col_offset", 0))
 
 
-def _same_degree(node: ast.expr, parts: list[ast.expr]) -> int | None:
-    degrees = {degree for part in parts if (degree := _degree(part)) is not None}
+def _same_degree(node: ast.expr, parts: list[ast.expr], variables: Collection[str]) -> int | None:
+    degrees = {degree for part in parts if (degree := _degree(part, variables)) is not None}
     if len(degrees) > 1:
         raise ExpressionError("terms with and without x are mixed: the formula must be proportional to x", node.col_offset)
     return degrees.pop() if degrees else None

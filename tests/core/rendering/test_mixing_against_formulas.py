@@ -6,8 +6,22 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.core.mixing import cumulative, mixed, power, saturated, strongest, weighted
+from haptic_tracing.core.formats.error import FormatError
+from haptic_tracing.core.formats.scene_json import scene_from_dict
+from haptic_tracing.core.mixdown import mixing_method
+from haptic_tracing.core.mixing import (
+    MIXING_VARIABLES,
+    MixingExpression,
+    check_mixing,
+    cumulative,
+    mixed,
+    power,
+    saturated,
+    strongest,
+    weighted,
+)
 from haptic_tracing.core.rendering import ListenerMix, Renderer, Voice
+from haptic_tracing.core.scene import Listener
 from haptic_tracing.core.signals import Constant, Decay, Sine
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -123,6 +137,70 @@ def test_a_custom_method_that_fails_changes_nothing(bad: object) -> None:
         renderer.render_frame(0.0, 0.1, VOICES)
     with pytest.raises(ValueError, match="unknown mixing method"):
         mixed("loudest", np.zeros((1, 1)), np.ones(1))  # type: ignore[arg-type]
+
+
+@given(samples, limits, st.data())
+@settings(deadline=None, derandomize=True)
+def test_a_designers_formula_sees_what_the_other_methods_give(signals: np.ndarray, s_max: float, data: st.DataObject) -> None:
+    weights = data.draw(arrays(np.float64, len(signals), elements=st.floats(0, 10)))
+    values = [cumulative(signals), weighted(signals, weights), strongest(signals), power(signals), np.full(signals.shape[1], s_max)]
+    for name, value in zip(MIXING_VARIABLES, values, strict=True):
+        assert MixingExpression(name, s_max)(signals, weights).tolist() == value.tolist()
+    total, squares = signals.sum(axis=0), (signals**2).sum(axis=0)
+    soft = MixingExpression("s_max * tanh(sum / s_max)", s_max)(signals, weights)
+    assert soft == pytest.approx(s_max * np.tanh(total / s_max), rel=1e-12, abs=1e-300)
+    halves = MixingExpression("0.5 * strongest + 0.5 * where(sum < 0, -1, 1) * abs(power)")(signals, weights)
+    expected = 0.5 * strongest(signals) + 0.5 * np.where(total < 0, -1, 1) * np.sqrt(squares)
+    assert halves == pytest.approx(expected, rel=1e-9, abs=1e-100)
+
+
+def test_a_formula_without_a_finite_value_is_silence() -> None:
+    signals = np.array([[-1.0, 0.0, 4.0]])
+    assert MixingExpression("sqrt(sum)")(signals, np.ones(1)).tolist() == [0.0, 0.0, 2.0]
+    assert MixingExpression("1 / sum")(signals, np.ones(1)).tolist() == [-1.0, 0.0, 0.25]
+
+
+def test_renderer_mixes_by_a_formula() -> None:
+    listeners = [ListenerMix("hand", MixingExpression("tanh(sum)"), gain=0.9, s_max=0.5), ListenerMix("foot", "cumulative", s_max=10.0)]
+    voices = [Voice(v.key, v.signal, np.repeat(v.gains, 2)) for v in VOICES]
+    hand, foot = Renderer(listeners).render_frame(0.0, 0.5, voices)
+    assert np.abs(hand - np.clip(0.9 * np.tanh(foot), -0.5, 0.5)).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("formula", "words"),
+    [
+        ("sum", None),
+        ("s_max * tanh(sum / s_max)", None),
+        ("0.3 * power ** 2", None),
+        ("sum + loud", "unknown name 'loud'; known are sum, weighted, strongest, power, s_max"),
+        ("x * d", "unknown name 'x'"),
+        ("__import__('os')", "can't be called"),
+        ("sum +", "not a formula"),
+        ("", "not a formula"),
+        ("log(sum)", "no finite value where sum is"),
+        ("sum + 0.25", "0.25 where nothing sounds"),
+    ],
+)
+def test_formulas_are_checked_while_they_are_written(formula: str, words: str | None) -> None:
+    finding = check_mixing(formula)
+    assert (finding is None) == (words is None)
+    if finding is not None and words is not None:
+        assert words in finding.message
+        if not finding.usable:
+            with pytest.raises(ValueError, match="expression: "):
+                MixingExpression(formula)
+
+
+def test_a_listener_with_a_wrong_formula_is_refused() -> None:
+    assert mixing_method(Listener("hand", "box", mixing="custom", mixing_expression="sum", s_max=0.5)) == MixingExpression("sum", 0.5)
+    for formula in ("", "sum +", "loud"):
+        with pytest.raises(ValueError, match=r"^mixing_expression: "):
+            Listener("hand", "box", mixing="custom", mixing_expression=formula)
+    form = {"format": "haptic-scene", "version": "1.0", "objects": [{"name": "box", "kappa": 0, "rho": 1}]}
+    form["listeners"] = [{"name": "hand", "object": "box", "position": [0, 0, 0], "mixing": "custom", "mixing_expression": "sum +"}]
+    with pytest.raises(FormatError, match="/listeners/0/mixing_expression: not a formula"):
+        scene_from_dict(form, "scene.json")
 
 
 @pytest.mark.parametrize(
