@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Menu
 
 from .operators.adding import SOURCE_ITEMS
@@ -116,7 +117,8 @@ class HAPTIC_MT_mode_pie(Menu):
         pie = self.layout.menu_pie()
         for mode, title, _ in MODE_ITEMS:
             current = context.scene.haptics.mode == mode
-            pie.operator("haptic.set_mode", text=title, icon="RADIOBUT_ON" if current else "RADIOBUT_OFF").mode = mode
+            text = f"{iface_(title)} ({mode})"
+            pie.operator("haptic.set_mode", text=text, icon="RADIOBUT_ON" if current else "RADIOBUT_OFF", translate=False).mode = mode
 
 
 def _draw_object_menu(self: Menu, context: Context) -> None:

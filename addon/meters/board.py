@@ -1,4 +1,4 @@
-"""The meters as shapes and texts in pixels: a bar per listener, the scope of one, the body. No GPU, no Blender."""
+"""The meters as shapes and texts in pixels: a bar per listener, the scope of one, the body. No GPU."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
 from numpy.typing import NDArray
 
 from ..overlay.colour_map import colour_table
@@ -115,7 +116,7 @@ def meters(
     for number, level in enumerate(shown):
         _add_row(board, (x, top - (number + 2) * ROW * scale), level, columns, measure)
     if len(shown) < len(levels):
-        board.text(f"and {len(levels) - len(shown)} more", (x, top - (len(shown) + 2) * ROW * scale + 4 * scale), FAINT_INK)
+        board.text(iface_("and {} more").format(len(levels) - len(shown)), (x, top - (len(shown) + 2) * ROW * scale + 4 * scale), FAINT_INK)
     if below and scope is not None:
         _add_scope(board, (x, bottom + PADDING * scale), columns.width * scale, scope, measure)
     if body:
@@ -195,7 +196,7 @@ def _add_scope(board: Board, corner: tuple[float, float], width: float, scope: S
     for x, low_end, high_end in zip((left + columns * width / _SCOPE_COLUMNS).tolist(), lows.tolist(), highs.tolist(), strict=True):
         board.plate((x, low_end), (x + width / _SCOPE_COLUMNS, high_end), SCOPE_COLOUR, 0.0)
     size = TEXT_SIZE * 0.86
-    board.text(f"{scope.listener}, last second", (left + 5 * scale, high - 11 * scale), FAINT_INK, size)
+    board.text(iface_("{}, last second").format(scope.listener), (left + 5 * scale, high - 11 * scale), FAINT_INK, size)
     words = f"±{full:.3g}"
     board.text(words, (left + width - measure(words, size * scale) - 5 * scale, high - 11 * scale), FAINT_INK, size)
 
@@ -230,7 +231,8 @@ def _add_body(board: Board, corner: tuple[float, float], height: float, parts: d
             colour = colour_of(parts[limb.part]) if limb.part in parts else _ABSENT
             ends = [(middle + place[0] * unit, y + place[1] * unit) for place in (limb.start, limb.end)]
             board.line(*ends, colour, limb.width * unit / scale)
-        width = measure(view, size * scale)
-        board.text(view, (middle - width / 2, y + HEIGHT * unit + 6 * scale), FAINT_INK, size)
+        words = iface_(view)
+        width = measure(words, size * scale)
+        board.text(words, (middle - width / 2, y + HEIGHT * unit + 6 * scale), FAINT_INK, size)
         for side, place in (("L", 1.0 if view == "front" else -1.0), ("R", -1.0 if view == "front" else 1.0)):
             board.text(side, (middle + place * 0.52 * unit - 3 * scale, y + 0.06 * unit), FAINT_INK, size)

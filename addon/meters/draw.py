@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Scene, SpaceView3D
 
 from ...core.frame_result import FrameResult
@@ -73,7 +74,7 @@ def scope_of(scene: Scene) -> Scope | None:
 
 def board_of(scene: Scene, corner: tuple[float, float], room: tuple[float, float], scale: float) -> Furniture:
     """The scene's meters as shapes."""
-    title, body = f"Mode {scene.haptics.mode}", scene.haptics.meters.show_body
+    title, body = iface_("Mode {}").format(scene.haptics.mode), scene.haptics.meters.show_body
     return meters(levels_of(scene), scope_of(scene), corner, room, scale, overlay.text_width, title=title, body=body)
 
 

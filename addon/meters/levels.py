@@ -1,4 +1,4 @@
-"""How much each listener feels: what the meters show, as numbers and as words. No Blender."""
+"""How much each listener feels: what the meters show, as numbers and as words."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.frame_result import FrameResult
 from ...core.perception import sensation_level
@@ -38,14 +39,14 @@ class Level:
         return place_of(self.rms)
 
     def words(self) -> str:
-        """Peak and RMS: "−12 dB peak, −20 dB RMS", "silent" """
-        return "silent" if self.peak == -math.inf else f"{decibels(self.peak)} peak, {decibels(self.rms)} RMS"
+        """Peak and RMS: "−12, −20 dB", "silent" """
+        return iface_("silent") if self.peak == -math.inf else f"{_number(self.peak)}, {decibels(self.rms)}"
 
     def feeling(self) -> str:
         """How far above or below the threshold of feeling: "23 dB felt", "5 dB too weak", "" for silence."""
         if self.sensation == -math.inf:
             return ""
-        return f"{self.sensation:.0f} dB felt" if self.is_felt else f"{-self.sensation:.0f} dB too weak"
+        return iface_("{:.0f} dB felt" if self.is_felt else "{:.0f} dB too weak").format(abs(self.sensation))
 
 
 def place_of(level: float) -> float:
@@ -55,9 +56,11 @@ def place_of(level: float) -> float:
 
 def decibels(level: float) -> str:
     """A level as text: "−12 dB"."""
-    if level == -math.inf:
-        return "silent"
-    return f"\N{MINUS SIGN}{-level:.0f} dB" if round(level) < 0 else f"{max(level, 0.0):.0f} dB"
+    return iface_("silent") if level == -math.inf else f"{_number(level)} dB"
+
+
+def _number(level: float) -> str:
+    return f"\N{MINUS SIGN}{-level:.0f}" if round(level) < 0 else f"{max(level, 0.0):.0f}"
 
 
 def levels(result: FrameResult, history: History) -> tuple[Level, ...]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
@@ -102,7 +103,7 @@ class GainScale:
 def decibel_text(gain: float) -> str:
     """A gain as a designer reads it: "−12.4 dB", or "silent" for 0."""
     if gain <= 0:
-        return "silent"
+        return iface_("silent")
     value = round(20 * math.log10(gain), 1)
     if value == 0:
         return "0 dB"

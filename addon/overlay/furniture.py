@@ -1,4 +1,4 @@
-"""Labels and legend in pixels: plates, symbols and texts. No GPU, no Blender: how wide a text is comes from outside."""
+"""Labels and legend in pixels: plates, symbols and texts. No GPU; how wide a text is comes from outside."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import TypeVar
 
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
 
 from .colour_map import STEPS, FloatArray, GainScale, colour_table
 from .labels import around, place_labels, project
@@ -22,7 +23,7 @@ _PADDING = (6.0, 4.0)
 _GAP = 5.0  # points between a place's symbol and its label
 _LEGEND = (18.0, 10.0, 10.0)  # points: a symbol, between two names, around everything
 _MOST_STEPS, _MOST_LABELS = 150, 48
-_NAMES = {Shape.SOURCE: "Source", Shape.IMPACT: "Impact", Shape.LISTENER: "Listener", Shape.CONTACT: "Contact"}
+NAMES = {Shape.SOURCE: "Source", Shape.IMPACT: "Impact", Shape.LISTENER: "Listener", Shape.CONTACT: "Contact"}
 
 Part = TypeVar("Part", Lines, Points)
 
@@ -103,11 +104,12 @@ def furniture(
 ) -> Furniture:
     """Labels and legend for a viewport of ``size`` pixels, seen with ``perspective`` (4, 4). ``scale``: pixels per point.
     ``free``: what nothing else covers of the viewport; ``taken``: what is drawn within it already."""
-    shapes = tuple(shape for shape in _NAMES if (data.points.shape == shape).any())
-    legend, place = _legend(data.scale, shapes, (free[2], free[1]), scale, measure)
+    shapes = tuple(shape for shape in NAMES if (data.points.shape == shape).any())
+    names = tuple(iface_(name) for name in NAMES.values())
+    legend, place = _legend(data.scale, shapes, names, (free[2], free[1]), scale, measure)
     above = max((other[3] for other in taken if other[2] > place[0] and other[3] > place[1] and other[0] < place[2]), default=None)
     if above is not None:
-        legend, place = _legend(data.scale, shapes, (free[2], above), scale, measure)
+        legend, place = _legend(data.scale, shapes, names, (free[2], above), scale, measure)
     board = Board(scale)
     if data.labels:
         _add_labels(board, data, perspective, size, free, np.array([place, *taken]), measure)
@@ -181,17 +183,18 @@ def _along_paths(lines: Lines) -> FloatArray:
 def legend_width(scale: float, measure: Measure) -> float:
     """As wide as with all symbols, so that the legend stays where it is when there is an impact [pixels]."""
     symbol_width, gap, padding = (part * scale for part in _LEGEND)
-    names = sum(measure(name, TEXT_SIZE * scale) for name in _NAMES.values())
-    return names + len(_NAMES) * symbol_width + (len(_NAMES) - 1) * gap + 2 * padding
+    names = sum(measure(iface_(name), TEXT_SIZE * scale) for name in NAMES.values())
+    return names + len(NAMES) * symbol_width + (len(NAMES) - 1) * gap + 2 * padding
 
 
 @lru_cache(maxsize=8)
 def _legend(
-    gains: GainScale, shapes: tuple[Shape, ...], corner: tuple[float, float], scale: float, measure: Measure
+    gains: GainScale, shapes: tuple[Shape, ...], names: tuple[str, ...], corner: tuple[float, float], scale: float, measure: Measure
 ) -> tuple[Furniture, tuple[float, ...]]:
-    """The legend, with its lower right corner a little away from ``corner``, and the rectangle that it takes."""
+    """The legend, with its lower right corner a little away from ``corner``, and the rectangle that it takes. ``names``: of all shapes."""
     board, text = Board(scale), TEXT_SIZE * scale
-    widths = [measure(_NAMES[shape], text) for shape in shapes]
+    named = dict(zip(NAMES, names, strict=True))
+    widths = [measure(named[shape], text) for shape in shapes]
     symbol_width, gap, padding = (part * scale for part in _LEGEND)
     width = legend_width(scale, measure)
     height = 66 * scale
@@ -202,7 +205,7 @@ def _legend(
         colour = {Shape.SOURCE: SOURCE_COLOUR, Shape.IMPACT: IMPACT_COLOUR}.get(shape, colour_table()[STEPS * 3 // 5])
         size = 8.0 if shape == Shape.CONTACT else 17.0
         board.symbol((x + symbol_width / 2 - 2 * scale, base + 4 * scale), shape, size, colour)
-        board.text(_NAMES[shape], (x + symbol_width, base), INK)
+        board.text(named[shape], (x + symbol_width, base), INK)
         x += symbol_width + text_width + gap
     _add_bar(board, gains, left + padding, bottom + 24 * scale, width - 2 * padding, measure)
     return board.furniture(), (left, bottom, left + width, bottom + height)

@@ -1,4 +1,4 @@
-"""What is drawn of a traced frame, as plain arrays: points, lines and labels in world space. No GPU, no Blender."""
+"""What is drawn of a traced frame, as plain arrays: points, lines and labels in world space. No GPU."""
 
 from __future__ import annotations
 

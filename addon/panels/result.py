@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Panel, UILayout
 
 from ...core.frame_result import FrameResult
@@ -42,7 +43,8 @@ class HAPTIC_PT_result(HapticsPanel, Panel):
             return
         row = layout.row()
         baked = playback.is_from_track(result, result.number)
-        row.label(text=f"Frame {result.number}" + (", from the baked track" if baked else ""), icon="RENDER_ANIMATION" if baked else "NONE")
+        words = iface_("Frame {}, from the baked track" if baked else "Frame {}").format(result.number)
+        row.label(text=words, icon="RENDER_ANIMATION" if baked else "NONE", translate=False)
         row.operator("haptic.trace_frame", text="", icon="FILE_REFRESH")
         levels = meters.levels_of(scene)
         chosen = context.object.name_full if context.object is not None else ""
@@ -69,12 +71,13 @@ class HAPTIC_PT_silence(HapticsPanel, Panel):
         layout = self.layout
         scene, name = context.scene, context.object.name_full
         layout.label(text=name, icon="OUTLINER_OB_LIGHTPROBE")
-        words, reasons = why_silent(scene, name)
+        stale, reasons = why_silent(scene, name)
         on_device = device_words(scene, name)
-        if not words and not reasons:
+        if not stale and not reasons:
             level = next((level for level in meters.levels_of(scene) if level.listener == name), None)
-            layout.label(text="It feels something" if level is None else f"It is not: {level.feeling()}", icon="CHECKMARK")
-        for sentence in (words, on_device):
+            words = iface_("It feels something") if level is None else iface_("It is not: {}").format(level.feeling())
+            layout.label(text=words, icon="CHECKMARK", translate=False)
+        for sentence in (stale, on_device):
             _draw_sentence(layout, sentence)
         for reason in reasons:
             box = layout.box()
@@ -100,12 +103,14 @@ class HAPTIC_PT_meters(HapticsPanel, Panel):
         row.active = chosen.show
         row.prop(chosen, "show_scope", toggle=True)
         row.prop(chosen, "show_body", toggle=True)
-        column = layout.column(align=True)
-        for level in meters.levels_of(scene):
-            draw_pair(column, level.listener, decibels(level.rms))
-            if level.feeling():
-                draw_pair(column, f"    {decibels(level.peak)} peak", level.feeling())
         _draw_pictures(layout, context)
+        levels = meters.levels_of(scene)
+        column = layout.column(align=True)
+        column.scale_y = 0.8
+        if levels:
+            _draw_row(column, "", iface_("Peak, RMS"), "")
+        for level in levels:
+            _draw_row(column, level.listener, level.words(), level.feeling())
 
 
 class HAPTIC_PT_comparison(HapticsPanel, Panel):
@@ -152,7 +157,7 @@ class HAPTIC_PT_statistics(HapticsPanel, Panel):
             return
         column = layout.column(align=True)
         for stage, milliseconds in result.milliseconds.items():
-            draw_pair(column, stage.replace("_", " ").title(), f"{milliseconds:.2f} ms")
+            draw_pair(column, stage.replace("_", " ").capitalize(), f"{milliseconds:.2f} ms")
         column.separator()
         for name, value in result.statistics.items():
             draw_pair(column, name.replace("_", " ").capitalize(), f"{value:g}")
@@ -160,16 +165,18 @@ class HAPTIC_PT_statistics(HapticsPanel, Panel):
 
 def _draw_sentence(layout: UILayout, sentence: str) -> None:
     column = layout.column(align=True)
-    for line in wrapped(sentence):
-        column.label(text=line)
+    for line in wrapped(iface_(sentence)):
+        column.label(text=line, translate=False)
 
 
 def _draw_level(layout: UILayout, level: Level) -> None:
     """A listener's name, which selects it, and its level as a bar."""
     split = layout.split(factor=0.5)
-    split.operator("haptic.select_object", text=level.listener, icon="OUTLINER_OB_LIGHTPROBE", emboss=False).name = level.listener
+    row = split.row()
+    row.alignment = "LEFT"
+    row.operator("haptic.select_object", text=level.listener, icon="OUTLINER_OB_LIGHTPROBE", emboss=False).name = level.listener
     too_weak = level.rms > -math.inf and not level.is_felt
-    split.progress(factor=level.place, text=decibels(level.rms) + (", too weak" if too_weak else ""))
+    split.progress(factor=level.place, text=iface_("{}, too weak" if too_weak else "{}").format(decibels(level.rms)))
 
 
 def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
@@ -181,9 +188,18 @@ def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
     for gain, source in felt[:_SHOWN_SOURCES]:
         draw_pair(column, source, f"{gain:.3f}  {20 * math.log10(gain):.0f} dB")
     if len(felt) > _SHOWN_SOURCES:
-        column.label(text=f"and {len(felt) - _SHOWN_SOURCES} more")
+        column.label(text=iface_("and {} more").format(len(felt) - _SHOWN_SOURCES), translate=False)
     if not felt:
         column.label(text="Nothing reaches it")
+
+
+def _draw_row(layout: UILayout, name: str, values: str, feeling: str) -> None:
+    """A listener's name, its levels and how they feel, in columns."""
+    split = layout.split(factor=0.36)
+    split.label(text=name, translate=False)
+    split = split.split(factor=0.5)
+    split.label(text=values, translate=False)
+    split.label(text=feeling, translate=False)
 
 
 def _draw_pictures(layout: UILayout, context: Context) -> None:

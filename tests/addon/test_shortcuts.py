@@ -69,7 +69,7 @@ def test_the_mode_menu_offers_every_mode_and_marks_the_current_one(scene, mode):
     pie = recording_layout.RecordingLayout()
     menus.HAPTIC_MT_mode_pie.draw(SimpleNamespace(layout=pie), bpy.context)
     assert pie.operators == ["haptic.set_mode"] * 4
-    assert pie.labels == [title for _, title, _ in MODE_ITEMS]
+    assert pie.labels == [f"{title} ({name})" for name, title, _ in MODE_ITEMS]
     assert [icon == "RADIOBUT_ON" for icon in pie.operator_icons] == [name == mode for name, *_ in MODE_ITEMS]
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import bpy
 import haptic_tracing
+from haptic_tracing.addon.meters import body_map
+from haptic_tracing.addon.overlay import furniture
 from haptic_tracing.core.modalities import MODALITIES
 
 ADDON = Path(haptic_tracing.__file__).parent / "addon"
@@ -32,6 +34,7 @@ def registered_texts() -> set[str]:
     """Labels, names and descriptions of the add-on's classes."""
     found = {text for cls in _classes() for text in _of_class(cls)}
     found |= {words for modality in MODALITIES.values() for _, words in modality.sensations}
+    found |= {*furniture.NAMES.values(), *get_args(body_map.View)}
     return {text for text in found if _has_words(text)}
 
 
