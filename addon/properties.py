@@ -388,6 +388,12 @@ class HapticSceneProperties(PropertyGroup):
     imported: StringProperty(
         name="Imported", description="What an imported file says beyond these properties", options={"HIDDEN"}, update=_changed
     )
+    imported_contacts: StringProperty(
+        name="Imported Contacts",
+        description="The contacts of an imported file, which count while objects stand where it put them",
+        options={"HIDDEN"},
+        update=_changed,
+    )
 
 
 CLASSES = (

@@ -7,7 +7,8 @@ calls: only session ids, row numbers and plain values.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from itertools import compress
 from typing import Any
 
 import bpy
@@ -16,8 +17,10 @@ from bpy.types import Depsgraph, Object, Scene
 from mathutils import Matrix
 from numpy.typing import NDArray
 
+from ..core.contacts.authored import AuthoredContacts
+from ..core.contacts.shapes import pose_matrix
 from ..core.contacts.tracker import Body, ContactSettings, Motion
-from ..core.functions import ModulationFunction, function_from_dict
+from ..core.functions import ModulationFunction, Spectrum, function_from_dict
 from ..core.materials import named_in
 from ..core.scene import HapticObject, Listener, Pose, Settings, Source, SourceKind
 from ..core.signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Decay, Loop, Noise, Pulse, Signal, Sine, Track, impact_material, read_wav
@@ -26,7 +29,7 @@ from . import compatibility
 from .animated_frequency import AnimatedFrequencies
 from .collision_shapes import collision_shape
 from .decimals import shortest
-from .formats.kept import kept_object, kept_source
+from .formats.kept import NEAR, KeptContacts, KeptScene, exact, kept_contacts, kept_listener, kept_object, kept_scene, kept_source, near
 from .function_properties import PARAMETERS
 from .progress import progress
 
@@ -55,7 +58,8 @@ class Problem:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """One frame of a scene. ``transforms`` (n, 4, 4) of ``objects`` are rigid: the scale is in the bodies' shapes."""
+    """One frame of a scene. ``transforms`` (n, 4, 4) of ``objects`` are rigid: the scale is in the bodies' shapes. ``settled``: the names
+    of those that stand where an imported file put them; ``authored``: that file's contacts, None where there are none."""
 
     objects: tuple[HapticObject, ...]
     bodies: tuple[Body, ...]
@@ -66,6 +70,8 @@ class Reading:
     contact_settings: ContactSettings
     impact_materials: Mapping[str, str]  # what an object feels like when it is hit, where its material says it
     problems: tuple[Problem, ...]
+    settled: frozenset[str] = frozenset()
+    authored: AuthoredContacts | None = None
 
     def posed_objects(self) -> tuple[HapticObject, ...]:
         """The objects with the shape and pose that they have in this frame."""
@@ -85,10 +91,37 @@ class _Tagged:
     scale: tuple[float, float, float]
     object: HapticObject | None
     body: Body | None
+    home: Pose | None  # where a file put the body, as it is since
     source: Source | None
     listener: Listener | None
     impact_material: str | None
     problems: tuple[Problem, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Homes:
+    """Where a file put bodies: ``transforms`` (n, 4, 4), infinite where it did not, and by how much these may differ."""
+
+    names: tuple[str, ...]
+    transforms: FloatArray
+    limits: FloatArray
+
+    @classmethod
+    def of(cls, homes: Mapping[str, Pose | None]) -> _Homes:
+        transforms = np.full((len(homes), 4, 4), np.inf)
+        for row, pose in enumerate(homes.values()):
+            if pose is not None:
+                transforms[row] = pose_matrix(pose)
+        limits = np.full((len(homes), 4, 4), 2 * NEAR)
+        far = np.abs(transforms[:, :3, 3]).max(axis=1, initial=1.0)
+        limits[:, :3, 3] = NEAR * np.where(np.isfinite(far), far, 1.0)[:, None]
+        return cls(tuple(homes), transforms, limits)
+
+    def settled(self, transforms: FloatArray) -> frozenset[str]:
+        """The bodies that stand there."""
+        if not np.isfinite(self.transforms[:, 3, 3]).any():
+            return frozenset()
+        return frozenset(compress(self.names, (np.abs(transforms - self.transforms) <= self.limits).all(axis=(1, 2)).tolist()))
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +138,7 @@ class _Lists:
     objects: tuple[HapticObject, ...]
     bodies: tuple[Body, ...]
     places: tuple[Source | Listener, ...]
+    homes: _Homes
     impact_materials: Mapping[str, str]
     problems: tuple[Problem, ...]
 
@@ -124,6 +158,7 @@ class _Lists:
             objects=tuple(item for _, item, _ in bodies),
             bodies=tuple(body for _, _, body in bodies),
             places=tuple(item for _, item in places),
+            homes=_Homes.of({item.name: tagged[k].home for k, item, _ in bodies}),
             impact_materials={t.object.name: t.impact_material for t in tagged if t.object is not None and t.impact_material is not None},
             problems=tuple(problem for t in tagged for problem in t.problems),
         )
@@ -142,6 +177,10 @@ class SceneReader:
         self._rigid = np.zeros((0, 4, 4))  # of the tagged rows
         self._transforms = np.zeros((0, 4, 4))  # of the bodies
         self._placed: list[Source | Listener] = []
+        self._settled: frozenset[str] = frozenset()
+        self._kept = KeptContacts()
+        self._kept_problems: tuple[Problem, ...] = ()
+        self._authored: tuple[tuple[KeptContacts, _Homes, frozenset[str]], AuthoredContacts] | None = None
 
     def forget(self) -> None:
         """Something an author can change has changed: read everything at the next call."""
@@ -163,10 +202,12 @@ class SceneReader:
         raw = _raw_matrices(len(session_ids))
         if self._session_ids is None or not np.array_equal(self._session_ids, session_ids):
             self._read_all(depsgraph, raw)
+            self._read_kept(scene)
             self._session_ids = session_ids
         lists = self._read_changed(depsgraph, raw)
         now, duration = seconds_of(scene, scene.frame_current), scene.render.fps_base / scene.render.fps
         heard = [item for item in self._placed if _sounds(item, now, duration)]
+        contact_settings = read_contact_settings(scene)
         return Reading(
             objects=lists.objects,
             bodies=lists.bodies,
@@ -174,10 +215,33 @@ class SceneReader:
             sources=tuple(item for item in heard if isinstance(item, Source)),
             listeners=tuple(item for item in heard if isinstance(item, Listener)),
             settings=read_settings(scene),
-            contact_settings=read_contact_settings(scene),
+            contact_settings=contact_settings,
             impact_materials=lists.impact_materials,
-            problems=lists.problems,
+            problems=self._kept_problems + lists.problems,
+            settled=self._settled,
+            authored=self._authored_contacts(lists, contact_settings),
         )
+
+    def _read_kept(self, scene: Scene) -> None:
+        """What was imported with the scene."""
+        try:
+            kept_scene(scene.haptics.imported)
+            self._kept, self._kept_problems = kept_contacts(scene.haptics.imported_contacts), ()
+        except ValueError as error:
+            self._kept, self._kept_problems = KeptContacts(), (Problem("", str(error)),)
+
+    def _authored_contacts(self, lists: _Lists, settings: ContactSettings) -> AuthoredContacts | None:
+        """The same value as long as it says the same."""
+        kept, homes = self._kept, lists.homes
+        found_alike = (kept.tolerance, kept.patch_points) == (settings.tolerance, settings.patch_points)
+        settled = self._settled if found_alike and kept.contacts else frozenset()
+        if not settled and not kept.transmissions:
+            return None
+        key = kept, homes, settled
+        if self._authored is None or self._authored[0] != key:
+            contacts = [item for pair, items in kept.contacts.items() if settled.issuperset(pair) for item in items]
+            self._authored = key, AuthoredContacts.of(homes.names, settled, contacts, kept.transmissions)
+        return self._authored[1]
 
     def _read_all(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> None:
         shown = {obj.session_uid for obj in depsgraph.view_layer.objects}
@@ -220,8 +284,10 @@ class SceneReader:
         if len(moved) or lists is not self._lists:
             self._transforms = self._rigid[lists.of_bodies]
             self._transforms.setflags(write=False)  # so that the tracker knows it again
+            self._settled = lists.homes.settled(self._transforms)
             self._placed = [
-                replace(item, position=tuple(place)) for place, item in zip(raw[lists.of_places, 12:15].tolist(), lists.places, strict=True)
+                item if near(item.position, place) else replace(item, position=tuple(place))
+                for place, item in zip(raw[lists.of_places, 12:15].tolist(), lists.places, strict=True)
             ]
         if len(self._raw) != len(raw):
             self._raw = raw
@@ -234,13 +300,14 @@ class SceneReader:
         haptics = obj.haptics
         name = obj.name_full
         problems: list[Problem] = []
-        haptic_object = body = source = listener = None
+        haptic_object = body = home = source = listener = None
         scale = self._scale(row, scale)
         if haptics.enabled:
             try:
                 shape = self._shape(obj, depsgraph, scale)
                 haptic_object = read_object(obj)
                 body = Body(name=name, shape=shape, mass=haptic_object.mass, motion=_motion(obj), medium=haptics.medium)
+                home = kept_object(haptics.imported).pose if _is_as_imported(obj, scale) else None
             except ValueError as error:
                 problems.append(Problem(name, str(error)))
         carrier = haptic_carrier(obj)
@@ -262,7 +329,9 @@ class SceneReader:
         animated = compatibility.is_animated(obj)
         deforming = any(animated or modifier.type not in _STEADY for modifier in obj.modifiers)
         struck = read_impact_material(obj)
-        return _Tagged(row, animated, deforming, tuple(scale.tolist()), haptic_object, body, source, listener, struck, tuple(problems))
+        return _Tagged(
+            row, animated, deforming, tuple(scale.tolist()), haptic_object, body, home, source, listener, struck, tuple(problems)
+        )
 
     def _scale(self, row: int, scale: FloatArray) -> FloatArray:
         """The object's scale in the world; the known one where only rounding differs, so that what turns keeps its shape."""
@@ -272,7 +341,7 @@ class SceneReader:
     def _shape(self, obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Any:
         body = obj.rigid_body
         settings = () if body is None else (body.collision_shape, body.mesh_source, body.use_margin, body.collision_margin)
-        if body is None and np.allclose(scale, 1.0, atol=1e-5):
+        if _is_as_imported(obj, scale):
             kept = kept_object(obj.haptics.imported).shape
             if kept is not None:
                 return kept
@@ -282,6 +351,11 @@ class SceneReader:
             known = (key, collision_shape(obj, depsgraph, scale))
             self._shapes[obj.session_uid] = known
         return known[1]
+
+
+def _is_as_imported(obj: Object, scale: FloatArray) -> bool:
+    """False where what an author did since comes before the shape and the pose that a file gave an object."""
+    return obj.rigid_body is None and np.allclose(scale, 1.0, atol=1e-5)
 
 
 def is_tagged(obj: Object) -> bool:
@@ -299,7 +373,23 @@ def haptic_carrier(obj: Object | None) -> Object | None:
 
 
 def read_function(haptics: Any) -> ModulationFunction:
-    """The propagation function of an object's properties. Raises ValueError in words."""
+    """The propagation function of an object: the imported one as long as the properties say the same as far as they can. Raises ValueError
+    in words."""
+    function, kept = function_of_properties(haptics), kept_object(haptics.imported).function
+    return kept if kept is not None and stands_for(function, kept) else function
+
+
+def stands_for(function: ModulationFunction, imported: ModulationFunction) -> bool:
+    """Whether properties that make ``function`` were set to ``imported``: they are rounded and have no gains of bands."""
+    numbers = {f.name: getattr(imported, f.name) for f in fields(imported) if f.init}
+    floats = {name: shortest(value) for name, value in numbers.items() if isinstance(value, float)}
+    wave_speed, decays = imported.spectrum.wave_speed, imported.spectrum.band_decays
+    spectrum = Spectrum(wave_speed=shortest(wave_speed), band_decays=tuple(map(shortest, decays)))
+    return replace(imported, **floats, spectrum=spectrum) == function
+
+
+def function_of_properties(haptics: Any) -> ModulationFunction:
+    """The propagation function that an object's properties make. Raises ValueError in words."""
     parameters = {key: _typed(getattr(haptics, name)) for key, name in PARAMETERS.get(haptics.function, {}).items()}
     if haptics.wave_speed > 0:
         parameters["wave_speed"] = shortest(haptics.wave_speed)
@@ -315,10 +405,11 @@ def _typed(value: Any) -> Any:
 def read_object(obj: Object) -> HapticObject:
     """The haptic object of a Blender object. Raises ValueError in words where its function is wrong."""
     haptics = obj.haptics
+    numbers = kept_object(haptics.imported).numbers
     return HapticObject(
         name=obj.name_full,
-        kappa=shortest(haptics.kappa),
-        rho=shortest(haptics.rho),
+        kappa=exact(haptics, "kappa", numbers),
+        rho=exact(haptics, "rho", numbers),
         propagation=read_function(haptics),
         mass=shortest(obj.rigid_body.mass) if obj.rigid_body is not None else kept_object(haptics.imported).mass,
         medium=haptics.medium,
@@ -326,8 +417,8 @@ def read_object(obj: Object) -> HapticObject:
 
 
 def read_source(obj: Object, carrier: str, frequency: Track | None = None) -> Source:
-    """The source of a Blender object that stands on the haptic object ``carrier``; its position is filled in per frame. ``frequency``:
-    over the scene's time, where it is animated."""
+    """The source of a Blender object that stands on the haptic object ``carrier``; its position, here where a file put it, is filled in
+    per frame. ``frequency``: over the scene's time, where it is animated."""
     properties = obj.haptics.source
     kept = kept_source(properties.imported)
     second = bpy.data.objects.get(kept.second_object or "")
@@ -336,13 +427,14 @@ def read_source(obj: Object, carrier: str, frequency: Track | None = None) -> So
     return Source(
         name=obj.name_full,
         object=carrier,
-        amplitude=0.0 if properties.muted else shortest(properties.amplitude),
+        position=kept.position or (0.0, 0.0, 0.0),
+        amplitude=0.0 if properties.muted else exact(properties, "amplitude", kept.numbers),
         kind=kept.kind,
         signal=_wearing_off(signal, properties.decay) if kept.kind is SourceKind.PERSISTENT else signal,
         second_object=kept.second_object if struck else None,
         second_position=kept.second_position if struck else None,
         onset=kept.onset,
-        priority=shortest(properties.priority),
+        priority=exact(properties, "priority", kept.numbers),
     )
 
 
@@ -368,16 +460,18 @@ def read_signal(properties: Any, frequency: Track | None = None) -> Signal:
 
 
 def read_listener(obj: Object, carrier: str) -> Listener:
-    """The listener of a Blender object that stands on the haptic object ``carrier``; its position is filled in per frame."""
+    """The listener of a Blender object that stands on the haptic object ``carrier``; its position as that of a source."""
     properties = obj.haptics.listener
+    kept = kept_listener(properties.imported)
     return Listener(
         name=obj.name_full,
         object=carrier,
+        position=kept.position or (0.0, 0.0, 0.0),
         body_part="" if properties.body_part == "NONE" else properties.body_part,
-        radius=shortest(properties.radius),
-        gain=shortest(properties.gain),
+        radius=exact(properties, "radius", kept.numbers),
+        gain=exact(properties, "gain", kept.numbers),
         mixing=properties.mixing,
-        s_max=shortest(properties.s_max),
+        s_max=exact(properties, "s_max", kept.numbers),
         mixing_expression=properties.mixing_expression if properties.mixing == "custom" else "",
         limiter=properties.limiter,
     )
@@ -392,13 +486,18 @@ def read_impact_material(obj: Object) -> str | None:
 def read_settings(scene: Scene) -> Settings:
     """The propagation settings of a scene."""
     haptics = scene.haptics
+    try:
+        kept = kept_scene(haptics.imported)
+    except ValueError:  # the reader says it
+        kept = KeptScene()
     return Settings(
         mode=haptics.mode,
         strategy=haptics.strategy,
         max_connections=haptics.max_connections or None,
-        threshold=shortest(haptics.threshold),
-        epsilon=shortest(haptics.epsilon),
-        localise=shortest(haptics.localise),
+        threshold=exact(haptics, "threshold", kept.numbers),
+        epsilon=exact(haptics, "epsilon", kept.numbers),
+        localise=exact(haptics, "localise", kept.numbers),
+        **({} if kept.tolerance is None else {"tolerance": kept.tolerance}),
     )
 
 

@@ -152,4 +152,5 @@ def frame_of(scene: Scene, reading: Reading, continuous: bool) -> Frame:
         bodies=reading.bodies,
         transforms=reading.transforms,
         continuous=continuous,
+        authored=reading.authored,
     )

@@ -9,6 +9,7 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
+from ...core.contacts.authored import rows_of
 from ...core.contacts.contact_set import ContactSet
 from ...core.formats.export import Export
 from ...core.formats.recording import Recorder
@@ -116,8 +117,4 @@ def contacts_within(contacts: ContactSet, objects: Collection[str], names: Colle
     if inside.all():
         return contacts
     chosen = inside[contacts.pairs].all(axis=1)
-    arrays = {
-        key: getattr(contacts, key)[chosen]
-        for key in ("pairs", "positions", "normal", "depth", "distance", "area", "share", "transmission")
-    }
-    return replace(contacts, **arrays)
+    return rows_of(contacts, chosen)

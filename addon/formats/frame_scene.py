@@ -1,11 +1,12 @@
 """The haptic scene of a traced frame: the very numbers that it was traced from.
 
-Written, imported and written again, a frame gives the same bytes: what stands and touches where a file put it keeps that file's numbers.
+Written, imported and written again, a frame gives the same bytes: what stands and touches where a file put it is traced with that file's
+numbers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -18,7 +19,7 @@ from ...core.scene import Contact, HapticObject, HapticScene, Listener, Source, 
 from .. import session
 from ..decimals import shortest
 from ..scene_reader import Reading
-from .kept import KeptContact, kept_contacts, kept_listener, kept_object, kept_scene, kept_source, near, same_pose
+from .kept import KeptContacts, kept_contacts, kept_listener, kept_object, kept_scene, kept_source
 
 T = TypeVar("T")
 
@@ -49,15 +50,14 @@ def scene_of_frame(scene: bpy.types.Scene, depsgraph: Depsgraph) -> HapticScene:
 
 def scene_of_result(result: FrameResult, reading: Reading, scene: bpy.types.Scene) -> HapticScene:
     """The haptic scene of a traced frame of ``scene`` and the reading that it was traced from. Lists are in the order of names."""
-    written = written_frame(result, reading, scene)
-    return replace(written, contacts=_contacts(result, kept_contacts(scene.haptics.imported), _unmoved(reading)))
+    return replace(written_frame(result, reading, scene), contacts=_contacts(result, kept_contacts(scene.haptics.imported_contacts)))
 
 
 def written_frame(result: FrameResult, reading: Reading, scene: bpy.types.Scene) -> HapticScene:
     """`scene_of_result` without contacts."""
     found = {obj.name_full: obj for obj in bpy.data.objects}
     return HapticScene(
-        objects=_by_name(_object(item, found.get(item.name)) for item in reading.posed_objects()),
+        objects=_by_name(_object(item, found.get(item.name), item.name in reading.settled) for item in reading.posed_objects()),
         sources=_by_name(_source(item, found.get(item.name)) for item in result.sources),
         listeners=_by_name(_listener(item, found.get(item.name)) for item in result.listeners),
         settings=reading.settings,
@@ -88,55 +88,28 @@ def _by_name(items: Any) -> tuple[Any, ...]:
     return tuple(sorted(items, key=lambda item: item.name))
 
 
-def _object(item: HapticObject, obj: Object | None) -> HapticObject:
+def _object(item: HapticObject, obj: Object | None, settled: bool) -> HapticObject:
     kept = kept_object(obj.haptics.imported if obj is not None else "")
     material = obj.haptics.material.name if obj is not None else ""
-    assert item.pose is not None
-    pose = kept.pose if kept.pose is not None and same_pose(kept.pose, item.pose) else item.pose
     extras = {**kept.extras, MATERIAL: material} if material else dict(kept.extras)
-    return replace(item, pose=pose, extras=extras)
+    return replace(item, pose=kept.pose if settled else item.pose, extras=extras)
 
 
 def _source(item: Source, obj: Object | None) -> Source:
     if obj is None:  # an impact of this frame
         return item
-    kept = kept_source(obj.haptics.source.imported)
-    position = kept.position if kept.position is not None and near(kept.position, item.position) else item.position
-    exact = kept.amplitude is not None and shortest(kept.amplitude) == item.amplitude
-    amplitude = kept.amplitude if exact and kept.amplitude is not None else item.amplitude
-    return replace(item, position=position, amplitude=amplitude, extras=dict(kept.extras))
+    return replace(item, extras=dict(kept_source(obj.haptics.source.imported).extras))
 
 
 def _listener(item: Listener, obj: Object | None) -> Listener:
-    kept = kept_listener(obj.haptics.listener.imported if obj is not None else "")
-    position = kept.position if kept.position is not None and near(kept.position, item.position) else item.position
-    return replace(item, position=position, extras=dict(kept.extras))
+    return replace(item, extras=dict(kept_listener(obj.haptics.listener.imported if obj is not None else "").extras))
 
 
-def _contacts(
-    result: FrameResult, kept: Mapping[tuple[str, str], Sequence[KeptContact]], unmoved: Collection[str]
-) -> tuple[Contact, ...]:
-    """Those that were traced, in the order of their objects' names; between ``unmoved`` objects with the numbers of the file."""
-    contacts: dict[tuple[str, str], list[Contact]] = {}
-    for contact in result.contacts.to_contacts(result.objects):
-        contacts.setdefault(pair_of(contact), []).append(contact)
-    written: list[Contact] = []
-    for pair, found in sorted(contacts.items()):
-        known = kept.get(pair, ()) if pair[0] in unmoved and pair[1] in unmoved else ()
-        for number, contact in enumerate(found):
-            written.append(known[number].written(contact) if number < len(known) else contact)
-    return tuple(written)
-
-
-def _unmoved(reading: Reading) -> set[str]:
-    """Names of the objects that stand where a file put them."""
-    found = {obj.name_full: obj for obj in bpy.data.objects if obj.haptics.imported}
-    unmoved = set()
-    for item in reading.posed_objects() if found else ():
-        kept = kept_object(found[item.name].haptics.imported) if item.name in found else None
-        if kept is not None and kept.pose is not None and item.pose is not None and same_pose(kept.pose, item.pose):
-            unmoved.add(item.name)
-    return unmoved
+def _contacts(result: FrameResult, kept: KeptContacts) -> tuple[Contact, ...]:
+    """Those that were traced, in the order of their objects' names; what came from a file with its extras."""
+    extras = {item.positions: dict(item.extras) for items in kept.contacts.values() for item in items if item.extras}
+    contacts = sorted(result.contacts.to_contacts(result.objects), key=pair_of)
+    return tuple(replace(item, extras=extras[item.positions]) if item.positions in extras else item for item in contacts)
 
 
 def _extras(scene: bpy.types.Scene, frame: int) -> dict[str, Any]:
@@ -144,7 +117,7 @@ def _extras(scene: bpy.types.Scene, frame: int) -> dict[str, Any]:
     authored = {name: getattr(scene.haptics, name) for name in AUTHORED}
     rate = scene.render.fps / scene.render.fps_base
     return {
-        **kept_scene(scene.haptics.imported),
+        **kept_scene(scene.haptics.imported).extras,
         EXTRAS: {
             "frame": frame,
             "frame_start": scene.frame_start,

@@ -143,8 +143,8 @@ def read_roles(obj: Object, form: dict[str, Any]) -> None:
         if role in form
     }
     if "object" in items:
-        write_body(obj.haptics, items["object"])
-        obj.haptics.imported = text_of(mass=items["object"].mass, extras=dict(items["object"].extras))
+        kept = write_body(obj.haptics, items["object"])
+        obj.haptics.imported = text_of(**kept, mass=items["object"].mass, extras=dict(items["object"].extras))
     if "source" in items:
         write_source(obj.haptics.source, items["source"], placed=False)
     if "listener" in items:

@@ -7,33 +7,45 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
 from ...core.contacts.shapes import Shape, shape_from_dict
+from ...core.formats.recording import pair_of
+from ...core.formats.scene_json import FORMAT, VERSION, item_to_dict, scene_from_dict
 from ...core.formats.strict_json import parse_json
+from ...core.functions import Identity, ModulationFunction, function_from_dict
 from ...core.scene import Contact, Pose, SourceKind, Vector
 from ...core.signals import Signal, signal_from_dict
+from ..decimals import shortest
 
 NEAR = 1e-5
-"""What was moved by less (metres, or parts of a quaternion) stands where the file put it: Blender rounds to single precision."""
+"""What was moved by less (metres, or parts of a rotation) stands where the file put it: Blender rounds to single precision."""
+
+Numbers = Mapping[str, float]
+"""By property: what the file says to more digits than single precision has."""
+Pair = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
 class KeptObject:
-    """Of a haptic object."""
+    """Of a haptic object: ``function`` counts while the properties say the same as far as they can; ``emitters``: where the sources of
+    other modalities stand, by modality."""
 
     shape: Shape | None = None
     mass: float | None = None
     pose: Pose | None = None
+    function: ModulationFunction | None = None
+    numbers: Numbers = field(default_factory=dict)
+    emitters: Mapping[str, Vector] = field(default_factory=dict)
     extras: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
 class KeptSource:
-    """Of a source: ``signal`` counts where the source's signal is the imported one, ``amplitude`` where it differs by rounding alone."""
+    """Of a source: ``signal`` counts where the source's signal is the imported one."""
 
     signal: Signal | None = None
     kind: SourceKind = SourceKind.PERSISTENT
@@ -41,7 +53,7 @@ class KeptSource:
     second_object: str | None = None
     second_position: Vector | None = None
     position: Vector | None = None
-    amplitude: float | None = None
+    numbers: Numbers = field(default_factory=dict)
     extras: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -50,40 +62,28 @@ class KeptListener:
     """Of a listener."""
 
     position: Vector | None = None
+    numbers: Numbers = field(default_factory=dict)
     extras: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
-class KeptContact:
-    """Of a contact: where it was, in numbers of double precision."""
+class KeptScene:
+    """Of a scene; ``tolerance`` of sums over paths."""
 
-    objects: tuple[str, str]
-    positions: tuple[Vector, Vector]
-    normal: Vector
-    area: float
-    depth: float
-    extras: Mapping[str, Any]
+    tolerance: float | None = None
+    numbers: Numbers = field(default_factory=dict)
+    extras: Mapping[str, Any] = field(default_factory=dict)
 
-    @classmethod
-    def of(cls, contact: Contact) -> KeptContact:
-        """What is kept of a contact."""
-        return cls(contact.objects, contact.positions, contact.normal, contact.area, contact.depth, contact.extras)
 
-    def to_list(self) -> list[Any]:
-        """For `kept_contacts` to read again."""
-        return [list(self.objects), list(map(list, self.positions)), list(self.normal), self.area, self.depth, dict(self.extras)]
+@dataclass(frozen=True, slots=True, eq=False)
+class KeptContacts:
+    """Of a scene: ``contacts`` by their objects, in alphabetical order, as they are while both stand where the file put them and contacts
+    are found by ``tolerance`` and ``patch_points``; ``transmissions``: what is passed on wherever the two touch."""
 
-    def written(self, found: Contact) -> Contact:
-        """The contact that was found, with the kept numbers."""
-        return replace(
-            found,
-            objects=self.objects,
-            positions=self.positions,
-            normal=self.normal,
-            area=self.area,
-            depth=self.depth,
-            extras=dict(self.extras),
-        )
+    contacts: Mapping[Pair, tuple[Contact, ...]] = field(default_factory=dict)
+    transmissions: Mapping[Pair, ModulationFunction] = field(default_factory=dict)
+    tolerance: float = 0.0
+    patch_points: bool = False
 
 
 def text_of(**parts: Any) -> str:
@@ -92,16 +92,34 @@ def text_of(**parts: Any) -> str:
     return json.dumps(used, ensure_ascii=False, allow_nan=False, separators=(",", ":")) if used else ""
 
 
+def text_of_contacts(contacts: Iterable[Contact], later: Iterable[Contact], tolerance: float, patch_points: bool) -> str:
+    """For `kept_contacts`; ``later``: those that begin on the way, for what they pass on."""
+    forms = [[item_to_dict(item) for item in items] for items in (contacts, later)]
+    if not any(forms):
+        return ""
+    return text_of(contacts=forms[0], later=forms[1], tolerance=tolerance, patch_points=patch_points)
+
+
+def exact(owner: Any, name: str, numbers: Numbers) -> float:
+    """A property's value as the author gave it: the number in the file where it is the same in single precision."""
+    value = shortest(getattr(owner, name))
+    kept = numbers.get(name)
+    return kept if kept is not None and shortest(kept) == value else value
+
+
 @lru_cache(maxsize=4096)
 def kept_object(text: str) -> KeptObject:
     """Raises ValueError in words where the text is damaged."""
     try:
         form = _document(text)
-        shape, pose = form.get("shape"), form.get("pose")
+        shape, pose, function = (form.get(key) for key in ("shape", "pose", "function"))
         return KeptObject(
             shape=None if shape is None else shape_from_dict(shape),
             mass=None if form.get("mass") is None else _number(form["mass"], 0.0),
             pose=None if pose is None else Pose(tuple(pose["position"]), tuple(pose["rotation"])),
+            function=None if function is None else function_from_dict(_mapping(function)),
+            numbers=_numbers(form),
+            emitters={str(name): _place(place) for name, place in _mapping(form.get("emitters", {})).items()},
             extras=_mapping(form.get("extras", {})),
         )
     except (ValueError, TypeError, KeyError) as error:
@@ -121,7 +139,7 @@ def kept_source(text: str) -> KeptSource:
             second_object=second if second is None else str(second),
             second_position=_vector(form.get("second_position")),
             position=_vector(form.get("position")),
-            amplitude=None if form.get("amplitude") is None else _number(form["amplitude"], 0.0),
+            numbers=_numbers(form),
             extras=_mapping(form.get("extras", {})),
         )
     except (ValueError, TypeError) as error:
@@ -133,33 +151,39 @@ def kept_listener(text: str) -> KeptListener:
     """Raises ValueError in words where the text is damaged."""
     try:
         form = _document(text)
-        return KeptListener(_vector(form.get("position")), _mapping(form.get("extras", {})))
+        return KeptListener(_vector(form.get("position")), _numbers(form), _mapping(form.get("extras", {})))
     except (ValueError, TypeError) as error:
         raise _damaged(error) from None
 
 
-def kept_scene(text: str) -> Mapping[str, Any]:
-    """The extras of a scene. Raises ValueError in words where the text is damaged."""
-    return _mapping(_document(text).get("extras", {}))
+@lru_cache(maxsize=8)
+def kept_scene(text: str) -> KeptScene:
+    """Raises ValueError in words where the text is damaged."""
+    try:
+        form = _document(text)
+        tolerance = None if form.get("tolerance") is None else _number(form["tolerance"], 0.0)
+        return KeptScene(tolerance, _numbers(form), _mapping(form.get("extras", {})))
+    except (ValueError, TypeError) as error:
+        raise _damaged(error) from None
 
 
 @lru_cache(maxsize=8)
-def kept_contacts(text: str) -> Mapping[tuple[str, str], tuple[KeptContact, ...]]:
-    """The contacts of a scene by their objects, in alphabetical order. Raises ValueError in words where the text is damaged."""
+def kept_contacts(text: str) -> KeptContacts:
+    """Raises ValueError in words where the text is damaged."""
+    if not text:
+        return KeptContacts()
     try:
-        contacts: dict[tuple[str, str], tuple[KeptContact, ...]] = {}
-        for (a, b), (at_a, at_b), normal, area, depth, extras in _document(text).get("contacts", []):
-            item = KeptContact(
-                (str(a), str(b)),
-                (_place(at_a), _place(at_b)),
-                _place(normal),
-                _number(area, 0.0),
-                _number(depth, -1e9),
-                _mapping(extras),
-            )
-            pair = (item.objects[0], item.objects[1]) if item.objects[0] < item.objects[1] else (item.objects[1], item.objects[0])
-            contacts[pair] = (*contacts.get(pair, ()), item)
-        return contacts
+        form = _document(text)
+        found, later = (_contacts(form.get(key, [])) for key in ("contacts", "later"))
+        contacts: dict[Pair, tuple[Contact, ...]] = {}
+        for item in found:
+            contacts[pair_of(item)] = (*contacts.get(pair_of(item), ()), item)
+        return KeptContacts(
+            contacts=contacts,
+            transmissions={pair_of(item): item.transmission for item in reversed((*found, *later)) if item.transmission != Identity()},
+            tolerance=_number(form.get("tolerance", 0.0), 0.0),
+            patch_points=bool(form.get("patch_points", False)),
+        )
     except (ValueError, TypeError) as error:
         raise _damaged(error) from None
 
@@ -169,10 +193,11 @@ def near(kept: Vector, position: Vector) -> bool:
     return math.dist(kept, position) <= NEAR * max(1.0, *map(abs, kept))
 
 
-def same_pose(kept: Pose, pose: Pose) -> bool:
-    """Whether a pose is the kept one, but for rounding."""
-    turned = min(math.dist(kept.rotation, [sign * v for v in pose.rotation]) for sign in (1, -1))
-    return near(kept.position, pose.position) and turned <= NEAR
+def _contacts(forms: Any) -> tuple[Contact, ...]:
+    """Checked as those of a scene file are."""
+    names = {name for form in forms for name in form["objects"]}
+    objects = [{"name": name, "kappa": 0, "rho": 0} for name in names]
+    return scene_from_dict({"format": FORMAT, "version": VERSION, "objects": objects, "contacts": forms}, "imported").contacts
 
 
 def _document(text: str) -> Mapping[str, Any]:
@@ -185,6 +210,10 @@ def _mapping(value: Any) -> Mapping[str, Any]:
     return value
 
 
+def _numbers(form: Mapping[str, Any]) -> Numbers:
+    return {name: _number(value, -1e9) for name, value in _mapping(form.get("numbers", {})).items()}
+
+
 def _vector(value: Any) -> Vector | None:
     return None if value is None else _place(value)
 
@@ -195,7 +224,7 @@ def _place(value: Any) -> Vector:
 
 
 def _number(value: Any, least: float) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value <= 1e9:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value <= 1e15:
         raise ValueError(f"{value!r} is out of range")
     return float(value)
 

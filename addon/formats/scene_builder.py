@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 import bpy
@@ -13,15 +13,16 @@ from bpy.types import Collection, Object
 
 from ...core.contacts.shapes import Box, Shape
 from ...core.formats.export import Export
+from ...core.formats.recording import pair_of
 from ...core.functions import Identity, ModulationFunction
-from ...core.scene import HapticObject, Listener, Pose, Settings, Source, SourceKind, Vector
+from ...core.scene import Contact, HapticObject, Listener, Pose, Settings, Source, SourceKind, Vector
 from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..decimals import shortest
 from ..function_properties import PARAMETERS
 from ..materials import library
-from ..scene_reader import read_function
+from ..scene_reader import function_of_properties, read_function, stands_for
 from .frame_scene import AUTHORED, EXTRAS, MATERIAL
-from .kept import KeptContact, near, text_of
+from .kept import exact, kept_contacts, near, text_of, text_of_contacts
 from .keyframes import local_place, write_keyframes
 from .shape_mesh import surface
 
@@ -46,6 +47,7 @@ def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list
         builder.add_listener(listener)
     if settings:
         builder.take_settings()
+    builder.keep_contacts()
     builder.add_frames()
     builder.check()
     return builder.losses()
@@ -85,19 +87,21 @@ class _Builder:
             obj.rotation_mode = "QUATERNION"
             obj.location, obj.rotation_quaternion = pose.position, pose.rotation
             haptics = obj.haptics
-            if not write_body(haptics, item):
-                self.lose(f"function {item.propagation.name!r} as the file has it", item.name)
             haptics.imported = text_of(
+                **write_body(haptics, item),
                 shape=None if guessed else shape.to_dict(),
                 mass=item.mass,
-                pose=None if guessed else {"position": pose.position, "rotation": pose.rotation},
+                pose={"position": pose.position, "rotation": pose.rotation},
                 extras=self._without_material(obj, item.extras),
             )
+            if read_function(haptics) != item.propagation:
+                self.lose(f"function {item.propagation.name!r} as the file has it", item.name)
 
     def add_source(self, item: Source) -> None:
         """On its object where it stands at its origin and is called so, else an empty on it."""
         obj = self._holder(item, "source")
-        write_source(obj.haptics.source, item)
+        second = None if item.second_object is None else self.objects[item.second_object].name_full
+        write_source(obj.haptics.source, replace(item, second_object=second))
 
     def add_listener(self, item: Listener) -> None:
         """As `add_source`."""
@@ -110,9 +114,7 @@ class _Builder:
         haptics, settings = self.scene.haptics, self.haptic.settings
         haptics.mode, haptics.strategy = settings.mode.value, settings.strategy.value
         haptics.max_connections = settings.max_connections or 0
-        haptics.threshold, haptics.epsilon = settings.threshold, settings.epsilon
-        if settings.tolerance != Settings().tolerance:
-            self.lose("tolerance", f"{settings.tolerance:g}")
+        numbers = write_numbers(haptics, threshold=settings.threshold, epsilon=settings.epsilon, localise=settings.localise)
         if settings.max_connections == 0:
             self.lose("max_connections", "0 means no limit here")
         extras = dict(self.haptic.extras)
@@ -122,7 +124,8 @@ class _Builder:
             for name in AUTHORED:
                 _assign(haptics, name, known.get(name))
             self._take_time(known)
-        haptics.imported = text_of(extras=extras, contacts=[KeptContact.of(item).to_list() for item in self.haptic.contacts])
+        tolerance = None if settings.tolerance == Settings().tolerance else settings.tolerance
+        haptics.imported = text_of(numbers=numbers, tolerance=tolerance, extras=extras)
 
     def _take_time(self, known: Mapping[str, Any]) -> None:
         rate, start, frame = (known.get(key) for key in ("frame_rate", "frame_start", "frame"))
@@ -131,6 +134,39 @@ class _Builder:
         _assign(self.scene, "frame_start", start)
         if isinstance(frame, int) and abs(frame) < 1_000_000:
             self.scene.frame_set(frame)
+
+    def keep_contacts(self) -> None:
+        """The contacts of the file, beside those of files that were imported before; what was imported again has new ones."""
+        frames = self.export.recording.frames if self.export.recording is not None else ()
+        begun = [item for frame in frames for item in frame.contacts]
+        later: dict[tuple[str, str], Contact] = {}
+        for item in begun:
+            later.setdefault(pair_of(item), item)
+        functions: dict[tuple[str, str], set[ModulationFunction]] = {}
+        for item in (*self.haptic.contacts, *begun):
+            functions.setdefault(pair_of(item), set()).add(item.transmission)
+        for pair in {pair_of(item) for item in begun}:
+            if len(functions[pair]) > 1:
+                self.lose("functions of contacts that change over time", " and ".join(pair))
+        haptics = self.scene.haptics
+        names = {obj.name_full for obj in self.objects.values()}
+        old = [
+            item
+            for pair, items in kept_contacts(haptics.imported_contacts).contacts.items()
+            if not names.intersection(pair) and all(name in bpy.data.objects for name in pair)
+            for item in items
+        ]
+        haptics.imported_contacts = text_of_contacts(
+            [*old, *map(self._renamed, self.haptic.contacts)],
+            [self._renamed(item) for item in later.values() if item.transmission != Identity()],
+            shortest(haptics.contact_tolerance),
+            haptics.patch_points,
+        )
+
+    def _renamed(self, item: Contact) -> Contact:
+        """A contact between the objects as they are called in Blender."""
+        first, second = (self.objects[name].name_full for name in item.objects)
+        return replace(item, objects=(first, second))
 
     def add_frames(self) -> None:
         """Keyframes and the sources that begin on the way. Impacts come from the file: Blender finds none of its own."""
@@ -150,15 +186,10 @@ class _Builder:
         moved = replace(self.haptic, objects=tuple(replace(item, pose=self.poses[item.name]) for item in self.haptic.objects))
         for loss in write_keyframes(moved, recording, self.objects, self.attached):
             self.lose("not carried over", loss)
-        if any(contact.transmission != Identity() for frame in recording.frames for contact in frame.contacts):
-            self.lose("functions of contacts", "in frames")
         self.scene.frame_set(first)
 
     def check(self) -> None:
         """What the file says and the objects can't."""
-        functions = [item for item in self.haptic.contacts if item.transmission != Identity()]
-        if functions:
-            self.lose("functions of contacts", _listed([" and ".join(item.objects) for item in functions]))
         for device in self.export.devices:
             self.lose("device", device.name)
         if self.export.tracks is not None:
@@ -210,10 +241,17 @@ class _Builder:
         return Box((x, y, z)), (cx, cy, cz)
 
 
-def write_body(haptics: Any, item: HapticObject) -> bool:
-    """Make an object's properties those of ``item``; False where its function is another one in the file."""
+def write_numbers(owner: Any, **values: float) -> dict[str, float]:
+    """Set properties; the numbers of those that single precision does not hold, for `kept.exact`."""
+    for name, value in values.items():
+        setattr(owner, name, value)
+    return {name: value for name, value in values.items() if shortest(value) != value}
+
+
+def write_body(haptics: Any, item: HapticObject) -> dict[str, Any]:
+    """Make an object's properties those of ``item``. What is to be kept of it beside them."""
     haptics.enabled, haptics.medium = True, item.medium
-    haptics.kappa, haptics.rho = item.kappa, item.rho
+    numbers = write_numbers(haptics, kappa=item.kappa, rho=item.rho)
     function = item.propagation
     if _choose(haptics, "function", function.name):
         form = function.to_dict()
@@ -223,17 +261,19 @@ def write_body(haptics: Any, item: HapticObject) -> bool:
         haptics.material.use_bands = bool(function.spectrum.band_decays)
         if function.spectrum.band_decays:
             haptics.material.band_decays = function.spectrum.band_decays
-    return _same(function, read_function(haptics))
+    made = function_of_properties(haptics)
+    return {"numbers": numbers, "function": function.to_dict() if made != function and stands_for(made, function) else None}
 
 
 def write_source(source: Any, item: Source, placed: bool = True) -> None:
     """Make a source's properties those of ``item``; ``placed``: with its place in the world."""
-    source.enabled, source.amplitude, source.priority = True, item.amplitude, item.priority
+    source.enabled = True
+    numbers = write_numbers(source, amplitude=item.amplitude, priority=item.priority)
     signal = Sine(60.0) if item.signal is None and item.kind is SourceKind.PERSISTENT else item.signal
     signal, source.decay = _without_decay(signal) if item.kind is SourceKind.PERSISTENT else (signal, 0.0)
     kept = _write_signal(source, signal)
     source.imported = text_of(
-        amplitude=None if shortest(item.amplitude) == item.amplitude else item.amplitude,
+        numbers=numbers,
         signal=kept.to_dict() if kept is not None else None,
         kind=None if item.kind is SourceKind.PERSISTENT else item.kind.value,
         onset=item.onset or None,
@@ -246,16 +286,18 @@ def write_source(source: Any, item: Source, placed: bool = True) -> None:
 
 def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[str]:
     """As `write_source`. What could not be carried over, in words."""
-    listener.enabled, listener.radius, listener.gain, listener.s_max = True, item.radius, item.gain, item.s_max
+    listener.enabled = True
+    numbers = write_numbers(listener, radius=item.radius, gain=item.gain, s_max=item.s_max)
     listener.limiter = item.limiter
     if item.mixing == "custom":
         listener.mixing_expression = item.mixing_expression
-    losses = []
+    limited = [name for name in ("gain", "s_max") if exact(listener, name, numbers) != getattr(item, name)]
+    losses = [f"{name} {getattr(item, name):g}" for name in limited]
     if item.body_part and not _choose(listener, "body_part", item.body_part):
         losses.append(f"body part {item.body_part!r}")
     if not _choose(listener, "mixing", item.mixing):
         losses.append(f"mixing {item.mixing!r}")
-    listener.imported = text_of(position=item.position if placed else None, extras=dict(item.extras))
+    listener.imported = text_of(position=item.position if placed else None, numbers=numbers, extras=dict(item.extras))
     return losses
 
 
@@ -297,20 +339,6 @@ def _write_signal(source: Any, signal: Signal | None) -> Signal | None:
             return None
     source.signal = "KEPT"
     return signal
-
-
-def _same(function: ModulationFunction, other: ModulationFunction) -> bool:
-    """Whether two functions are one, but for rounding."""
-    return _rounded(function) == _rounded(other)
-
-
-def _rounded(function: ModulationFunction) -> ModulationFunction:
-    """With the numbers that single precision keeps."""
-    numbers = {f.name: getattr(function, f.name) for f in fields(function) if f.init}
-    spectrum = function.spectrum
-    spectrum = replace(spectrum, wave_speed=shortest(spectrum.wave_speed), band_decays=tuple(map(shortest, spectrum.band_decays)))
-    floats = {name: shortest(value) for name, value in numbers.items() if isinstance(value, float)}
-    return replace(function, **floats, spectrum=spectrum)
 
 
 def _choose(owner: Any, name: str, value: str) -> bool:

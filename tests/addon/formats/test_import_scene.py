@@ -28,7 +28,7 @@ def empty_file():
         bpy.data.collections.remove(collection)
     for mesh in list(bpy.data.meshes):
         bpy.data.meshes.remove(mesh)
-    bpy.context.scene.haptics.imported = ""
+    bpy.context.scene.haptics.imported = bpy.context.scene.haptics.imported_contacts = ""
 
 
 def exported(path):
@@ -228,7 +228,7 @@ def scenes(draw):
     listeners = tuple(
         Listener(
             name, draw(st.sampled_from(called)), draw(places), draw(st.sampled_from(["", "hand.L", "tail"])), draw(lengths), draw(numbers),
-            draw(st.sampled_from(["cumulative", "weighted", "strongest", "power"])), draw(st.sampled_from([1.0, 0.5])), draw(extras),
+            draw(st.sampled_from(["cumulative", "weighted", "strongest", "power"])), draw(st.sampled_from([1.0, 0.5])), extras=draw(extras),
         )
         for name in draw(st.lists(names, max_size=3, unique=True))
     )  # fmt: skip
