@@ -8,9 +8,11 @@ same pace, limits, watchdog, zero and release. Needs the Python package websocke
 from __future__ import annotations
 
 import json
+import math
 import select
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
@@ -25,6 +27,10 @@ INTIFACE = "ws://127.0.0.1:12345"
 
 _ANSWER_WITHIN = 0.5
 _INTERVAL = 0.05
+# A server that hears no ping for a time that it says stops its devices: so many go out in that time, of which two may be late.
+_PINGS_IN_TIME = 3
+_SHORTEST_PING = 10.0
+_PING = json.dumps([{"Ping": {"Id": 2}}])
 # A frame lasts so long by itself: a program that hangs leaves the vest silent.
 _FRAME_MILLISECONDS = 100
 _TAKES = (10.0, 1000.0)
@@ -72,6 +78,8 @@ class Connection:
         module = websocket_module()
         self.users, self.broken = 0, False
         self._lock = threading.Lock()
+        self._closing = threading.Event()
+        self._pinging: threading.Thread | None = None
         self._errors = (module.WebSocketException, OSError)
         try:
             self._socket = module.create_connection(url, timeout=_ANSWER_WITHIN, enable_multithread=False)
@@ -106,8 +114,22 @@ class Connection:
                 raise DeviceError(f"Intiface does not answer as expected: {error}") from None
         raise DeviceError("Intiface does not answer")
 
+    def ping_within(self, seconds: float) -> None:
+        """From now on say a Buttplug Ping well within every ``seconds``, whatever else is sent, until the connection is closed."""
+        self._pinging = threading.Thread(target=self._ping, args=(seconds / _PINGS_IN_TIME,), name="haptics ping", daemon=True)
+        self._pinging.start()
+
+    def _ping(self, seconds: float) -> None:
+        """The thread of pings: the writer's sleeps while nothing plays."""
+        with suppress(OSError):  # it is `broken` then, and the next write says so
+            while not self._closing.wait(seconds):
+                self.send(_PING)
+
     def close(self) -> None:
         """Close the connection."""
+        self._closing.set()
+        if self._pinging is not None:
+            self._pinging.join(_ANSWER_WITHIN)
         self._socket.close()
 
 
@@ -236,7 +258,14 @@ def intiface(url: str = INTIFACE) -> tuple[tuple[Profile, PlayerModule], ...]:
 
 
 def _greet(connection: Connection) -> None:
-    connection.ask({"RequestServerInfo": {"Id": 1, "ClientName": "Haptic Tracing", "MessageVersion": 3}}, "ServerInfo")
+    """Introduce the program, and keep the connection alive as the server wants it. Raises DeviceError."""
+    server = connection.ask({"RequestServerInfo": {"Id": 1, "ClientName": "Haptic Tracing", "MessageVersion": 3}}, "ServerInfo")
+    try:
+        milliseconds = float(server.get("MaxPingTime") or 0)
+    except (TypeError, ValueError):
+        raise DeviceError("Intiface: its MaxPingTime is no number") from None
+    if 0 < milliseconds < math.inf:
+        connection.ping_within(max(milliseconds, _SHORTEST_PING) / 1000)
 
 
 def _motors(device: Mapping[str, Any]) -> list[int]:

@@ -4,10 +4,13 @@ import json
 import socket
 import sys
 import threading
+import time
+from contextlib import suppress
 
 import numpy as np
 import pytest
 from fake_hid import until
+from haptic_tracing.core.devices import network
 from haptic_tracing.core.devices.connection import DeviceError
 from haptic_tracing.core.devices.network import bhaptics, intiface, websocket_module
 from haptic_tracing.core.devices.output import DeviceOutput
@@ -67,8 +70,8 @@ def buttplug(messages):
 def server():
     servers = []
 
-    def start(*arguments, **options):
-        servers.append(Server(*arguments, **options))
+    def start(*arguments, kind=Server, **options):
+        servers.append(kind(*arguments, **options))
         return servers[-1]
 
     yield start
@@ -122,6 +125,85 @@ def test_intifaces_motors_are_driven_silenced_and_stopped(server, started):
     assert commands(made_up, "StopDeviceCmd")[-1]["DeviceIndex"] == 0
     assert levels(0)[-1] == [0.0, 0.0]
     assert len(made_up.connections) == 2, "one to ask, and one for both devices: Intiface takes a single client"
+
+
+PING_TIME = 0.4
+
+
+class StrictServer(Server):
+    """Intiface with a MaxPingTime: what does not ping in time is told so, has its devices stopped, and is cut off."""
+
+    def __init__(self, port=0):
+        self.cut = 0
+        super().__init__(self.reply, port)
+
+    def reply(self, messages):
+        answers = buttplug(messages)
+        for (message,) in answers:
+            if "ServerInfo" in message:
+                message["ServerInfo"]["MaxPingTime"] = round(1000 * PING_TIME)
+        return answers
+
+    def talk(self, connection):
+        self.connections.append(connection)
+        due = time.monotonic() + PING_TIME
+        with suppress(ConnectionClosed):
+            while True:
+                try:
+                    message = json.loads(connection.recv(timeout=max(due - time.monotonic(), 0.0)))
+                except TimeoutError:
+                    self.cut += 1
+                    connection.send(json.dumps([{"Error": {"Id": 0, "ErrorMessage": "Ping timed out", "ErrorCode": 2}}]))
+                    connection.close()
+                    return
+                self.said.append(message)
+                if "Ping" in message[0]:
+                    due = time.monotonic() + PING_TIME
+                for reply in self.answer(message):
+                    connection.send(json.dumps(reply))
+
+
+def pings():
+    return [thread for thread in threading.enumerate() if thread.name == "haptics ping"]
+
+
+def test_a_connection_is_kept_alive_by_pings_while_nothing_plays_and_while_something_does(server, started):
+    strict = server(kind=StrictServer)
+    (cushion, module), _ = intiface(strict.url)
+    assert not pings(), "the connection that asked for devices is closed"
+    output = started(cushion, module)
+    time.sleep(3 * PING_TIME)
+    assert strict.cut == 0 and len(commands(strict, "Ping")) >= 3
+    assert all(ping["Id"] >= 1 for ping in commands(strict, "Ping"))
+    begun = time.monotonic()
+    while time.monotonic() < begun + 3 * PING_TIME:
+        output.send(wave(2, 0))
+        time.sleep(0.05)
+    assert strict.cut == 0 and output.status.losses == 0 and output.status.failed_writes == 0
+    assert any(command["Scalars"][0]["Scalar"] > 0.9 for command in commands(strict, "ScalarCmd"))
+    assert output.stop()
+    assert strict.cut == 0 and not pings()
+
+
+def test_a_connection_without_pings_is_cut_off_which_is_noticed_and_mended(server, started, monkeypatch):
+    strict = server(kind=StrictServer)
+    monkeypatch.setattr(network, "_PINGS_IN_TIME", 0.1)  # far too late
+    (cushion, module), _ = intiface(strict.url)
+    output = started(cushion, module)
+    until(lambda: strict.cut == 1)
+    monkeypatch.undo()
+    until(lambda: (output.send(wave(2, 0)), output.status.losses == 1)[-1])
+    until(lambda: output.status.state == "open")
+    until(lambda: (output.send(wave(2, 0)), commands(strict, "ScalarCmd")[-1:] and output.status.failed_writes == 3)[-1])
+    time.sleep(2 * PING_TIME)
+    assert strict.cut == 1, "the new connection pings"
+
+
+@pytest.mark.parametrize("wanted", ["soon", [1], {}])
+def test_a_ping_time_that_is_none_is_said(server, wanted):
+    made_up = server(lambda message: [[{"ServerInfo": {"Id": 1, "MaxPingTime": wanted or {"a": 1}}}]])
+    with pytest.raises(DeviceError, match="MaxPingTime"):
+        intiface(made_up.url)
 
 
 def test_bhaptics_gets_frames_that_end_by_themselves(server, started):
