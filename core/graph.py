@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import TYPE_CHECKING
 
@@ -60,6 +60,10 @@ class ObjectTable:
     band_gains: FloatArray | None
     band_decays: FloatArray | None
     slowness: FloatArray | None
+    _index: dict[str, int] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_index", {name: i for i, name in enumerate(self.names)})
 
     @classmethod
     def of(cls, objects: Sequence[HapticObject], epsilon: float) -> ObjectTable:
@@ -83,9 +87,9 @@ class ObjectTable:
             slowness=slowness,
         )
 
-    def index(self) -> dict[str, int]:
+    def index(self) -> Mapping[str, int]:
         """Number of each object by name."""
-        return {name: i for i, name in enumerate(self.names)}
+        return self._index
 
     def gain(self, index: int, distance: FloatArray) -> FloatArray:
         """Gains of object ``index`` over ``distance`` (metres, any shape). Raises NoGain where its expression gives none, and ValueError
@@ -265,13 +269,10 @@ def build_graph(table: ObjectTable, contacts: ContactSet, sources: Sequence[Sour
     node_kind = np.repeat(
         np.array([NodeKind.CONTACT, NodeKind.SOURCE, NodeKind.LISTENER], dtype=np.int8), [2 * count, len(source_entries), len(listeners)]
     )
-    node_position = np.concatenate(
-        [
-            contacts.positions.transpose(1, 0, 2).reshape(-1, 3),
-            np.array([position for _, _, position in source_entries], dtype=np.float64).reshape(-1, 3),
-            np.array([listener.position for listener in listeners], dtype=np.float64).reshape(-1, 3),
-        ]
-    )
+    node_position = np.empty((3, len(node_object)))
+    node_position[:, :count], node_position[:, count : 2 * count] = contacts.positions[:, 0].T, contacts.positions[:, 1].T
+    places = [position for _, _, position in source_entries] + [listener.position for listener in listeners]
+    node_position[:, 2 * count :] = np.array(places, dtype=np.float64).reshape(-1, 3).T
     order = np.argsort(node_object, kind="stable")
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
@@ -291,7 +292,7 @@ def build_graph(table: ObjectTable, contacts: ContactSet, sources: Sequence[Sour
         start=np.concatenate([[0], np.cumsum(np.bincount(node_object, minlength=len(table.names)))]),
         node_object=node_object[order],
         node_kind=node_kind[order],
-        node_position=np.asfortranarray(node_position[order]),  # each coordinate contiguous
+        node_position=node_position.take(order, axis=1).T,  # each coordinate contiguous
         partner=partner,
         contact=contact,
         transmission=transmission,
@@ -322,7 +323,7 @@ def _check(
     pairs = contacts.pairs
     if len(pairs) == 0:
         return
-    if np.any((pairs < 0) | (pairs >= len(table.names))):
+    if pairs.min() < 0 or pairs.max() >= len(table.names):
         raise ValueError(f"contacts: pairs must be numbers of objects from 0 to {len(table.names) - 1}")
     selves = pairs[:, 0] == pairs[:, 1]
     if selves.any():
@@ -337,10 +338,12 @@ def _check(
 def _canonical(contacts: ContactSet) -> ContactSet:
     """Each pair's smaller object first, contacts sorted by objects, then by position and everything else that tells them apart."""
     swapped = contacts.pairs[:, 0] > contacts.pairs[:, 1]
+    if not swapped.any() and _ascending(contacts.pairs):
+        return contacts
     pairs = np.where(swapped[:, None], contacts.pairs[:, ::-1], contacts.pairs)
     positions = np.where(swapped[:, None, None], contacts.positions[:, ::-1], contacts.positions)
     normal = np.where(swapped[:, None], -contacts.normal, contacts.normal)
-    key = pairs[:, 0] * (pairs.max(initial=0) + 1) + pairs[:, 1]
+    key = _keys(pairs)
     order = np.argsort(key, kind="stable")
     if np.any(key[order[1:]] == key[order[:-1]]):
         by_name = sorted(range(len(contacts.transmissions)), key=lambda k: repr(contacts.transmissions[k]))
@@ -360,11 +363,24 @@ def _canonical(contacts: ContactSet) -> ContactSet:
     )
 
 
+def _keys(pairs: IntArray) -> IntArray:
+    """(n,) numbers in the order of the pairs."""
+    return np.asarray(pairs[:, 0] * (pairs.max(initial=0) + 1) + pairs[:, 1])
+
+
+def _ascending(pairs: IntArray) -> bool:
+    """Whether every pair comes after the one before it."""
+    key = _keys(pairs)
+    return bool((key[1:] > key[:-1]).all())
+
+
 def _transmissions(table: ObjectTable, contacts: ContactSet) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
     """Gain, loss, band gains and delay of each inter-connection. A function of kappa and rho sees the mean of the two objects; ``angle`` is
     the contact normal's angle to the vertical."""
     gains = np.ones(len(contacts), dtype=np.float64)
     losses = np.zeros(len(contacts), dtype=np.float64)
+    if all(function.name == "identity" and function.spectrum.is_plain for function in contacts.transmissions):
+        return gains, losses, None, None
     distance = distances(contacts.positions[:, 0], contacts.positions[:, 1])
     for number, function in enumerate(contacts.transmissions):
         if function.name == "identity":

@@ -59,9 +59,8 @@ class Reach:
 def reach(graph: HapticGraph, sources: Sequence[Sequence[int]], threshold: float) -> Reach:
     """Labels of the nodes of each source and of all listeners together, up to the threshold. No gain may exceed 1."""
     limit = cost_limit(threshold) + SLACK
-    forward = label(graph, sources, np.full(len(sources), limit), complete=True)
-    behind = label(graph, [graph.listener_nodes.tolist()], np.array([limit]), complete=True)
-    return Reach(forward, behind.arrival[0])
+    labels = label(graph, [*sources, graph.listener_nodes.tolist()], np.full(len(sources) + 1, limit), complete=True)
+    return Reach(Labels(labels.arrival[:-1], labels.entry[:-1], labels.relaxed), labels.arrival[-1])
 
 
 def limited_sums(

@@ -125,37 +125,47 @@ def _rows(
     reach: tuple[FloatArray, FloatArray, float] | None,
 ) -> Rows:
     """Connections from entries to contact nodes (and through them), or to listeners with their ``number``; ``targets`` sorted by object."""
-    first = np.searchsorted(graph.node_object[targets], graph.node_object[nodes], side="left")
-    size = np.searchsorted(graph.node_object[targets], graph.node_object[nodes], side="right") - first
+    index, there = graph.node_object[nodes], graph.node_object[targets]
+    first = there.searchsorted(index, side="left")
+    size = there.searchsorted(index, side="right") - first
     before, behind, limit = (np.zeros(graph.node_count), np.zeros(graph.node_count), np.inf) if reach is None else reach
     parts = []
-    cuts = np.flatnonzero(np.diff(np.cumsum(size) // CHUNK)) + 1
-    for chosen in np.split(np.arange(len(nodes)), cuts) if len(cuts) else (np.arange(len(nodes)),):
-        which = np.repeat(chosen, size[chosen])
-        place = np.arange(len(which)) + np.repeat(first[chosen] - np.cumsum(size[chosen]) + size[chosen], size[chosen])
+    for begin, end in _chunks(size):
+        count = size[begin:end]
+        which = np.arange(begin, end).repeat(count)
+        place = np.arange(len(which)) + (first[begin:end] - count.cumsum() + count).repeat(count)
         a, b = nodes[which], targets[place]
-        kept = a != b
+        kept = (a != b).nonzero()[0]
         which, place, a, b = which[kept], place[kept], a[kept], b[kept]
         inside, distance = intra_gains(graph, a, b)
         gain = weight = inside
         if number is None:
-            to = graph.partner[b]
-            gain = np.minimum(inside * graph.transmission[graph.contact[b]], OVERFLOWN)
-            weight = gain * graph.share[graph.contact[b]]
+            to, contact = graph.partner[b], graph.contact[b]
+            gain = np.minimum(inside * graph.transmission[contact], OVERFLOWN)
+            weight = gain * graph.share[contact]
             onwards = behind[to]
         else:
-            to = b
+            to = number[place]
             onwards = np.zeros(len(b))
         with np.errstate(divide="ignore"):
-            useful = np.flatnonzero((gain > 0) & (before[a] - np.log(gain) + onwards <= limit))
+            useful = ((gain > 0) & (before[a] - np.log(gain) + onwards <= limit)).nonzero()[0]
         lanes = weight[useful, None]
         if graph.uses_bands:
             bands = band_factors(graph, graph.node_object[a[useful]], distance[useful])
             if number is None and graph.contact_band_gains is not None:
-                bands *= graph.contact_band_gains[graph.contact[b[useful]]]
+                bands *= graph.contact_band_gains[contact[useful]]
             lanes = np.concatenate([lanes, lanes * bands], axis=1)
-        end = local[to[useful]] if number is None else number[place[useful]]
-        parts.append((which[useful], end, inside[useful], gain[useful], lanes))
-    which, end, inside, gain, lanes = parts[0] if len(parts) == 1 else (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+        to = to[useful]
+        parts.append((which[useful], local[to] if number is None else to, inside[useful], gain[useful], lanes))
+    which, to, inside, gain, lanes = parts[0] if len(parts) == 1 else (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     size = np.bincount(which, minlength=len(nodes))
-    return Rows(np.concatenate([[0], np.cumsum(size)]), size, end, inside, gain, lanes)
+    return Rows(np.concatenate([[0], size.cumsum()]), size, to, inside, gain, lanes)
+
+
+def _chunks(size: IntArray) -> list[tuple[int, int]]:
+    """Groups (first, last) of entries with these numbers of connections, about `CHUNK` in each."""
+    last = size.cumsum()
+    if len(size) == 0 or last[-1] < CHUNK:
+        return [(0, len(size))]
+    cuts = (np.flatnonzero(np.diff(last // CHUNK)) + 1).tolist()
+    return list(zip([0, *cuts], [*cuts, len(size)], strict=True))

@@ -54,22 +54,24 @@ def path_costs(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> list[flo
     """The cost ``-log(gain)`` of each path, to the last digit: the exactly rounded sum of the costs of its connections."""
     if not paths:
         return []
-    nodes = np.fromiter(itertools.chain.from_iterable(paths), dtype=np.int64)
+    nodes = np.array([node for path in paths for node in path], dtype=np.int64)
     a, b = nodes[:-1], nodes[1:]
-    inter = graph.partner[a] == b
-    ends = np.cumsum([len(path) for path in paths])
-    same = ~inter & (graph.node_object[a] == graph.node_object[b])
-    same[ends[:-1] - 1] = False
-    inter[ends[:-1] - 1] = False
-    terms = np.zeros((len(a), 2))
-    terms[same] = np.column_stack(_intra(graph, a[same], b[same], graph.node_distances(a[same], b[same])))
-    terms[inter, 0] = graph.transmission_loss[graph.contact[a[inter]]]
-    values = terms.tolist()
-    starts = [0, *ends[:-1].tolist()]
-    return [
-        math.fsum(itertools.chain.from_iterable(values[first : last - 1])) if math.isfinite(terms[first : last - 1].sum()) else math.inf
-        for first, last in zip(starts, ends.tolist(), strict=True)
-    ]
+    ends = list(itertools.accumulate(map(len, paths)))
+    joints = [end - 1 for end in ends[:-1]]  # from the last node of a path to the first one of the next
+    across = graph.partner[a] == b
+    inside = ~across
+    across[joints] = inside[joints] = False
+    here = inside.nonzero()[0]
+    crossed = across.nonzero()[0]
+    constant, varying = np.zeros(len(a)), np.zeros(len(a))
+    constant[here], varying[here] = _intra(graph, a[here], b[here], graph.node_distances(a[here], b[here]))
+    constant[crossed] = graph.transmission_loss[graph.contact[a[crossed]]]
+    constants, variables = constant.tolist(), varying.tolist()
+    costs = []
+    for first, last in zip([0, *ends], ends, strict=False):
+        terms = constants[first : last - 1] + variables[first : last - 1]
+        costs.append(math.fsum(terms) if math.isfinite(sum(terms)) else math.inf)
+    return costs
 
 
 def path_bands(graph: HapticGraph, path: tuple[int, ...]) -> FloatArray:

@@ -23,6 +23,7 @@ import heapq
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,9 @@ TRICKLE_ROUNDS, TRICKLE = 32, 300
 
 FEW = 250
 """Up to so many labels scalars are faster from the beginning."""
+
+SMALL = 1024
+"""Up to so many nodes or objects, their numbers are copied into lists for the scalars."""
 
 LARGE = 48
 """From this many nodes on, an object is relaxed as an array even when everything else is scalar."""
@@ -87,8 +91,8 @@ class _Work:
         self.arrivals, self.entries = self.arrival.reshape(-1), self.entry.reshape(-1)
         self.limits = limits
         self.complete = complete or bool(graph.table.special)
-        self.size = np.diff(graph.start)
-        self.special = np.zeros(len(self.size), dtype=np.bool_)
+        self.others = graph.start[1:] - graph.start[:-1] - 1  # per object: nodes besides one that it is entered through
+        self.special = np.zeros(len(self.others), dtype=np.bool_)
         self.special[list(graph.table.special)] = True
         self.loss = np.maximum(0.0, graph.table.loss)
         crossing = np.maximum(0.0, np.append(graph.transmission_loss, math.inf))
@@ -139,7 +143,7 @@ def _step(work: _Work, row: IntArray, node: IntArray, cost: FloatArray) -> tuple
     if not useful.all():
         row, node, cost, index = row[useful], node[useful], cost[useful], index[useful]
     if len(row):
-        size = work.size[index]
+        size = work.others[index]
         if size.sum() > BATCH:
             order = np.lexsort((node, row, cost))
             now = max(1, int(size[order].cumsum().searchsorted(BATCH, side="right")))
@@ -148,6 +152,7 @@ def _step(work: _Work, row: IntArray, node: IntArray, cost: FloatArray) -> tuple
             row, node, cost, index, size = row[order], node[order], cost[order], index[order], size[order]
         which = np.arange(len(row)).repeat(size)
         other = np.arange(len(which)) + (graph.start[index] - size.cumsum() + size)[which]
+        other += other >= node[which]  # all nodes of the object but the entry itself
         batches.append(_improve(work, row, node, cost, which, other))
     if len(batches) == 1:
         return batches[0]
@@ -171,7 +176,7 @@ def _improve(
         chosen = work.special[index][which].nonzero()[0]
         candidate[chosen] = cost[which[chosen]] + np.maximum(0.0, intra_costs(graph, begin[chosen], other[chosen]))
     place = (row * work.count)[which] + other
-    better = ((candidate < arrivals[place]) & (candidate <= work.limits[row][which]) & (other != begin)).nonzero()[0]
+    better = ((candidate < arrivals[place]) & (candidate <= work.limits[row][which])).nonzero()[0]
     place, candidate = place[better], candidate[better]
     # Of several ways to one node the cheapest, of equal ones that from the first entry.
     np.minimum.at(arrivals, place, candidate)
@@ -191,26 +196,45 @@ def _improve(
 
 
 def _finish_with_heap(work: _Work, row: IntArray, node: IntArray, cost: FloatArray, targets: IntArray | None) -> None:
-    for number in np.unique(row).tolist():
+    scalars = _Scalars(work)
+    for number in sorted(set(row.tolist())):
         mine = row == number
-        _heap_row(work, number, list(zip(cost[mine].tolist(), node[mine].tolist(), strict=True)), targets)
+        arrives, enters = _items(work.arrival[number]), _items(work.entry[number])
+        _heap_row(work, scalars, number, list(zip(cost[mine].tolist(), node[mine].tolist(), strict=True)), arrives, enters, targets)
+        work.arrival[number], work.entry[number] = arrives, enters
 
 
-def _heap_row(work: _Work, row: int, queue: list[tuple[float, int]], targets: IntArray | None) -> None:
+def _items(array: FloatArray | IntArray) -> Any:
+    """Its numbers to read and write one by one: a list where that is small, because it is faster, else the memory itself."""
+    return array.tolist() if len(array) <= SMALL else array.data
+
+
+class _Scalars:
+    """What is read one by one. ``points``: positions of the nodes, in a large graph only of the objects met so far."""
+
+    def __init__(self, work: _Work) -> None:
+        graph = work.graph
+        self.objects, self.partner, self.start = _items(graph.node_object), _items(graph.partner), _items(graph.start)
+        self.crossing, self.loss, self.decay = _items(work.crossing), _items(work.loss), _items(graph.table.decay)
+        self.points: dict[int, list[float]] = {}
+        if work.count <= SMALL:
+            self.points.update(enumerate(graph.node_position.tolist()))
+
+
+def _heap_row(
+    work: _Work, scalars: _Scalars, row: int, queue: list[tuple[float, int]], arrives: Any, enters: Any, targets: IntArray | None
+) -> None:
     """Dijkstra's algorithm from the pending entries of one row on."""
     graph = work.graph
     heapq.heapify(queue)
     limit = float(work.limits[row])
-    arrival, entry = work.arrival[row], work.entry[row]
-    arrives, enters = arrival.data, entry.data
-    objects, partner, crossing, start = graph.node_object.data, graph.partner.data, work.crossing.data, graph.start.data
-    loss, decay, special = graph.table.loss.data, graph.table.decay.data, work.special.data
-    places: dict[int, list[list[float]]] = {}  # positions of the nodes of each object met
+    objects, partner, crossing, start = scalars.objects, scalars.partner, scalars.crossing, scalars.start
+    loss, decay, special, points = scalars.loss, scalars.decay, graph.table.special, scalars.points
     sought = set() if targets is None else set(targets.tolist())
     settled: set[int] = set()
-    distance = math.dist
+    push, pop, distance, infinite = heapq.heappush, heapq.heappop, math.dist, math.inf
     while queue:
-        cost, node = heapq.heappop(queue)
+        cost, node = pop(queue)
         if cost > limit:
             break
         if node in settled:
@@ -218,41 +242,37 @@ def _heap_row(work: _Work, row: int, queue: list[tuple[float, int]], targets: In
         settled.add(node)
         index = objects[node]
         first, last = start[index], start[index + 1]
-        base, rate = cost + max(0.0, loss[index]), decay[index]
-        if base == math.inf:
+        base, rate = cost + loss[index], decay[index]
+        if base == infinite:
             continue
-        if not special[index] and arrives[node] <= base:
+        if arrives[node] <= base and index not in special:
             first = enters[node]
             if not work.complete or partner[first] < 0:
                 continue
             last = first + 1
         work.relaxed += last - first
-        if special[index] or last - first >= LARGE:
+        if index in special or last - first >= LARGE:
             nodes = np.arange(first, last)
             candidate = cost + np.maximum(0.0, intra_costs(graph, np.full(last - first, node), nodes))
-            better = ((candidate < arrival[first:last]) & (candidate <= limit) & (nodes != node)).nonzero()[0]
+            better = ((candidate < np.asarray(arrives[first:last])) & (candidate <= limit)).nonzero()[0]
             found = list(zip((better + first).tolist(), candidate[better].tolist(), strict=True))
         else:
-            if index not in places:
-                places[index] = graph.node_position[start[index] : start[index + 1]].tolist()
-            near = places[index]
-            begin = start[index]
-            here = near[node - begin]
-            found = []
-            for other in range(first, last):
-                value = base + rate * distance(here, near[other - begin])
-                if value < arrives[other] and value <= limit and other != node:
-                    found.append((other, value))
+            if node not in points:
+                whole = graph.nodes_of(index)
+                points.update(enumerate(graph.node_position[whole].tolist(), whole.start))
+            here = points[node]
+            found = [(other, base + rate * distance(here, points[other])) for other in range(first, last)]
         nearer = False
         for other, value in found:
-            arrives[other] = value
-            enters[other] = node
-            through = partner[other]
-            if through >= 0:
-                total = value + crossing[other]
-                if total <= limit and total < math.inf:
-                    heapq.heappush(queue, (total, through))
-            elif other in sought:
-                nearer = True
+            if value < arrives[other] and value <= limit and other != node:
+                arrives[other] = value
+                enters[other] = node
+                through = partner[other]
+                if through >= 0:
+                    total = value + crossing[other]
+                    if total <= limit and total < infinite:
+                        push(queue, (total, through))
+                elif other in sought:
+                    nearer = True
         if nearer:  # stop where no target can get cheaper
             limit = min(limit, max(arrives[k] for k in sought))

@@ -24,7 +24,7 @@ from .walk_sums import LARGEST, Bounds
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 KeyArray = NDArray[np.uint64]
-BitArray = NDArray[np.uint8]
+BitArray = NDArray[np.uint8] | NDArray[np.uint64]
 
 PAIRS = 4
 """So many steps are looked at as quickly as one unit of work elsewhere is done."""
@@ -34,6 +34,9 @@ FEW = 1000
 
 BITES = 256
 """To copy so many bytes of crossed patches takes as long as one unit of work elsewhere."""
+
+WORD = 64
+"""Patches that one number has bits for."""
 
 BYTES = 1 << 28
 """What the states may take together."""
@@ -105,7 +108,7 @@ _SCALE = 1024.0
 @dataclass(slots=True)
 class _States:
     """Partial paths: the entry where each stands, its ``gain``, its ``value`` (n, lanes) with shares and bands, a bit for each of the
-    patches ``crossed`` (n, bytes), and the sum of their keys where they are merged."""
+    patches ``crossed`` ((n, bytes), or (n,) where they are few), and the sum of their keys where they are merged."""
 
     entry: IntArray
     gain: FloatArray
@@ -118,7 +121,8 @@ class _States:
 
     def pick(self, chosen: IntArray) -> _States:
         key = self.key[chosen] if len(self.key) == len(self.entry) else self.key
-        return _States(self.entry[chosen], self.gain[chosen], self.value[chosen], self.crossed[chosen], key)
+        crossed = self.crossed.take(chosen, axis=0)
+        return _States(self.entry[chosen], self.gain[chosen], self.value.take(chosen, axis=0), crossed, key)
 
 
 def search(
@@ -133,20 +137,20 @@ def search(
     roots = np.arange(count - len(starts), count)
     least = limits.threshold * (1 - ROUNDING)
     steps = arena.steps if ranking is None else ranking.steps
-    useful = limits.ahead > 0
+    promise = limits.ahead[steps.to] if least == 0 else steps.gain * limits.ahead[steps.to]
     growing = bool(np.max(steps.gain, initial=0.0) > 1 or np.max(arena.ends.gain, initial=0.0) > 1)
     amplified = not np.all(np.isfinite(limits.ahead))
     keys = _keys(arena) if merge else None
-    place, bit, size = _bits(arena.patch)
-    each = 1 / PAIRS + size / BITES
-    none = np.zeros((len(roots), size), dtype=np.uint8)
-    states = _States(roots, np.ones(len(roots)), starts, none, np.zeros(len(roots), dtype=np.uint64))
-    room = min(limits.states, BYTES // (size + 64))
+    marks = _Marks(arena.patch)
+    each = 1 / PAIRS + marks.size / BITES
+    states = _States(roots, np.ones(len(roots)), starts, marks.none(len(roots)), np.zeros(len(roots), dtype=np.uint64))
+    room = min(limits.states, BYTES // (marks.size + 64))
+    standing: list[_States] = []
     ended: list[tuple[IntArray, FloatArray]] = []
     missing = np.zeros(arena.listeners)
     total = np.zeros(arena.listeners)
     work = 0
-    level = 0
+    level = levels = 0
     while len(states):
         sizes = steps.size[states.entry] if ranking is None else ranking.promising(states.entry, states.gain, least)
         allowed = SPENT_ON_LEVEL * (limits.work - work) if level else math.inf
@@ -157,32 +161,32 @@ def search(
             states, sizes = states.pick(kept), sizes[kept]
             needed = len(states) + float(sizes.sum()) * each
         work += int(needed)
-        to, value = _end(arena, states, least)
-        ended.append((to, value))
+        standing.append(states)
+        levels = level + 1
+        if limits.tolerance > 0 or sum(map(len, standing)) > FEW:
+            ended.append(_end(arena, standing, levels, least))
+            standing = []
         if limits.tolerance > 0:
-            total += np.bincount(to, weights=value[:, 0], minlength=arena.listeners)
+            cell, value = ended[-1]
+            total += np.bincount(cell - level * arena.listeners, weights=value[:, 0], minlength=arena.listeners)
         if level >= limits.crossings:
             break
         which, step = steps.expand(states.entry, sizes)
-        to = steps.to[step]
-        gain = states.gain[which] * steps.gain[step]
-        if least == 0:
-            possible = useful[to]
-        else:
-            possible = gain * limits.ahead[to] >= least
-            if amplified:  # else the gain of the whole path says it all
-                possible &= (gain >= least) & (states.gain[which] * steps.inside[step] >= least)
+        possible = promise[step] > 0 if least == 0 else states.gain[which] * promise[step] >= least
+        if amplified and least > 0:  # else the gain of the whole path says it all
+            inside, gain = states.gain[which] * steps.inside[step], states.gain[which] * steps.gain[step]
+            possible &= (gain >= least) & (inside >= least)
         kept = possible.nonzero()[0]
+        which, step = which[kept], step[kept]
+        to = steps.to[step]
         if level:
-            kept = kept[(states.crossed[which[kept], place[to[kept]]] & bit[to[kept]]) == 0]
-        which, step, to = which[kept], step[kept], to[kept]
-        crossed = states.crossed[which]
-        crossed[np.arange(len(to)), place[to]] |= bit[to]
+            kept = marks.missing(states.crossed, which, to)
+            which, step, to = which[kept], step[kept], to[kept]
         states = _States(
             to,
-            gain[kept],
-            states.value[which] * steps.weight[step],
-            crossed,
+            states.gain[which] * steps.gain[step],
+            states.value.take(which, axis=0) * steps.weight.take(step, axis=0),
+            marks.added(states.crossed, which, to),
             states.key if keys is None else states.key[which] + keys[0][to],
         )
         if keys is not None:
@@ -192,19 +196,50 @@ def search(
             np.minimum(states.gain, LARGEST, out=states.gain)
             missing[:] = LARGEST
         level += 1
-    sums, paths = _add_up(ended, arena)
+    if standing:
+        ended.append(_end(arena, standing, levels, least))
+    sums, paths = _add_up(ended, levels, arena)
     if growing:
         missing[(sums[..., 0].sum(axis=0) > LARGEST) | (np.max(steps.gain) > LARGEST)] = LARGEST
         np.minimum(sums, LARGEST, out=sums)
     return Found(sums, missing, paths, work)
 
 
-def _bits(patch: IntArray) -> tuple[IntArray, BitArray, int]:
-    """Where the patch that leads into each entry has its bit: byte and bit in it; and the number of bytes. None for -1."""
-    numbers, which = np.unique(patch, return_inverse=True)
-    which = which - int(numbers[0] == -1)
-    bit = np.where(patch == -1, 0, 1 << (which & 7)).astype(np.uint8)
-    return np.maximum(which, 0) >> 3, bit, len(numbers) // 8 + 1
+class _Marks:
+    """Sets of the patches that lead into the entries, a bit for each: of up to 64 one number a set, of more a row of bytes."""
+
+    def __init__(self, patch: IntArray) -> None:
+        which, count = patch, int(patch.max()) + 1
+        if count > WORD:
+            numbers, which = np.unique(patch, return_inverse=True)
+            none = int(numbers[0] == -1)
+            which, count = which - none, len(numbers) - none
+        self.size = count // 8 + 1
+        """Bytes that a set takes."""
+        self._few = count <= WORD
+        if self._few:
+            self._bit = np.where(patch == -1, 0, np.left_shift(1, which.astype(np.uint64) & np.uint64(63), dtype=np.uint64))
+        else:
+            self._bit = np.where(patch == -1, 0, 1 << (which & 7)).astype(np.uint8)
+            self._place = np.maximum(which, 0) >> 3
+
+    def none(self, count: int) -> BitArray:
+        """So many empty sets."""
+        return np.zeros(count, dtype=np.uint64) if self._few else np.zeros((count, self.size), dtype=np.uint8)
+
+    def missing(self, crossed: BitArray, which: IntArray, entry: IntArray) -> IntArray:
+        """The numbers k for which the patch that leads into ``entry[k]`` is not in the set ``crossed[which[k]]``."""
+        there = crossed[which] if self._few else crossed[which, self._place[entry]]
+        return np.asarray(((there & self._bit[entry]) == 0).nonzero()[0])
+
+    def added(self, crossed: BitArray, which: IntArray, entry: IntArray) -> BitArray:
+        """Sets with the patches that lead into the entries added."""
+        sets = crossed.take(which, axis=0)
+        if self._few:
+            sets |= self._bit[entry]
+        else:
+            sets[np.arange(len(entry)), self._place[entry]] |= self._bit[entry]
+        return sets
 
 
 def _keys(arena: Arena) -> tuple[KeyArray, KeyArray]:
@@ -218,21 +253,25 @@ def _keys(arena: Arena) -> tuple[KeyArray, KeyArray]:
     return of_patches[patch], of_entries
 
 
-def _end(arena: Arena, states: _States, least: float) -> tuple[IntArray, FloatArray]:
-    """The paths that end at a listener now: which one, and their values (n, lanes)."""
-    which, end = arena.ends.expand(states.entry)
+def _end(arena: Arena, standing: list[_States], levels: int, least: float) -> tuple[IntArray, FloatArray]:
+    """The paths that end at a listener from states of the last ones of ``levels``: numbers ``level * listeners + listener``, and their
+    values (n, lanes)."""
+    entry = np.concatenate([states.entry for states in standing])
+    gain = np.concatenate([states.gain for states in standing])
+    value = np.concatenate([states.value for states in standing])
+    cell = (np.arange(levels - len(standing), levels) * arena.listeners).repeat([len(states) for states in standing])
+    which, end = arena.ends.expand(entry)
     if least > 0:
-        kept = (states.gain[which] * arena.ends.gain[end] >= least).nonzero()[0]
+        kept = (gain[which] * arena.ends.gain[end] >= least).nonzero()[0]
         which, end = which[kept], end[kept]
-    return arena.ends.to[end], states.value[which] * arena.ends.weight[end]
+    return cell[which] + arena.ends.to[end], value.take(which, axis=0) * arena.ends.weight.take(end, axis=0)
 
 
-def _add_up(ended: list[tuple[IntArray, FloatArray]], arena: Arena) -> tuple[FloatArray, IntArray]:
+def _add_up(ended: list[tuple[IntArray, FloatArray]], levels: int, arena: Arena) -> tuple[FloatArray, IntArray]:
     """Sums (k, l, lanes) and numbers (l,) of paths, from those that ended with 0, 1, ... contacts. Added pairwise, so that small terms are
     not lost among many."""
-    cells = len(ended) * arena.listeners
-    cell = np.concatenate([to for to, _ in ended])
-    cell += np.repeat(np.arange(0, cells, arena.listeners), [len(to) for to, _ in ended]) if arena.listeners else 0
+    cells = levels * arena.listeners
+    cell = np.concatenate([cell for cell, _ in ended])
     values = np.concatenate([values for _, values in ended])
     numbers = np.bincount(cell, minlength=cells)
     sums = np.zeros((cells, arena.lanes))
@@ -240,12 +279,12 @@ def _add_up(ended: list[tuple[IntArray, FloatArray]], arena: Arena) -> tuple[Flo
         for lane in range(arena.lanes):
             sums[:, lane] = np.bincount(cell, weights=values[:, lane], minlength=cells)
     else:
-        ordered = values[np.argsort(cell, kind="stable")]
+        ordered = values.take(np.argsort(cell, kind="stable"), axis=0)
         last = 0
         for place in np.flatnonzero(numbers).tolist():
             first, last = last, last + int(numbers[place])
             sums[place] = np.ascontiguousarray(ordered[first:last].T).sum(axis=1)
-    return sums.reshape(len(ended), arena.listeners, arena.lanes), numbers.reshape(len(ended), -1).sum(axis=0)
+    return sums.reshape(levels, arena.listeners, arena.lanes), numbers.reshape(levels, -1).sum(axis=0)
 
 
 def _merge(states: _States, entry_key: KeyArray) -> _States:
@@ -259,12 +298,12 @@ def _merge(states: _States, entry_key: KeyArray) -> _States:
         return states
     pairs = np.flatnonzero(same)
     a, b = order[pairs], order[pairs + 1]
-    really = (states.entry[a] == states.entry[b]) & (states.crossed[a] == states.crossed[b]).all(axis=1)
+    really = (states.entry[a] == states.entry[b]) & (states.crossed[a] == states.crossed[b]).reshape(len(a), -1).all(axis=1)
     first = np.ones(len(order), dtype=np.bool_)
     first[pairs[really] + 1] = False
     begin = np.flatnonzero(first)
     merged = states.pick(order[begin])
-    merged.value = np.add.reduceat(states.value[order], begin, axis=0)
+    merged.value = np.add.reduceat(states.value.take(order, axis=0), begin, axis=0)
     return merged
 
 
