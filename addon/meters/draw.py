@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +24,8 @@ _MARGIN = 12.0  # points to the edges of what is free
 _SHARE = 0.6  # of the free height
 _LEAST_WIDTH = 320.0  # points: with less than that beside it, the legend stands above
 
+_PANEL_SECONDS = 0.1
+
 _handlers: list[Any] = []
 
 
@@ -38,6 +41,7 @@ class _Shown:
 
 
 _shown: dict[int, _Shown] = {}  # by the region's address
+_refreshed: dict[int, float] = {}  # when a sidebar was drawn again last, by the region's address
 _levels: dict[int, tuple[FrameResult, tuple[Level, ...]]] = {}  # by session id of the scene
 
 
@@ -81,6 +85,8 @@ def board_of(scene: Scene, corner: tuple[float, float], room: tuple[float, float
 def _draw_pixels() -> None:
     context = bpy.context
     scene, space = context.scene, context.space_data
+    if scene is not None and space is not None:
+        _refresh_panels(context)
     if scene is None or space is None or not scene.haptics.meters.show or not space.overlay.show_overlays:
         return
     result = session.result_of(scene)
@@ -88,6 +94,24 @@ def _draw_pixels() -> None:
         _shown.pop(context.region.as_pointer(), None)
         return
     draw_board(context, scene, result)
+
+
+def _refresh_panels(context: Context) -> None:
+    """Have the sidebar drawn again: while the timeline plays, Blender leaves it as it is. Not more often than one can read."""
+    if context.screen is None or not context.screen.is_animation_playing:
+        return
+    from ..panels.drawing import HapticsPanel
+
+    now = time.perf_counter()
+    for region in context.area.regions:
+        if region.type != "UI" or region.width <= 1 or region.active_panel_category != HapticsPanel.bl_category:
+            continue
+        address = region.as_pointer()
+        if now - _refreshed.get(address, 0.0) >= _PANEL_SECONDS:
+            if len(_refreshed) > 16:
+                _refreshed.clear()
+            _refreshed[address] = now
+            region.tag_redraw()
 
 
 def draw_board(context: Context, scene: Scene, result: FrameResult) -> None:
@@ -126,6 +150,7 @@ def taken(context: Context) -> tuple[Rectangle, ...]:
 def forget() -> None:
     """Drop what is kept between redraws."""
     _shown.clear()
+    _refreshed.clear()
     _levels.clear()
     pictures.forget()
 

@@ -39,8 +39,8 @@ class Level:
         return place_of(self.rms)
 
     def words(self) -> str:
-        """Peak and RMS: "−12, −20 dB", "silent" """
-        return iface_("silent") if self.peak == -math.inf else f"{_number(self.peak)}, {decibels(self.rms)}"
+        """Peak and RMS in decibels: "−12, −20", "silent" """
+        return iface_("silent") if self.peak == -math.inf else f"{_number(self.peak)}, {_number(self.rms)}"
 
     def feeling(self) -> str:
         """How far above or below the threshold of feeling: "23 dB felt", "5 dB too weak", "" for silence."""

@@ -21,7 +21,7 @@ from ..panel_picture import theme_ink
 from .drawing import HapticsPanel, draw_pair, wrapped
 
 _SHOWN_SOURCES = 4
-_PICTURE = 6.0  # lines high
+_PICTURE = 5.0  # lines high
 _ALL_IN_DETAIL = 3  # listeners; of more only the active one shows its sources
 
 
@@ -195,9 +195,9 @@ def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
 
 def _draw_row(layout: UILayout, name: str, values: str, feeling: str) -> None:
     """A listener's name, its levels and how they feel, in columns."""
-    split = layout.split(factor=0.36)
+    split = layout.split(factor=0.37)
     split.label(text=name, translate=False)
-    split = split.split(factor=0.5)
+    split = split.split(factor=0.37)
     split.label(text=values, translate=False)
     split.label(text=feeling, translate=False)
 

@@ -56,6 +56,11 @@ def test_bake_and_meters(play):
     assert all(seen.values()), seen
 
 
+def test_modes_and_meters(play):
+    seen = played_through(play(SCENARIOS / "modes.py"))
+    assert all(seen.values()), seen
+
+
 def test_live_output(play):
     seen = played_through(play(SCENARIOS / "live_output.py"))
     assert all(seen.values()), seen

@@ -62,7 +62,7 @@ def test_levels_of_a_sine():
     assert felt.sensation == pytest.approx(20 * math.log10(amplitude) - float(threshold_level(100.0)), abs=0.1)
     assert felt.threshold == pytest.approx(float(threshold_level(100.0)) - 10 * math.log10(2), abs=0.1)
     assert felt.is_felt
-    assert felt.words() == "−8, −11 dB"
+    assert felt.words() == "−8, −11"
     assert felt.feeling() == "23 dB felt"
     assert (nothing.peak, nothing.rms, nothing.sensation, nothing.threshold) == (-math.inf, -math.inf, -math.inf, None)
     assert not nothing.is_felt
