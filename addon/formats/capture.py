@@ -20,6 +20,7 @@ from .. import session, timeline
 from ..bake import storage
 from ..bake.playback import compare
 from ..bake.track import HapticTrack
+from .devices import written_devices
 from .frame_scene import within, written_frame
 
 
@@ -62,8 +63,9 @@ class Capture:
             tracks = None
         if self._recorder is None or self._first is None:
             return Export(name, tracks=tracks)
+        devices = written_devices(self.scene, self._first.listeners)
         scene = replace(self._recorder.scene(), settings=self._first.settings, extras=self._first.extras)
-        return Export(name, scene=scene, tracks=tracks, recording=self._recorder.recording())
+        return Export(name, scene=scene, tracks=tracks, recording=self._recorder.recording(), devices=devices)
 
     def _results(self) -> Iterator[FrameResult]:
         track = None if self._recorder is not None else baked(self.scene, self.start, self.end)

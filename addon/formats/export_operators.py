@@ -22,6 +22,7 @@ from .. import session
 from ..panels.drawing import wrapped
 from . import job
 from .capture import Capture
+from .devices import written_devices
 from .format_options import chosen, draw_options, option_properties
 from .frame_scene import scene_of_frame, scene_of_result, within
 
@@ -143,7 +144,8 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
 
     def _current(self, context: Context) -> Export:
         scene, names = current_scene(context), self.names()
-        return Export(export_name(self.filepath), scene if names is None else within(scene, names))
+        scene = scene if names is None else within(scene, names)
+        return Export(export_name(self.filepath), scene, devices=written_devices(context.scene, scene.listeners))
 
     def _writer(self) -> Callable[[Export], list[job.Report]]:
         """What writes the file once all frames are stepped: this operator is gone by then."""

@@ -19,6 +19,7 @@ from ...core.scene import Contact, HapticObject, HapticScene, Listener, Source, 
 from .. import session
 from ..decimals import shortest
 from ..scene_reader import Reading
+from .devices import is_muted
 from .kept import KeptContacts, kept_contacts, kept_listener, kept_object, kept_scene, kept_source
 
 T = TypeVar("T")
@@ -36,6 +37,8 @@ AUTHORED = (
 EXTRAS = "blender"
 MATERIAL = "material"
 """The name of an object's haptic material, in its extras."""
+MUTED = "muted"
+"""True in the extras of a listener that is chosen to be felt nowhere."""
 
 
 def scene_of_frame(scene: bpy.types.Scene, depsgraph: Depsgraph) -> HapticScene:
@@ -102,7 +105,8 @@ def _source(item: Source, obj: Object | None) -> Source:
 
 
 def _listener(item: Listener, obj: Object | None) -> Listener:
-    return replace(item, extras=dict(kept_listener(obj.haptics.listener.imported if obj is not None else "").extras))
+    kept = kept_listener(obj.haptics.listener.imported if obj is not None else "")
+    return replace(item, extras={**kept.extras, MUTED: True} if is_muted(obj) else dict(kept.extras))
 
 
 def _contacts(result: FrameResult, kept: KeptContacts) -> tuple[Contact, ...]:

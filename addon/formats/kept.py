@@ -75,6 +75,15 @@ class KeptScene:
     extras: Mapping[str, Any] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, slots=True)
+class KeptDevice:
+    """Of a device; ``gains`` by actuator and listener."""
+
+    profile: str | None = None
+    gains: Mapping[tuple[str, str], float] = field(default_factory=dict)
+    extras: Mapping[str, Any] = field(default_factory=dict)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class KeptContacts:
     """Of a scene: ``contacts`` by their objects, in alphabetical order, as they are while both stand where the file put them and contacts
@@ -163,6 +172,16 @@ def kept_scene(text: str) -> KeptScene:
         form = _document(text)
         tolerance = None if form.get("tolerance") is None else _number(form["tolerance"], 0.0)
         return KeptScene(tolerance, _numbers(form), _mapping(form.get("extras", {})))
+    except (ValueError, TypeError) as error:
+        raise _damaged(error) from None
+
+
+def kept_device(text: str) -> KeptDevice:
+    """Raises ValueError in words where the text is damaged."""
+    try:
+        form = _document(text)
+        gains = {(str(actuator), str(listener)): _number(gain, 0.0) for actuator, listener, gain in form.get("gains", [])}
+        return KeptDevice(str(form.get("profile") or "") or None, gains, _mapping(form.get("extras", {})))
     except (ValueError, TypeError) as error:
         raise _damaged(error) from None
 

@@ -19,9 +19,11 @@ from ...core.scene import Contact, HapticObject, Listener, Pose, Settings, Sourc
 from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..decimals import shortest
 from ..function_properties import PARAMETERS
+from ..live_output import player
 from ..materials import library
 from ..scene_reader import function_of_properties, read_function, stands_for
-from .frame_scene import AUTHORED, EXTRAS, MATERIAL
+from .devices import take_devices
+from .frame_scene import AUTHORED, EXTRAS, MATERIAL, MUTED
 from .kept import exact, kept_contacts, near, text_of, text_of_contacts
 from .keyframes import local_place, write_keyframes
 from .shape_mesh import surface
@@ -45,6 +47,7 @@ def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list
         builder.add_source(source)
     for listener in export.need_scene().listeners:
         builder.add_listener(listener)
+    builder.add_devices()
     if settings:
         builder.take_settings()
     builder.keep_contacts()
@@ -106,8 +109,18 @@ class _Builder:
     def add_listener(self, item: Listener) -> None:
         """As `add_source`."""
         obj = self._holder(item, "listener")
-        for loss in write_listener(obj.haptics.listener, item):
+        muted = item.extras.get(MUTED) is True
+        extras = {key: value for key, value in item.extras.items() if key != MUTED} if muted else item.extras
+        for loss in write_listener(obj.haptics.listener, replace(item, extras=extras)):
             self.lose(loss, item.name)
+        if muted:
+            obj.haptics.live_output.actuators = player.MUTED
+
+    def add_devices(self) -> None:
+        """What the listeners are felt through."""
+        listeners = {item.name: self.attached[f"listener {item.name}"] for item in self.haptic.listeners}
+        for loss in take_devices(self.scene, self.export.devices, listeners):
+            self.lose("devices", loss)
 
     def take_settings(self) -> None:
         """Settings, what the extras say of the scene's properties, and the frame that the file is of."""
@@ -190,8 +203,6 @@ class _Builder:
 
     def check(self) -> None:
         """What the file says and the objects can't."""
-        for device in self.export.devices:
-            self.lose("device", device.name)
         if self.export.tracks is not None:
             self.lose("rendered tracks, which are rendered again", "tracks")
 

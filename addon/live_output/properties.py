@@ -88,6 +88,9 @@ class HapticDeviceProperties(PropertyGroup):
         precision=0,
         update=_device_changed,
     )
+    imported: StringProperty(
+        name="Imported", description="What an imported file says beyond these properties", options={"HIDDEN"}
+    )
 
 
 class HapticLiveOutputProperties(PropertyGroup):

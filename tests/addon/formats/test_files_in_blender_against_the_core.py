@@ -198,7 +198,8 @@ def test_functions_that_begin_in_a_later_frame_are_kept(stack, tmp_path, traced)
     document["contacts"].pop()
     landed = {"objects": ["floor", "right"], "positions": [[2, 0, 0], [2, 0, 0]], "transmission": {"function": "constant", "gain": 0.3}}
     document["objects"][2]["pose"]["position"][2] = 3
-    document |= {"frame_rate": 25, "frames": [{"frame": 1}, {"frame": 2, "poses": {"right": [2, 0, 0.5, 1, 0, 0, 0]}, "contacts": [landed]}]}
+    later = {"frame": 2, "poses": {"right": [2, 0, 0.5, 1, 0, 0, 0]}, "contacts": [landed]}
+    document |= {"frame_rate": 25, "frames": [{"frame": 1}, later]}
     stack.write_text(json.dumps(document))
     imported(stack)
     assert traced().gains.tolist() == [[0.5, 0.0]]

@@ -1,0 +1,115 @@
+"""What listeners are felt through, into files and back."""
+
+import json
+
+import bpy
+import pytest
+from haptic_tracing.core.devices.mapping import map_listeners
+from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.formats.devices import ActuatorMapping, DeviceMapping
+from haptic_tracing.core.formats.haptic_scene import read_export
+
+
+def exported(path, **options):
+    assert bpy.ops.export_scene.haptic_scene(filepath=str(path), **options) == {"FINISHED"}
+    return path.read_bytes()
+
+
+def imported(path):
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    assert bpy.ops.import_scene.haptic_scene(filepath=str(path)) == {"FINISHED"}
+
+
+def device(name, **adjusted):
+    settings = bpy.context.scene.haptics.live_output.devices.add()
+    settings.name = name
+    for key, value in adjusted.items():
+        setattr(settings, key, value)
+
+
+def choice(name):
+    return bpy.data.objects[name].haptics.live_output.actuators
+
+
+@pytest.fixture
+def hands(add_box, add_empty):
+    """A table with two hands and a back on it."""
+    table = add_box("table", (0, 0, 0), (2, 1, 1))
+    for name, part, x in (("left", "hand.L", -0.4), ("right", "hand.R", 0.4), ("back", "upper_back.L", 0)):
+        place = add_empty(name, (x, 0, 0.5), parent=table)
+        place.haptics.listener.enabled, place.haptics.listener.body_part = True, part
+    bpy.context.view_layer.update()
+    return bpy.data.objects
+
+
+def test_automatic_choices_are_written_as_what_they_give(hands, tmp_path):
+    device("dualsense AB:12")
+    device("sound card Aura", gain=1.5, offset=-20.0)
+    first = exported(tmp_path / "a.json")
+    aura, pad = sorted(read_export(tmp_path / "a.json").devices, key=lambda item: item.profile != "sound card Aura")
+    assert aura == DeviceMapping("sound card Aura", "sound card Aura", (), {"blender": {"gain": 1.5, "offset": -20.0}})
+    known = profile("dualsense")
+    weights = map_listeners({"left": "hand.L", "right": "hand.R", "back": "upper_back.L"}, {"pad": known}).weights["pad"]
+    expected = {(known.actuators[a].name, name) for i, name in enumerate(("left", "right", "back")) for a in weights[:, i].nonzero()[0]}
+    assert pad.name == "dualsense AB:12" and pad.profile == "dualsense" and expected
+    assert {(item.actuator, item.listener) for item in pad.actuators} == expected
+    imported(tmp_path / "a.json")
+    assert [choice(name) for name in ("left", "right", "back")] == ["", "", ""]
+    assert bpy.context.scene.haptics.live_output.devices["sound card Aura"].gain == 1.5
+    assert exported(tmp_path / "b.json") == first
+
+
+def test_choices_of_the_user_come_back(hands, tmp_path):
+    device("dualsense")
+    hands["left"].haptics.live_output.actuators = "dualsense/right;bench/2"
+    hands["right"].haptics.live_output.actuators = "-"
+    first = exported(tmp_path / "a.json")
+    document = json.loads(first)
+    bench, pad = document["devices"]
+    assert bench == {"name": "bench", "profile": "bench", "actuators": [{"actuator": "2", "listener": "left", "gain": 1.0}]}
+    assert pad["actuators"] == [{"actuator": "right", "listener": "left", "gain": 1.0}]
+    imported(tmp_path / "a.json")
+    assert set(choice("left").split(";")) == {"dualsense/right", "bench/2"} and choice("right") == "-" and choice("back") == ""
+    assert exported(tmp_path / "b.json") == first
+    exported(tmp_path / "c.json", frames="RANGE", frame_start=1, frame_end=2)
+    assert json.loads((tmp_path / "c.json").read_text())["devices"] == document["devices"]
+
+
+def test_a_muted_listener_stays_muted_without_any_device(hands, tmp_path):
+    hands["left"].haptics.live_output.actuators = "-"
+    first = exported(tmp_path / "a.json")
+    assert "devices" not in json.loads(first)
+    imported(tmp_path / "a.json")
+    assert choice("left") == "-" and choice("right") == ""
+    assert exported(tmp_path / "b.json") == first
+
+
+def test_what_blender_has_no_words_for_is_kept(hands, tmp_path, recwarn):
+    exported(tmp_path / "a.json")
+    document = json.loads((tmp_path / "a.json").read_text())
+    document["devices"] = [
+        {"name": "pad of the lab", "profile": "dualsense",
+         "actuators": [{"actuator": "left", "listener": "right", "gain": 0.25}], "extras": {"room": [3, "b"]}},
+    ]  # fmt: skip
+    (tmp_path / "a.json").write_text(json.dumps(document))
+    imported(tmp_path / "a.json")
+    assert choice("right") == "pad of the lab/left" and choice("left") == "-"
+    first = exported(tmp_path / "b.json")
+    (written,) = read_export(tmp_path / "b.json").devices
+    assert written == DeviceMapping("pad of the lab", "dualsense", (ActuatorMapping("left", "right", 0.25),), {"room": [3, "b"]})
+    imported(tmp_path / "b.json")
+    assert exported(tmp_path / "c.json") == first
+    bpy.context.scene.haptics.live_output.devices["pad of the lab"].imported = '{"gains": 3}'
+    with pytest.raises(RuntimeError, match="import it again"):
+        exported(tmp_path / "d.json")
+
+
+def test_a_collection_has_the_devices_of_its_listeners(hands, tmp_path):
+    device("dualsense")
+    some = bpy.data.collections.new("some")
+    bpy.context.scene.collection.children.link(some)
+    for name in ("table", "left"):
+        some.objects.link(hands[name])
+    exported(tmp_path / "a.json", collection="some")
+    (pad,) = read_export(tmp_path / "a.json").devices
+    assert {item.listener for item in pad.actuators} == {"left"}
