@@ -48,9 +48,15 @@ def scope_picture(scope: Scope, ink: Colour) -> Pixels:
     rows = np.arange(SIZE)[:, None]
     below, above = middle + half / full * least - rows, rows - middle - half / full * greatest
     chosen = pixels[:, _MARGIN + columns]
-    tint(chosen, SCOPE_COLOUR[:3], np.clip(1.8 - np.maximum(below, above), 0.0, 1.0))
+    tint(chosen, wave_colour(ink), np.clip(1.8 - np.maximum(below, above), 0.0, 1.0))
     pixels[:, _MARGIN + columns] = chosen
     return pixels
+
+
+def wave_colour(ink: Colour) -> Colour:
+    """That of the scope in the viewport, darker on a light theme."""
+    red, green, blue = (part * (1.0 if sum(ink) > 1.5 else 0.55) for part in SCOPE_COLOUR[:3])
+    return red, green, blue
 
 
 def body_picture(parts: dict[str, Colour], ink: Colour) -> Pixels:

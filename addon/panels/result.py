@@ -22,6 +22,7 @@ from .drawing import HapticsPanel, draw_pair, wrapped
 
 _SHOWN_SOURCES = 4
 _PICTURE = 5.0  # lines high
+_NAMES = 0.37  # of the width
 _ALL_IN_DETAIL = 3  # listeners; of more only the active one shows its sources
 
 
@@ -108,7 +109,9 @@ class HAPTIC_PT_meters(HapticsPanel, Panel):
         column = layout.column(align=True)
         column.scale_y = 0.8
         if levels:
-            _draw_row(column, "", iface_("Peak, RMS"), "")
+            split = column.split(factor=_NAMES)
+            split.label(text="")
+            split.label(text="Peak, RMS in dB")
         for level in levels:
             _draw_row(column, level.listener, level.words(), level.feeling())
 
@@ -195,7 +198,7 @@ def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
 
 def _draw_row(layout: UILayout, name: str, values: str, feeling: str) -> None:
     """A listener's name, its levels and how they feel, in columns."""
-    split = layout.split(factor=0.37)
+    split = layout.split(factor=_NAMES)
     split.label(text=name, translate=False)
     split = split.split(factor=0.37)
     split.label(text=values, translate=False)

@@ -124,7 +124,7 @@ MESSAGES: dict[str, str] = {
     "A volume such as air or water: it touches everything that it overlaps": "Ein Volumen wie Luft oder Wasser: Es berührt alles, was es überlappt",
     "The haptic object through which the listeners on this armature feel": "Das haptische Objekt, durch das die Empfänger auf dieser Armatur spüren",
     "Front and back": "Von vorn und hinten",
-    "Peak, RMS": "Spitze, RMS",
+    "Peak, RMS in dB": "Spitze, RMS in dB",
     "silent": "still",
     "{:.0f} dB felt": "{:.0f} dB spürbar",
     "{:.0f} dB too weak": "{:.0f} dB zu schwach",
