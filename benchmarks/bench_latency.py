@@ -4,8 +4,9 @@
 
 The paper's first figure plays in time, with ten listeners, while the bodies fall and settle beside it: only simulated, then haptic too.
 A device that takes reports at once stands for a DualSense (a report every 10 ms at most) and a Switch Pro Controller (every 30 ms). Its
-source is noise, so that every block makes a report. `frame` is Blender's own with tracing, `tracing` what of the latency passes before
-the block is sent, `latency` all of it; `beyond` is the latency without the wait until the device may be written to again.
+source is noise, so that nearly every block makes a report. `frame` is Blender's own with tracing. The steps of a block's way are `tracing`
+(from the handler's entry), `rendering` its samples, `handing over` to the writer's thread, `encoding` what the actuators are to do, and
+`writing`; `latency` is all of it and the wait until the device may be written to again, `beyond` all but that wait.
 """
 
 from __future__ import annotations
@@ -26,11 +27,13 @@ import bpy
 import haptic_tracing
 import numpy as np
 from haptic_tracing.addon import handlers as addon_handlers
-from haptic_tracing.addon.live_output import handlers, outputs
+from haptic_tracing.addon.live_output import handlers, outputs, player
 from haptic_tracing.core.devices.output import DeviceOutput
+from haptic_tracing.core.devices.pacing import RumblePacing
 from haptic_tracing.sample_scenes import build_sample
 
 MEDIAN_GOAL, WORST_GOAL = 5.0, 20.0
+STAGES = ("tracing", "rendering", "handing over", "encoding", "writing", "latency", "beyond")
 DEVICES = {"dualsense": (0x054C, 0x0CE6, 3), "switch-pro": (0x057E, 0x2009, 0)}
 
 
@@ -76,6 +79,7 @@ def build(bodies: int, haptic: bool) -> Any:
     for obj in scene.objects:
         if obj.haptics.source.enabled:
             obj.haptics.source.signal = "NOISE"
+        obj.haptics.listener.gain = 10.0  # the bench passes little on: so levels change from report to report
     world = scene.rigidbody_world
     world.point_cache.frame_end = 10_000
     half = 0.15
@@ -111,52 +115,96 @@ def measure(bodies: int, haptic: bool, device: str, frames: int) -> dict[str, np
     bpy.ops.haptic.find_devices()
     outputs.wait_until_found()
     bpy.ops.haptic.connect_device(device=device)
+    clock = time.perf_counter
     entered: list[float] = []
+    traced: list[float] = []
     sent: list[float] = []
-    real_handler, real_send = addon_handlers.frame_change_post, DeviceOutput.send
+    taken: dict[float, tuple[float, float]] = {}
+    real_handler, real_play = addon_handlers.frame_change_post, player.play
+    real_send, real_accept, real_unless_known = DeviceOutput.send, RumblePacing.accept, RumblePacing._unless_known
+    unchanged: list[float] = []
 
     def timed_handler(*arguments: Any) -> None:
-        entered.append(time.perf_counter())
+        entered.append(clock())
         real_handler(*arguments)
 
+    def timed_play(*arguments: Any) -> None:
+        traced.append(clock())
+        real_play(*arguments)
+
     def timed_send(self: DeviceOutput, block: Any) -> None:
+        sent.append(clock())
         real_send(self, block)
-        sent.append(time.perf_counter())
+
+    def timed_accept(self: RumblePacing, block: Any, when: float) -> None:
+        begun = clock()
+        real_accept(self, block, when)
+        taken[when] = begun, clock()
+
+    def timed_unless_known(self: RumblePacing, drive: Any, now: float) -> Any:
+        report = real_unless_known(self, drive, now)
+        if report is None:
+            unchanged.append(clock())
+        return report
 
     registered = bpy.app.handlers.frame_change_post
     registered[registered.index(real_handler)] = timed_handler
-    DeviceOutput.send = timed_send  # type: ignore[method-assign]
+    player.play = timed_play
+    DeviceOutput.send, RumblePacing.accept = timed_send, timed_accept  # type: ignore[method-assign]
+    RumblePacing._unless_known = timed_unless_known  # type: ignore[method-assign]
     own: list[float] = []
     try:
         scene.frame_set(scene.frame_start)
         time.sleep(0.5)
-        entered.clear(), sent.clear()
+        for times in (entered, traced, sent, taken):
+            times.clear()
         handlers.animation_playback_pre(scene)
-        due = time.perf_counter()
+        due = clock()
         for number in range(1, frames + 1):
-            due = max(due + handlers.frame_seconds(scene), time.perf_counter())
-            began = time.perf_counter()
+            due = max(due + handlers.frame_seconds(scene), clock())
+            began = clock()
             scene.frame_set(scene.frame_start + number)
-            own.append(1000 * (time.perf_counter() - began))
+            own.append(1000 * (clock() - began))
             # In its window Blender draws now, and its lock on Python is free.
-            time.sleep(max(due - time.perf_counter(), 0.012))
+            time.sleep(max(due - clock(), 0.012))
         handlers.animation_playback_post(scene)
     finally:
-        DeviceOutput.send = real_send  # type: ignore[method-assign]
+        player.play = real_play
+        DeviceOutput.send, RumblePacing.accept = real_send, real_accept  # type: ignore[method-assign]
+        RumblePacing._unless_known = real_unless_known  # type: ignore[method-assign]
         registered[registered.index(timed_handler)] = real_handler
         haptic_tracing.unregister()
-    written = np.array(pad.written)
-    interval = outputs_interval(device)
-    first = np.searchsorted(written, np.array(sent))
-    known = first < len(written)
-    entry, reported = np.array(entered)[known], written[first[known]]
-    allowed = written[np.maximum(first[known] - 1, 0)] + interval
-    return {
-        "frame": np.array(own),
-        "tracing": 1000 * (np.array(sent)[known] - entry),
-        "latency": 1000 * (reported - entry),
-        "beyond": 1000 * (reported - np.maximum(entry, np.minimum(allowed, reported))),
-    }
+    steps = stages(entered, traced, sent, taken, np.array(pad.written), np.array(unchanged), outputs_interval(device))
+    return {"frame": np.array(own), **steps}
+
+
+def stages(
+    entered: list[float],
+    traced: list[float],
+    sent: list[float],
+    taken: dict[float, tuple[float, float]],
+    written: np.ndarray,
+    unchanged: np.ndarray,
+    interval: float,
+) -> dict[str, np.ndarray]:
+    """Milliseconds of each step of the way of the frames' blocks. Where the device does already what a report would say, the decision not
+    to write it (``unchanged``) ends the way."""
+    rows = []
+    stamps, done = np.array(sorted(taken)), np.sort(np.concatenate([written, unchanged]))
+    for entry, play, handed in zip(entered, traced, sent, strict=True):
+        place = np.searchsorted(stamps, handed)
+        if place == len(stamps) or stamps[place] > handed + 1.0:
+            continue
+        accepted, encoded = taken[stamps[place]]
+        ending = np.searchsorted(done, encoded)
+        if ending == len(done):
+            continue
+        end, before = done[ending], np.searchsorted(written, encoded) - 1
+        # The wait until the device may be written to again is its own.
+        wait = min(max(written[before] + interval - encoded, 0.0), end - encoded) if before >= 0 else 0.0
+        rows.append([play - entry, handed - play, accepted - handed, encoded - accepted, end - encoded - wait,
+                     end - entry, end - entry - wait])  # fmt: skip
+    return dict(zip(STAGES, 1000 * np.array(rows).T, strict=True))
 
 
 def outputs_interval(device: str) -> float:
@@ -171,14 +219,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bodies", type=int, default=1000)
     parser.add_argument("--frames", type=int, default=240)
+    parser.add_argument("--devices", nargs="*", choices=DEVICES, default=DEVICES)
     options = parser.parse_args()
     print(f"{options.bodies} bodies simulate, {options.frames} frames, ms as median / 99th percentile")
-    print(f"{'device':12} {'bodies are':>12} {'frame':>15} {'tracing':>15} {'latency':>15} {'beyond':>15}")
-    for device in DEVICES:
+    print(f"{'device':12} {'bodies are':>12}" + "".join(f"{name:>16}" for name in ("frame", *STAGES)))
+    for device in options.devices:
         for haptic in (False, True):
             found = measure(options.bodies, haptic, device, options.frames)
             cells = [f"{np.median(found[name]):6.2f} / {np.percentile(found[name], 99):6.2f}" for name in found]
-            print(f"{device:12} {'haptic' if haptic else 'not haptic':>12} " + " ".join(cells), flush=True)
+            print(f"{device:12} {'haptic' if haptic else 'not haptic':>12}" + "".join(f"{cell:>16}" for cell in cells), flush=True)
     print(f"goal: beyond at most {MEDIAN_GOAL:g} / {WORST_GOAL:g}")
     assert threading.active_count() == 1, "every thread has ended"
 
