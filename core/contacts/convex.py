@@ -27,7 +27,7 @@ _CONFIRMED = 2e-5
 _TOUCHING = 1e-7
 """Metres of distance below which nearest points say nothing about the normal."""
 
-_STARTS = 3
+_STARTS = 4
 _MOST_STEPS = 8
 _MOST_AXES = 64
 _MOST_TRIANGLES = 100_000
@@ -246,25 +246,19 @@ def _confirmed(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, n
 def _penetration(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     """Signed distance, normal and nearest points (2, 3) of two that overlap: the least way to move the second out.
 
-    The overlap along any direction is what their supports say. From the best of many directions, those of their faces, axes and centres and
-    what FCL's own penetration depth suggests among them, the second is moved clear; the nearest points then show a better direction, until
-    there is none. (FCL's depth is mostly right, but off by any amount where two just touch.)
+    The overlap along any direction is what their supports say. From the best of many directions, those of their faces, axes and centres
+    among them, the second is moved clear; the nearest points then show a better direction, until there is none. (FCL's own penetration
+    depth depends on where in memory its faces happen to lie, and is off by any amount where two just touch.)
     """
     import fcl
 
     length = float(np.linalg.norm(offset))
-    result = fcl.DistanceResult()
     b.second.setRotation(rotation)
-    b.second.setTranslation(offset)
-    fcl.distance(a.first, b.second, fcl.DistanceRequest(enable_nearest_points=True, enable_signed_distance=True), result)
-    suggested = np.subtract(*result.nearest_points)
-    size = float(np.linalg.norm(suggested))
     directions = np.concatenate(
         [
             a.axes,
             b.axes @ rotation.T,
             offset[None] / length if length > 1e-9 else np.zeros((0, 3)),
-            suggested[None] / size if np.isfinite(size) and size > 1e-9 else np.zeros((0, 3)),
             _ALL_WAYS,
         ]
     )
