@@ -166,7 +166,8 @@ def test_capsule_across_the_edge_of_a_box(frame, along, gap):
     frame=frames,
     radii=st.tuples(st.floats(0.05, 1), st.floats(0.05, 1)),
     margins=st.tuples(st.floats(0, 0.1), st.floats(0, 0.1)),
-    gap=st.floats(-0.02, 0.02),
+    # Not so near the tolerance that rounding decides.
+    gap=st.floats(-0.02, 0.02).filter(lambda gap: abs(gap - 0.01) > 1e-9),
 )
 def test_spheres(frame, radii, margins, gap):
     far = sum(radii) + sum(margins) + gap
