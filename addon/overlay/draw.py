@@ -46,13 +46,17 @@ class Drawing:
     batch: Any
     views: OrderedDict[Any, Any] = field(default_factory=OrderedDict)
 
+    def shows(self, result: FrameResult) -> bool:
+        """Whether another frame would look the same: the tracer keeps graph and gains while nothing in them changes."""
+        return self.result.graph is result.graph and self.result.propagation is result.propagation
+
 
 def drawing_of(scene_id: int, result: FrameResult, settings: Settings, options: Options) -> Drawing:
-    """What is drawn of ``result``, kept until the result, the settings or the options change."""
+    """What is drawn of ``result``, kept until what it shows, the settings or the options change."""
     from . import shader
 
     known = _drawings.get(scene_id)
-    if known is not None and known.result is result and known.settings == settings and known.options == options:
+    if known is not None and known.shows(result) and known.settings == settings and known.options == options:
         return known
     for gone in _drawings.keys() - {scene.session_uid for scene in bpy.data.scenes}:
         del _drawings[gone]
@@ -195,10 +199,6 @@ def _shown(context: Context) -> tuple[Scene, FrameResult] | None:
     return scene, result
 
 
-def _current(scene: Scene, result: FrameResult) -> Drawing:
-    return drawing_of(scene.session_uid, result, scene_reader.read_settings(scene), options_of(scene, result))
-
-
 def _draw_view() -> None:
     context = bpy.context
     shown = _shown(context)
@@ -207,7 +207,7 @@ def _draw_view() -> None:
     scene, result = shown
     region, view = context.region, context.region_data
     draw_graph(
-        _current(scene, result),
+        drawing_of(scene.session_uid, result, scene_reader.read_settings(scene), options_of(scene, result)),
         view.window_matrix,
         view.view_matrix,
         (region.width, region.height),
@@ -220,15 +220,15 @@ def _draw_view() -> None:
 def _draw_pixels() -> None:
     context = bpy.context
     shown = _shown(context)
-    if shown is None:
+    drawing = _drawings.get(shown[0].session_uid) if shown is not None else None  # `_draw_view` has just drawn it
+    if drawing is None:
         return
-    scene, result = shown
     from ..meters import draw as meters
 
     region = context.region
     perspective = np.array(context.region_data.perspective_matrix, dtype=np.float64)
     draw_furniture(
-        _current(scene, result),
+        drawing,
         perspective,
         (region.width, region.height),
         context.preferences.system.ui_scale * preferences().overlay_size,

@@ -79,8 +79,10 @@ def _free(low: FloatArray, high: FloatArray, room: tuple[float, float, float, fl
     """Which rectangles lie inside ``room`` and off ``taken`` (m, 4)."""
     (x0, y0), (x1, y1) = np.moveaxis(low, 2, 0), np.moveaxis(high, 2, 0)
     result = (x0 >= room[0]) & (y0 >= room[1]) & (x1 <= room[2]) & (y1 <= room[3])
-    for left, bottom, right, top in taken.tolist():
-        result &= ~((x0 < right) & (x1 > left) & (y0 < top) & (y1 > bottom))
+    left, bottom, right, top = taken.T
+    inside = np.flatnonzero(result)
+    x0, y0, x1, y1 = (edge.reshape(-1)[inside, None] for edge in (x0, y0, x1, y1))
+    result.reshape(-1)[inside] = ~((x0 < right) & (x1 > left) & (y0 < top) & (y1 > bottom)).any(axis=1)
     return result
 
 

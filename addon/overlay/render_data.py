@@ -168,7 +168,7 @@ def _path_lines(result: FrameResult, graph: HapticGraph, mode: Mode, pairs: Bool
         return no_lines()
     steps, gain, way = path_steps(result, graph, mode, paths)
     strongest = np.argsort(-gain[:, 1], kind="stable")
-    _, first = np.unique(np.sort(steps[strongest], axis=1), axis=0, return_index=True)
+    _, first = np.unique(np.sort(steps[strongest], axis=1) @ (graph.node_count, 1), return_index=True)
     kept = strongest[np.sort(first)[::-1]]
     steps, gain, way = steps[kept], gain[kept], way[kept]
     colour = np.concatenate([scale.colour(gain), np.ones((len(steps), 2, 1))], axis=2)
@@ -179,6 +179,10 @@ def halos(lines: Lines) -> Lines:
     """A dark rim around lines, to be drawn under them."""
     colour = np.broadcast_to(np.array([*HALO_COLOUR, 0.85]), (len(lines.width), 2, 4))
     return _lines(lines.position, colour, lines.width + 2 * HALO, None)
+
+
+_LEAST = 1e-300
+"""Gain that stands for none: nothing of it is left after it."""
 
 
 def path_steps(
@@ -194,8 +198,7 @@ def path_steps(
     else:
         factor = _connection_gains(graph, steps, length)
     amplitude = np.array([result.sources[source].amplitude for source, _ in paths])
-    with np.errstate(divide="ignore"):
-        cost = -np.log(factor)
+    cost = -np.log(np.maximum(factor, _LEAST))
     after = _running_sums(cost, counts)
     before = np.concatenate([[0.0], after])[:-1]
     before[_starts(counts)] = 0.0
@@ -222,9 +225,9 @@ def _starts(counts: IntArray) -> IntArray:
 
 
 def _running_sums(values: FloatArray, counts: IntArray) -> FloatArray:
-    """Cumulative sums that start anew with every run of ``counts``."""
-    runs = np.split(values, np.cumsum(counts)[:-1])
-    return np.concatenate([np.cumsum(run) for run in runs])
+    """Cumulative sums of finite values that start anew with every run of ``counts``."""
+    sums = np.cumsum(values)
+    return sums - np.repeat((sums - values)[_starts(counts)], counts)
 
 
 def _points(result: FrameResult, spreading: Spread, scale: GainScale, options: Options, pairs: BoolArray) -> Points:

@@ -29,8 +29,14 @@ def test_nothing_is_built_while_nothing_changed(uploads, bridge):
     assert uploads[0] == len(first.data.tree.width) + 2 * len(first.data.paths.width) + len(first.data.points.size)
 
 
+def test_frames_in_which_nothing_changes_share_a_drawing(uploads, bridge):
+    first = draw.drawing_of(7, bridge, BRIDGE.settings, Options())
+    assert draw.drawing_of(7, dataclasses.replace(bridge, number=2), BRIDGE.settings, Options()) is first
+    assert len(uploads) == 1
+
+
 def test_whatever_changes_is_drawn_anew(uploads, bridge):
-    again = dataclasses.replace(bridge)
+    again = dataclasses.replace(bridge, graph=dataclasses.replace(bridge.graph))
     louder = dataclasses.replace(BRIDGE.settings, threshold=0.1)
     chosen = Options(listeners=frozenset({"driver"}))
     drawings = [
