@@ -193,8 +193,8 @@ def quads_drawn(nodes: int, listeners: int) -> str:
     size = sum(values.nbytes for values in graph.attributes.values()) + graph.triangles.nbytes
     return (
         f"{result.graph.node_count} nodes, {listeners} listeners: the graph is {graph.count} quads in one draw call "
-        f"({4 * graph.count} vertices, {size / 1e6:.1f} MB; two calls where objects may hide it), sent to the GPU when a frame differs from "
-        "the one before. Labels and legend are a second draw call, the meters a third."
+        f"({4 * graph.count} vertices, {size / 1e6:.1f} MB; two calls where objects may hide it), sent to the GPU when a frame differs "
+        "from the one before. Labels and legend are a second draw call, the meters a third."
     )
 
 

@@ -22,7 +22,7 @@ PLATE = (0.075, 0.075, 0.085, 0.84)
 _PADDING = (6.0, 4.0)
 _GAP = 5.0  # points between a place's symbol and its label
 _LEGEND = (18.0, 10.0, 10.0)  # points: a symbol, between two names, around everything
-_MOST_STEPS, _MOST_LABELS = 150, 48
+_MOST_STEPS, _MOST_LABELS = 150, 32  # all body parts, and some sources
 NAMES = {Shape.SOURCE: "Source", Shape.IMPACT: "Impact", Shape.LISTENER: "Listener", Shape.CONTACT: "Contact"}
 
 Part = TypeVar("Part", Lines, Points)

@@ -98,11 +98,11 @@ def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray) ->
 def _covered(low: FloatArray, high: FloatArray, busy: FloatArray, room: tuple[float, float, float, float]) -> FloatArray:
     """How many of the pixels ``busy`` (k, 2) lie in each rectangle, give or take those at its edges: counted by cells, summed up once."""
     width, height = (max(math.ceil(end / _CELL), 1) for end in room[2:])
-    cells = np.zeros((width + 1, height + 1), dtype=np.int32)
     place = (busy / _CELL).astype(np.int64)
     place = place[(place >= 0).all(axis=1) & (place[:, 0] < width) & (place[:, 1] < height)]
-    np.add.at(cells, (place[:, 0] + 1, place[:, 1] + 1), 1)
-    sums = cells.cumsum(axis=0, dtype=np.int32).cumsum(axis=1, dtype=np.int32)
+    sums = np.zeros((width + 1, height + 1), dtype=np.int32)
+    cells = np.bincount(place @ (height, 1), minlength=width * height).reshape(width, height)
+    np.cumsum(np.cumsum(cells, axis=0), axis=1, out=sums[1:, 1:])
     x0, y0 = (np.clip(np.rint(low[..., axis] / _CELL), 0, end).astype(np.int64) for axis, end in enumerate((width, height)))
     x1, y1 = (np.clip(np.rint(high[..., axis] / _CELL), 0, end).astype(np.int64) for axis, end in enumerate((width, height)))
     return np.asarray(sums[x1, y1] - sums[x0, y1] - sums[x1, y0] + sums[x0, y0], dtype=np.float64)
