@@ -96,23 +96,28 @@ def weighted(signals: Array, weights: Array, s_max: float = math.inf) -> Array:
 
 
 def strongest(signals: Array, s_max: float = math.inf) -> Array:
-    """Return, sample by sample, the signal of the greatest magnitude (the first of equals), kept within ±s_max.
+    """Return, sample by sample, the signal of the greatest magnitude (the first of equals), kept within ±s_max; signals: (n_signals, ...).
 
     Where another signal of the opposite sign takes over, the result jumps: made for sources of which one hides the rest.
     """
     if not len(signals):
-        return np.zeros(signals.shape[1])
-    index = np.argmax(np.abs(signals), axis=0)
-    return saturated(np.take_along_axis(signals, index[None, :], axis=0)[0], s_max)
+        return np.zeros(signals.shape[1:])
+    highest, lowest = signals.max(axis=0), signals.min(axis=0)
+    result = np.where(highest >= -lowest, highest, lowest)
+    tied = (highest == -lowest) & (highest > 0.0)
+    if tied.any():
+        among = signals[:, tied]
+        result[tied] = among[np.argmax(np.abs(among), axis=0), np.arange(among.shape[1])]
+    return saturated(result, s_max)
 
 
 def power(signals: Array, s_max: float = math.inf) -> Array:
-    """Return the root of the sum of squares with the sign of the sum (+ where the sum is 0), kept within ±s_max.
+    """Return the root of the sum of squares with the sign of the sum (+ where the sum is 0), kept within ±s_max; signals: (n_signals, ...).
 
     That is how unrelated vibrations add up in strength: never less than the strongest, never more than the sum of their magnitudes. One
     signal alone stays as it is; where several cancel, the result changes sign at full strength.
     """
-    return saturated(np.copysign(np.sqrt(np.einsum("ij,ij->j", signals, signals)), signals.sum(axis=0) + 0.0), s_max)
+    return saturated(np.copysign(np.sqrt(np.einsum("i...,i...->...", signals, signals)), signals.sum(axis=0) + 0.0), s_max)
 
 
 def saturated(total: Array, s_max: float | Array) -> Array:
@@ -123,10 +128,12 @@ def saturated(total: Array, s_max: float | Array) -> Array:
 def mixed(method: MixingMethod, signals: Array, weights: Array) -> Array:
     """Return the mix of `signals`, shape (n_signals, n), by `method`, without a limit; silence if there are none.
 
+    `strongest` and `power` take further dimensions, (n_signals, ...), at once.
+
     Raises ValueError if a custom method returns another shape or what is not finite.
     """
     if not len(signals):
-        return np.zeros(signals.shape[1])
+        return np.zeros(signals.shape[1:])
     if method == "cumulative":
         return cumulative(signals)
     if method == "weighted":

@@ -7,6 +7,7 @@ delayed paths at their own time, the bands' symmetric filters ahead of it. What 
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
@@ -32,7 +33,8 @@ MAX_TIME = 1e6
 """Seconds before and after 0 within which frames lie."""
 MAX_FRAME = 60.0
 """Seconds that a frame may last."""
-_CHUNK = 2048
+_CHUNK = 4096
+"""Samples of a signal are rendered in runs that begin at multiples of this: so they are the same to the last bit whatever the frames."""
 _SNAP = 1e-6
 
 
@@ -111,7 +113,7 @@ class Renderer:
         self._limiter = Limiter(s_max, self.sample_rate) if limited.any() else None
         self.latency = self._limiter.latency if self._limiter else 0
         self._weighted = [index for index, listener in enumerate(self.listeners) if listener.method == "weighted"]
-        self._unsummed = [index for index, listener in enumerate(self.listeners) if listener.method not in ("cumulative", "weighted")]
+        self._unsummed = _by_method(self.listeners)
         self._streams: dict[Hashable, _Stream] = {}
         self._next: int | None = None
 
@@ -162,11 +164,7 @@ class Renderer:
         parts = []
         fading = dict(self._streams)
         replaced = []
-        keys = set()
         for voice in voices:
-            if voice.key in keys:
-                raise ValueError(f"voices: key {voice.key!r} is given twice")
-            keys.add(voice.key)
             self._check(voice)
             stream = fading.pop(voice.key, None)
             if stream is not None and stream.plays(voice):
@@ -176,6 +174,9 @@ class Renderer:
                 replaced.append(stream)
             begins = voice.onset >= frame.start and (stream is None or stream.onset != voice.onset)
             parts.append(_Part(_Stream(voice, self.sample_rate), voice, begins))
+        if len({voice.key for voice in voices}) < len(voices):
+            keys = [voice.key for voice in voices]
+            raise ValueError(f"voices: key {next(key for key in keys if keys.count(key) > 1)!r} is given twice")
         return parts + [_Part(stream, None, False) for stream in (*replaced, *fading.values())]
 
     def _check(self, voice: Voice) -> None:
@@ -223,10 +224,14 @@ class Renderer:
     def _mix(self, groups: list[_DirectPaths | _DelayedPaths], count: int) -> Array:
         """Return the listeners' mixes, shape (n_listeners, count), cut at s_max where no limiter takes care of that."""
         total = sum((group.summed() for group in groups), start=np.zeros((len(self.listeners), count)))
-        for listener in self._unsummed:
-            voices = np.concatenate([np.empty((0, count)), *(group.at_listener(listener) for group in groups)])
-            weights = np.array([self._weight(listener, part) for group in groups for part in group.parts])
-            total[listener] = mixed(self.listeners[listener].method, voices, weights)
+        for method, listeners in self._unsummed:
+            each = [group.at_listeners(listeners) for group in groups] or [np.empty((0, len(listeners), count))]
+            voices = np.concatenate(each) if len(each) > 1 else each[0]
+            if callable(method):
+                weights = np.array([self._weight(listeners[0], part) for group in groups for part in group.parts])
+                total[listeners[0]] = mixed(method, voices[:, 0], weights)
+            else:
+                total[listeners] = mixed(method, voices, np.ones(len(voices)))
         return saturated(total * self._gain, self._cut)
 
 
@@ -280,12 +285,9 @@ class _Stream:
 
     def plays(self, voice: Voice) -> bool:
         """Whether `voice` is this one with other gains, delays or amplitude."""
-        return (
-            self.onset == voice.onset
-            and (self.signal is voice.signal or self.signal == voice.signal)
-            and (self.delays is None) == (voice.delays is None)
-            and self.gains.shape == voice.gains.shape
-        )
+        if self.onset != voice.onset or (self.delays is None) != (voice.delays is None) or self.gains.shape != voice.gains.shape:
+            return False
+        return self.signal is voice.signal or self.signal == voice.signal
 
     def sounds(self, start: float, end: float) -> bool:
         """Whether there is anything of the signal from start to end (seconds)."""
@@ -293,15 +295,14 @@ class _Stream:
 
     def rows(self, first: int, last: int) -> Array:
         """Return samples first to last - 1 of the signal, shape (1, n), or of its bands, shape (6, n)."""
-        known = self._first + self._known.shape[1]
-        if not self._first <= first <= known:
-            self._first = known = first
+        begin, known = self._first, self._first + self._known.shape[1]
+        if not begin <= first <= known:
+            begin = self._first = known = first // _CHUNK * _CHUNK
             self._known = np.empty((self.row_count, 0))
         if last > known:
-            ahead = min(self._end * self.sample_rate + 1.0, float(last + _CHUNK))
-            kept = max(first - _CHUNK, self._first)
-            more = self._sampled(known, max(last, math.ceil(ahead)))
-            self._known = np.concatenate((self._known[:, kept - self._first :], more), axis=1)
+            kept = max((first - _CHUNK) // _CHUNK * _CHUNK, begin)
+            runs = [self._sampled(run, run + _CHUNK) for run in range(known, last, _CHUNK)]
+            self._known = np.concatenate((self._known[:, kept - begin :], *runs), axis=1)
             self._first = kept
         return self._known[:, first - self._first : last - self._first]
 
@@ -338,27 +339,34 @@ class _Group:
 
 
 class _DirectPaths:
-    """What listeners get without delay: the same samples for all, times gains on a ramp, so a sum over voices is two matrix products."""
+    """What listeners get without delay: the same samples for all, times gains on a ramp, so a sum over voices is a matrix product."""
 
     def __init__(self, frame: _Frame, group: _Group) -> None:
-        heard = np.any(_heard(group.before) | _heard(group.gains), axis=1)
+        heard = np.any(_heard(group.before) | _heard(group.gains), axis=1).tolist()
         chosen = [index for index, part in enumerate(group.parts) if heard[index] and part.stream.sounds(frame.start, frame.end)]
         self.parts = [group.parts[index] for index in chosen]
-        self._row_count = group.parts[0].stream.row_count
-        self._rows = np.concatenate([np.empty((0, frame.count)), *(part.stream.rows(frame.first, frame.last) for part in self.parts)])
-        self._rising = self._rows * frame.ramp
-        shape = (group.gains.shape[1], len(self._rows))
-        self._before = np.moveaxis(group.before[chosen], 1, 0).reshape(shape)
-        self._change = np.moveaxis(group.gains[chosen], 1, 0).reshape(shape) - self._before
+        self._ramp = frame.ramp
+        row_count, count = group.parts[0].stream.row_count, len(chosen)
+        rows = [part.stream.rows(frame.first, frame.last) for part in self.parts]
+        self._rows = np.concatenate(rows or [np.empty((0, frame.count))]).reshape(count, row_count, frame.count)
+        # (parts, 2, listeners, rows): gains at the frame's start, and their change.
+        before, after = (group.before, group.gains) if count == len(heard) else (group.before[chosen], group.gains[chosen])
+        self._gains = np.empty((count, 2, before.shape[1], row_count))
+        self._gains[:, 0] = before.reshape(count, before.shape[1], row_count)
+        np.subtract(after.reshape(self._gains[:, 0].shape), self._gains[:, 0], out=self._gains[:, 1])
 
     def summed(self) -> Array:
         """Return the sum over voices, shape (n_listeners, n)."""
-        return np.asarray(self._before @ self._rows + self._change @ self._rising)
+        parts, _, listeners, row_count = self._gains.shape
+        gains = self._gains.transpose(1, 2, 0, 3).reshape(2 * listeners, parts * row_count)
+        both = gains @ self._rows.reshape(parts * row_count, self._rows.shape[2])
+        return np.asarray(both[:listeners] + both[listeners:] * self._ramp)
 
-    def at_listener(self, listener: int) -> Array:
-        """Return the voices as they reach one listener, shape (n_voices, n)."""
-        rows = self._before[listener][:, None] * self._rows + self._change[listener][:, None] * self._rising
-        return np.asarray(rows.reshape(len(self.parts), self._row_count, rows.shape[1]).sum(axis=1))
+    def at_listeners(self, listeners: Sequence[int]) -> Array:
+        """Return the voices as they reach some listeners, shape (n_voices, n_chosen, n)."""
+        gains = np.concatenate((self._gains[:, 0, listeners], self._gains[:, 1, listeners]), axis=2)
+        voices = _scratch(len(self.parts), len(listeners), len(self._ramp))
+        return np.matmul(gains, np.concatenate((self._rows, self._rows * self._ramp), axis=1), out=voices)
 
 
 class _DelayedPaths:
@@ -387,9 +395,9 @@ class _DelayedPaths:
         total: Array = self._voices.sum(axis=0)
         return total
 
-    def at_listener(self, listener: int) -> Array:
-        """Return the voices as they reach one listener, shape (n_voices, n)."""
-        return self._voices[:, listener]
+    def at_listeners(self, listeners: Sequence[int]) -> Array:
+        """Return the voices as they reach some listeners, shape (n_voices, n_chosen, n)."""
+        return self._voices[:, listeners]
 
 
 def _travelled(stream: _Stream, times: Array, before: Array, change: Array, ramp: Array) -> Array:
@@ -409,6 +417,32 @@ def _travelled_in_bands(stream: _Stream, times: Array, before: Array, change: Ar
         constant, rising = interpolate(mix, position)
         path[:] = constant + rising * ramp
     return result * (times >= stream.onset)
+
+
+class _Scratch(threading.local):
+    """Room for large arrays that last for a frame: to get it from the system anew costs more than what is computed in it."""
+
+    room = np.empty(0)
+
+
+_scratches = _Scratch()
+
+
+def _scratch(*shape: int) -> Array:
+    """Return an array with anything in it, which is good until the next call in this thread."""
+    size = math.prod(shape)
+    if size > len(_scratches.room):
+        _scratches.room = np.empty(size)
+    return _scratches.room[:size].reshape(shape)
+
+
+def _by_method(listeners: Sequence[ListenerMix]) -> list[tuple[MixingMethod, list[int]]]:
+    """Return the methods that need each voice by itself, and the listeners that mix by them; one at a time by custom methods."""
+    groups: list[tuple[MixingMethod, list[int]]] = []
+    for method in ("strongest", "power"):
+        alike = [index for index, listener in enumerate(listeners) if listener.method == method]
+        groups += [(method, alike)] if alike else []
+    return groups + [(listener.method, [index]) for index, listener in enumerate(listeners) if callable(listener.method)]
 
 
 def _paths(frame: _Frame, group: _Group) -> _DirectPaths | _DelayedPaths:

@@ -38,6 +38,12 @@ class Gain(Signal):
     def values(self, times: Array, step: float) -> Array:
         return self.of.values(times, step) * values_of(self.gain, times)
 
+    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> Array:
+        samples = self.of.sample(start, count, sample_rate, onset)
+        if isinstance(self.gain, Track):
+            return samples * self.gain.at(np.arange(start, start + count) / sample_rate - onset)
+        return samples * self.gain
+
 
 @dataclass(frozen=True, slots=True)
 class Delay(Signal):
@@ -93,6 +99,12 @@ class Product(Signal):
             result = result * factor.values(times, step)
         return result
 
+    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> Array:
+        result = self.of[0].sample(start, count, sample_rate, onset)
+        for factor in self.of[1:]:
+            result = result * factor.sample(start, count, sample_rate, onset)
+        return result
+
 
 @dataclass(frozen=True, slots=True)
 class Sum(Signal):
@@ -118,6 +130,12 @@ class Sum(Signal):
         result = self.of[0].at(times, step)
         for term in self.of[1:]:
             result = result + term.at(times, step)
+        return result
+
+    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> Array:
+        result = self.of[0].sample(start, count, sample_rate, onset)
+        for term in self.of[1:]:
+            result = result + term.sample(start, count, sample_rate, onset)
         return result
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
@@ -71,11 +72,20 @@ class Adsr(Signal):
         return 1.0
 
     def values(self, times: Array, step: float) -> Array:
-        sustained = Track(np.cumsum((0.0, self.attack, self.decay)), (0.0, 1.0, self.sustain)).at(times)
+        sustained = _rise_and_fall(self.attack, self.decay, self.sustain).at(times)
         if self.hold == math.inf:
             return sustained
-        release = Track((self.duration - self.release, self.duration), (1.0, 0.0))
-        return sustained * release.at(times)
+        return sustained * _release(self.duration - self.release, self.duration).at(times)
+
+
+@lru_cache(maxsize=256)
+def _rise_and_fall(attack: float, decay: float, sustain: float) -> Track:
+    return Track(np.cumsum((0.0, attack, decay)), (0.0, 1.0, sustain))
+
+
+@lru_cache(maxsize=256)
+def _release(start: float, end: float) -> Track:
+    return Track((start, end), (1.0, 0.0))
 
 
 @dataclass(frozen=True, slots=True)

@@ -46,20 +46,39 @@ class Noise(Signal):
         position = times * self.rate
         whole = np.floor(position)
         share = position - whole
-        index = whole.astype(np.uint64)
-        lower = _uniform(splitmix64(self.seed, index))
-        upper = _uniform(splitmix64(self.seed, index + np.uint64(1)))
-        return ((1.0 - share) * lower + share * upper) * values_of(self.amplitude, times)
+        first, last = (int(whole.min()), int(whole.max())) if len(whole) else (0, 0)
+        if last - first <= 2 * len(whole):
+            # Times that lie close together: each random value is drawn once.
+            drawn = _uniform(splitmix64(self.seed, np.arange(first, last + 2, dtype=np.uint64)))
+            place = (whole - first).astype(np.intp)
+            lower, upper = drawn[place], drawn[1:][place]
+        else:
+            index = whole.astype(np.uint64)
+            lower = _uniform(splitmix64(self.seed, index))
+            upper = _uniform(splitmix64(self.seed, index + np.uint64(1)))
+        upper *= share
+        np.subtract(1.0, share, out=share)
+        lower *= share
+        lower += upper
+        amplitude = values_of(self.amplitude, times)
+        return lower if isinstance(amplitude, float) and amplitude == 1.0 else lower * amplitude
 
 
 def splitmix64(seed: int, index: NDArray[np.uint64]) -> NDArray[np.uint64]:
     """Return output number `index` (from 0) of SplitMix64 started with `seed`."""
-    mixed = np.uint64(seed) + (index + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
-    mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    mixed = (mixed ^ (mixed >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return mixed ^ (mixed >> np.uint64(31))
+    mixed = (index + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
+    mixed += np.uint64(seed)
+    mixed ^= mixed >> np.uint64(30)
+    mixed *= np.uint64(0xBF58476D1CE4E5B9)
+    mixed ^= mixed >> np.uint64(27)
+    mixed *= np.uint64(0x94D049BB133111EB)
+    mixed ^= mixed >> np.uint64(31)
+    return mixed
 
 
 def _uniform(bits: NDArray[np.uint64]) -> Array:
     """Return the upper 53 bits as a number in [-1, 1)."""
-    return (bits >> np.uint64(11)).astype(np.float64) * 2.0**-52 - 1.0
+    numbers = (bits >> np.uint64(11)).astype(np.float64)
+    numbers *= 2.0**-52
+    numbers -= 1.0
+    return numbers

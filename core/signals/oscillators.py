@@ -54,7 +54,9 @@ class Oscillator(Signal):
             cycles = self.frequency * times
         if self.phase:
             cycles = cycles + self.phase
-        result = self.wave(cycles, width) * values_of(self.amplitude, times)
+        result = self.wave(cycles, width)
+        if isinstance(self.amplitude, Track) or self.amplitude != 1.0:
+            result = result * values_of(self.amplitude, times)
         if largest(self.frequency) * step >= 0.5:
             result = np.where(np.less(width, 0.5), result, 0.0)
         return result
@@ -71,7 +73,9 @@ class Sine(Oscillator):
     kind: ClassVar[str] = "sine"
 
     def wave(self, cycles: Array, width: float | Array) -> Array:
-        return np.sin((2 * np.pi) * (cycles - np.floor(cycles)))
+        angle = cycles - np.floor(cycles)
+        angle *= 2 * np.pi
+        return np.sin(angle, out=angle)
 
     def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> Array:
         if isinstance(self.frequency, Track) or not self.frequency < sample_rate / 2 or start / sample_rate < onset or count < 1:

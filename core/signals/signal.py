@@ -43,7 +43,7 @@ class Signal(ABC):
         if times.size == 0:
             return np.zeros(0)
         duration = self.duration
-        if np.min(times) >= 0.0 and np.max(times) < duration:
+        if times.min() >= 0.0 and times.max() < duration:
             return self.values(times, step)
         result = np.zeros(times.shape)
         inside = (times >= 0.0) & (times < duration)
@@ -61,7 +61,14 @@ class Signal(ABC):
             raise ValueError(f"sample_rate: must be positive, not {sample_rate:g}")
         if count < 0:
             raise ValueError(f"count: must not be negative, not {count}")
-        return self.at(np.arange(start, start + count) / sample_rate - onset, 1.0 / sample_rate)
+        times = np.arange(start, start + count) / sample_rate - onset
+        first, last = np.searchsorted(times, (0.0, self.duration)).tolist()
+        if last - first == count:
+            return self.values(times, 1.0 / sample_rate)
+        result = np.zeros(count)
+        if first < last:
+            result[first:last] = self.values(times[first:last], 1.0 / sample_rate)
+        return result
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON form: {"signal": kind, field: value, ...}."""

@@ -43,13 +43,33 @@ class Track:
 
     def at(self, times: Array) -> Array:
         """Return the values at `times` (seconds, any shape)."""
+        segment = self._common_segment(times)
+        if segment is not None:
+            value, slope = self.values[segment], self._slopes[segment]
+            if slope == 0.0:
+                return np.full(np.shape(times), value)
+            return np.asarray(slope * np.maximum(times - self.times[segment], 0.0) + value)
         index, since = self._locate(times)
         return np.asarray(self.values[index] + self._slopes[index] * np.maximum(since, 0.0))
 
     def integral(self, times: Array) -> Array:
         """Return the integral from 0 to each of `times`, exact for straight lines."""
+        segment = self._common_segment(times)
+        if segment is not None:
+            since = times - self.times[segment]
+            rate = np.maximum(since, 0.0) * self._slopes[segment] / 2 + self.values[segment]
+            return np.asarray(since * rate + self._areas[segment] - self._origin)
         index, since = self._locate(times)
         return self._areas[index] + since * (self.values[index] + self._slopes[index] * np.maximum(since, 0.0) / 2) - self._origin
+
+    def _common_segment(self, times: Array) -> int | None:
+        """Return the number of the key that all of `times` follow, None where they follow several."""
+        if len(self.times) == 1:
+            return 0
+        if np.size(times) == 0:
+            return None
+        first, last = np.searchsorted(self.times, (times.min(), times.max()), side="right").tolist()
+        return max(first - 1, 0) if max(first, 1) == max(last, 1) else None
 
     def _locate(self, times: Array) -> tuple[NDArray[np.intp], Array]:
         index = np.maximum(np.searchsorted(self.times, times, side="right") - 1, 0)

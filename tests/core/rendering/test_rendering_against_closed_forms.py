@@ -235,7 +235,7 @@ def test_what_nobody_hears_costs_nothing() -> None:
     renderer = Renderer([ListenerMix("hand")])
     for start, end in pairwise(frames(25)):
         renderer.render_frame(start, end, [over])
-    assert Counted.counts == []
+    assert len(Counted.counts) == 1, "one run of samples while it sounds, none when it is over"
     assert not renderer.render_frame(1.0, 1.04, [over]).any()
 
 
