@@ -24,7 +24,7 @@ from . import job
 from .capture import Capture
 from .devices import written_devices
 from .format_options import chosen, draw_options, option_properties
-from .frame_scene import scene_of_frame, scene_of_result, within
+from .frame_scene import scene_of_frame, scene_of_result, within, written_modalities
 
 TRACK_FORMATS = tuple(name for name in registry.FORMATS if name != "scene")
 SCENE_ENDINGS = (".json.gz", ".json")
@@ -145,7 +145,12 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
     def _current(self, context: Context) -> Export:
         scene, names = current_scene(context), self.names()
         scene = scene if names is None else within(scene, names)
-        return Export(export_name(self.filepath), scene, devices=written_devices(context.scene, scene.listeners))
+        return Export(
+            export_name(self.filepath),
+            scene,
+            devices=written_devices(context.scene, scene.listeners),
+            modalities=written_modalities(context.scene, scene, names),
+        )
 
     def _writer(self) -> Callable[[Export], list[job.Report]]:
         """What writes the file once all frames are stepped: this operator is gone by then."""

@@ -15,9 +15,12 @@ from bpy.types import Depsgraph, Object
 
 from ...core.formats.recording import pair_of
 from ...core.frame_result import FrameResult
+from ...core.modalities import ModalityScene
 from ...core.scene import Contact, HapticObject, HapticScene, Listener, Source, SourceKind
 from .. import session
 from ..decimals import shortest
+from ..modalities.properties import SHOWN
+from ..modalities.reader import read_modality
 from ..scene_reader import Reading
 from .devices import is_muted
 from .kept import KeptContacts, kept_contacts, kept_listener, kept_object, kept_scene, kept_source
@@ -65,6 +68,18 @@ def written_frame(result: FrameResult, reading: Reading, scene: bpy.types.Scene)
         listeners=_by_name(_listener(item, found.get(item.name)) for item in result.listeners),
         settings=reading.settings,
         extras=_extras(scene, result.number),
+    )
+
+
+def written_modalities(scene: bpy.types.Scene, frame: HapticScene, names: Collection[str] | None = None) -> tuple[ModalityScene, ...]:
+    """What ``scene`` has for modalities beside vibration, as it stands now, on the objects of a written ``frame``; ``names``: with only
+    the sources of these names. Raises ValueError in words."""
+    objects = {item.name for item in frame.objects}
+    found = (read_modality(modality, scene, objects) for modality in SHOWN)
+    return tuple(
+        item if names is None else replace(item, emitters=tuple(emitter for emitter in item.emitters if emitter.name in names))
+        for item in found
+        if not item.is_empty
     )
 
 

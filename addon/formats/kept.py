@@ -116,6 +116,12 @@ def exact(owner: Any, name: str, numbers: Numbers) -> float:
     return kept if kept is not None and shortest(kept) == value else value
 
 
+def text_with(text: str, emitters: Mapping[str, Vector], numbers: Numbers) -> str:
+    """The text of an object with more of these."""
+    form = _document(text)
+    return text_of(**{**form, "emitters": {**form.get("emitters", {}), **emitters}, "numbers": {**form.get("numbers", {}), **numbers}})
+
+
 @lru_cache(maxsize=4096)
 def kept_object(text: str) -> KeptObject:
     """Raises ValueError in words where the text is damaged."""

@@ -141,5 +141,3 @@ def _curve(obj: Object, path: str, index: int) -> Any:
     if hasattr(data.action, "fcurve_ensure_for_datablock"):
         return data.action.fcurve_ensure_for_datablock(obj, path, index=index)
     return data.action.fcurves.new(path, index=index)
-
-

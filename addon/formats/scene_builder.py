@@ -15,6 +15,7 @@ from ...core.contacts.shapes import Box, Shape
 from ...core.formats.export import Export
 from ...core.formats.recording import pair_of
 from ...core.functions import Identity, ModulationFunction
+from ...core.modalities import Emitter, ModalityScene
 from ...core.scene import Contact, HapticObject, Listener, Pose, Settings, Source, SourceKind, Vector
 from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..decimals import shortest
@@ -24,7 +25,7 @@ from ..materials import library
 from ..scene_reader import function_of_properties, read_function, stands_for
 from .devices import take_devices
 from .frame_scene import AUTHORED, EXTRAS, MATERIAL, MUTED
-from .kept import exact, kept_contacts, near, text_of, text_of_contacts
+from .kept import exact, kept_contacts, near, text_of, text_of_contacts, text_with
 from .keyframes import local_place, write_keyframes
 from .shape_mesh import surface
 
@@ -48,6 +49,7 @@ def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list
     for listener in export.need_scene().listeners:
         builder.add_listener(listener)
     builder.add_devices()
+    builder.add_emitters()
     if settings:
         builder.take_settings()
     builder.keep_contacts()
@@ -90,8 +92,11 @@ class _Builder:
             obj.rotation_mode = "QUATERNION"
             obj.location, obj.rotation_quaternion = pose.position, pose.rotation
             haptics = obj.haptics
+            kept = write_body(haptics, item)
+            for part in self.export.modalities:
+                kept["numbers"] |= self._write_modality(part, item.name, obj)
             haptics.imported = text_of(
-                **write_body(haptics, item),
+                **kept,
                 shape=None if guessed else shape.to_dict(),
                 mass=item.mass,
                 pose={"position": pose.position, "rotation": pose.rotation},
@@ -116,6 +121,33 @@ class _Builder:
         if muted:
             obj.haptics.live_output.actuators = player.MUTED
 
+    def add_emitters(self) -> None:
+        """Sources of other modalities, each on what is a source or listener of its name already, if it stands there."""
+        for part in self.export.modalities:
+            name = part.modality.name
+            for emitter in part.emitters:
+                obj = self._holder(emitter, name)
+                group = getattr(obj.haptics.modalities, name)
+                group.is_source = True
+                numbers = {f"{name}.{key}": value for key, value in write_numbers(group, source_value=emitter.value).items()}
+                obj.haptics.imported = text_with(obj.haptics.imported, {name: emitter.position}, numbers)
+
+    def _write_modality(self, part: ModalityScene, name: str, obj: Object) -> dict[str, float]:
+        """Make an object's properties those that it has for a modality. The numbers that are to be kept."""
+        group = getattr(obj.haptics.modalities, part.modality.name)
+        numbers = write_numbers(group, **part.values.get(name, {}))
+        form = part.forms.get(name, {"function": part.modality.default_function})
+        group.function = form["function"]
+        for key, own in PARAMETERS.get(group.function, {}).items():
+            match form.get(key):
+                case str(text):
+                    setattr(group, own, text)
+                case float(number) | int(number):
+                    numbers |= write_numbers(group, **{own: number})
+                    if exact(group, own, numbers) != number:
+                        self.lose(f"{key} {number:g} of {part.modality.title}", name)
+        return {f"{part.modality.name}.{key}": value for key, value in numbers.items()}
+
     def add_devices(self) -> None:
         """What the listeners are felt through."""
         listeners = {item.name: self.attached[f"listener {item.name}"] for item in self.haptic.listeners}
@@ -139,6 +171,8 @@ class _Builder:
             self._take_time(known)
         tolerance = None if settings.tolerance == Settings().tolerance else settings.tolerance
         haptics.imported = text_of(numbers=numbers, tolerance=tolerance, extras=extras)
+        for part in self.export.modalities:
+            getattr(haptics.modalities, part.modality.name).enabled = part.enabled
 
     def _take_time(self, known: Mapping[str, Any]) -> None:
         rate, start, frame = (known.get(key) for key in ("frame_rate", "frame_start", "frame"))
@@ -213,20 +247,22 @@ class _Builder:
             self.lose("renamed", f"{name} to {obj.name_full}")
         return obj
 
-    def _holder(self, item: Source | Listener, role: str) -> Object:
-        """What is to be the source or listener."""
+    def _holder(self, item: Source | Listener | Emitter, role: str) -> Object:
+        """What is to be the source or listener, or the source of a modality."""
         carrier = self.objects[item.object]
         pose = self.poses[item.object]
-        other = self.attached.get(f"{'listener' if role == 'source' else 'source'} {item.name}")
+        place = local_place(item.position, pose)
+        others = [other for other in (self.attached.get(f"{kind} {item.name}") for kind in ("source", "listener")) if other is not None]
+        there = [other for other in others if other.parent is carrier and math.dist(other.location, place) < 1e-5]
         if item.name == item.object and near(pose.position, item.position):
             obj = carrier
-        elif other is not None and other.parent is carrier and math.dist(other.location, local_place(item.position, pose)) < 1e-5:
-            obj = other
+        elif there:
+            obj = there[0]
         else:
             obj = self._new(item.name, None)
             obj.empty_display_size = AXES
             obj.parent = carrier
-            obj.location = local_place(item.position, pose)
+            obj.location = place
         self.attached[f"{role} {item.name}"] = obj
         return obj
 

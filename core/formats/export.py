@@ -19,6 +19,7 @@ from .names import file_stems
 from .tracks import ListenerTrack, Tracks
 
 if TYPE_CHECKING:
+    from ..modalities import ModalityScene
     from .devices import DeviceMapping
     from .recording import Recording
 
@@ -38,6 +39,7 @@ class Export:
     tracks: Tracks | None = None
     recording: Recording | None = None
     devices: tuple[DeviceMapping, ...] = ()
+    modalities: tuple[ModalityScene, ...] = ()
     date: str = field(default_factory=_today)
 
     def need_tracks(self) -> Tracks:

@@ -1,4 +1,4 @@
-"""The haptic scene file with all that it can hold: scene, devices, frames and tracks."""
+"""The haptic scene file with all that it can hold: scene, devices, modalities, frames and tracks."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 from . import wav
 from .export import Export, scene_file
+from .modalities_json import modalities_from_dict, modalities_to_dict
 from .motion import packed
 from .options import Option
 from .scene_json import current_document, scene_from_dict, scene_to_dict, write_document
@@ -51,6 +52,9 @@ def write_export(export: Export, path: Path, frames: bool = True, tracks: str = 
     document: dict[str, Any] = {**scene}
     if export.devices:
         document["devices"] = [device_to_dict(device) for device in export.devices]
+    modalities = modalities_to_dict(export.modalities)
+    if modalities:
+        document["modalities"] = modalities
     if export.recording is not None and frames:
         document["frame_rate"] = export.recording.frame_rate
         document["frame_start"] = export.recording.frame_start
@@ -77,6 +81,7 @@ def read_export(path: str | Path) -> Export:
         name=path.name.removesuffix(".gz").removesuffix(SUFFIX),
         scene=scene,
         devices=devices_from_dict(document, scene, path),
+        modalities=modalities_from_dict(document, scene, path),
         recording=recording_from_dict(document, scene, path),
         tracks=tracks_from_dict(document, path),
     )

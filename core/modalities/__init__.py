@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from .modality import Modality, Quantity
+from .modality_scene import ModalityScene
 from .propagation import Emitter, Felt, feel, propagation_function
 from .thermal import THERMAL
 from .vibrotactile import VIBROTACTILE
@@ -16,4 +17,15 @@ from .vibrotactile import VIBROTACTILE
 MODALITIES: Mapping[str, Modality] = MappingProxyType({modality.name: modality for modality in (VIBROTACTILE, THERMAL)})
 """The modalities by name."""
 
-__all__ = ["MODALITIES", "THERMAL", "VIBROTACTILE", "Emitter", "Felt", "Modality", "Quantity", "feel", "propagation_function"]
+__all__ = [
+    "MODALITIES",
+    "THERMAL",
+    "VIBROTACTILE",
+    "Emitter",
+    "Felt",
+    "Modality",
+    "ModalityScene",
+    "Quantity",
+    "feel",
+    "propagation_function",
+]
