@@ -166,9 +166,11 @@ _SUPPORT: dict[Kind, Callable[[FloatArray, FloatArray], FloatArray]] = {
 }
 
 
-def separations(first: Sequence[Convex], second: Sequence[Convex], rotation: FloatArray, offset: FloatArray) -> Separation:
+def separations(
+    first: Sequence[Convex], second: Sequence[Convex], rotation: FloatArray, offset: FloatArray, depths: bool = True
+) -> Separation:
     """Between pairs of bodies, the second placed by ``rotation`` (n, 3, 3) and ``offset`` (n, 3) in the frame of the first, in which the
-    result is, too."""
+    result is, too. Without ``depths``, those that overlap are said to be 0 apart."""
     import fcl
 
     request = fcl.DistanceRequest(enable_nearest_points=True)
@@ -184,8 +186,11 @@ def separations(first: Sequence[Convex], second: Sequence[Convex], rotation: Flo
         nearest[k] = result.nearest_points
     apart = distance > _TOUCHING
     normal = (nearest[:, 1] - nearest[:, 0]) / np.where(apart, distance, 1.0)[:, None]
-    for k in np.flatnonzero(~apart).tolist():
-        distance[k], normal[k], nearest[k] = _penetration(first[k], second[k], rotation[k], offset[k])
+    if depths:
+        for k in np.flatnonzero(~apart).tolist():
+            distance[k], normal[k], nearest[k] = _penetration(first[k], second[k], rotation[k], offset[k])
+    else:
+        distance[~apart] = 0.0
     curved = np.flatnonzero(apart & np.array([a.curved or b.curved for a, b in zip(first, second, strict=True)], dtype=np.bool_))
     if len(curved):
         # Between the nearest points lies no less than the distance; between the supporting planes square to their line, no more.

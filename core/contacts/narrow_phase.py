@@ -222,6 +222,14 @@ class NarrowPhase:
             np.minimum.at(distance, owner, gap[order])
         return np.where(np.isinf(distance), reach + _BEYOND, distance), normal.T
 
+    def gaps(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray) -> FloatArray:
+        """Distances (p,) up to ``reach`` (p,), 0 where bodies overlap: cheaper than to find out how deep."""
+        distance = np.full(len(pairs), np.inf)
+        for rows in self._rows(pairs, *_matrices(rotation, offset), reach):
+            gap = self._separated(rows, depths=False).separation.distance - rows.radius_a - rows.radius_b
+            np.minimum.at(distance, rows.owner, _bounded(rows, gap, reach))
+        return np.where(np.isinf(distance), reach + _BEYOND, np.maximum(distance, 0.0))
+
     def _boxes(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> _Boxes | None:
         """Those of the pairs that are of two single boxes."""
         first, second = pairs.T
@@ -414,8 +422,8 @@ class NarrowPhase:
             local[mine] = self._mesh(core).corners[triangle[mine]]
         return turned(rotation[:, None], local) + centre[:, None]
 
-    def _separated(self, rows: _Rows) -> AxisSeparation:
-        """Separations of the cores of one group."""
+    def _separated(self, rows: _Rows, depths: bool = True) -> AxisSeparation:
+        """Separations of the cores of one group. Without ``depths``, some that overlap may be said to be 0 apart."""
         count = len(rows)
         if count == 0:
             empty = np.zeros((0, 3))
@@ -449,7 +457,7 @@ class NarrowPhase:
                 return box_to_box(rows.rotation_a, rows.centre_a, half_a, rows.rotation_b, rows.centre_b, half_b)
             case (_, Kind.MESH):
                 return self._separated_from_triangles(rows, kinds[0])
-        return _exact(self._by_fcl(rows))
+        return _exact(self._by_fcl(rows, depths))
 
     def _separated_from_triangles(self, rows: _Rows, kind: Kind) -> AxisSeparation:
         assert rows.triangle_b is not None
@@ -486,7 +494,7 @@ class NarrowPhase:
         table = self._table
         return np.asarray(table.is_box[rows.first] & table.is_box[rows.second] & (table.kind[rows.second] == Kind.BOX))
 
-    def _by_fcl(self, rows: _Rows) -> Separation:
+    def _by_fcl(self, rows: _Rows, depths: bool = True) -> Separation:
         size = Size.CORE if rows.triangle_b is None else Size.THICK
         first, second = (
             self._convex.cores(core.tolist(), size)
@@ -498,7 +506,7 @@ class NarrowPhase:
             first[k] = self._convex.core(int(rows.first[k]), Size.SHARP)
             second[k] = self._convex.core(int(rows.second[k]), Size.SHARP)
         turn = np.matmul(rows.rotation_a.transpose(0, 2, 1), rows.rotation_b)
-        found = separations(first, second, turn, turned_back(rows.rotation_a, rows.centre_b - rows.centre_a))
+        found = separations(first, second, turn, turned_back(rows.rotation_a, rows.centre_b - rows.centre_a), depths)
         ends = (turned(rows.rotation_a, end) + rows.centre_a for end in (found.first, found.second))
         return Separation(found.distance, turned(rows.rotation_a, found.normal), *ends)
 

@@ -13,7 +13,7 @@ from .broad_phase import overlapping_pairs
 from .contact_set import ContactSet
 from .impacts import Hits, Impact, Meetings, impact_energies, took_place
 from .motion import MotionHistory, Paths
-from .narrow_phase import NarrowPhase, relative_pose
+from .narrow_phase import NarrowPhase, PairPatches, relative_pose
 from .reach import Reach
 from .settings import Body, ContactSettings, ImpactEnergy, Motion
 
@@ -477,19 +477,17 @@ class ContactTracker:
             asked = np.flatnonzero(~stays)
             rows, larger, smaller, limit = rows[asked], larger[asked], smaller[asked], limit[asked]
             turn, offset, place = turn.take(asked, axis=2), offset.take(asked, axis=1), place.take(asked, axis=1)
-        points = self.settings.patch_points
-        found = self._narrow.query(np.stack([larger, smaller], axis=1), turn, offset, limit, points)
+        found = self._patches(larger, smaller, turn, offset, limit)
         values = np.empty((_ROWS, len(rows)))
         values[_PLACE], values[_TURN], values[_NORMAL] = place, turn.reshape(9, -1), found.normal
         values[_DISTANCE], values[_AREA] = found.distance, found.area
         gap = found.normal * (found.distance / 2)
-        centre = self._in_media(larger, smaller, found.centre)
-        values[_ON_LARGER] = centre - gap
-        values[_ON_SMALLER] = np.einsum("ijp,ip->jp", turn, centre + gap - offset)
+        values[_ON_LARGER] = found.centre - gap
+        values[_ON_SMALLER] = np.einsum("ijp,ip->jp", turn, found.centre + gap - offset)
         pairs.values[:, rows] = values
         pairs.known[rows] = True
         pairs.touching[rows] = found.distance <= limit
-        if points:
+        if self.settings.patch_points:
             pairs.corners.update(zip(pairs.key[rows].tolist(), found.corners, strict=True))
         self._queries += len(rows)
 
@@ -505,17 +503,29 @@ class ContactTracker:
         apart = pairs.values[_DISTANCE, rows] - motion > limit
         return np.asarray(pairs.known[rows] & np.where(before, motion <= STILL, apart) & (pairs.touching[rows] == before))
 
-    def _in_media(self, larger: IntArray, smaller: IntArray, centre: FloatArray) -> FloatArray:
-        """Patch centres, that of a medium and what is in it being the middle of what their bounds have in common."""
-        inside = np.flatnonzero(self._medium[larger] | self._medium[smaller])
+    def _patches(self, larger: IntArray, smaller: IntArray, turn: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
+        """What the narrow phase finds. A medium and what is in it touch in the middle of what their bounds have in common, without area or
+        depth."""
+        numbers, points = np.stack([larger, smaller], axis=1), self.settings.patch_points
+        medium = self._medium[larger] | self._medium[smaller]
+        inside, others = np.flatnonzero(medium), np.flatnonzero(~medium)
         if len(inside) == 0:
-            return centre
+            return self._narrow.query(numbers, turn, offset, limit, points)
+        found = self._narrow.query(numbers[others], turn[..., others], offset[:, others], limit[others], points)
+        count = len(medium)
+        distance, normal, centre, area = np.zeros(count), np.zeros((3, count)), np.empty((3, count)), np.zeros(count)
+        distance[others], normal[:, others], centre[:, others], area[others] = found.distance, found.normal, found.centre, found.area
+        distance[inside] = self._narrow.gaps(numbers[inside], turn[..., inside], offset[:, inside], limit[inside])
+        normal[2, inside] = 1.0
         a, b = larger[inside], smaller[inside]
         middle = (np.maximum(self._low[:, a], self._low[:, b]) + np.minimum(self._high[:, a], self._high[:, b])) / 2
         pose = self._pose[:, a]
-        centre = centre.copy()
         centre[:, inside] = (pose[:9].reshape(3, 3, -1) * (middle - pose[9:])[:, None]).sum(axis=0)
-        return centre
+        if not points:
+            return PairPatches(distance, normal, centre, area)
+        solid = iter(found.corners)
+        corners = tuple(centre[None, :, k] if medium[k] else next(solid) for k in range(count))
+        return PairPatches(distance, normal, centre, area, corners)
 
     def _contact_set(self, rows: IntArray) -> ContactSet:
         """Contacts of pairs ``rows``: one each at the centre of its patch, or one per point of it."""
