@@ -33,6 +33,17 @@ def low_pass(edge: float, sample_rate: float) -> Array:
     return np.asarray(kernel / kernel.sum())
 
 
+@lru_cache(maxsize=4096)
+def bank_response(frequency: float, sample_rate: float) -> Array:
+    """Return the gains of the bands for a steady tone of `frequency` hertz, shape (6,): the filters are symmetric, so they turn no phase."""
+    offsets = np.arange(-bank_reach(sample_rate), bank_reach(sample_rate) + 1)
+    waves = np.cos(2 * np.pi / sample_rate * frequency * offsets)
+    low = np.array([low_pass(edge, sample_rate) @ waves for edge in BAND_EDGES[1:-1]])
+    response = np.diff(low, prepend=0.0, append=1.0)
+    response.setflags(write=False)
+    return response
+
+
 def split_bands(samples: Array, sample_rate: float) -> Array:
     """Return the bands of `samples`, shape (6, n), where `samples`, shape (n + 2 bank_reach,), goes bank_reach further on either side.
 

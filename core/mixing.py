@@ -193,7 +193,7 @@ class Limiter:
         self._needed = needed[:, count:]
         held = np.concatenate((self._held, self._released(_sliding_minimum(needed, self._window), self._held[:, -1:])), axis=1)
         self._held = held[:, count:]
-        gain = np.lib.stride_tricks.sliding_window_view(held, self.latency + 1, axis=1)[:, :count] @ self._kernel
+        gain = np.stack([np.correlate(row, self._kernel, "valid") for row in held])
         # A window of ones weighs 1 but for rounding, and must change nothing.
         gain[np.abs(gain - 1.0) < 1e-12] = 1.0
         return saturated(delayed[:, :count] * gain, self._s_max)

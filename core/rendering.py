@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .bands import BAND_COUNT
-from .filter_bank import bank_reach, split_bands
+from .filter_bank import bank_reach, bank_response, split_bands
 from .mixing import Limiter, MixingMethod, mixed, saturated
-from .signals import Signal
+from .signals import Signal, Sine, Track
 from .signals.interpolation import ZERO_CROSSINGS, interpolate
+from .tone_paths import TonePaths
 
 Array = NDArray[np.float64]
 
@@ -66,8 +67,7 @@ class ListenerMix:
             raise ValueError(f"method: unknown mixing method {self.method!r}")
 
 
-@dataclass(frozen=True, slots=True)
-class Voice:
+class Voice(NamedTuple):
     """What one source does at the end of a frame.
 
     key: the source's identity from frame to frame.
@@ -133,7 +133,7 @@ class Renderer:
         frame = self._frame(start, end)
         parts = self._parts(frame, voices)
         groups = [self._group(list(group)) for _, group in groupby(sorted(parts, key=_Part.kind), key=_Part.kind)]
-        block = self._mix([_paths(frame, group) for group in groups], frame.count)
+        block = self._mix([paths for group in groups for paths in _paths(frame, group)], frame.count)
         self._next = frame.last
         self._streams = {}
         for group in groups:
@@ -221,7 +221,7 @@ class Renderer:
         priority = part.stream.priority if part.voice is None else part.voice.priority
         return self.listeners[listener].priorities.get(part.stream.key, priority)
 
-    def _mix(self, groups: list[_DirectPaths | _DelayedPaths], count: int) -> Array:
+    def _mix(self, groups: list[_DirectPaths | _DelayedPaths | _SteadyPaths], count: int) -> Array:
         """Return the listeners' mixes, shape (n_listeners, count), cut at s_max where no limiter takes care of that."""
         total = sum((group.summed() for group in groups), start=np.zeros((len(self.listeners), count)))
         for method, listeners in self._unsummed:
@@ -267,7 +267,9 @@ class _Stream:
     Ahead, because a few long runs cost less than many short ones; a sample depends on its own time alone, so they are the same.
     """
 
-    __slots__ = ("_end", "_first", "_known", "delays", "gains", "key", "onset", "priority", "row_count", "sample_rate", "signal")
+    __slots__ = (
+        "_end", "_first", "_known", "delays", "gains", "key", "onset", "priority", "row_count", "sample_rate", "settled", "signal", "tone"
+    )  # fmt: skip
 
     def __init__(self, voice: Voice, sample_rate: float) -> None:
         self.key = voice.key
@@ -282,12 +284,18 @@ class _Stream:
         self._known = np.empty((self.row_count, 0))
         tail = 0.0 if self.row_count == 1 else bank_reach(sample_rate) / sample_rate
         self._end = self.onset + self.signal.duration + tail
+        self.settled = self.onset + tail
+        self.tone = _steady_tone(self.signal, sample_rate)
 
     def plays(self, voice: Voice) -> bool:
         """Whether `voice` is this one with other gains, delays or amplitude."""
         if self.onset != voice.onset or (self.delays is None) != (voice.delays is None) or self.gains.shape != voice.gains.shape:
             return False
         return self.signal is voice.signal or self.signal == voice.signal
+
+    def is_steady(self, time: float) -> bool:
+        """Whether what is heard from `time` on (seconds), in all bands, is one tone for ever."""
+        return self.tone is not None and time >= self.settled
 
     def sounds(self, start: float, end: float) -> bool:
         """Whether there is anything of the signal from start to end (seconds)."""
@@ -337,6 +345,14 @@ class _Group:
     delays_before: Array | None
     delays: Array | None
 
+    def chosen(self, index: list[int]) -> _Group:
+        """Return some of the parts."""
+        if len(index) == len(self.parts):
+            return self
+        delays_before = None if self.delays_before is None else self.delays_before[index]
+        delays = None if self.delays is None else self.delays[index]
+        return _Group([self.parts[number] for number in index], self.before[index], self.gains[index], delays_before, delays)
+
 
 class _DirectPaths:
     """What listeners get without delay: the same samples for all, times gains on a ramp, so a sum over voices is a matrix product."""
@@ -362,7 +378,7 @@ class _DirectPaths:
         both = gains @ self._rows.reshape(parts * row_count, self._rows.shape[2])
         return np.asarray(both[:listeners] + both[listeners:] * self._ramp)
 
-    def at_listeners(self, listeners: Sequence[int]) -> Array:
+    def at_listeners(self, listeners: list[int]) -> Array:
         """Return the voices as they reach some listeners, shape (n_voices, n_chosen, n)."""
         gains = np.concatenate((self._gains[:, 0, listeners], self._gains[:, 1, listeners]), axis=2)
         voices = _scratch(len(self.parts), len(listeners), len(self._ramp))
@@ -375,7 +391,7 @@ class _DelayedPaths:
     def __init__(self, frame: _Frame, group: _Group) -> None:
         assert group.delays_before is not None and group.delays is not None
         heard = _heard(group.before) | _heard(group.gains)
-        longest = np.where(heard, np.maximum(group.delays_before, group.delays), 0.0).max(axis=1, initial=0.0)
+        longest = _longest_delays(group).tolist()
         chosen = [
             index
             for index, part in enumerate(group.parts)
@@ -395,9 +411,46 @@ class _DelayedPaths:
         total: Array = self._voices.sum(axis=0)
         return total
 
-    def at_listeners(self, listeners: Sequence[int]) -> Array:
+    def at_listeners(self, listeners: list[int]) -> Array:
         """Return the voices as they reach some listeners, shape (n_voices, n_chosen, n)."""
         return self._voices[:, listeners]
+
+
+class _SteadyPaths:
+    """What listeners get of steady tones, along paths with bands or delays: a band's filter is a gain, and a delay a turn of phase."""
+
+    def __init__(self, frame: _Frame, group: _Group) -> None:
+        self.parts = group.parts
+        streams = [part.stream for part in group.parts]
+        tones = [stream.tone for stream in streams if stream.tone is not None]
+        rate, count = streams[0].sample_rate, frame.count
+        before, after = group.before, group.gains
+        if before.ndim == 3:
+            response = np.array([bank_response(float(tone.frequency), rate) for tone in tones])[:, :, None]  # type: ignore[arg-type]
+            before, after = (before @ response)[:, :, 0], (after @ response)[:, :, 0]
+        strength = np.array([tone.amplitude for tone in tones])[:, None]
+        before, change = before * strength, (after - before) * strength
+        frequency = np.array([tone.frequency for tone in tones])[:, None]
+        since = np.array([frame.times[0] - stream.onset for stream in streams])[:, None]
+        ramp = float(frame.ramp[0])
+        ramp_step = float(frame.ramp[-1] - frame.ramp[0]) / max(count - 1, 1)
+        late, lag_step = np.zeros_like(before), np.zeros_like(before)
+        if group.delays is not None and group.delays_before is not None:
+            heard = _heard(group.before) | _heard(group.gains)
+            delays_before = np.where(heard, group.delays_before, 0.0)
+            drift = np.where(heard, group.delays, 0.0) - delays_before
+            late, lag_step = delays_before + drift * ramp, drift * ramp_step
+        start = frequency * (since - late) + np.array([tone.phase for tone in tones])[:, None]
+        step = frequency * (1.0 / rate - lag_step)
+        self._paths = TonePaths(start.T, step.T, (before + change * ramp).T, change.T * ramp_step, count)
+
+    def summed(self) -> Array:
+        """Return the sum over voices, shape (n_listeners, n)."""
+        return self._paths.summed()
+
+    def at_listeners(self, listeners: list[int]) -> Array:
+        """Return the voices as they reach some listeners, shape (n_voices, n_chosen, n)."""
+        return self._paths.at_listeners(listeners)
 
 
 def _travelled(stream: _Stream, times: Array, before: Array, change: Array, ramp: Array) -> Array:
@@ -416,6 +469,12 @@ def _travelled_in_bands(stream: _Stream, times: Array, before: Array, change: Ar
     for path, mix, position in zip(result, mixes, positions - first, strict=True):
         constant, rising = interpolate(mix, position)
         path[:] = constant + rising * ramp
+    if stream.tone is not None:
+        # As soon as a tone is steady, what it is in the bands is known, however frames are cut.
+        response = bank_response(float(stream.tone.frequency), stream.sample_rate)  # type: ignore[arg-type]
+        gains = (before @ response)[:, None] + (change @ response)[:, None] * ramp
+        known = gains * stream.tone.at(times.ravel() - stream.onset, 1.0 / stream.sample_rate).reshape(times.shape)
+        result = np.where(times >= stream.settled, known, result)
     return result * (times >= stream.onset)
 
 
@@ -445,8 +504,34 @@ def _by_method(listeners: Sequence[ListenerMix]) -> list[tuple[MixingMethod, lis
     return groups + [(listener.method, [index]) for index, listener in enumerate(listeners) if callable(listener.method)]
 
 
-def _paths(frame: _Frame, group: _Group) -> _DirectPaths | _DelayedPaths:
-    return _DirectPaths(frame, group) if group.delays is None else _DelayedPaths(frame, group)
+def _paths(frame: _Frame, group: _Group) -> list[_DirectPaths | _DelayedPaths | _SteadyPaths]:
+    """Return the paths of a group: those of steady tones by themselves where bands or delays make samples costly."""
+    if group.delays is None and group.parts[0].stream.row_count == 1:
+        return [_DirectPaths(frame, group)]
+    longest = _longest_delays(group).tolist()
+    steady = [frame.count > 0 and part.stream.is_steady(frame.start - delay) for part, delay in zip(group.parts, longest, strict=True)]
+    paths: list[_DirectPaths | _DelayedPaths | _SteadyPaths] = []
+    if any(steady):
+        paths.append(_SteadyPaths(frame, group.chosen([index for index, is_steady in enumerate(steady) if is_steady])))
+    if not all(steady):
+        rest = group.chosen([index for index, is_steady in enumerate(steady) if not is_steady])
+        paths.append(_DirectPaths(frame, rest) if group.delays is None else _DelayedPaths(frame, rest))
+    return paths
+
+
+def _longest_delays(group: _Group) -> Array:
+    """Return the longest delay of each part in the frame, of what is heard, shape (n_parts,)."""
+    if group.delays is None or group.delays_before is None:
+        return np.zeros(len(group.parts))
+    heard = _heard(group.before) | _heard(group.gains)
+    return np.asarray(np.where(heard, np.maximum(group.delays_before, group.delays), 0.0).max(axis=1, initial=0.0))
+
+
+def _steady_tone(signal: Signal, sample_rate: float) -> Sine | None:
+    """Return the signal where it is a tone of one frequency and strength that the samples can carry."""
+    if type(signal) is not Sine or isinstance(signal.frequency, Track) or isinstance(signal.amplitude, Track):
+        return None
+    return signal if signal.frequency < sample_rate / 2 else None
 
 
 def _heard(gains: Array) -> NDArray[np.bool_]:

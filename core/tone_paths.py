@@ -1,0 +1,78 @@
+"""Steady tones on many paths at once: what takes no table of samples and no interpolation.
+
+On a path whose delay goes in a straight line a tone stays a tone, of another frequency (Doppler). Cut into runs of samples, its value is
+sin(a + b) = sin a cos b + cos a sin b, with a for the run and b for the place in the run; so a sum over voices is a matrix product of small
+matrices. Powers of e^{iω} stand for sines: the error grows with the number of samples, about 1e-16 for each.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class TonePaths:
+    """Tones of n_voices voices on their paths to n_listeners listeners, for `count` samples.
+
+    start: phases in cycles at the first sample, shape (n_listeners, n_voices). step: cycles per sample, the same shape.
+    gain, gain_step: the gains at the first sample and their change per sample, the same shape.
+    """
+
+    def __init__(self, start: Array, step: Array, gain: Array, gain_step: Array, count: int) -> None:
+        self._count = count
+        width = max(math.isqrt(count), 1)
+        runs = -(-count // width)
+        fine = _powers(_turn(step), width)
+        coarse = _turn(start)[..., None] * _powers(_turn(width * step), runs)
+        # The gain is linear: gain of the run's first sample plus what it rises by within the run.
+        first = gain[..., None] + gain_step[..., None] * (width * np.arange(runs))
+        rising = gain_step[..., None]
+        listeners, voices = start.shape
+        self._runs = np.empty((listeners, voices, 4, runs))
+        self._places = np.empty((listeners, voices, 4, width))
+        np.multiply(first, coarse.imag, out=self._runs[:, :, 0])
+        np.multiply(first, coarse.real, out=self._runs[:, :, 1])
+        np.multiply(rising, coarse.imag, out=self._runs[:, :, 2])
+        np.multiply(rising, coarse.real, out=self._runs[:, :, 3])
+        self._places[:, :, 0], self._places[:, :, 1] = fine.real, fine.imag
+        np.multiply(self._places[:, :, :2], np.arange(width), out=self._places[:, :, 2:])
+
+    def summed(self) -> Array:
+        """Return the sum over voices, shape (n_listeners, count)."""
+        listeners, voices, terms, runs = self._runs.shape
+        width = self._places.shape[3]
+        left = self._runs.reshape(listeners, voices * terms, runs).transpose(0, 2, 1)
+        sums = left @ self._places.reshape(listeners, voices * terms, width)
+        return np.asarray(sums.reshape(listeners, runs * width)[:, : self._count])
+
+    def at_listeners(self, chosen: list[int]) -> Array:
+        """Return the voices as they reach some listeners, shape (n_voices, n_chosen, count)."""
+        _, voices, _, runs = self._runs.shape
+        each = self._runs[chosen].transpose(1, 0, 3, 2) @ self._places[chosen].transpose(1, 0, 2, 3)
+        return each.reshape(voices, len(chosen), runs * self._places.shape[3])[:, :, : self._count]
+
+
+def _turn(cycles: Array) -> NDArray[np.complex128]:
+    """Return e^{2πi cycles}."""
+    angle = (2 * np.pi) * (cycles - np.floor(cycles))
+    turn = np.empty(angle.shape, dtype=np.complex128)
+    np.cos(angle, out=turn.real)
+    np.sin(angle, out=turn.imag)
+    return turn
+
+
+def _powers(base: NDArray[np.complex128], count: int) -> NDArray[np.complex128]:
+    """Return base^0 to base^(count - 1) in a new last axis, by doubling."""
+    powers = np.empty((*base.shape, count), dtype=np.complex128)
+    powers[..., 0] = 1.0
+    known, factor = 1, base
+    while known < count:
+        more = min(known, count - known)
+        np.multiply(powers[..., :more], factor[..., None], out=powers[..., known : known + more])
+        known += more
+        factor = factor * factor
+    return powers
