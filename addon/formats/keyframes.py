@@ -30,6 +30,7 @@ def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[s
     poses: dict[str, Keys] = {item.name: {first: _row(item.pose)} for item in scene.objects}
     properties: dict[str, Keys] = {item.name: {first: (item.kappa, item.rho)} for item in scene.objects}
     amplitudes: dict[str, Keys] = {item.name: {first: (item.amplitude,)} for item in scene.sources}
+    gains: dict[str, Keys] = {item.name: {first: (item.gain,)} for item in scene.listeners}
     places: dict[str, Keys] = {f"source {item.name}": {first: item.position} for item in scene.sources}
     places |= {f"listener {item.name}": {first: item.position} for item in scene.listeners}
     carriers = {f"source {item.name}": item.object for item in scene.sources}
@@ -50,7 +51,9 @@ def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[s
             places[f"source {name}"][number] = positions[0]
         for name, position in change.listener_positions.items():
             places[f"listener {name}"][number] = position
-    losses = []
+        for name, gain in change.gains.items():
+            gains[name][number] = (gain,)
+    losses = [f"the function of {name} over time" for name in sorted({name for change in recording.frames for name in change.functions})]
     for name, keys in poses.items():
         if len(keys) > 1:
             rows = _held(keys)
@@ -65,6 +68,10 @@ def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[s
         if len(keys) > 1:
             times, values = _held(keys)
             _write(attached[f"source {name}"], {("haptics.source.amplitude", 0): (times, values[:, 0])})
+    for name, keys in gains.items():
+        if len(keys) > 1:
+            times, values = _held(keys)
+            _write(attached[f"listener {name}"], {("haptics.listener.gain", 0): (times, values[:, 0])})
     for key, keys in places.items():
         local = _local(keys, poses[carriers[key]])
         begin = next(iter(local.values()))

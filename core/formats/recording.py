@@ -30,8 +30,9 @@ DIGITS = 6
 class RecordedFrame:
     """What differs from the frame before; the first one differs from the scene itself.
 
-    poses: by object, position x, y, z and rotation w, x, y, z. properties: (kappa, rho) by object. amplitudes and source_positions: by
-    source; a source of two objects has a position on each. listener_positions: by listener. contacts: all those of every pair of objects
+    poses: by object, position x, y, z and rotation w, x, y, z. properties: (kappa, rho) by object, functions: what it passes on.
+    amplitudes and source_positions: by source; a source of two objects has a position on each. listener_positions and gains: by listener.
+    contacts: all those of every pair of objects
     that began to touch, or touch otherwise than before. parted: pairs that touch no longer. sources: those that begin; a temporary one ends
     by itself when its signal is over.
     """
@@ -39,9 +40,11 @@ class RecordedFrame:
     number: int
     poses: Mapping[str, PoseRow] = field(default_factory=dict)
     properties: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    functions: Mapping[str, ModulationFunction] = field(default_factory=dict)
     amplitudes: Mapping[str, float] = field(default_factory=dict)
     source_positions: Mapping[str, tuple[Vector, ...]] = field(default_factory=dict)
     listener_positions: Mapping[str, Vector] = field(default_factory=dict)
+    gains: Mapping[str, float] = field(default_factory=dict)
     contacts: tuple[Contact, ...] = ()
     parted: tuple[Pair, ...] = ()
     sources: tuple[Source, ...] = ()
@@ -118,6 +121,8 @@ def _apply(
         objects[name] = replace(objects[name], pose=Pose((x, y, z), (qw, qx, qy, qz)))
     for name, (kappa, rho) in change.properties.items():
         objects[name] = replace(objects[name], kappa=kappa, rho=rho)
+    for name, function in change.functions.items():
+        objects[name] = replace(objects[name], propagation=function)
     sources.update((source.name, source) for source in change.sources)
     for name, amplitude in change.amplitudes.items():
         sources[name] = replace(sources[name], amplitude=amplitude)
@@ -126,6 +131,8 @@ def _apply(
         sources[name] = replace(sources[name], position=positions[0], second_position=second)
     for name, position in change.listener_positions.items():
         listeners[name] = replace(listeners[name], position=position)
+    for name, gain in change.gains.items():
+        listeners[name] = replace(listeners[name], gain=gain)
     for pair in change.parted:
         contacts.pop(pair, None)
     contacts.update(_by_pair(change.contacts))
@@ -162,7 +169,7 @@ class Recorder:
         self._rate, self._start = frame_rate, frame_start
         self._settings = settings or Settings()
         self._first_objects: dict[str, HapticObject] = {}
-        self._objects: dict[str, tuple[float, float, PoseRow | None]] = {}
+        self._objects: dict[str, tuple[float, float, PoseRow | None, ModulationFunction]] = {}
         self._sources: dict[str, Source] = {}
         self._first_sources: tuple[Source, ...] = ()
         self._first_listeners: dict[str, Listener] = {}
@@ -196,15 +203,17 @@ class Recorder:
         parted = tuple(pair for pair in self._contacts if pair not in touching)
         moved = _contacts_of(contacts, rows, names, set(changed))
         self._contacts = touching
-        poses, properties = self._changed_objects(objects)
+        poses, properties, functions = self._changed_objects(objects)
         new, amplitudes, source_positions = self._changed_sources(sources)
-        listener_positions = self._changed_listeners(listeners)
+        listener_positions, gains = self._changed_listeners(listeners)
         if begun:
             self._first_contacts, self._first_sources = moved, new
             self._frames.append(RecordedFrame(number))
         else:
             self._frames.append(
-                RecordedFrame(number, poses, properties, amplitudes, source_positions, listener_positions, moved, parted, new)
+                RecordedFrame(
+                    number, poses, properties, functions, amplitudes, source_positions, listener_positions, gains, moved, parted, new
+                )
             )
 
     def scene(self) -> HapticScene:
@@ -221,13 +230,16 @@ class Recorder:
         """What has changed since."""
         return Recording(self._rate, self._start, tuple(self._frames))
 
-    def _changed_objects(self, objects: Sequence[HapticObject]) -> tuple[Mapping[str, PoseRow], dict[str, tuple[float, float]]]:
+    def _changed_objects(
+        self, objects: Sequence[HapticObject]
+    ) -> tuple[Mapping[str, PoseRow], dict[str, tuple[float, float]], dict[str, ModulationFunction]]:
         poses: dict[str, PoseRow] = {}
         properties: dict[str, tuple[float, float]] = {}
+        functions: dict[str, ModulationFunction] = {}
         for item in objects:
             row = None if item.pose is None else _pose_row(item.pose)
             before = self._objects.get(item.name)
-            self._objects[item.name] = (item.kappa, item.rho, row)
+            self._objects[item.name] = (item.kappa, item.rho, row, item.propagation)
             if before is None:
                 self._first_objects[item.name] = item
                 continue
@@ -235,7 +247,9 @@ class Recorder:
                 poses[item.name] = row
             if (item.kappa, item.rho) != before[:2]:
                 properties[item.name] = (item.kappa, item.rho)
-        return Poses.of(poses), properties
+            if item.propagation != before[3]:
+                functions[item.name] = item.propagation
+        return Poses.of(poses), properties, functions
 
     def _changed_sources(
         self, sources: Sequence[Source]
@@ -262,17 +276,21 @@ class Recorder:
                 self._sources[name] = replace(gone, amplitude=0.0)
         return tuple(new), dict(sorted(amplitudes.items())), positions
 
-    def _changed_listeners(self, listeners: Sequence[Listener]) -> dict[str, Vector]:
-        positions = {}
+    def _changed_listeners(self, listeners: Sequence[Listener]) -> tuple[dict[str, Vector], dict[str, float]]:
+        positions: dict[str, Vector] = {}
+        gains: dict[str, float] = {}
         for item in listeners:
             rounded = replace(item, position=_rounded(item.position))
             before = self._listeners.get(item.name)
             self._listeners[item.name] = rounded
             if before is None:
                 self._first_listeners[item.name] = rounded
-            elif rounded.position != before.position:
+                continue
+            if rounded.position != before.position:
                 positions[item.name] = rounded.position
-        return positions
+            if rounded.gain != before.gain:
+                gains[item.name] = rounded.gain
+        return positions, gains
 
 
 def _rounded(vector: Sequence[float]) -> Vector:

@@ -37,9 +37,11 @@ def frame_to_dict(frame: RecordedFrame) -> dict[str, Any]:
         "frame": frame.number,
         "poses": {name: list(row) for name, row in frame.poses.items()},
         "properties": {name: list(pair) for name, pair in frame.properties.items()},
+        "functions": {name: function.to_dict() for name, function in frame.functions.items()},
         "amplitudes": dict(frame.amplitudes),
         "source_positions": {name: [list(position) for position in positions] for name, positions in frame.source_positions.items()},
         "listener_positions": {name: list(position) for name, position in frame.listener_positions.items()},
+        "gains": dict(frame.gains),
         "contacts": [item_to_dict(contact) for contact in frame.contacts],
         "parted": [list(pair) for pair in frame.parted],
         "sources": [item_to_dict(source) for source in frame.sources],
@@ -104,9 +106,11 @@ class _FrameReader:
         for key, known, kind in (
             ("poses", self.objects, "object"),
             ("properties", self.objects, "object"),
+            ("functions", self.objects, "object"),
             ("amplitudes", self.sources, "source"),
             ("source_positions", self.sources, "source"),
             ("listener_positions", self.listeners, "listener"),
+            ("gains", self.listeners, "listener"),
         ):
             for name in form.get(key, {}):
                 self._known(name, known, kind, f"{place}/{key}/{_escaped(name)}")
@@ -126,11 +130,15 @@ class _FrameReader:
             number=number,
             poses={name: tuple(row) for name, row in form.get("poses", {}).items()},
             properties={name: (row[0], row[1]) for name, row in form.get("properties", {}).items()},
+            functions={
+                name: self.values.function(function, (*parts, "functions", name)) for name, function in form.get("functions", {}).items()
+            },
             amplitudes=form.get("amplitudes", {}),
             source_positions={
                 name: tuple((x, y, z) for x, y, z in positions) for name, positions in form.get("source_positions", {}).items()
             },
             listener_positions={name: (x, y, z) for name, (x, y, z) in form.get("listener_positions", {}).items()},
+            gains=form.get("gains", {}),
             contacts=contacts,
             parted=parted,
             sources=sources,

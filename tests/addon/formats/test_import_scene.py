@@ -277,6 +277,8 @@ def test_frames_become_keyframes(workshop, tmp_path, traced):
     workshop.render.fps, workshop.render.fps_base = 30, 1.001
     for frame, z, kappa, amplitude in ((1, 0.63, 0.1, 1.0), (6, 0.63, 0.1, 1.0), (9, 0.8, 0.4, 0.5)):
         plank.location.z, plank.haptics.kappa, floor.haptics.source.amplitude = z, kappa, amplitude
+        plank.haptics.listener.gain = amplitude
+        plank.keyframe_insert("haptics.listener.gain", frame=frame)
         plank.keyframe_insert("location", frame=frame)
         plank.keyframe_insert("haptics.kappa", frame=frame)
         floor.keyframe_insert("haptics.source.amplitude", frame=frame)
@@ -291,6 +293,8 @@ def test_frames_become_keyframes(workshop, tmp_path, traced):
         scene.frame_set(result.number)
         now = traced()
         assert [item.name for item in now.sources] == sorted(item.name for item in result.sources)
+        louder = {item.name: item.gain for item in result.listeners}
+        assert {item.name: item.gain for item in now.listeners} == pytest.approx(louder, rel=1e-5)
         by_name = {item.name: row for item, row in zip(result.sources, result.gains, strict=True)}
         columns = [[item.name for item in result.listeners].index(item.name) for item in now.listeners]
         for source, gains in zip(now.sources, now.gains, strict=True):

@@ -16,6 +16,7 @@ from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.recording import RecordedFrame, Recorder, Recording, states, traced
 from haptic_tracing.core.formats.take import tracks_of
+from haptic_tracing.core.functions import Exponential, HapticTracing
 from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Pose, Source, SourceKind
 from haptic_tracing.core.signals import Noise
 from haptic_tracing.core.tracer import Frame, Tracer
@@ -42,9 +43,10 @@ def first_run():
     results = []
     for number in FRAMES:
         time = (number - FRAMES[0]) / RATE
-        moved = [ground, *(replace(crate, pose=crate_pose(k, time)) for k, crate in enumerate(crates))]
+        function = Exponential(alpha=0.01 * number) if number > 25 else HapticTracing()
+        moved = [ground, *(replace(crate, pose=crate_pose(k, time), propagation=function) for k, crate in enumerate(crates))]
         source = Source("hammer", "ground", (5.0, 1.0, 0.0), amplitude=0.25 + 0.5 * (number > 30), signal=Noise())
-        seat = Listener("seat", "ground", (-1.0, 0.01 * number, 0.0), "upper_leg.L")
+        seat = Listener("seat", "ground", (-1.0, 0.01 * number, 0.0), "upper_leg.L", gain=0.5 + 0.01 * number)
         listeners = (seat, Listener("lid", "crate.1", moved[2].pose.position))
         transforms = np.array([pose_matrix(item.pose) for item in moved])
         results.append(tracer.step(Frame(number, time, tuple(moved), (source,), listeners, bodies=bodies, transforms=transforms)))
