@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from .bands import BAND_COUNT
 from .filter_bank import bank_reach, bank_response, split_bands
 from .mixing import Limiter, MixingMethod, mixed, saturated
-from .signals import Signal, Sine, Track
-from .signals.interpolation import ZERO_CROSSINGS, interpolate
+from .signals import Sampled, Signal, Sine, Track
+from .signals.interpolation import ZERO_CROSSINGS, local_polynomials
 from .tone_paths import TonePaths
 
 Array = NDArray[np.float64]
@@ -268,7 +268,8 @@ class _Stream:
     """
 
     __slots__ = (
-        "_end", "_first", "_known", "delays", "gains", "key", "onset", "priority", "row_count", "sample_rate", "settled", "signal", "tone"
+        "_end", "_first", "_known", "delays", "gains", "is_recorded", "key", "onset", "priority", "row_count", "sample_rate", "settled",
+        "signal", "tone",
     )  # fmt: skip
 
     def __init__(self, voice: Voice, sample_rate: float) -> None:
@@ -286,6 +287,7 @@ class _Stream:
         self._end = self.onset + self.signal.duration + tail
         self.settled = self.onset + tail
         self.tone = _steady_tone(self.signal, sample_rate)
+        self.is_recorded = voice.delays is not None and _is_recorded(self.signal)
 
     def plays(self, voice: Voice) -> bool:
         """Whether `voice` is this one with other gains, delays or amplitude."""
@@ -403,8 +405,9 @@ class _DelayedPaths:
             paths = heard[index]
             before, delays_before = group.before[index, paths], group.delays_before[index, paths, None]
             delays = delays_before + (group.delays[index, paths, None] - delays_before) * frame.ramp
-            travel = _travelled if group.gains.ndim == 2 else _travelled_in_bands
-            voice[paths] = travel(group.parts[index].stream, frame.times - delays, before, group.gains[index, paths] - before, frame.ramp)
+            stream = group.parts[index].stream
+            travel = _travelled_between_samples if stream.row_count > 1 or stream.is_recorded else _travelled
+            voice[paths] = travel(stream, frame.times - delays, before, group.gains[index, paths] - before, frame.ramp)
 
     def summed(self) -> Array:
         """Return the sum over voices, shape (n_listeners, n)."""
@@ -459,21 +462,31 @@ def _travelled(stream: _Stream, times: Array, before: Array, change: Array, ramp
     return (before[:, None] + change[:, None] * ramp) * values
 
 
-def _travelled_in_bands(stream: _Stream, times: Array, before: Array, change: Array, ramp: Array) -> Array:
-    """The same with gains by band, shape (n_paths, 6): the bands' samples, weighed and added, then interpolated."""
+def _travelled_between_samples(stream: _Stream, times: Array, before: Array, change: Array, ramp: Array) -> Array:
+    """The same from samples, with one gain or with gains by band, shape (n_paths, 6): what samples weigh is added first."""
     positions = times * stream.sample_rate
     first = math.floor(np.min(positions)) - ZERO_CROSSINGS
     rows = stream.rows(first, math.ceil(np.max(positions)) + ZERO_CROSSINGS + 1)
-    mixes = np.stack((before, change), axis=1) @ rows
+    polynomials = local_polynomials(rows)
+    whole = np.floor(positions)
+    place = whole.astype(np.intp) - (first + ZERO_CROSSINGS - 1)
+    powers = _powers(2.0 * (positions - whole) - 1.0, polynomials.shape[2])
     result = np.empty(times.shape)
-    for path, mix, position in zip(result, mixes, positions - first, strict=True):
-        constant, rising = interpolate(mix, position)
-        path[:] = constant + rising * ramp
+    if len(rows) == 1:
+        for path, index, power in zip(result, place, powers, strict=True):
+            np.einsum("nd,nd->n", polynomials[0, index], power, out=path)
+        result *= before.reshape(-1, 1) + change.reshape(-1, 1) * ramp
+        return result * (times >= stream.onset)
+    gains = np.stack((before, change), axis=1).reshape(2 * len(before), len(rows))
+    weighed = (gains @ polynomials.reshape(len(rows), -1)).reshape(len(before), 2, *polynomials.shape[1:])
+    for path, (constant, rising), index, power in zip(result, weighed, place, powers, strict=True):
+        np.einsum("nd,nd->n", constant[index], power, out=path)
+        path += np.einsum("nd,nd->n", rising[index], power) * ramp
     if stream.tone is not None:
         # As soon as a tone is steady, what it is in the bands is known, however frames are cut.
         response = bank_response(float(stream.tone.frequency), stream.sample_rate)  # type: ignore[arg-type]
-        gains = (before @ response)[:, None] + (change @ response)[:, None] * ramp
-        known = gains * stream.tone.at(times.ravel() - stream.onset, 1.0 / stream.sample_rate).reshape(times.shape)
+        known = (before @ response)[:, None] + (change @ response)[:, None] * ramp
+        known *= stream.tone.at(times.ravel() - stream.onset, 1.0 / stream.sample_rate).reshape(times.shape)
         result = np.where(times >= stream.settled, known, result)
     return result * (times >= stream.onset)
 
@@ -525,6 +538,23 @@ def _longest_delays(group: _Group) -> Array:
         return np.zeros(len(group.parts))
     heard = _heard(group.before) | _heard(group.gains)
     return np.asarray(np.where(heard, np.maximum(group.delays_before, group.delays), 0.0).max(axis=1, initial=0.0))
+
+
+def _powers(base: Array, count: int) -> Array:
+    """Return base^0 to base^(count - 1) in a new last axis."""
+    powers = np.empty((*base.shape, count))
+    powers[..., 0] = 1.0
+    for degree in range(1, count):
+        np.multiply(powers[..., degree - 1], base, out=powers[..., degree])
+    return powers
+
+
+def _is_recorded(signal: Signal) -> bool:
+    """Whether a signal has a recording in it, whose values between samples are costly."""
+    if isinstance(signal, Sampled):
+        return True
+    within = getattr(signal, "of", ())
+    return any(_is_recorded(part) for part in (within if isinstance(within, tuple) else (within,)))
 
 
 def _steady_tone(signal: Signal, sample_rate: float) -> Sine | None:
