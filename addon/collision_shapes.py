@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -29,7 +30,8 @@ def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Sha
     margin, use_margin = body.collision_margin, body.use_margin
     match body.collision_shape:
         case "CONVEX_HULL":
-            return convex_hull_shape(_vertices(obj, depsgraph, body.mesh_source) * mirror, size, margin, use_margin)
+            vertices = _vertices(obj, depsgraph, body.mesh_source) * mirror
+            return _hull(vertices.tobytes(), tuple(size.tolist()), margin, use_margin)
         case "MESH":
             vertices, triangles = _triangles(obj, depsgraph, body.mesh_source)
             return mesh_shape(vertices * mirror, triangles, size, margin if use_margin else DEFAULT_MARGIN)
@@ -37,6 +39,12 @@ def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Sha
             return _compound(obj, depsgraph, size)
         case kind:
             return shape_from_bounding_box(kind, _bounding_box(obj, depsgraph), size, margin, use_margin)
+
+
+@lru_cache(maxsize=32)
+def _hull(vertices: bytes, size: tuple[float, ...], margin: float, use_margin: bool) -> Shape:
+    """Objects of one mesh share its hull: shrinking it by the margin takes milliseconds. ``vertices``: (n, 3) as bytes."""
+    return convex_hull_shape(np.frombuffer(vertices).reshape(-1, 3), np.array(size), margin, use_margin)
 
 
 def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:

@@ -103,19 +103,20 @@ class _Homes:
     """Where a file put bodies: ``transforms`` (n, 4, 4), infinite where it did not, and by how much these may differ."""
 
     names: tuple[str, ...]
+    poses: tuple[Pose | None, ...]
     transforms: FloatArray
     limits: FloatArray
 
     @classmethod
-    def of(cls, homes: Mapping[str, Pose | None]) -> _Homes:
-        transforms = np.full((len(homes), 4, 4), np.inf)
-        for row, pose in enumerate(homes.values()):
+    def of(cls, names: tuple[str, ...], poses: tuple[Pose | None, ...]) -> _Homes:
+        transforms = np.full((len(poses), 4, 4), np.inf)
+        for row, pose in enumerate(poses):
             if pose is not None:
                 transforms[row] = pose_matrix(pose)
-        limits = np.full((len(homes), 4, 4), 2 * NEAR)
+        limits = np.full((len(poses), 4, 4), 2 * NEAR)
         far = np.abs(transforms[:, :3, 3]).max(axis=1, initial=1.0)
         limits[:, :3, 3] = NEAR * np.where(np.isfinite(far), far, 1.0)[:, None]
-        return cls(tuple(homes), transforms, limits)
+        return cls(names, poses, transforms, limits)
 
     def settled(self, transforms: FloatArray) -> frozenset[str]:
         """The bodies that stand there."""
@@ -143,11 +144,18 @@ class _Lists:
     problems: tuple[Problem, ...]
 
     @classmethod
-    def of(cls, by_row: dict[int, _Tagged]) -> _Lists:
+    def of(cls, by_row: dict[int, _Tagged], before: _Lists | None = None) -> _Lists:
+        """What says the same as ``before`` is the same value, so that nothing that was made of it is made again."""
         tagged = sorted(by_row.values(), key=lambda t: t.row)
         bodies = [(k, t.object, t.body) for k, t in enumerate(tagged) if t.object is not None and t.body is not None]
         sound = {item.name for _, item, _ in bodies}  # what stands on an object that has a problem, or is not shown, is left out with it
         places = [(t.row, item) for t in tagged for item in (t.source, t.listener) if item is not None and item.object in sound]
+        objects, alone = tuple(item for _, item, _ in bodies), tuple(body for _, _, body in bodies)
+        names, poses = tuple(item.name for item in objects), tuple(tagged[k].home for k, _, _ in bodies)
+        if before is not None:
+            objects = before.objects if objects == before.objects else objects
+            alone = before.bodies if alone == before.bodies else alone
+        homed = before is not None and (names, poses) == (before.homes.names, before.homes.poses)
         return cls(
             rows=np.array([t.row for t in tagged], dtype=np.int64),
             scales=np.array([t.scale for t in tagged], dtype=np.float64).reshape(-1, 3),
@@ -155,10 +163,10 @@ class _Lists:
             deforming=any(t.deforming for t in tagged),
             of_bodies=np.array([k for k, _, _ in bodies], dtype=np.int64),
             of_places=np.array([row for row, _ in places], dtype=np.int64),
-            objects=tuple(item for _, item, _ in bodies),
-            bodies=tuple(body for _, _, body in bodies),
+            objects=objects,
+            bodies=alone,
             places=tuple(item for _, item in places),
-            homes=_Homes.of({item.name: tagged[k].home for k, item, _ in bodies}),
+            homes=before.homes if before is not None and homed else _Homes.of(names, poses),
             impact_materials={t.object.name: t.impact_material for t in tagged if t.object is not None and t.impact_material is not None},
             problems=tuple(problem for t in tagged for problem in t.problems),
         )
@@ -280,7 +288,7 @@ class SceneReader:
                 self._tagged[row] = tagged
                 changed = True
         if changed:
-            lists = _Lists.of(self._tagged)  # of the same rows
+            lists = _Lists.of(self._tagged, lists)  # of the same rows
         if len(moved) or lists is not self._lists:
             self._transforms = self._rigid[lists.of_bodies]
             self._transforms.setflags(write=False)  # so that the tracker knows it again
@@ -355,7 +363,7 @@ class SceneReader:
 
 def _is_as_imported(obj: Object, scale: FloatArray) -> bool:
     """False where what an author did since comes before the shape and the pose that a file gave an object."""
-    return obj.rigid_body is None and np.allclose(scale, 1.0, atol=1e-5)
+    return obj.rigid_body is None and all(abs(side - 1) < 2e-5 for side in scale.tolist())
 
 
 def is_tagged(obj: Object) -> bool:

@@ -8,6 +8,7 @@ from bpy.types import Context, Operator
 
 from ...core.materials import MATERIALS
 from ..operators.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode, poll_selected
+from ..progress import progress
 from . import library
 from .properties import TARGET_ITEMS, made_of
 
@@ -135,7 +136,7 @@ class HAPTIC_OT_remove_material(Operator):
 
     def execute(self, context: Context) -> set[str]:
         materials = context.scene.haptics.materials
-        for obj in made_of(context.scene, materials.items[materials.active].name):
+        for obj in progress(list(made_of(context.scene, materials.items[materials.active].name))):
             obj.haptics.material.name = ""
         materials.items.remove(materials.active)
         materials.active = max(0, min(materials.active, len(materials.items) - 1))

@@ -14,6 +14,7 @@ from bpy.types import Context, Object, PropertyGroup, Scene, UIList
 
 from ...core.bands import BAND_COUNT
 from ..function_properties import changed
+from ..progress import progress
 
 SHARED = ("kappa", "rho", "wave_speed", "use_bands", "band_decays", "conductivity")
 
@@ -58,7 +59,7 @@ def made_of(scene: Scene, name: str) -> Iterator[Object]:
 
 def _material_changed(self: HapticMaterial, context: Context) -> None:
     values = values_of(self)
-    for obj in made_of(self.id_data, self.known_as):
+    for obj in progress(list(made_of(self.id_data, self.known_as))):
         write_values(obj, values)
 
 
@@ -68,7 +69,7 @@ def _material_renamed(self: HapticMaterial, context: Context) -> None:
     scene = self.id_data
     taken = {item.name for item in scene.haptics.materials.items if item != self}
     name = unique_name(self.name or self.known_as, taken)
-    for obj in made_of(scene, self.known_as) if self.known_as else ():
+    for obj in progress(list(made_of(scene, self.known_as)) if self.known_as else ()):
         obj.haptics.material.name = name
     self.known_as = name
     if self.name != name:

@@ -9,6 +9,7 @@ from bpy.types import Context, Object, Operator, Scene
 from ..materials import library
 from ..progress import progress
 from ..scene_reader import haptic_carrier
+from ..suspension import suspended
 from .polling import SOLID_TYPES, UNDO, editable, linked_message, poll_active, poll_selected
 from .signals import signal_for
 
@@ -60,13 +61,15 @@ class HAPTIC_OT_make_objects(Operator):
 def _add_physics(context: Context, objects: list[Object]) -> None:
     """Rigid bodies for meshes that are none: wide and flat ones hold still, the others fall."""
     new = [obj for obj in objects if obj.rigid_body is None and obj.type == "MESH"]
-    ground = [obj for obj in new if library.is_ground(obj)]
-    for kind, chosen in (("PASSIVE", ground), ("ACTIVE", [obj for obj in new if obj not in set(ground)])):
-        if chosen:
-            with context.temp_override(
-                selected_objects=chosen, selected_editable_objects=chosen, object=chosen[0], active_object=chosen[0]
-            ):
-                bpy.ops.rigidbody.objects_add(type=kind)
+    if not new:
+        return
+    with suspended(), context.temp_override(object=new[0], active_object=new[0], selected_objects=new[:1]):
+        bpy.ops.rigidbody.object_add()  # and the scene's Rigid Body World where there is none
+    bodies = context.scene.rigidbody_world.collection.objects
+    for obj in progress(new):
+        if obj.rigid_body is None:
+            bodies.link(obj)
+        obj.rigid_body.type = "PASSIVE" if library.is_ground(obj) else "ACTIVE"
 
 
 class HAPTIC_OT_add_source(Operator):
