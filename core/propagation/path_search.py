@@ -32,6 +32,9 @@ PAIRS = 4
 FEW = 1000
 """Up to so many steps or paths, plain ways are faster, and precise enough."""
 
+BINS, TABLE = 64, 1 << 20
+"""The costs of steps are told apart this finely, in less detail where that would take so many numbers."""
+
 BITES = 256
 """To copy so many bytes of crossed patches takes as long as one unit of work elsewhere."""
 
@@ -74,31 +77,45 @@ class Found:
     work: int
 
 
-@dataclass(frozen=True, slots=True)
 class Ranking:
-    """Steps of each entry with the most promising first, and keys ``entry * _SCALE + cost`` that are sorted over all of them."""
+    """``steps`` of each entry with the most promising first, by the ``cost`` of a step and the strongest way on together."""
 
-    steps: Rows
-    keys: FloatArray
+    def __init__(self, steps: Rows, cost: FloatArray) -> None:
+        self.steps = steps
+        self._cost = cost
+        self._bins = max(1, min(BINS, TABLE // len(steps.size)))
+        self._least = 0.0
+        self._within = np.zeros(0, dtype=np.int64)
 
     @classmethod
     def of(cls, arena: Arena, ahead: FloatArray) -> Ranking | None:
-        """Ranked by what a step and the strongest way on make together; None where it is not worth it, or not known what is ahead."""
+        """Ranked where that is worth it and it is known what is ahead, else None."""
         steps = arena.steps
         if len(steps.to) <= FEW or not np.all(np.isfinite(ahead)):
             return None
-        entry = np.repeat(np.arange(len(arena.nodes)), np.diff(steps.start))
+        entry = np.arange(len(arena.nodes)).repeat(steps.size)
         with np.errstate(divide="ignore"):
             cost = np.minimum(-np.log(steps.gain * ahead[steps.to]), 800.0)
-        keys = np.asarray(entry * _SCALE + cost, dtype=np.float64)
-        order = np.argsort(keys, kind="stable")
-        return cls(Rows(steps.start, steps.size, steps.to[order], steps.inside[order], steps.gain[order], steps.weight[order]), keys[order])
+        order = np.argsort(entry * _SCALE + cost, kind="stable")
+        ranked = steps.to[order], steps.inside[order], steps.gain[order], steps.weight.take(order, axis=0)
+        return cls(Rows(steps.start, steps.size, *ranked), cost[order])
 
     def promising(self, entry: IntArray, gain: FloatArray, least: float) -> IntArray:
         """How many of the ranked steps may still meet the threshold from each state (or a few more: it is checked again exactly)."""
-        allowed = np.minimum(np.log(gain / least) + 1e-6, 900.0)
-        number = np.searchsorted(self.keys, entry * _SCALE + allowed, side="right") - self.steps.start[entry]
-        return np.asarray(np.maximum(number, 0), dtype=np.int64)
+        scale = self._bins / (1e-6 - math.log(least))
+        if least != self._least:
+            self._least, self._within = least, self._counted(scale)
+        allowed = np.minimum((np.log(gain / least) + 1e-6) * scale, self._bins + 1).astype(np.int64)
+        allowed += entry * (self._bins + 2)
+        return np.asarray(self._within[allowed])
+
+    def _counted(self, scale: float) -> IntArray:
+        """By entry and by cost in bins, the last one for any cost: how many steps of the entry cost as much or less."""
+        count = len(self.steps.size)
+        step = np.clip(self._cost * scale, 0, self._bins + 1).astype(np.int64)
+        step += np.arange(count).repeat(self.steps.size) * (self._bins + 2)
+        each = np.bincount(step, minlength=count * (self._bins + 2)).reshape(count, -1)
+        return np.asarray(each.cumsum(axis=1).reshape(-1))
 
 
 _SCALE = 1024.0
