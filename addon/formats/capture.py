@@ -15,14 +15,11 @@ from ...core.formats.export import Export
 from ...core.formats.recording import Recorder
 from ...core.formats.take import Take
 from ...core.frame_result import FrameResult
-from ...core.modalities import ModalityScene
-from ...core.scene import HapticScene
 from .. import session, timeline
 from ..bake import storage
 from ..bake.playback import compare
 from ..bake.track import HapticTrack
-from .devices import written_devices
-from .frame_scene import within, written_frame, written_modalities
+from .frame_scene import within, written_export, written_frame
 
 
 class Capture:
@@ -38,8 +35,7 @@ class Capture:
         self.scene, self.start, self.end, self.names = scene, start, end, names
         self._recorder = Recorder(scene.render.fps / scene.render.fps_base, scene.frame_start) if recorded else None
         self._take = Take() if felt else None
-        self._first: HapticScene | None = None
-        self._modalities: tuple[ModalityScene, ...] = ()
+        self._first: Export | None = None
 
     @property
     def frames(self) -> int:
@@ -65,10 +61,9 @@ class Capture:
             tracks = None
         if self._recorder is None or self._first is None:
             return Export(name, tracks=tracks)
-        devices = written_devices(self.scene, self._first.listeners)
-        scene = replace(self._recorder.scene(), settings=self._first.settings, extras=self._first.extras)
-        recording = self._recorder.recording()
-        return Export(name, scene=scene, tracks=tracks, recording=recording, devices=devices, modalities=self._modalities)
+        first = self._first.need_scene()
+        scene = replace(self._recorder.scene(), settings=first.settings, extras=first.extras)
+        return replace(self._first, name=name, scene=scene, tracks=tracks, recording=self._recorder.recording())
 
     def _results(self) -> Iterator[FrameResult]:
         track = None if self._recorder is not None else baked(self.scene, self.start, self.end)
@@ -93,7 +88,7 @@ class Capture:
         frame = written_frame(result, reading, self.scene)
         frame = frame if self.names is None else within(frame, self.names)
         if self._first is None:
-            self._first, self._modalities = frame, written_modalities(self.scene, frame, self.names)
+            self._first = written_export("", self.scene, frame, self.names)
         contacts = contacts_within(result.contacts, result.objects, {item.name for item in frame.objects})
         self._recorder.add(result.number, frame.objects, frame.sources, frame.listeners, contacts, result.objects)
 

@@ -22,9 +22,8 @@ from .. import session
 from ..panels.drawing import wrapped
 from . import job
 from .capture import Capture
-from .devices import written_devices
 from .format_options import chosen, draw_options, option_properties
-from .frame_scene import scene_of_frame, scene_of_result, within, written_modalities
+from .frame_scene import scene_of_frame, scene_of_result, within, written_export
 
 TRACK_FORMATS = tuple(name for name in registry.FORMATS if name != "scene")
 SCENE_ENDINGS = (".json.gz", ".json")
@@ -145,12 +144,7 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
     def _current(self, context: Context) -> Export:
         scene, names = current_scene(context), self.names()
         scene = scene if names is None else within(scene, names)
-        return Export(
-            export_name(self.filepath),
-            scene,
-            devices=written_devices(context.scene, scene.listeners),
-            modalities=written_modalities(context.scene, scene, names),
-        )
+        return written_export(export_name(self.filepath), context.scene, scene, names)
 
     def _writer(self) -> Callable[[Export], list[job.Report]]:
         """What writes the file once all frames are stepped: this operator is gone by then."""

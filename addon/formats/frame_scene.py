@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 import bpy
 from bpy.types import Depsgraph, Object
 
+from ...core.formats.export import Export
 from ...core.formats.recording import pair_of
 from ...core.frame_result import FrameResult
 from ...core.modalities import ModalityScene
@@ -22,8 +23,9 @@ from ..decimals import shortest
 from ..modalities.properties import SHOWN
 from ..modalities.reader import read_modality
 from ..scene_reader import Reading
-from .devices import is_muted
+from .devices import is_muted, written_devices
 from .kept import KeptContacts, kept_contacts, kept_listener, kept_object, kept_scene, kept_source
+from .materials import NAMED, written_materials
 
 T = TypeVar("T")
 
@@ -38,8 +40,6 @@ AUTHORED = (
 )
 """Properties of a scene that its settings in the file don't hold; they stand in its extras, under `EXTRAS`."""
 EXTRAS = "blender"
-MATERIAL = "material"
-"""The name of an object's haptic material, in its extras."""
 MUTED = "muted"
 """True in the extras of a listener that is chosen to be felt nowhere."""
 
@@ -83,6 +83,20 @@ def written_modalities(scene: bpy.types.Scene, frame: HapticScene, names: Collec
     )
 
 
+def written_export(
+    name: str, scene: bpy.types.Scene, frame: HapticScene, names: Collection[str] | None = None, **more: Any
+) -> Export:
+    """A written frame of ``scene`` with all that belongs to it; ``names``: only what belongs to these. Raises ValueError in words."""
+    return Export(
+        name,
+        frame,
+        devices=written_devices(scene, frame.listeners),
+        modalities=written_modalities(scene, frame, names),
+        materials=written_materials(scene, frame.objects, names is None),
+        **more,
+    )
+
+
 def within(scene: HapticScene, names: Collection[str]) -> HapticScene:
     """The part of a scene that is made of the objects, sources and listeners of these names."""
     objects = tuple(item for item in scene.objects if item.name in names)
@@ -109,7 +123,7 @@ def _by_name(items: Any) -> tuple[Any, ...]:
 def _object(item: HapticObject, obj: Object | None, settled: bool) -> HapticObject:
     kept = kept_object(obj.haptics.imported if obj is not None else "")
     material = obj.haptics.material.name if obj is not None else ""
-    extras = {**kept.extras, MATERIAL: material} if material else dict(kept.extras)
+    extras = {**kept.extras, NAMED: material} if material else dict(kept.extras)
     return replace(item, pose=kept.pose if settled else item.pose, extras=extras)
 
 

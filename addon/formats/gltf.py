@@ -15,8 +15,9 @@ from bpy.types import Context, Object, UILayout
 from ...core.formats.error import FormatError
 from ...core.formats.scene_json import SceneReader, item_to_dict
 from ...core.scene import HapticScene
-from .frame_scene import MATERIAL, scene_of_frame
+from .frame_scene import scene_of_frame
 from .kept import text_of
+from .materials import NAMED
 from .scene_builder import write_body, write_listener, write_source
 
 KEY = "haptic_tracing"
@@ -77,7 +78,7 @@ class glTF2ExportUserExtension:
 
     def _with_material(self, mesh: Any, form: dict[str, Any]) -> Any:
         """The mesh with its haptic material; a copy, since objects of different materials may share one."""
-        material = form.get("extras", {}).get(MATERIAL, "") or f"kappa {form['kappa']:g}, rho {form['rho']:g}"
+        material = form.get("extras", {}).get(NAMED, "") or f"kappa {form['kappa']:g}, rho {form['rho']:g}"
         index = self.materials.setdefault((material, form["kappa"], form["rho"]), len(self.materials))
         name = self.properties.material_name
         mesh = copy.copy(mesh)

@@ -22,11 +22,13 @@ from ..decimals import shortest
 from ..function_properties import PARAMETERS
 from ..live_output import player
 from ..materials import library
+from ..modalities.properties import SHOWN
 from ..scene_reader import function_of_properties, read_function, stands_for
 from .devices import take_devices
-from .frame_scene import AUTHORED, EXTRAS, MATERIAL, MUTED
+from .frame_scene import AUTHORED, EXTRAS, MUTED
 from .kept import exact, kept_contacts, near, text_of, text_of_contacts, text_with
 from .keyframes import local_place, write_keyframes
+from .materials import NAMED, take_materials
 from .shape_mesh import surface
 
 SMALLEST = 0.1
@@ -43,6 +45,7 @@ def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list
     What could not be carried over, in words.
     """
     builder = _Builder(export, scene)
+    builder.add_materials()
     builder.add_objects()
     for source in export.need_scene().sources:
         builder.add_source(source)
@@ -79,7 +82,13 @@ class _Builder:
         """All of it, in words."""
         return [f"{what}: {_listed(names)}" for what, names in self.lost.items()]
 
+    def add_materials(self) -> None:
+        """The library, before anything is made of it."""
+        for name in take_materials(self.scene, self.export.materials):
+            self.lose("material of that name is another one in this scene", name)
+
     def add_objects(self) -> None:
+        parts = {part.modality.name: part for part in self.export.modalities}
         for item in self.haptic.objects:
             shape, guessed = item.shape, item.shape is None
             if guessed:
@@ -92,16 +101,22 @@ class _Builder:
             obj.rotation_mode = "QUATERNION"
             obj.location, obj.rotation_quaternion = pose.position, pose.rotation
             haptics = obj.haptics
+            material = self._material(item)
+            if material in self.scene.haptics.materials.items:
+                haptics.material.name = material  # and its values, which the object's own replace
             kept = write_body(haptics, item)
-            for part in self.export.modalities:
-                kept["numbers"] |= self._write_modality(part, item.name, obj)
+            for modality in SHOWN:
+                kept["numbers"] |= self._write_modality(parts.get(modality.name, ModalityScene(modality)), item.name, obj)
             haptics.imported = text_of(
                 **kept,
                 shape=None if guessed else shape.to_dict(),
                 mass=item.mass,
                 pose={"position": pose.position, "rotation": pose.rotation},
-                extras=self._without_material(obj, item.extras),
+                extras={key: value for key, value in item.extras.items() if key != NAMED or not material},
             )
+            if material and material not in self.scene.haptics.materials.items:
+                library.add(self.scene, material, library.own_values(obj))
+                haptics.material.name = material
             if read_function(haptics) != item.propagation:
                 self.lose(f"function {item.propagation.name!r} as the file has it", item.name)
 
@@ -135,7 +150,7 @@ class _Builder:
     def _write_modality(self, part: ModalityScene, name: str, obj: Object) -> dict[str, float]:
         """Make an object's properties those that it has for a modality. The numbers that are to be kept."""
         group = getattr(obj.haptics.modalities, part.modality.name)
-        numbers = write_numbers(group, **part.values.get(name, {}))
+        numbers = write_numbers(group, **{**part.modality.defaults(), **part.values.get(name, {})})
         form = part.forms.get(name, {"function": part.modality.default_function})
         group.function = form["function"]
         for key, own in PARAMETERS.get(group.function, {}).items():
@@ -266,15 +281,10 @@ class _Builder:
         self.attached[f"{role} {item.name}"] = obj
         return obj
 
-    def _without_material(self, obj: Object, extras: Mapping[str, Any]) -> dict[str, Any]:
-        """The extras, but for the name of a haptic material, which the object then is made of; new ones come into the scene's library."""
-        name = extras.get(MATERIAL)
-        if not isinstance(name, str) or not 0 < len(name) <= LONGEST_NAME:
-            return dict(extras)
-        if name not in self.scene.haptics.materials.items:
-            library.add(self.scene, name, library.own_values(obj))
-        obj.haptics.material.name = name
-        return {key: value for key, value in extras.items() if key != MATERIAL}
+    def _material(self, item: HapticObject) -> str:
+        """The name of the haptic material that an object is made of, "" where there is none."""
+        name = item.extras.get(NAMED)
+        return name if isinstance(name, str) and len(name) <= LONGEST_NAME else ""
 
     def _guessed(self, item: HapticObject) -> tuple[Shape, Vector]:
         """A box around all that is known to be on an object, and its centre in the world."""

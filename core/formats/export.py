@@ -21,6 +21,7 @@ from .tracks import ListenerTrack, Tracks
 if TYPE_CHECKING:
     from ..modalities import ModalityScene
     from .devices import DeviceMapping
+    from .materials_json import LibraryMaterial
     from .recording import Recording
 
 EDITOR = "Haptic Tracing"
@@ -40,6 +41,7 @@ class Export:
     recording: Recording | None = None
     devices: tuple[DeviceMapping, ...] = ()
     modalities: tuple[ModalityScene, ...] = ()
+    materials: tuple[LibraryMaterial, ...] = ()
     date: str = field(default_factory=_today)
 
     def need_tracks(self) -> Tracks:

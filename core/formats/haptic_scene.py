@@ -1,4 +1,4 @@
-"""The haptic scene file with all that it can hold: scene, devices, modalities, frames and tracks."""
+"""The haptic scene file with all that it can hold: scene, materials, devices, modalities, frames and tracks."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 from . import wav
 from .export import Export, scene_file
+from .materials_json import material_to_dict, materials_from_dict
 from .modalities_json import modalities_from_dict, modalities_to_dict
 from .motion import packed
 from .options import Option
@@ -50,6 +51,8 @@ def write_export(export: Export, path: Path, frames: bool = True, tracks: str = 
     extras = {"extras": scene.pop("extras")} if "extras" in scene else {}
     files = [path]
     document: dict[str, Any] = {**scene}
+    if export.materials:
+        document["materials"] = [material_to_dict(material) for material in export.materials]
     if export.devices:
         document["devices"] = [device_to_dict(device) for device in export.devices]
     modalities = modalities_to_dict(export.modalities)
@@ -82,6 +85,7 @@ def read_export(path: str | Path) -> Export:
         scene=scene,
         devices=devices_from_dict(document, scene, path),
         modalities=modalities_from_dict(document, scene, path),
+        materials=materials_from_dict(document, path),
         recording=recording_from_dict(document, scene, path),
         tracks=tracks_from_dict(document, path),
     )
