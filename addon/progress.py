@@ -13,17 +13,22 @@ MANY = 1000
 """Fewer items than these are done in less than the tenth of a second that nobody notices."""
 
 
+def show(part: float) -> None:
+    """The part, 0 to 1, that is done, at the mouse pointer."""
+    bpy.context.window_manager.progress_update(part)
+
+
 def progress(items: Sequence[Item]) -> Iterator[Item]:
     """The items one by one, with a progress bar where they are many."""
     if len(items) < MANY:
         yield from items
         return
     manager = bpy.context.window_manager
-    manager.progress_begin(0, len(items))
+    manager.progress_begin(0, 1)
     try:
         for number, item in enumerate(items):
             if number % 200 == 0:
-                manager.progress_update(number)
+                show(number / len(items))
             yield item
     finally:
         manager.progress_end()
