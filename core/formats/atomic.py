@@ -18,18 +18,14 @@ def atomic_file(path: str | Path) -> Iterator[BinaryIO]:
     """
     path = Path(path)
     temporary = path.with_name(f".{secrets.token_hex(8)}.part")
-    with temporary.open("xb") as file:
-        try:
+    file = temporary.open("xb")
+    try:
+        with file:  # closing it may fail as well: on a full disk
             yield file
             file.flush()
             os.fsync(file.fileno())
-        except BaseException:
-            file.close()
-            temporary.unlink()
-            raise
-    try:
         temporary.replace(path)
-    except OSError:
+    except BaseException:
         temporary.unlink()
         raise
 

@@ -1,7 +1,11 @@
 """Files appear whole or not at all, under names that every system takes, and never outside the chosen folder."""
 
 import errno
+import json
 import os
+import signal
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -87,18 +91,58 @@ def test_a_failure_while_writing_leaves_what_was_there(tmp_path, failure):
     assert path.read_text() == "what was there" and list(tmp_path.iterdir()) == [path]
 
 
+WRITER = """
+import resource, signal, sys
+import numpy as np
+from haptic_tracing.core.formats import registry
+from haptic_tracing.core.formats.export import Export
+from haptic_tracing.core.formats.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.scene import HapticObject, HapticScene
+
+name, folder, most = sys.argv[1], sys.argv[2], int(sys.argv[3])
+noise = np.random.default_rng(0).normal(0, 0.1, (2, 80_000)).clip(-1, 1)
+tracks = Tracks((ListenerTrack("hand", "hand.L", [[0.5, 0.5]]), ListenerTrack("ear", "ear.L")), 8000, noise)
+options = {"tracks": "inline"} if name == "scene" else {}
+export = Export("scene", HapticScene((HapticObject("a", 0, 1),)), tracks)
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+try:
+    registry.write(name, export, folder, options)
+except OSError as error:
+    print("refused")
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="only Unix can refuse to let a file grow")
 @pytest.mark.parametrize("name", list(registry.FORMATS))
-def test_a_full_disk_leaves_no_half_file(tmp_path, name, monkeypatch):
-    """The last step of each file fails as it does on a full disk."""
+@pytest.mark.parametrize("most", [1, 1000])
+def test_a_disk_that_takes_no_more_gets_no_half_file(tmp_path, name, most):
+    """The system itself refuses to let any file grow beyond ``most`` bytes, in the midst of writing."""
+    done = subprocess.run([sys.executable, "-c", WRITER, name, str(tmp_path), str(most)], capture_output=True, text=True, check=True)
+    left = [path for path in tmp_path.rglob("*") if path.is_file()]
+    # What is there is whole: small side files, written before the large one that the disk did not take.
+    assert done.stdout == "refused\n" and all(path.suffix != ".part" for path in left), (left, done.stderr)
+    for path in left:
+        assert json.loads(path.read_bytes()) if path.suffix != ".ohm" else path.read_bytes().startswith(b"OHM ")
 
-    def full(descriptor):
-        raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(os, "fsync", full)
-    tracks = Tracks((ListenerTrack("hand", "hand.L"),), 8000, np.sin(np.arange(800) / 5)[None])
-    with pytest.raises(OSError, match="No space left"):
-        registry.write(name, Export("scene", HapticScene((HapticObject("a", 0, 1),)), tracks), tmp_path)
-    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+KILLED = """
+import os, signal, sys
+from haptic_tracing.core.formats.atomic import atomic_file
+
+with atomic_file(sys.argv[1]) as file:
+    file.write(b"half of it" * 100_000)
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="Windows has no such signal")
+def test_a_crash_while_writing_leaves_what_was_there(tmp_path):
+    path = tmp_path / "scene.json"
+    path.write_text("what was there")
+    assert subprocess.run([sys.executable, "-c", KILLED, str(path)], check=False).returncode == -signal.SIGKILL
+    assert path.read_text() == "what was there"
+    assert all(other.name.startswith(".") and other.suffix == ".part" for other in tmp_path.iterdir() if other != path)
 
 
 def test_a_folder_in_the_way(tmp_path):

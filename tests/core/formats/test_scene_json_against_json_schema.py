@@ -10,7 +10,7 @@ import jsonschema
 import pytest
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Sphere
 from haptic_tracing.core.formats.error import FormatError
-from haptic_tracing.core.formats.scene_json import read_scene, scene_from_dict, scene_to_dict, write_scene
+from haptic_tracing.core.formats.scene_json import MIGRATIONS, read_scene, scene_from_dict, scene_to_dict, write_scene
 from haptic_tracing.core.formats.schema import load_schema, validate
 from haptic_tracing.core.functions import Constant, Exponential, Expression, HapticTracing, Identity, Linear, Spectrum
 from haptic_tracing.core.scene import (
@@ -156,7 +156,11 @@ def scenes(draw):
                         position=vectors,
                         body_part=st.sampled_from(["", "hand.L"]),
                         radius=unit,
+                        gain=st.floats(0, 10),
+                        mixing=st.just("custom"),
                         s_max=st.floats(0.1, 1),
+                        mixing_expression=st.sampled_from(["s_max * tanh(sum / s_max)", "0.5 * strongest"]),
+                        limiter=st.booleans(),
                         extras=extras,
                     ),
                     max_size=2,
@@ -173,6 +177,7 @@ def scenes(draw):
                 threshold=unit,
                 epsilon=unit,
                 tolerance=unit,
+                localise=unit,
             )
         ),
         extras=draw(extras),
@@ -232,6 +237,26 @@ def test_writing_and_reading_gives_the_same_scene_and_again_the_same_bytes(tmp_p
     write_scene(read_scene(folder / "a.json"), folder / "b.json.gz")
     assert gzip.decompress((folder / "b.json.gz").read_bytes()) == (folder / "a.json").read_bytes()
     assert sorted(path.name for path in folder.iterdir()) == ["a.json", "b.json.gz"]
+
+
+def test_older_versions_are_migrated_step_by_step(tmp_path, monkeypatch):
+    """As the next versions will have it: a version says how to become a later one, and what none can read says which it can."""
+
+    def from_half(document):
+        return {**document, "version": "0.9", "objects": [{"kappa": 0.1, **form} for form in document["objects"]]}
+
+    def from_nine(document):
+        objects = [{"name": form["name"], "kappa": form["kappa"], "rho": 1 - form["loss"]} for form in document["objects"]]
+        return {**document, "version": "1.0", "objects": objects}
+
+    monkeypatch.setitem(MIGRATIONS, "0.5", from_half)
+    monkeypatch.setitem(MIGRATIONS, "0.9", from_nine)
+    path = tmp_path / "old.json"
+    path.write_text(json.dumps({"format": "haptic-scene", "version": "0.5", "objects": [{"name": "a", "loss": 0.25}]}))
+    assert read_scene(path).objects == (HapticObject("a", 0.1, 0.75),)
+    path.write_text(json.dumps({"format": "haptic-scene", "version": "0.1", "objects": []}))
+    with pytest.raises(FormatError, match=r'/version: this reads version "1.0" or "0.5" or "0.9", not "0.1"'):
+        read_scene(path)
 
 
 ODD_SHAPES = [{"function": "linear"}, {"type": "box"}, {"pose": {}}]
