@@ -17,7 +17,7 @@ def preset_values(material: Material) -> dict[str, object]:
         "kappa": material.kappa,
         "rho": material.rho,
         "wave_speed": material.wave_speed,
-        "use_bands": False,  # bands and delays cost time to trace: whoever wants them switches them on
+        "use_bands": False,  # at first the paper's function alone, whose gains the overlay shows; delays cost time to trace, too
         "band_decays": material.band_decays,
         "conductivity": material.conductivity,
     }

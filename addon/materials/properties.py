@@ -132,7 +132,7 @@ class HapticMaterial(PropertyGroup):
     )
     use_bands: BoolProperty(
         name="Frequency Bands",
-        description="High frequencies fade faster than low ones, as the values per band say; costs time to trace",
+        description="High frequencies fade faster than low ones, as the values per band say",
         default=False,
         options=set(),
         update=_material_changed,
@@ -177,7 +177,7 @@ class HapticObjectMaterial(PropertyGroup):
     )
     use_bands: BoolProperty(
         name="Frequency Bands",
-        description="High frequencies fade faster than low ones, as the values per band say; costs time to trace",
+        description="High frequencies fade faster than low ones, as the values per band say",
         default=False,
         update=changed,
     )

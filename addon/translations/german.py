@@ -155,7 +155,7 @@ MESSAGES: dict[str, str] = {
     "Thin lines: lowest and highest band": "Dünn: tiefstes und höchstes Band",
     "The formula gives no gain": "Die Formel gibt keine Verstärkung",
     "Frequency Bands": "Frequenzbänder",
-    "High frequencies fade faster than low ones, as the values per band say; costs time to trace": "Hohe Frequenzen klingen schneller ab als tiefe, wie die Werte der Bänder sagen; kostet Rechenzeit",
+    "High frequencies fade faster than low ones, as the values per band say": "Hohe Frequenzen klingen schneller ab als tiefe, wie die Werte der Bänder sagen",
     "Band Attenuation": "Dämpfung der Bänder",
     "Extra attenuation per metre": "Zusätzliche Dämpfung je Meter",
     "Extra attenuation per metre in this band of frequencies; 0 adds none": "Zusätzliche Dämpfung je Meter in diesem Frequenzband; 0 fügt keine hinzu",
