@@ -1,36 +1,30 @@
 """What propagation is to reach, each as a ratio in one run where a peer exists.
 
-    python -m benchmarks.bench_propagation_targets
+    python -m benchmarks.bench_propagation_targets [--demo]
 
-The rows of the certified 1 % are taken from what ``bench_propagation_error`` measured last.
+``--demo`` measures and prints the first row alone. The rows of the certified 1 % are taken from what ``bench_propagation_error`` measured
+last.
 """
 
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import os
 import statistics
-import subprocess
-import sys
-import tempfile
 import time
 import tracemalloc
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
-from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.formats.scene_json import read_scene
-from haptic_tracing.core.graph import ObjectTable, build_graph
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene import Settings, SourceKind, Strategy
+from haptic_tracing.core.scene import Settings, Strategy
 
 from .bench_propagation_error import BY_CONNECTIONS, ENUMERATION, WANTED, Measured, measured_before
 from .families import Family, ladder, pile, wall
+from .frames import demo_family
 from .peers import by_networkx, by_rustworkx, by_scipy
 from .report import milliseconds, publish, table
 
@@ -195,27 +189,26 @@ def certified(measured: list[Measured]) -> list[Target]:
 
 def demo_frame() -> list[Target]:
     """The demo's persistent source and its 10 listeners, as a frame does it: graph, then propagation by the scene's settings."""
-    with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "haptic_tracing", "demo", "--out", folder, "--no-picture", "--end", "10"]
-        subprocess.run(command, check=True, capture_output=True)
-        scene = read_scene(str(Path(folder) / "jackhammer_bench.json"))
-    sources = tuple(source for source in scene.sources if source.kind is SourceKind.PERSISTENT)[:1]
-    table_ = ObjectTable.of(scene.objects, scene.settings.epsilon)
-    contacts = ContactSet.from_contacts(scene.contacts, table_.index())
-    settings = dataclasses.replace(scene.settings, strategy=Strategy.ALL_PATHS)
+    family = demo_family()
+    settings = Settings(strategy=Strategy.ALL_PATHS)
     times = []
     for _ in range(500):
         begun = time.process_time()
-        propagate(build_graph(table_, contacts, sources, scene.listeners), settings)
+        propagate(family.graph(), settings)
         times.append(1000 * (time.process_time() - begun))
     median = statistics.median(times)
-    what = f"one persistent source, {len(scene.listeners)} listeners, demo scene ({len(scene.objects)} objects, {len(contacts)} contacts)"
+    count = f"{len(family.table.names)} objects, {len(family.contacts)} contacts"
+    what = f"one persistent source, {len(family.listeners)} listeners, demo scene ({count})"
     return [Target(what, "under 1 ms a frame", f"{median:.2f} ms (best {min(times):.2f})", median < 1)]
 
 
 def main() -> None:
     """Measure, print, write."""
-    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--demo", action="store_true")
+    if parser.parse_args().demo:
+        print(*(f"{target.what}: {target.measured}" for target in demo_frame()), sep="\n")
+        return
     targets = demo_frame() + exact_sums() + against_peers() + certified(measured_before())
     rows = [(t.what, t.wanted, t.measured, "yes" if t.reached else "**no**") for t in targets]
     note = (

@@ -25,6 +25,10 @@ IntArray = NDArray[np.int64]
 MESH = 12
 """Subsystems with more couplings than this are left to the core, which is solved as a dense matrix."""
 
+PANEL, TILE = 32, 64
+"""A matrix is eliminated by so many rows at a time, then updated in squares of this size: small enough that no library for linear algebra
+divides a product among threads, whose number would show in the last bits (and waiting for which costs more than they save)."""
+
 Star = tuple[int, list[int], FloatArray, float]
 """An eliminated subsystem, those it was coupled to, the couplings by T, and 1 / T."""
 
@@ -90,7 +94,37 @@ class Elimination:
         result[self.core] = energy
         busy = [bool(value) for value in np.atleast_1d(passed.any(axis=1))]
         for index, ends, factors, inverse in reversed(self._stars):
-            result[index] = factors @ result[ends]
+            result[index] = (factors[:, None] * result[ends]).sum(axis=0)
             if busy[index]:
                 result[index] += passed[index] * inverse
         return result
+
+
+def eliminated(damping: FloatArray, rows: IntArray, columns: IntArray, coupling: FloatArray, power: FloatArray) -> FloatArray:
+    """Energies (n, s) of subsystems that are solved as a dense matrix: by the same elimination, which needs its upper half alone."""
+    count = len(damping)
+    own, passed, inverse = damping.copy(), power.copy(), np.empty(count)
+    matrix = np.zeros((count, count))
+    matrix[rows, columns] += coupling
+    for first in range(0, count, PANEL):
+        last = min(first + PANEL, count)
+        behind = np.empty((last - first, count - last))
+        for index in range(first, last):
+            row = matrix[index, index + 1 :]
+            inverse[index] = 1.0 / (own[index] + row.sum())
+            factor = row * inverse[index]
+            left = last - index - 1
+            matrix[index + 1 : last, index + 1 :] += factor[:left, None] * row
+            own[index + 1 :] += factor * own[index]
+            passed[index + 1 :] += factor[:, None] * passed[index]
+            behind[index - first] = row[left:]
+            matrix[index, index + 1 :] = factor
+        factors = matrix[first:last, last:].T
+        for top in range(0, count - last, TILE):
+            for begin in range(top, count - last, TILE):
+                tile = matrix[last + top : last + top + TILE, last + begin : last + begin + TILE]
+                tile += factors[top : top + TILE] @ behind[:, begin : begin + TILE]
+    energy = passed * inverse[:, None]
+    for index in range(count - 2, -1, -1):
+        energy[index] += (matrix[index, index + 1 :, None] * energy[index + 1 :]).sum(axis=0)
+    return energy

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from ..bands import BAND_COUNT
 from ..graph import HapticGraph, NodeKind, distances
-from .elimination import Elimination
+from .elimination import Elimination, eliminated
 from .pieces import patches_of
 
 FloatArray = NDArray[np.float64]
@@ -283,16 +283,8 @@ def _solve(
     parts = Elimination(damping, rows, columns, coupling)
     passed = parts.forward(power)
     equations = parts.damping, parts.rows, parts.columns, parts.coupling, passed[parts.core]
-    energy, doubt = (_dense if len(parts.core) <= DENSE else _iterated)(*equations)
+    energy, doubt = (eliminated(*equations), np.zeros(power.shape[1])) if len(parts.core) <= DENSE else _iterated(*equations)
     return parts.back(energy, passed), doubt
-
-
-def _dense(
-    damping: FloatArray, rows: IntArray, columns: IntArray, coupling: FloatArray, power: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    matrix = np.diag(damping + np.bincount(rows, weights=coupling, minlength=len(damping)))
-    matrix[rows, columns] -= coupling
-    return np.maximum(np.linalg.solve(matrix, power), 0.0), np.zeros(power.shape[1])
 
 
 def _iterated(

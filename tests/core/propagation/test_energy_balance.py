@@ -10,6 +10,7 @@ import pytest
 from haptic_tracing.core.functions import Constant, Exponential, Identity, Linear
 from haptic_tracing.core.graph import graph_of_scene
 from haptic_tracing.core.propagation import energy_balance, propagate
+from haptic_tracing.core.propagation.elimination import eliminated
 from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -113,12 +114,24 @@ def test_iterative_solution_within_its_bound(seed, monkeypatch):
     arguments = damping, rows, columns, matrix[rows, columns], power
     exact = np.linalg.solve(np.diag(damping + matrix.sum(axis=1)) - matrix, power)
     assert np.allclose(energy_balance._solve(*arguments)[0], exact, rtol=1e-12, atol=0)
-    assert np.allclose(energy_balance._dense(*arguments)[0], exact, rtol=1e-12, atol=0)
+    assert np.allclose(eliminated(*arguments), exact, rtol=1e-12, atol=0)
     for iterations in (1, 3, 2000):
         monkeypatch.setattr(energy_balance, "ITERATIONS", iterations)
         approximate, doubt = energy_balance._iterated(*arguments)
         assert np.all(np.abs(approximate - exact) <= doubt + 1e-14)
     assert doubt.max() < 1e-13
+
+
+@pytest.mark.parametrize("count", [1, 2, 31, 32, 33, 64, 97, 300])
+def test_dense_elimination_against_lapack(count):
+    """Also where the last rows and squares are not whole."""
+    random = np.random.default_rng(count)
+    matrix = np.triu(random.uniform(0, 1, (count, count)), 1)
+    matrix = matrix + matrix.T
+    rows, columns = np.nonzero(matrix)
+    damping, power = random.uniform(1, 5, count), random.uniform(0, 1, (count, 3))
+    exact = np.linalg.solve(np.diag(damping + matrix.sum(axis=1)) - matrix, power)
+    assert np.allclose(eliminated(damping, rows, columns, matrix[rows, columns], power), exact, rtol=1e-12, atol=0)
 
 
 @pytest.mark.parametrize("points", [2, 8])

@@ -1,8 +1,12 @@
-"""Bit by bit the same result wherever the arrays lie in memory, and however their elements are spaced there."""
+"""Bit by bit the same result wherever the arrays lie in memory, however their elements are spaced there, and whoever computes."""
 
 from __future__ import annotations
 
 import dataclasses
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 from haptic_tracing.core.contacts.contact_set import ContactSet
@@ -17,6 +21,7 @@ from path_reference import METRIC, OTHER, connected_scene
 SEEDS = st.integers(0, 10**6)
 OFFSETS = st.integers(1, 7).map(lambda words: 8 * words)
 LIMITS = st.sampled_from([(None, 0.0), (32, 1e-3), (9, 0.0)])
+CORE = Settings(strategy=Strategy.ENERGY_BALANCE)
 STRATEGIES = st.sampled_from([Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE])
 BANDED = Exponential(alpha=0.3, spectrum=Spectrum(band_gains=(1.0, 0.9, 0.8, 0.7, 0.6, 0.5), wave_speed=340.0))
 
@@ -98,3 +103,17 @@ def test_same_bits_in_a_heap():
         assert np.count_nonzero(expected.gain) > 10
         for place in (*(lambda array, offset=offset: moved(array, offset) for offset in (8, 40)), spaced):
             assert_same_bits(propagate(graph_from(scene, place), chosen), expected)
+
+
+def test_same_bits_with_any_number_of_threads():
+    """Libraries for linear algebra divide large products among threads: energies with a core of some hundred subsystems."""
+    code = (
+        "from test_places_in_memory import CORE, heap; from haptic_tracing.core.graph import graph_of_scene;"
+        "from haptic_tracing.core.propagation import propagate; print(propagate(graph_of_scene(heap(400)), CORE).gain.tobytes().hex())"
+    )
+    paths = [str(Path(__file__).parent), *sys.path]
+    found = []
+    for threads in ("1", "2", "5"):
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OPENBLAS_NUM_THREADS": threads, "OMP_NUM_THREADS": threads}
+        found.append(subprocess.run([sys.executable, "-c", code], env=environment, check=True, capture_output=True, text=True).stdout)
+    assert found[0] == found[1] == found[2] != ""
