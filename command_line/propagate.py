@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..core.graph import HapticGraph, NoGain
+    from ..core.modalities import Felt
     from ..core.propagation import Propagation
     from ..core.scene import HapticScene, Strategy
 
@@ -61,11 +62,15 @@ def _tolerance(text: str) -> float:
 
 def run(args: argparse.Namespace) -> int:
     """Read, propagate, print."""
-    from ..core.formats.scene_json import read_scene
+    from ..core.formats.modalities_json import modalities_from_dict
+    from ..core.formats.scene_json import current_document, scene_from_dict
+    from ..core.formats.strict_json import read_json
     from ..core.graph import NoGain, graph_of_scene
     from ..core.propagation import propagate
 
-    scene = read_scene(args.scene)
+    document = current_document(read_json(args.scene), args.scene)
+    scene = scene_from_dict(document, args.scene)
+    modalities = modalities_from_dict(document, scene, args.scene)
     chosen = {key: value for key in ("strategy", "mode", "threshold", "tolerance") if (value := getattr(args, key)) is not None}
     if args.max_connections is not _UNSET:
         chosen["max_connections"] = args.max_connections
@@ -77,13 +82,23 @@ def run(args: argparse.Namespace) -> int:
         built = time.perf_counter()
         result = propagate(graph, settings)
         finished = time.perf_counter()
+        felt = [part.felt_in(scene) for part in modalities if part.enabled]
     except NoGain as error:
         raise ValueError(f"{args.scene}: {_pointer(scene, error)}: {error}") from None
     except ValueError as error:
         raise ValueError(f"{args.scene}: {error}") from None
     seconds = {"graph_seconds": built - started, "propagate_seconds": finished - built}
-    print(json.dumps(report(graph, result, settings.strategy, seconds), indent=1, ensure_ascii=False, allow_nan=False))
+    printed = report(graph, result, settings.strategy, seconds)
+    if felt:
+        printed["modalities"] = {item.modality.name: felt_report(item) for item in felt}
+    print(json.dumps(printed, indent=1, ensure_ascii=False, allow_nan=False))
     return 0
+
+
+def felt_report(felt: Felt) -> dict[str, Any]:
+    """What the listeners feel of a modality beside vibration, in its unit."""
+    values = [{"listener": name, "value": float(value)} for name, value in zip(felt.listeners, felt.values, strict=True)]
+    return {"unit": felt.modality.source_value.unit, "felt": values}
 
 
 def _with_contacts(scene: HapticScene) -> HapticScene:

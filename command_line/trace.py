@@ -64,9 +64,9 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
     from tqdm import tqdm
 
     from ..addon import timeline
-    from ..addon.formats.frame_scene import scene_of_result
+    from ..addon.formats.frame_scene import scene_of_result, written_export
     from ..addon.suspension import suspended
-    from ..core.formats.scene_json import read_scene, write_scene
+    from ..core.formats.haptic_scene import read_export, write_export
     from ..core.formats.tracks import Tracks
     from ..core.formats.wav import write_wav
 
@@ -78,8 +78,8 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
         played = timeline.play(scene, start, end, lambda frame: bar.update())
 
     written = [args.out / f"{name}.json", args.out / f"{name}.wav"]
-    write_scene(scene_of_result(played.last, played.last_reading, scene), written[0])
-    read_scene(written[0])  # validates what was written
+    write_export(written_export(name, scene, scene_of_result(played.last, played.last_reading, scene)), written[0])
+    read_export(written[0])  # validates what was written
     write_wav(Tracks.of(played), written[1])
     if not args.no_picture:
         from ..addon.overlay.picture import draw_picture
