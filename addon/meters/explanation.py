@@ -32,7 +32,7 @@ def why_silent(scene: Scene, listener: str) -> tuple[str, tuple[Reason, ...]]:
     names = [item.name for item in result.listeners]
     if listener not in names:
         return "It was no listener when this frame was traced", ()
-    stale = "Tracing is switched off: this is how the scene was before. " if not haptics.tracing else ""
+    stale = "Tracing is switched off: this is how the scene was before." if not haptics.tracing else ""
     return stale, _reasons(scene, result, names.index(listener))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import BoolProperty, StringProperty
 from bpy.types import Context, Operator
 
@@ -27,7 +28,7 @@ class HAPTIC_OT_select_object(Operator):
     def execute(self, context: Context) -> set[str]:
         found: Any = next((obj for obj in context.view_layer.objects if obj.name_full == self.name), None)
         if found is None:
-            self.report({"WARNING"}, f"There is no object '{self.name}' in this view layer any more")
+            self.report({"WARNING"}, _rpt("There is no object '{}' in this view layer any more").format(self.name))
             return {"CANCELLED"}
         if not self.extend:
             for obj in context.selected_objects:

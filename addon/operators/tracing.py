@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Context, Operator
 
 from .. import session
 from ..overlay import draw
+from ..translations.sentences import translated
 
 
 class HAPTIC_OT_trace_frame(Operator):
@@ -19,7 +21,8 @@ class HAPTIC_OT_trace_frame(Operator):
         result = session.trace(context.scene, context.evaluated_depsgraph_get())
         if result is None:
             problems = session.problems_of(context.scene)
-            self.report({"WARNING"}, problems[0].message if problems else "Nothing is tagged: select objects and press Make Haptic")
+            nothing = "Nothing is tagged: select objects and press Make Haptic"
+            self.report({"WARNING"}, translated(problems[0].message) if problems else _rpt(nothing))
             return {"CANCELLED"}
         draw.redraw()
         return {"FINISHED"}

@@ -6,6 +6,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Collection, Context, Material, Mesh, Object, Operator, Scene
 
@@ -72,7 +73,7 @@ class HAPTIC_OT_graph_to_geometry(Operator):
         if self.labels and scene.camera is None:
             for label in data.labels:
                 _add_label(collection, label, unit)
-        self.report({"INFO"}, f"{len(graph.data.vertices):,} vertices in collection {collection.name!r}")
+        self.report({"INFO"}, _rpt("{:,} vertices in collection '{}'").format(len(graph.data.vertices), collection.name))
         return {"FINISHED"}
 
 

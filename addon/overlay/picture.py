@@ -12,6 +12,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Scene
 from mathutils import Matrix
 from numpy.typing import NDArray
@@ -124,7 +125,7 @@ def meters_above(scene: Scene, result: FrameResult, size: tuple[int, int], scale
 
     shown, margin = levels(result, History()), 12 * scale
     room = (0.35 * size[0], 0.5 * size[1])
-    items = meters(shown, None, (0.0, 0.0), room, scale, draw.text_width, title=f"Mode {scene.haptics.mode}")
+    items = meters(shown, None, (0.0, 0.0), room, scale, draw.text_width, title=iface_("Mode {}").format(scene.haptics.mode))
     high = max((plate[3] for plate in plate_of(items)), default=0.0)
     return moved(items, round(margin), round(size[1] - margin - high))
 

@@ -9,6 +9,7 @@ from bpy.types import Context, Object, UILayout
 
 from .. import session
 from ..scene_reader import haptic_carrier
+from ..translations.sentences import translated
 
 
 class HapticsPanel:
@@ -61,7 +62,7 @@ def draw_problems(layout: UILayout, context: Context) -> None:
         if problem.object:
             button = column.operator("haptic.select_object", text=problem.object, icon="RESTRICT_SELECT_OFF", translate=False)
             button.name = problem.object
-        for line in wrapped(iface_(problem.message)):
+        for line in wrapped(translated(problem.message)):
             column.label(text=line, translate=False)
 
 

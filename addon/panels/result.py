@@ -18,6 +18,7 @@ from ..meters.comparison import compared
 from ..meters.explanation import device_words, why_silent
 from ..meters.levels import Level, decibels
 from ..panel_picture import theme_ink
+from ..translations.sentences import translated
 from .drawing import HapticsPanel, draw_pair, wrapped
 
 _SHOWN_SOURCES = 4
@@ -168,7 +169,7 @@ class HAPTIC_PT_statistics(HapticsPanel, Panel):
 
 def _draw_sentence(layout: UILayout, sentence: str) -> None:
     column = layout.column(align=True)
-    for line in wrapped(iface_(sentence)):
+    for line in wrapped(translated(sentence)):
         column.label(text=line, translate=False)
 
 

@@ -617,7 +617,57 @@ MESSAGES: dict[str, str] = {
     "Haptic materials of meshes as an extension of ISO/IEC 23090-14": "Haptische Materialien von Netzen als Erweiterung von ISO/IEC 23090-14",
     "Of that extension: drafts of the standard differ": "Dieser Erweiterung: Entwürfe der Norm weichen voneinander ab",
     "Roles, haptic properties, functions and contacts, in the extras of nodes": "Rollen, haptische Eigenschaften, Funktionen und Kontakte, in den Extras der Knoten",
+    # Why Is It Silent?
+    "there is no source, and no collision was strong enough to make one": "Es gibt keine Quelle, und kein Aufprall war stark genug, eine zu sein",
+    "the gain of '{}' is 0": "Die Verstärkung von „{}“ ist 0",
+    "only this one frame was traced: play to feel what arrives": "Nur dieses eine Bild wurde verfolgt: abspielen, um zu spüren, was ankommt",
+    "'{}' reaches it with {}, but is silent at this moment": "„{}“ erreicht ihn mit {}, ist aber in diesem Augenblick still",
+    "'{}' reaches it with {}, which at {} Hz is {} dB under the threshold of feeling": "„{}“ erreicht ihn mit {}, bei {} Hz {} dB unter der Spürschwelle",
+    "'{}' is muted": "„{}“ ist stumm",
+    "'{}' has amplitude 0": "„{}“ hat die Amplitude 0",
+    "the signal of '{}' was over at {} s": "Das Signal von „{}“ war bei {} s zu Ende",
+    "in mode SD only '{}', the listener nearest to '{}', feels it": "Im Modus SD spürt es nur „{}“, der Empfänger, der „{}“ am nächsten ist",
+    "with Localise at 1 only '{}', the listener nearest to '{}', feels it": "Mit Eingrenzen auf 1 spürt es nur „{}“, der Empfänger, der „{}“ am nächsten ist",
+    "no connection at all is allowed: Max Connections is too low": "Gar keine Verbindung ist erlaubt: Die Höchstzahl der Verbindungen ist zu klein",
+    "'{}' is {} away: {} is under the threshold of {}": "„{}“ ist {} entfernt: {} liegt unter der Schwelle von {}",
+    "the way {} has {} connections, {} are allowed": "Der Weg {} hat {} Verbindungen, {} sind erlaubt",
+    "the best way, {}, passes on {}, under the threshold of {}: '{}' takes the most, {} dB over {}": "Der beste Weg, {}, gibt {} weiter, "
+    "unter der Schwelle von {}: „{}“ nimmt am meisten, {} dB über {}",
+    "the contact of '{}' and '{}' passes on nothing": "Der Kontakt von „{}“ und „{}“ gibt nichts weiter",
+    "'{}' passes on nothing, because its kappa is 1": "„{}“ gibt nichts weiter, weil sein κ 1 ist",
+    "'{}' passes on nothing, because its rho is 0": "„{}“ gibt nichts weiter, weil sein ρ 0 ist",
+    "'{}' passes on nothing over {}: see its function, {}": "„{}“ gibt über {} nichts weiter: siehe seine Funktion, {}",
+    "the way {} crosses an object twice in a row": "Der Weg {} führt zweimal nacheinander durch ein Objekt",
+    "no contact leads from '{}' on '{}' to '{}', on which '{}' is": "Kein Kontakt führt von „{}“ auf „{}“ zu „{}“, auf dem „{}“ ist",
+    "no contact leads from '{}' to it: '{}' and '{}' are {} apart": "Kein Kontakt führt von „{}“ zu ihm: „{}“ und „{}“ sind {} voneinander entfernt",
+    "no contact leads from '{}' to it: '{}' and '{}' are {} apart, they touch from {} on": "Kein Kontakt führt von „{}“ zu ihm: „{}“ und „{}“ sind {} "
+    "voneinander entfernt, sie berühren sich ab {}",
+    "no contact leads from '{}' to it: '{}' and '{}' are {} apart, and so are {} more pair on the way": "Kein Kontakt führt von „{}“ zu ihm: „{}“ und „{}“ "
+    "sind {} voneinander entfernt, und {} weiteres Paar auf dem Weg ebenso",
+    "no contact leads from '{}' to it: '{}' and '{}' are {} apart, and so are {} more pairs on the way": "Kein Kontakt führt von „{}“ zu ihm: „{}“ und „{}“ "
+    "sind {} voneinander entfernt, und {} weitere Paare auf dem Weg ebenso",
+    "{} is muted: no actuator is chosen for it": "{} ist stumm: Kein Aktor ist dafür gewählt",
+    "Tracing is switched off: tick the box of the panel Haptic Tracing": "Die Verfolgung ist aus: das Häkchen des Bereichs Haptic Tracing setzen",
+    "Nothing has been traced yet: play, or press Trace This Frame": "Noch ist nichts verfolgt: abspielen oder „Dieses Bild verfolgen“",
+    "It was no listener when this frame was traced": "Es war kein Empfänger, als dieses Bild verfolgt wurde",
+    "Tracing is switched off: this is how the scene was before.": "Die Verfolgung ist aus: So war die Szene davor.",
+    # Warnings of a frame
+    "{}: its transform is not finite; it takes no part": "{}: Seine Lage ist nicht endlich; es nimmt nicht teil",
+    "some gains are above 1: paths were searched by their number of connections; energies count them as 1": "Manche Verstärkungen liegen über 1: "
+    "Wege wurden nach der Zahl ihrer Verbindungen gesucht; Energien zählen sie als 1",
+    "the budget was spent before it was certain that the best paths are the best: see the error bounds": "Die Rechenzeit war um, bevor sicher war, dass die "
+    "besten Wege die besten sind: siehe die Fehlerschranken",
+    "a sum over paths grows without bound: its gain is a lower bound; energy_balance suits such a scene": "Eine Summe über Wege wächst ohne Grenze: Ihre "
+    "Verstärkung ist eine untere Schranke; zu solch einer Szene passt die Energiebilanz",
+    "the budget was spent before a sum over paths was certain: its gain is a lower bound, see the error bounds": "Die Rechenzeit war um, bevor eine Summe "
+    "über Wege sicher war: Ihre Verstärkung ist eine untere Schranke, siehe die Fehlerschranken",
+    "a gain is too large for a number: it is given as 1e300, a lower bound": "Eine Verstärkung ist zu groß für eine Zahl: Sie ist als 1e300 angegeben, "
+    "eine untere Schranke",
+    "it is a {} and has no surface; use a mesh, or a listener or source on an empty": "Es ist {} und hat keine Oberfläche; ein Netz nehmen, oder Empfänger "
+    "oder Quelle auf ein Leerobjekt setzen",
     # Problems
+    "{:,} vertices in collection '{}'": "{:,} Scheitelpunkte in der Sammlung „{}“",
+    "There is no object '{}' in this view layer any more": "In dieser Ansichtsebene gibt es kein Objekt „{}“ mehr",
     "1 problem": "1 Problem",
     "{} problems": "{} Probleme",
     "This source is on no haptic object: make it haptic, or parent it to a haptic object": "Diese Quelle ist auf keinem haptischen Objekt: haptisch machen oder einem haptischen Objekt unterordnen",
