@@ -35,7 +35,7 @@ def low_pass(edge: float, sample_rate: float) -> Array:
 
 @lru_cache(maxsize=4096)
 def bank_response(frequency: float, sample_rate: float) -> Array:
-    """Return the gains of the bands for a steady tone of `frequency` hertz, shape (6,): the filters are symmetric, so they turn no phase."""
+    """Return the gains of the bands for a steady tone of `frequency` hertz, shape (6,). Symmetric filters turn no phase."""
     offsets = np.arange(-bank_reach(sample_rate), bank_reach(sample_rate) + 1)
     waves = np.cos(2 * np.pi / sample_rate * frequency * offsets)
     low = np.array([low_pass(edge, sample_rate) @ waves for edge in BAND_EDGES[1:-1]])

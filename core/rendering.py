@@ -10,7 +10,7 @@ import math
 import threading
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import groupby
+from itertools import repeat
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from .bands import BAND_COUNT
 from .filter_bank import bank_reach, bank_response, split_bands
-from .mixing import Limiter, MixingMethod, mixed, saturated
+from .mixing import Limiter, MixingMethod, mixed
 from .signals import Sampled, Signal, Sine, Track
 from .signals.interpolation import ZERO_CROSSINGS, local_polynomials
 from .tone_paths import TonePaths
@@ -132,17 +132,17 @@ class Renderer:
         """
         frame = self._frame(start, end)
         parts = self._parts(frame, voices)
-        groups = [self._group(list(group)) for _, group in groupby(sorted(parts, key=_Part.kind), key=_Part.kind)]
+        kinds = sorted({part.stream.kind for part in parts})
+        groups = [self._group([part for part in parts if part.stream.kind == kind]) for kind in kinds]
         block = self._mix([paths for group in groups for paths in _paths(frame, group)], frame.count)
         self._next = frame.last
         self._streams = {}
         for group in groups:
-            for index, part in enumerate(group.parts):
-                if part.voice is not None:
-                    part.stream.gains = group.gains[index]
-                    part.stream.delays = None if group.delays is None else group.delays[index]
-                    part.stream.priority = part.voice.priority
-                    self._streams[part.stream.key] = part.stream
+            delays = repeat(None) if group.delays is None else group.delays
+            for (stream, voice, _), gains, delay in zip(group.parts, group.gains, delays, strict=False):
+                if voice is not None:
+                    stream.gains, stream.delays, stream.priority = gains, delay, voice.priority
+                    self._streams[stream.key] = stream
         return self._limiter.process(block) if self._limiter else block
 
     def flush(self) -> Array:
@@ -194,7 +194,9 @@ class Renderer:
 
     def _group(self, parts: list[_Part]) -> _Group:
         """Return where the gains and delays of parts of one kind go in this frame. What listeners weigh has its weight in its gain."""
-        gains = np.array([part.stream.gains if part.voice is None else part.voice.gains for part in parts])
+        shape = (len(parts), *parts[0].stream.gains.shape)
+        gains = np.concatenate([part.stream.gains if part.voice is None else part.voice.gains for part in parts], dtype=np.float64)
+        gains = gains.reshape(shape)
         within = np.abs(gains) <= MAX_GAIN
         if not within.all():
             key = parts[int(np.argmin(within.reshape(len(parts), -1).all(axis=1)))].stream.key
@@ -202,7 +204,7 @@ class Renderer:
         gains = (gains.T * [0.0 if part.voice is None else part.voice.amplitude for part in parts]).T
         for listener in self._weighted:
             gains[:, listener] = (gains[:, listener].T * [self._weight(listener, part) for part in parts]).T
-        before = np.array([part.stream.gains for part in parts])
+        before = np.concatenate([part.stream.gains for part in parts]).reshape(shape)
         begins = [part.begins for part in parts]
         before[begins] = gains[begins]
         if parts[0].stream.delays is None:
@@ -223,7 +225,9 @@ class Renderer:
 
     def _mix(self, groups: list[_DirectPaths | _DelayedPaths | _SteadyPaths], count: int) -> Array:
         """Return the listeners' mixes, shape (n_listeners, count), cut at s_max where no limiter takes care of that."""
-        total = sum((group.summed() for group in groups), start=np.zeros((len(self.listeners), count)))
+        total = groups[0].summed() if groups else np.zeros((len(self.listeners), count))
+        for group in groups[1:]:
+            total += group.summed()
         for method, listeners in self._unsummed:
             each = [group.at_listeners(listeners) for group in groups] or [np.empty((0, len(listeners), count))]
             voices = np.concatenate(each) if len(each) > 1 else each[0]
@@ -232,7 +236,9 @@ class Renderer:
                 total[listeners[0]] = mixed(method, voices[:, 0], weights)
             else:
                 total[listeners] = mixed(method, voices, np.ones(len(voices)))
-        return saturated(total * self._gain, self._cut)
+        total *= self._gain
+        np.minimum(total, self._cut, out=total)
+        return np.maximum(total, -self._cut, out=total)
 
 
 def bake(renderer: Renderer, frames: Iterable[tuple[float, float, Sequence[Voice]]]) -> Array:
@@ -268,8 +274,8 @@ class _Stream:
     """
 
     __slots__ = (
-        "_end", "_first", "_known", "delays", "gains", "is_recorded", "key", "onset", "priority", "row_count", "sample_rate", "settled",
-        "signal", "tone",
+        "_first", "_known", "delays", "end", "gains", "is_recorded", "key", "kind", "onset", "priority", "row_count", "sample_rate",
+        "settled", "signal", "tone",
     )  # fmt: skip
 
     def __init__(self, voice: Voice, sample_rate: float) -> None:
@@ -281,10 +287,11 @@ class _Stream:
         self.sample_rate = sample_rate
         self.gains = np.zeros_like(voice.gains)
         self.delays = voice.delays
+        self.kind = voice.delays is not None, self.row_count
         self._first = 0
         self._known = np.empty((self.row_count, 0))
         tail = 0.0 if self.row_count == 1 else bank_reach(sample_rate) / sample_rate
-        self._end = self.onset + self.signal.duration + tail
+        self.end = self.onset + self.signal.duration + tail
         self.settled = self.onset + tail
         self.tone = _steady_tone(self.signal, sample_rate)
         self.is_recorded = voice.delays is not None and _is_recorded(self.signal)
@@ -301,7 +308,7 @@ class _Stream:
 
     def sounds(self, start: float, end: float) -> bool:
         """Whether there is anything of the signal from start to end (seconds)."""
-        return self.onset < end and start < self._end
+        return self.onset < end and start < self.end
 
     def rows(self, first: int, last: int) -> Array:
         """Return samples first to last - 1 of the signal, shape (1, n), or of its bands, shape (6, n)."""
@@ -332,9 +339,6 @@ class _Part(NamedTuple):
     stream: _Stream
     voice: Voice | None
     begins: bool
-
-    def kind(self) -> tuple[bool, int]:
-        return self.stream.delays is not None, self.stream.row_count
 
 
 @dataclass(frozen=True, slots=True)
@@ -437,7 +441,7 @@ class _SteadyPaths:
         since = np.array([frame.times[0] - stream.onset for stream in streams])[:, None]
         ramp = float(frame.ramp[0])
         ramp_step = float(frame.ramp[-1] - frame.ramp[0]) / max(count - 1, 1)
-        late, lag_step = np.zeros_like(before), np.zeros_like(before)
+        late = lag_step = np.zeros((len(tones), 1))
         if group.delays is not None and group.delays_before is not None:
             heard = _heard(group.before) | _heard(group.gains)
             delays_before = np.where(heard, group.delays_before, 0.0)
@@ -476,7 +480,7 @@ def _travelled_between_samples(stream: _Stream, times: Array, before: Array, cha
         for path, index, power in zip(result, place, powers, strict=True):
             np.einsum("nd,nd->n", polynomials[0, index], power, out=path)
         result *= before.reshape(-1, 1) + change.reshape(-1, 1) * ramp
-        return result * (times >= stream.onset)
+        return result * ((times >= stream.onset) & (times < stream.end))
     gains = np.stack((before, change), axis=1).reshape(2 * len(before), len(rows))
     weighed = (gains @ polynomials.reshape(len(rows), -1)).reshape(len(before), 2, *polynomials.shape[1:])
     for path, (constant, rising), index, power in zip(result, weighed, place, powers, strict=True):
@@ -488,7 +492,7 @@ def _travelled_between_samples(stream: _Stream, times: Array, before: Array, cha
         known = (before @ response)[:, None] + (change @ response)[:, None] * ramp
         known *= stream.tone.at(times.ravel() - stream.onset, 1.0 / stream.sample_rate).reshape(times.shape)
         result = np.where(times >= stream.settled, known, result)
-    return result * (times >= stream.onset)
+    return result * ((times >= stream.onset) & (times < stream.end))
 
 
 class _Scratch(threading.local):

@@ -18,8 +18,9 @@ Array = NDArray[np.float64]
 class TonePaths:
     """Tones of n_voices voices on their paths to n_listeners listeners, for `count` samples.
 
-    start: phases in cycles at the first sample, shape (n_listeners, n_voices). step: cycles per sample, the same shape.
-    gain, gain_step: the gains at the first sample and their change per sample, the same shape.
+    start: phases in cycles at the first sample, shape (n_listeners, n_voices), or (1, n_voices) where all listeners get the same.
+    step: cycles per sample, of the same shape. gain, gain_step: the gains at the first sample and their change per sample, shape
+    (n_listeners, n_voices).
     """
 
     def __init__(self, start: Array, step: Array, gain: Array, gain_step: Array, count: int) -> None:
@@ -31,9 +32,8 @@ class TonePaths:
         # The gain is linear: gain of the run's first sample plus what it rises by within the run.
         first = gain[..., None] + gain_step[..., None] * (width * np.arange(runs))
         rising = gain_step[..., None]
-        listeners, voices = start.shape
-        self._runs = np.empty((listeners, voices, 4, runs))
-        self._places = np.empty((listeners, voices, 4, width))
+        self._runs = np.empty((*gain.shape, 4, runs))
+        self._places = np.empty((*start.shape, 4, width))
         np.multiply(first, coarse.imag, out=self._runs[:, :, 0])
         np.multiply(first, coarse.real, out=self._runs[:, :, 1])
         np.multiply(rising, coarse.imag, out=self._runs[:, :, 2])
@@ -44,15 +44,16 @@ class TonePaths:
     def summed(self) -> Array:
         """Return the sum over voices, shape (n_listeners, count)."""
         listeners, voices, terms, runs = self._runs.shape
-        width = self._places.shape[3]
+        alike, width = self._places.shape[0], self._places.shape[3]
         left = self._runs.reshape(listeners, voices * terms, runs).transpose(0, 2, 1)
-        sums = left @ self._places.reshape(listeners, voices * terms, width)
+        sums = left @ self._places.reshape(alike, voices * terms, width)
         return np.asarray(sums.reshape(listeners, runs * width)[:, : self._count])
 
     def at_listeners(self, chosen: list[int]) -> Array:
         """Return the voices as they reach some listeners, shape (n_voices, n_chosen, count)."""
         _, voices, _, runs = self._runs.shape
-        each = self._runs[chosen].transpose(1, 0, 3, 2) @ self._places[chosen].transpose(1, 0, 2, 3)
+        places = self._places if len(self._places) == 1 else self._places[chosen]
+        each = self._runs[chosen].transpose(1, 0, 3, 2) @ places.transpose(1, 0, 2, 3)
         return each.reshape(voices, len(chosen), runs * self._places.shape[3])[:, :, : self._count]
 
 

@@ -20,8 +20,8 @@ def frame_changed(scene: Scene) -> None:
     """Let the frame be felt that has just been traced; be silent where it was not, because tracing failed or is off."""
     if not player.is_wanted():
         return
-    result = session.result_of(scene) if scene.haptics.tracing else None
     try:
+        result = session.result_of(scene) if scene.haptics.tracing else None
         if result is None or result.number != scene.frame_current:
             player.rest()
             return

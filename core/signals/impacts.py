@@ -11,6 +11,7 @@ import numpy as np
 from .envelopes import SILENCE
 from .limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
 from .signal import Signal
+from .sine import sine
 from .track import Array
 
 
@@ -36,7 +37,7 @@ class Impulse(Signal):
         return abs(self.amplitude)
 
     def values(self, times: Array, step: float) -> Array:
-        return self.amplitude * np.sin(np.pi / self.width * times)
+        return self.amplitude * sine(times * (0.5 / self.width))
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,5 +69,7 @@ class DecayingSine(Signal):
     def values(self, times: Array, step: float) -> Array:
         if self.frequency * step >= 0.5:
             return np.zeros(times.shape)
-        cycles = self.frequency * times
-        return self.amplitude * np.exp(times / -self.decay) * np.sin((2 * np.pi) * (cycles - np.floor(cycles)))
+        result = np.exp(times / -self.decay)
+        result *= sine(self.frequency * times)
+        result *= self.amplitude
+        return result

@@ -11,6 +11,7 @@ import numpy as np
 
 from .limits import MAX_FREQUENCY, MAX_PEAK, checked_number
 from .signal import Signal
+from .sine import sine
 from .track import Array, Track, checked_parameter, largest, values_of
 
 _RUN = 64
@@ -27,6 +28,8 @@ class Oscillator(Signal):
     A wave with edges or corners is averaged over the sample's period (a box filter): what would fold back to the frequencies that skin
     feels lies near multiples of the sample rate, where that filter is deepest.
     """
+
+    has_edges: ClassVar[bool] = True
 
     frequency: float | Track = 60.0
     amplitude: float | Track = 1.0
@@ -46,18 +49,19 @@ class Oscillator(Signal):
         return largest(self.amplitude)
 
     def values(self, times: Array, step: float) -> Array:
+        aliases = largest(self.frequency) * step >= 0.5
         if isinstance(self.frequency, Track):
-            width: float | Array = self.frequency.at(times) * step
+            width: float | Array = self.frequency.at(times) * step if self.has_edges or aliases else 0.0
             cycles = self.frequency.integral(times)
         else:
             width = self.frequency * step
             cycles = self.frequency * times
         if self.phase:
-            cycles = cycles + self.phase
+            cycles += self.phase
         result = self.wave(cycles, width)
         if isinstance(self.amplitude, Track) or self.amplitude != 1.0:
             result = result * values_of(self.amplitude, times)
-        if largest(self.frequency) * step >= 0.5:
+        if aliases:
             result = np.where(np.less(width, 0.5), result, 0.0)
         return result
 
@@ -71,11 +75,10 @@ class Sine(Oscillator):
     """sin(2π cycles)."""
 
     kind: ClassVar[str] = "sine"
+    has_edges: ClassVar[bool] = False
 
     def wave(self, cycles: Array, width: float | Array) -> Array:
-        angle = cycles - np.floor(cycles)
-        angle *= 2 * np.pi
-        return np.sin(angle, out=angle)
+        return sine(cycles)
 
     def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> Array:
         if isinstance(self.frequency, Track) or not self.frequency < sample_rate / 2 or start / sample_rate < onset or count < 1:

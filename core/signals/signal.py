@@ -3,11 +3,28 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from functools import lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
 
 from .track import Array, Track
+
+
+def sample_times(start: int, count: int, sample_rate: float, onset: float) -> Array:
+    """Return the times of samples `start` to `start + count - 1` since `onset`, shape (count,), not to be written to."""
+    return (_known_times if count <= _SHORT else _times)(start, count, sample_rate, onset)
+
+
+def _times(start: int, count: int, sample_rate: float, onset: float) -> Array:
+    times = np.arange(start, start + count) / sample_rate - onset
+    times.setflags(write=False)
+    return times
+
+
+_SHORT = 8192
+# Many signals of a scene are sampled at the same times.
+_known_times = lru_cache(maxsize=32)(_times)
 
 
 class Signal(ABC):
@@ -61,7 +78,7 @@ class Signal(ABC):
             raise ValueError(f"sample_rate: must be positive, not {sample_rate:g}")
         if count < 0:
             raise ValueError(f"count: must not be negative, not {count}")
-        times = np.arange(start, start + count) / sample_rate - onset
+        times = sample_times(start, count, sample_rate, onset)
         first, last = np.searchsorted(times, (0.0, self.duration)).tolist()
         if last - first == count:
             return self.values(times, 1.0 / sample_rate)

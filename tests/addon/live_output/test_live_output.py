@@ -9,6 +9,7 @@ from fake_hid import RELEASE, ZERO, sounding, until
 from haptic_tracing.addon import handlers as addon_handlers
 from haptic_tracing.addon import session
 from haptic_tracing.addon.live_output import handlers, outputs, player
+from haptic_tracing.core.tracer import Tracer
 
 
 def silent(pad):
@@ -20,16 +21,16 @@ def sounds(plug, connect, playing):
     """A pad that is being felt."""
     pad = plug()
     connect()
-    until(lambda: (playing(1), sounding(pad))[-1])
+    assert until(lambda: (playing(1), sounding(pad))[-1])
     return pad
 
 
 def test_frames_are_felt_while_the_timeline_plays_and_pause_is_silence(sounds, playing):
     handlers.animation_playback_post()
-    until(lambda: silent(sounds))
+    assert until(lambda: silent(sounds))
     sounds.written.clear()
     handlers.animation_playback_pre(bpy.context.scene)
-    until(lambda: (playing(1), sounding(sounds))[-1])
+    assert until(lambda: (playing(1), sounding(sounds))[-1])
 
 
 @pytest.mark.parametrize("event", ["undo_pre", "redo_pre", "render_pre"])
@@ -37,12 +38,12 @@ def test_undo_redo_and_rendering_are_silence(sounds, event):
     for handler in getattr(bpy.app.handlers, event):
         if "live_output" in handler.__module__:
             handler(bpy.context.scene)
-    until(lambda: silent(sounds))
+    assert until(lambda: silent(sounds))
 
 
 def test_another_file_lets_go_of_the_device(sounds):
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    until(lambda: silent(sounds) and sounds.closed == 1)
+    assert until(lambda: silent(sounds) and sounds.closed == 1)
     assert not outputs.running() and not player.is_playing()
 
 
@@ -55,38 +56,38 @@ def test_unregister_lets_go_of_the_device_and_ends_its_thread(sounds):
 
 def test_panic_stops_everything_at_once(sounds):
     assert bpy.ops.haptic.panic() == {"FINISHED"}
-    until(lambda: silent(sounds) and sounds.closed == 1)
+    assert until(lambda: silent(sounds) and sounds.closed == 1)
     assert not outputs.running()
 
 
 def test_disconnecting_lets_go_of_the_device(sounds):
     bpy.ops.haptic.disconnect_device(device="dualsense")
-    until(lambda: silent(sounds) and sounds.closed == 1)
+    assert until(lambda: silent(sounds) and sounds.closed == 1)
 
 
 def test_an_error_in_tracing_is_silence(sounds, playing, monkeypatch):
     def fail(*_, **__):
         raise ZeroDivisionError("an error of the program")
 
-    monkeypatch.setattr(session, "trace", fail)
+    monkeypatch.setattr(Tracer, "step", fail)
     scene = bpy.context.scene
     scene.frame_current += 1  # Blender prints a handler's error and goes on
     with pytest.raises(ZeroDivisionError):
         addon_handlers.frame_change_post(scene, bpy.context.evaluated_depsgraph_get())
-    until(lambda: silent(sounds))
+    assert until(lambda: silent(sounds))
 
 
 def test_a_scene_that_can_not_be_traced_is_silence(sounds, playing):
     box = bpy.data.objects["box"]
     box.haptics.function, box.haptics.expression = "expression", "x * ("
     playing(1)
-    until(lambda: silent(sounds))
+    assert until(lambda: silent(sounds))
 
 
 def test_tracing_switched_off_is_silence(sounds, playing):
     bpy.context.scene.haptics.tracing = False
     playing(1)
-    until(lambda: silent(sounds))
+    assert until(lambda: silent(sounds))
 
 
 def test_another_scene_is_silence_and_then_felt_by_itself(sounds, playing, monkeypatch):
@@ -103,7 +104,7 @@ def test_another_scene_is_silence_and_then_felt_by_itself(sounds, playing, monke
 def test_scrubbing_is_a_short_grain_then_silence(plug, connect, felt):
     pad = plug()
     connect()
-    until(lambda: pad.written)
+    assert until(lambda: pad.written)
     for frame in (40, 7, 8):
         pad.written.clear()
         felt.frame_set(frame)
@@ -129,42 +130,42 @@ def test_bakes_and_exports_are_not_felt(plug, connect, felt):
 def test_a_device_that_is_unplugged_while_playing_is_counted_and_felt_again_when_it_is_back(sounds, playing, hid):
     output = outputs.running()["dualsense"]
     hid.pads.remove(sounds)
-    until(lambda: (playing(1), handlers.rest(), output.status.losses == 1)[-1])
-    until(lambda: "not connected" in output.status.message)
+    assert until(lambda: (playing(1), handlers.rest(), output.status.losses == 1)[-1])
+    assert until(lambda: "not connected" in output.status.message)
     playing(3)
     sounds.written.clear()
     hid.pads.append(sounds)
-    until(lambda: output.status.state == "open")
-    until(lambda: (playing(1), sounding(sounds))[-1])
+    assert until(lambda: output.status.state == "open")
+    assert until(lambda: (playing(1), sounding(sounds))[-1])
     assert output.status.losses == 1 and output.status.message == ""
 
 
 def test_a_blocked_write_holds_up_neither_blender_nor_another_device(plug, connect, playing):
     stuck, free = plug(serial="stuck"), plug(serial="free")
     connect()
-    until(lambda: (playing(1), sounding(stuck) and sounding(free))[-1])
+    assert until(lambda: (playing(1), sounding(stuck) and sounding(free))[-1])
     stuck.gate.clear()
     stuck.in_write.clear()
-    until(lambda: (playing(1), handlers.rest(), stuck.in_write.is_set())[-1])
+    assert until(lambda: (playing(1), handlers.rest(), stuck.in_write.is_set())[-1])
     before, kept = len(free.written), len(stuck.written)
     frame = bpy.context.scene.frame_current
-    until(lambda: (playing(1), handlers.rest(), len(free.written) > before + 20)[-1])
+    assert until(lambda: (playing(1), handlers.rest(), len(free.written) > before + 20)[-1])
     assert bpy.context.scene.frame_current > frame and len(stuck.written) == kept
     playing(3)
     status = outputs.running()["dualsense stuck"].status
     assert status.writing_for > 0 and status.dropped_blocks > 0
     bpy.ops.haptic.panic()
-    until(lambda: silent(free) and free.closed == 1)
+    assert until(lambda: silent(free) and free.closed == 1)
     stuck.gate.set()
-    until(lambda: silent(stuck) and stuck.closed == 1)
+    assert until(lambda: silent(stuck) and stuck.closed == 1)
 
 
 def test_eight_devices_at_once(plug, connect, playing):
     pads = [plug(serial=str(number)) for number in range(8)]
     assert len(connect()) == 8
-    until(lambda: (playing(1), all(sounding(pad) for pad in pads))[-1])
+    assert until(lambda: (playing(1), all(sounding(pad) for pad in pads))[-1])
     handlers.animation_playback_post()
-    until(lambda: all(silent(pad) for pad in pads))
+    assert until(lambda: all(silent(pad) for pad in pads))
     assert {pad.opened for pad in pads} == {1}
 
 
@@ -180,7 +181,7 @@ def test_a_thousand_starts_and_stops_leave_the_device_silent_and_nothing_behind(
         if number % 10 == 0:
             felt.frame_set(2 + number % 50)
         handlers.animation_playback_post()
-    until(lambda: silent(sounds))
+    assert until(lambda: silent(sounds))
     assert threading.active_count() == threads
     assert (sounds.opened, sounds.closed) == (1, 0)
     assert outputs.running()["dualsense"].status.failed_writes == 0
@@ -190,12 +191,12 @@ def test_settings_of_a_device_are_followed_at_once(sounds, playing):
     settings = bpy.context.scene.haptics.live_output.devices["dualsense"]
     settings.ceiling = 0.25
     sounds.written.clear()
-    until(lambda: (playing(1), any(max(report[3:5]) == 64 for report in sounds.written))[-1])
+    assert until(lambda: (playing(1), any(max(report[3:5]) == 64 for report in sounds.written))[-1])
     sounds.written.clear()
     playing(20)
     assert all(max(report[3:5]) <= 64 for report in sounds.written)
     settings.gain = 0.0
-    until(lambda: (playing(1), sounds.written[-1:] == [ZERO])[-1])
+    assert until(lambda: (playing(1), sounds.written[-1:] == [ZERO])[-1])
 
 
 def test_listeners_go_to_the_actuator_at_their_body_part_or_where_they_are_sent(sounds, playing):

@@ -9,11 +9,12 @@ RELEASE = bytes([2]) + bytes(47)
 
 
 def until(condition):
-    """Wait for something that has to happen."""
+    """Wait for something that has to happen, and return what it came to."""
     end = time.perf_counter() + 10.0
-    while not condition():
+    while not (came := condition()):
         assert time.perf_counter() < end, "did not happen"
         time.sleep(0.001)
+    return came
 
 
 def sounding(pad):

@@ -233,10 +233,10 @@ def test_a_player_that_ends_is_said_and_found_again(server, started):
     profile, module = bhaptics(made_up.url)
     output = started(profile, module)
     made_up.close()
-    until(lambda: (output.send(wave(len(profile.actuators), 0)), output.status.losses == 1)[-1])
-    until(lambda: "no player answers" in output.status.message)
+    assert until(lambda: (output.send(wave(len(profile.actuators), 0)), output.status.losses == 1)[-1])
+    assert until(lambda: "no player answers" in output.status.message)
     server(port=made_up.port)
-    until(lambda: output.status.state == "open")
+    assert until(lambda: output.status.state == "open")
 
 
 def test_nobody_there_is_said_in_one_line():

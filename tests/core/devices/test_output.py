@@ -190,12 +190,12 @@ def test_silence_all_silences_what_plays_and_blocks_play_again(started):
     pad = FakePad()
     output = started(FakeHid(pad))
     playing(output)
-    until(lambda: sounding(pad))
+    assert until(lambda: sounding(pad))
     silence_all()
-    until(lambda: pad.written[-1] == ZERO)
+    assert until(lambda: pad.written[-1] == ZERO)
     pad.written.clear()
     playing(output)
-    until(lambda: sounding(pad))
+    assert until(lambda: sounding(pad))
 
 
 def test_at_rest_the_device_is_silent_and_released_but_open_and_plays_again(started):
@@ -243,8 +243,8 @@ def test_the_watchdog_needs_nobody(started):
     pad = FakePad()
     output = started(FakeHid(pad))
     playing(output)
-    until(lambda: sounding(pad))
-    until(lambda: pad.written[-1] == ZERO)
+    assert until(lambda: sounding(pad))
+    assert until(lambda: pad.written[-1] == ZERO)
 
 
 def test_an_error_in_the_thread_still_silences_the_device(started):
@@ -276,17 +276,17 @@ def test_a_device_held_by_another_program_is_named_and_taken_when_it_is_free(sta
     pad = FakePad(str(node).encode())
     pad.open_error = "held"
     output = started(FakeHid(pad))
-    until(lambda: "another program" in output.status.message)
+    assert until(lambda: "another program" in output.status.message)
     pad.open_error = None
-    until(lambda: output.status.state == "open")
+    assert until(lambda: output.status.state == "open")
 
 
 def test_two_outputs_share_two_devices_and_a_third_is_told(started):
     hid = FakeHid(FakePad(b"/dev/a"), FakePad(b"/dev/b"))
     first, second = started(hid), started(hid)
-    until(lambda: first.status.state == second.status.state == "open")
+    assert until(lambda: first.status.state == second.status.state == "open")
     third = started(hid)
-    until(lambda: third.status.message == "DualSense is already in use here")
+    assert until(lambda: third.status.message == "DualSense is already in use here")
 
 
 def test_of_interfaces_alike_the_one_that_emits_input_is_opened():
