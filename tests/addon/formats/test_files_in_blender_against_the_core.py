@@ -12,6 +12,7 @@ from haptic_tracing.core.functions import function_from_dict
 from haptic_tracing.core.graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source
+from haptic_tracing.core.signals import Adsr, Decay, Noise, Pulse, Sine
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -84,8 +85,19 @@ def scenes(draw):
         for k, n in enumerate(draw(st.lists(st.integers(1, 2), min_size=count - 1, max_size=count - 1)))
         for _ in range(n)
     )
-    sources = tuple(Source(f"source {k}", draw(st.sampled_from(names)), draw(places), draw(shares)) for k in range(2))
-    listeners = tuple(Listener(f"listener {k}", draw(st.sampled_from(names)), draw(places), gain=draw(shares)) for k in range(2))
+    signals = st.sampled_from([Sine(60.0), Pulse(25.0) * Decay(0.7), Noise() * Decay(1 / 3), Sine(90.0) * Adsr()])
+    sources = tuple(
+        Source(f"source {k}", draw(st.sampled_from(names)), draw(places), draw(shares), signal=draw(signals), priority=draw(shares))
+        for k in range(2)
+    )
+    formulas = {"mixing": "custom", "mixing_expression": "s_max * tanh(sum / s_max)"}
+    listeners = tuple(
+        Listener(
+            f"listener {k}", draw(st.sampled_from(names)), draw(places), radius=draw(shares), gain=draw(shares),
+            s_max=draw(shares), limiter=draw(st.booleans()), **draw(st.sampled_from([formulas, {"mixing": "power"}, {}])),
+        )
+        for k in range(2)
+    )  # fmt: skip
     wanted = Settings(
         draw(st.sampled_from(["HT", "SD", "MD"])), draw(st.sampled_from(["all_paths", "best_path", "energy_balance"])),
         threshold=0, epsilon=draw(shares), tolerance=draw(shares), localise=draw(shares),
@@ -105,7 +117,7 @@ def test_generated_scenes(tmp_path_factory, scene):
     assert_alike(in_blender(result), by_core(read_export(folder / "a.json").scene))
     first = exported(folder / "b.json")
     written = read_export(folder / "b.json").scene
-    assert written.settings == scene.settings
+    assert (written.settings, written.sources, written.listeners) == (scene.settings, scene.sources, scene.listeners)
     assert {item.name: item.propagation for item in written.objects} == {item.name: item.propagation for item in scene.objects}
     assert sorted(map(repr, written.contacts)) == sorted(map(repr, scene.contacts))
     imported(folder / "b.json")
