@@ -41,7 +41,7 @@ BATCH = 1 << 15
 TRICKLE_ROUNDS, TRICKLE = 32, 300
 """After so many steps that relaxed fewer connections each on average, scalars are faster."""
 
-FEW = 250
+FEW = 400
 """Up to so many labels scalars are faster from the beginning."""
 
 SMALL = 1024
@@ -261,7 +261,7 @@ def _heap_row(
                 whole = graph.nodes_of(index)
                 points.update(enumerate(graph.node_position[whole].tolist(), whole.start))
             here = points[node]
-            found = [(other, base + rate * distance(here, points[other])) for other in range(first, last)]
+            found = [(k, base + rate * distance(here, points[k])) for k in range(first, last) if arrives[k] > base]
         nearer = False
         for other, value in found:
             if value < arrives[other] and value <= limit and other != node:

@@ -158,6 +158,7 @@ def search(
     growing = bool(np.max(steps.gain, initial=0.0) > 1 or np.max(arena.ends.gain, initial=0.0) > 1)
     amplified = not np.all(np.isfinite(limits.ahead))
     keys = _keys(arena) if merge else None
+    plain = not merge and arena.lanes == 1 and np.all(starts == 1) and np.array_equal(steps.weight[:, 0], steps.gain)
     marks = _Marks(arena.patch)
     each = 1 / PAIRS + marks.size / BITES
     states = _States(roots, np.ones(len(roots)), starts, marks.none(len(roots)), np.zeros(len(roots), dtype=np.uint64))
@@ -193,16 +194,16 @@ def search(
         if amplified and least > 0:  # else the gain of the whole path says it all
             inside, gain = states.gain[which] * steps.inside[step], states.gain[which] * steps.gain[step]
             possible &= (gain >= least) & (inside >= least)
-        kept = possible.nonzero()[0]
-        which, step = which[kept], step[kept]
         to = steps.to[step]
         if level:
-            kept = marks.missing(states.crossed, which, to)
-            which, step, to = which[kept], step[kept], to[kept]
+            possible &= marks.missing(states.crossed, which, to)
+        kept = possible.nonzero()[0]
+        which, step, to = which[kept], step[kept], to[kept]
+        gain = states.gain[which] * steps.gain[step]
         states = _States(
             to,
-            states.gain[which] * steps.gain[step],
-            states.value.take(which, axis=0) * steps.weight.take(step, axis=0),
+            gain,
+            gain[:, None] if plain else states.value.take(which, axis=0) * steps.weight.take(step, axis=0),
             marks.added(states.crossed, which, to),
             states.key if keys is None else states.key[which] + keys[0][to],
         )
@@ -244,10 +245,10 @@ class _Marks:
         """So many empty sets."""
         return np.zeros(count, dtype=np.uint64) if self._few else np.zeros((count, self.size), dtype=np.uint8)
 
-    def missing(self, crossed: BitArray, which: IntArray, entry: IntArray) -> IntArray:
-        """The numbers k for which the patch that leads into ``entry[k]`` is not in the set ``crossed[which[k]]``."""
-        there = crossed[which] if self._few else crossed[which, self._place[entry]]
-        return np.asarray(((there & self._bit[entry]) == 0).nonzero()[0])
+    def missing(self, crossed: BitArray, which: IntArray, entry: IntArray) -> NDArray[np.bool_]:
+        """Whether the patch that leads into ``entry[k]`` is not in the set ``crossed[which[k]]``."""
+        there = crossed[which] if self._few else crossed.reshape(-1)[which * self.size + self._place[entry]]
+        return np.asarray((there & self._bit[entry]) == 0)
 
     def added(self, crossed: BitArray, which: IntArray, entry: IntArray) -> BitArray:
         """Sets with the patches that lead into the entries added."""
@@ -255,7 +256,7 @@ class _Marks:
         if self._few:
             sets |= self._bit[entry]
         else:
-            sets[np.arange(len(entry)), self._place[entry]] |= self._bit[entry]
+            sets.reshape(-1)[np.arange(0, sets.size, self.size) + self._place[entry]] |= self._bit[entry]
         return sets
 
 
