@@ -14,10 +14,10 @@ def state() -> str:
         objects[obj.name] = (
             own.enabled, own.material.name, round(own.kappa, 4), round(own.rho, 4), own.source.enabled, own.source.signal,
             own.listener.enabled, own.listener.body_part, round(own.modalities.thermal.conductivity, 3), obj.rigid_body is not None,
-            [round(value, 3) for value in obj.matrix_world.translation],
+            [round(value, 3) for value in obj.matrix_world.translation], obj.select_get(),
         )  # fmt: skip
     library = [(item.name, round(item.kappa, 4)) for item in haptics.materials.items]
-    return json.dumps([objects, library, haptics.tracing], sort_keys=True)
+    return json.dumps([bpy.context.scene.name, objects, library, haptics.tracing, haptics.mode], sort_keys=True)
 
 
 def steps(window):
@@ -51,7 +51,11 @@ def steps(window):
             ("add_medium", {}, "Cube"),
             ("toggle_tracing", {}, "Cube"),
             ("toggle_tracing", {}, "Cube"),
+            ("set_mode", {"mode": "MD"}, "Cube"),
+            ("select_object", {"name": "Oak Crate"}, "Cube"),
+            ("graph_to_geometry", {}, "Cube"),
             ("clear", {}, "Cube"),
+            ("add_sample", {"sample": "hammer_nail"}, "Cube"),
         )
     ):
         if active is not None:
@@ -71,6 +75,7 @@ def steps(window):
         yield from window.redo()
         window.seen[f"{number} {operator} is redone"] = state() == after
 
+    bpy.context.window.scene = next(scene for scene in bpy.data.scenes if "Oak Crate" in scene.objects)
     alone("Oak Crate")
     with window.context():
         bpy.ops.haptic.apply_material(preset="stone")
