@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from itertools import compress
 from typing import Any
 
 import bpy
@@ -18,7 +17,6 @@ from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ..core.contacts.authored import AuthoredContacts
-from ..core.contacts.shapes import pose_matrix
 from ..core.contacts.tracker import Body, ContactSettings, Motion
 from ..core.functions import ModulationFunction, Spectrum, function_from_dict
 from ..core.materials import named_in
@@ -29,8 +27,9 @@ from . import compatibility
 from .animated_frequency import AnimatedFrequencies
 from .collision_shapes import collision_shape
 from .decimals import shortest
-from .formats.kept import NEAR, KeptContacts, KeptScene, exact, kept_contacts, kept_listener, kept_object, kept_scene, kept_source, near
+from .formats.kept import KeptScene, exact, kept_listener, kept_object, kept_scene, kept_source, near
 from .function_properties import PARAMETERS
+from .imported_contacts import Homes, ImportedContacts
 from .progress import progress
 
 FloatArray = NDArray[np.float64]
@@ -98,33 +97,6 @@ class _Tagged:
     problems: tuple[Problem, ...]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Homes:
-    """Where a file put bodies: ``transforms`` (n, 4, 4), infinite where it did not, and by how much these may differ."""
-
-    names: tuple[str, ...]
-    poses: tuple[Pose | None, ...]
-    transforms: FloatArray
-    limits: FloatArray
-
-    @classmethod
-    def of(cls, names: tuple[str, ...], poses: tuple[Pose | None, ...]) -> _Homes:
-        transforms = np.full((len(poses), 4, 4), np.inf)
-        for row, pose in enumerate(poses):
-            if pose is not None:
-                transforms[row] = pose_matrix(pose)
-        limits = np.full((len(poses), 4, 4), 2 * NEAR)
-        far = np.abs(transforms[:, :3, 3]).max(axis=1, initial=1.0)
-        limits[:, :3, 3] = NEAR * np.where(np.isfinite(far), far, 1.0)[:, None]
-        return cls(names, poses, transforms, limits)
-
-    def settled(self, transforms: FloatArray) -> frozenset[str]:
-        """The bodies that stand there."""
-        if not np.isfinite(self.transforms[:, 3, 3]).any():
-            return frozenset()
-        return frozenset(compress(self.names, (np.abs(transforms - self.transforms) <= self.limits).all(axis=(1, 2)).tolist()))
-
-
 @dataclass(frozen=True, slots=True)
 class _Lists:
     """What is tagged, in the order of the rows: ``rows`` (m,) in the file and ``scales`` (m, 3) as authored; which of them are bodies, and
@@ -139,7 +111,7 @@ class _Lists:
     objects: tuple[HapticObject, ...]
     bodies: tuple[Body, ...]
     places: tuple[Source | Listener, ...]
-    homes: _Homes
+    homes: Homes
     impact_materials: Mapping[str, str]
     problems: tuple[Problem, ...]
 
@@ -166,7 +138,7 @@ class _Lists:
             objects=objects,
             bodies=alone,
             places=tuple(item for _, item in places),
-            homes=before.homes if before is not None and homed else _Homes.of(names, poses),
+            homes=before.homes if before is not None and homed else Homes.of(names, poses),
             impact_materials={t.object.name: t.impact_material for t in tagged if t.object is not None and t.impact_material is not None},
             problems=tuple(problem for t in tagged for problem in t.problems),
         )
@@ -186,9 +158,7 @@ class SceneReader:
         self._transforms = np.zeros((0, 4, 4))  # of the bodies
         self._placed: list[Source | Listener] = []
         self._settled: frozenset[str] = frozenset()
-        self._kept = KeptContacts()
-        self._kept_problems: tuple[Problem, ...] = ()
-        self._authored: tuple[tuple[KeptContacts, _Homes, frozenset[str]], AuthoredContacts] | None = None
+        self._imported = ImportedContacts()
 
     def forget(self) -> None:
         """Something an author can change has changed: read everything at the next call."""
@@ -210,7 +180,7 @@ class SceneReader:
         raw = _raw_matrices(len(session_ids))
         if self._session_ids is None or not np.array_equal(self._session_ids, session_ids):
             self._read_all(depsgraph, raw)
-            self._read_kept(scene)
+            self._imported.read(scene)
             self._session_ids = session_ids
         lists = self._read_changed(depsgraph, raw)
         now, duration = seconds_of(scene, scene.frame_current), scene.render.fps_base / scene.render.fps
@@ -225,31 +195,10 @@ class SceneReader:
             settings=read_settings(scene),
             contact_settings=contact_settings,
             impact_materials=lists.impact_materials,
-            problems=self._kept_problems + lists.problems,
+            problems=tuple(Problem("", problem) for problem in self._imported.problems) + lists.problems,
             settled=self._settled,
-            authored=self._authored_contacts(lists, contact_settings),
+            authored=self._imported.authored(lists.homes, self._settled, contact_settings),
         )
-
-    def _read_kept(self, scene: Scene) -> None:
-        """What was imported with the scene."""
-        try:
-            kept_scene(scene.haptics.imported)
-            self._kept, self._kept_problems = kept_contacts(scene.haptics.imported_contacts), ()
-        except ValueError as error:
-            self._kept, self._kept_problems = KeptContacts(), (Problem("", str(error)),)
-
-    def _authored_contacts(self, lists: _Lists, settings: ContactSettings) -> AuthoredContacts | None:
-        """The same value as long as it says the same."""
-        kept, homes = self._kept, lists.homes
-        found_alike = (kept.tolerance, kept.patch_points) == (settings.tolerance, settings.patch_points)
-        settled = self._settled if found_alike and kept.contacts else frozenset()
-        if not settled and not kept.transmissions:
-            return None
-        key = kept, homes, settled
-        if self._authored is None or self._authored[0] != key:
-            contacts = [item for pair, items in kept.contacts.items() if settled.issuperset(pair) for item in items]
-            self._authored = key, AuthoredContacts.of(homes.names, settled, contacts, kept.transmissions)
-        return self._authored[1]
 
     def _read_all(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> None:
         shown = {obj.session_uid for obj in depsgraph.view_layer.objects}

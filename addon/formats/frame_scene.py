@@ -83,9 +83,7 @@ def written_modalities(scene: bpy.types.Scene, frame: HapticScene, names: Collec
     )
 
 
-def written_export(
-    name: str, scene: bpy.types.Scene, frame: HapticScene, names: Collection[str] | None = None, **more: Any
-) -> Export:
+def written_export(name: str, scene: bpy.types.Scene, frame: HapticScene, names: Collection[str] | None = None, **more: Any) -> Export:
     """A written frame of ``scene`` with all that belongs to it; ``names``: only what belongs to these. Raises ValueError in words."""
     return Export(
         name,

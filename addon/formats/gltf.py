@@ -18,7 +18,7 @@ from ...core.scene import HapticScene
 from .frame_scene import scene_of_frame
 from .kept import text_of
 from .materials import NAMED
-from .scene_builder import write_body, write_listener, write_source
+from .property_writer import write_body, write_listener, write_source
 
 KEY = "haptic_tracing"
 VERSION = 1
