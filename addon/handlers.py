@@ -31,11 +31,11 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
         return
     session.frame_evaluated()
     if is_stepped(scene):
-        session.trace(scene, depsgraph)
+        session.begin(scene, depsgraph)
         return
     try:
         if scene.haptics.tracing and not playback.play(scene):
-            session.trace(scene, depsgraph, live=True)
+            session.begin(scene, depsgraph, live=True)
     finally:
         live_output.frame_changed(scene)
 

@@ -1,8 +1,14 @@
-"""The live tracing of each scene: its reader, its tracer and its last result. Plain Python, keyed by session id; nothing of it is saved."""
+"""The live tracing of each scene: its reader, its tracer and its last result. Plain Python, keyed by session id; nothing of it is saved.
+
+What is read in Blender's frame handler is traced on a thread of its own, while Blender goes on with drawing the frame and evaluating the
+next one: it lets go of Python meanwhile. Whoever asks for the result waits for it. Nothing on that thread knows of Blender.
+"""
 
 from __future__ import annotations
 
+import sys
 import time
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,20 +21,36 @@ from .meters.history import History
 from .modalities import feeling
 from .scene_reader import Problem, Reading, SceneReader, seconds_of
 
+_PATIENCE = 2e-4
+"""Seconds for which the thread that traces keeps Blender's own Python waiting; 5 ms otherwise."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Begun:
+    """A frame that is being traced."""
+
+    result: Future[FrameResult]
+    read_milliseconds: float
+    blender_milliseconds: float
+    problems: tuple[Problem, ...]
+
 
 @dataclass(slots=True)
 class Session:
-    """One scene being traced."""
+    """One scene being traced. ``begun`` is the last frame, until somebody waits for it; then ``result`` is what it gave. ``previous`` is
+    what there was of the frame before."""
 
     reader: SceneReader = field(default_factory=SceneReader)
     tracer: Tracer = field(default_factory=Tracer)
     reading: Reading | None = None
     result: FrameResult | None = None
+    previous: FrameResult | None = None
     problems: tuple[Problem, ...] = ()
     frame: int | None = None
     frame_seconds: float = 0.0
     version: int = -1
     history: History = field(default_factory=History)
+    begun: _Begun | None = None
 
 
 _sessions: dict[int, Session] = {}
@@ -36,6 +58,7 @@ _version = 0
 _edits = 0
 _begun = 0.0
 _evaluating = 0.0
+_thread: ThreadPoolExecutor | None = None
 
 
 def mark_changed() -> None:
@@ -64,26 +87,37 @@ def of(scene: Scene) -> Session:
 
 
 def result_of(scene: Scene) -> FrameResult | None:
-    """The last traced frame of a scene."""
+    """The last frame of a scene whose tracing was begun; waits for it."""
     session = _sessions.get(scene.session_uid)
-    return session.result if session is not None else None
+    if session is None:
+        return None
+    _finish(scene, session)
+    return session.result
 
 
 def problems_of(scene: Scene) -> tuple[Problem, ...]:
     """What a designer should mend."""
     session = _sessions.get(scene.session_uid)
-    return session.problems if session is not None else ()
+    if session is None:
+        return ()
+    _finish(scene, session)
+    return session.problems
 
 
 def show(scene: Scene, result: FrameResult, samples: NDArray[np.float64]) -> None:
     """Keep a result that was read from a track instead of being traced, and the ``samples`` (l, n) that lead up to its end."""
     session = of(scene)
+    _finish(scene, session)
     session.result, session.frame = result, None
     session.history.take(result, samples)
 
 
 def clear() -> None:
     """Forget every scene."""
+    global _thread
+    if _thread is not None:
+        _thread.shutdown()
+        _thread = None
     _sessions.clear()
     feeling.forget()
     mark_changed()
@@ -102,9 +136,17 @@ def frame_evaluated() -> None:
 
 
 def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult | None:
-    """Trace the scene as it stands now and keep the result. None where nothing is tagged, or where a problem forbids it. ``live``: for the
-    moment only, so that contacts that no signal gets to need not be looked for."""
+    """Trace the scene as it stands now. See `begin`."""
+    begin(scene, depsgraph, live)
+    return result_of(scene)
+
+
+def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
+    """Read the scene as it stands now and begin to trace it. The result is None where nothing is tagged, or where a problem forbids it.
+    ``live``: for the moment only, so that contacts that no signal gets to need not be looked for."""
     session = of(scene)
+    _finish(scene, session)
+    session.previous = session.result
     if session.version != _version:
         session.reader.forget()
         session.version = _version
@@ -112,10 +154,11 @@ def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult
     reading = None if session.reader.is_empty else session.reader.read(scene, depsgraph)
     if reading is None or session.reader.is_empty:
         session.reading, session.result, session.problems, session.frame = None, None, (), None
-        return None
+        return
     read_milliseconds = 1000 * (time.perf_counter() - started)
     session.reading = reading
-    session.tracer.lazy = live and not feeling.wanted_in(scene)
+    others = bool(feeling.wanted_in(scene))
+    session.tracer.lazy = live and not others
     session.tracer.contact_settings = reading.contact_settings
     session.tracer.impact_sources = scene.haptics.impacts
     session.tracer.impact_materials = reading.impact_materials if scene.haptics.impact_signal == "MATERIALS" else {}
@@ -123,21 +166,50 @@ def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult
     follows = session.frame is not None and scene.frame_current == session.frame + 1
     continuous = whole and follows and step == session.frame_seconds
     session.frame, session.frame_seconds = scene.frame_current if whole else None, step
+    result = _on_thread(session, frame_of(scene, reading, continuous))
+    session.begun = _Begun(result, read_milliseconds, 1000 * _evaluating, reading.problems)
+    if others:
+        _finish(scene, session)  # they are read from the scene as it stands now
+
+
+def _on_thread(session: Session, frame: Frame) -> Future[FrameResult]:
+    global _thread
+    if _thread is None:
+        _thread = ThreadPoolExecutor(1, "haptic-tracing")
+    return _thread.submit(_step, session, frame)
+
+
+def _step(session: Session, frame: Frame) -> FrameResult:
+    patience = sys.getswitchinterval()
+    sys.setswitchinterval(_PATIENCE)
     try:
-        result = session.tracer.step(frame_of(scene, reading, continuous))
+        result = session.tracer.step(frame)
+        session.history.feed(result)
+        return result
+    finally:
+        sys.setswitchinterval(patience)
+
+
+def _finish(scene: Scene, session: Session) -> None:
+    """Wait for the frame that is being traced, and keep what it gave."""
+    begun, session.begun = session.begun, None
+    if begun is None:
+        return
+    session.result = None
+    started = time.perf_counter()
+    try:
+        result = begun.result.result()
     except ValueError as error:
         session.tracer.reset()
-        session.result = None
-        session.problems = (*reading.problems, Problem("", str(error)))
-        return None
+        session.problems = (*begun.problems, Problem("", str(error)))
+        return
+    waited = 1000 * (time.perf_counter() - started)
     session.result = replace(
         result,
-        milliseconds={"read": read_milliseconds, **result.milliseconds},
-        statistics={**result.statistics, "blender_milliseconds": 1000 * _evaluating},
+        milliseconds={"read": begun.read_milliseconds, **result.milliseconds},
+        statistics={**result.statistics, "blender_milliseconds": begun.blender_milliseconds, "waited_milliseconds": waited},
     )
-    session.history.feed(result)
-    session.problems = reading.problems + tuple(Problem("", warning) for warning in result.warnings) + feeling.trace(scene, result)
-    return session.result
+    session.problems = begun.problems + tuple(Problem("", warning) for warning in result.warnings) + feeling.trace(scene, result)
 
 
 def frame_of(scene: Scene, reading: Reading, continuous: bool) -> Frame:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..core.frame_result import FrameResult
 from ..core.scene import Source
 from . import session
-from .scene_reader import Reading, seconds_of
+from .scene_reader import Problem, Reading, seconds_of
 from .suspension import stepped, suspended
 
 FloatArray = NDArray[np.float64]
@@ -57,27 +57,48 @@ class Step:
     tracing_milliseconds: float
 
 
-def steps(scene: Scene, start: int, end: int) -> Iterator[Step]:
-    """Step through the frames ``start`` to ``end`` in order, tracing each; when it ends or is closed, the scene's frame is what it was.
+def results(scene: Scene, start: int, end: int) -> Iterator[FrameResult]:
+    """Trace the frames ``start`` to ``end`` in order. Each is traced while Blender evaluates the next one, in which the scene stands when
+    it comes; in the end, the scene's frame is what it was.
 
     A simulation that begins earlier and is not baked runs up to ``start`` first. Raises ValueError in words where a frame can't be traced,
     or where the listeners change on the way.
     """
-    before = scene.frame_current
     result: FrameResult | None = None
+    own = session.of(scene)
+    with closing(_frames(scene, start, end)) as frames:
+        for frame in frames:
+            if frame > start:
+                result = _checked(frame - 1, own.previous, own.problems, result)
+                yield result
+            if frame == end:
+                yield _checked(frame, session.result_of(scene), own.problems, result)
+
+
+def steps(scene: Scene, start: int, end: int) -> Iterator[Step]:
+    """The same, the scene standing in the frame that comes."""
+    result: FrameResult | None = None
+    began = time.perf_counter()
+    with closing(_frames(scene, start, end)) as frames:
+        for frame in frames:
+            result = _checked(frame, session.result_of(scene), session.problems_of(scene), result)
+            total, traced = 1000 * (time.perf_counter() - began), sum(result.milliseconds.values())
+            yield Step(result, total - traced, traced)
+            began = time.perf_counter()
+
+
+def _frames(scene: Scene, start: int, end: int) -> Iterator[int]:
+    """Let Blender come to the frames in order, the tracing of each begun when it is given."""
+    before = scene.frame_current
     try:
         for frame in range(_simulation_start(scene, start), start):
             with suspended():
                 scene.frame_set(frame)
         session.of(scene).frame = None  # a fresh start, whatever was traced before
         for frame in range(start, end + 1):
-            began = time.perf_counter()
             with stepped(scene):
                 scene.frame_set(frame)
-            total = 1000 * (time.perf_counter() - began)
-            result = _checked(scene, result)
-            traced = sum(result.milliseconds.values())
-            yield Step(result, total - traced, traced)
+            yield frame
     finally:
         scene.frame_set(before)
 
@@ -131,14 +152,11 @@ def _strength(result: FrameResult) -> float:
     return max(impact.energy for impact in result.impacts)
 
 
-def _checked(scene: Scene, previous: FrameResult | None) -> FrameResult:
-    result = session.result_of(scene)
-    if result is None or result.number != scene.frame_current:
-        problems = session.problems_of(scene)
-        reason = problems[0].message if problems else "no object is tagged"
-        raise ValueError(f"Frame {scene.frame_current} can't be traced: {reason}")
-    if previous is not None and [item.name for item in previous.listeners] != [item.name for item in result.listeners]:
-        raise ValueError(f"The listeners change at frame {result.number}")
+def _checked(frame: int, result: FrameResult | None, problems: tuple[Problem, ...], before: FrameResult | None) -> FrameResult:
+    if result is None or result.number != frame:
+        raise ValueError(f"Frame {frame} can't be traced: {problems[0].message if problems else 'no object is tagged'}")
+    if before is not None and [item.name for item in before.listeners] != [item.name for item in result.listeners]:
+        raise ValueError(f"The listeners change at frame {frame}")
     return result
 
 

@@ -50,9 +50,8 @@ class Baking:
         recorder = TrackRecorder()
         digest = digest_of(scene)
         frame_duration = scene.render.fps_base / scene.render.fps
-        with closing(timeline.steps(scene, first, last)) as steps:
-            for number, step in enumerate(steps, 1):
-                result = step.result
+        with closing(timeline.results(scene, first, last)) as results:
+            for number, result in enumerate(results, 1):
                 if number == 1:
                     if not result.listeners:
                         raise ValueError("There is no listener: add one to feel something")
