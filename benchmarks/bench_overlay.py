@@ -100,7 +100,7 @@ def viewport(scene: bpy.types.Scene) -> Iterator[Callable[[float], None]]:
         area=SimpleNamespace(regions=(region,)),
         region=region,
     )
-    blender = SimpleNamespace(context=context, data=bpy.data)
+    blender = SimpleNamespace(context=context, data=bpy.data, app=bpy.app)
 
     def redraw(turn: float) -> None:
         view = Matrix.Translation((0, 0, -35)) @ Euler((-np.pi / 2, 0, 0)).to_matrix().to_4x4() @ Euler((0, 0, turn)).to_matrix().to_4x4()

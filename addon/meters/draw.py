@@ -129,7 +129,7 @@ def draw_board(context: Context, scene: Scene, result: FrameResult) -> None:
     room = (width, _SHARE * (top - bottom) - margin)
     chosen = scene.haptics.meters
     atlas = overlay.shared_atlas()
-    key = (corner, room, scale, chosen.show_scope, chosen.show_body, scene.haptics.mode, watched(scene))
+    key = (corner, room, scale, chosen.show_scope, chosen.show_body, scene.haptics.mode, watched(scene), bpy.app.translations.locale)
     known = _shown.get(region.as_pointer())
     if known is None or known.result is not result or known.key != key or known.generation != atlas.generation:
         items = board_of(scene, corner, room, scale)

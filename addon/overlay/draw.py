@@ -44,6 +44,7 @@ class Drawing:
     options: Options
     data: RenderData
     batch: Any
+    locale: str  # of its words
     views: OrderedDict[Any, Any] = field(default_factory=OrderedDict)
 
     def shows(self, result: FrameResult) -> bool:
@@ -52,16 +53,17 @@ class Drawing:
 
 
 def drawing_of(scene_id: int, result: FrameResult, settings: Settings, options: Options) -> Drawing:
-    """What is drawn of ``result``, kept until what it shows, the settings or the options change."""
+    """What is drawn of ``result``, kept until what it shows, the settings, the options or the language change."""
     from . import shader
 
     known = _drawings.get(scene_id)
-    if known is not None and known.shows(result) and known.settings == settings and known.options == options:
+    locale = bpy.app.translations.locale
+    if known is not None and known.shows(result) and (known.settings, known.options, known.locale) == (settings, options, locale):
         return known
     for gone in _drawings.keys() - {scene.session_uid for scene in bpy.data.scenes}:
         del _drawings[gone]
     data = render_data(result, settings, options)
-    drawing = Drawing(result, settings, options, data, shader.upload(quads(data)))
+    drawing = Drawing(result, settings, options, data, shader.upload(quads(data)), locale)
     _drawings[scene_id] = drawing
     return drawing
 

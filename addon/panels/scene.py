@@ -99,6 +99,7 @@ class HAPTIC_PT_overlay(HapticsPanel, Panel):
     bl_idname = "HAPTIC_PT_overlay"
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Overlay"
+    bl_translation_context = "Haptics"  # Blender's own word for it is that of mixing colours
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw_header(self, context: Context) -> None:
