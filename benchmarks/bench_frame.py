@@ -2,12 +2,12 @@
 
     python -m benchmarks.bench_frame [--bodies 100 1000 3000] [--settled 10000] [--frames 200] [--shape BOX] [--strategy auto] [--impacts]
 
-Every frame is simulated by Blender and traced by the add-on's own handler, which is timed within it: `tracing` and `Blender` are medians of
-the milliseconds over all frames, `cost` the median of their ratio frame by frame. 4 sources are on bodies, 10 listeners on others; all
-contacts that signals reach are wanted. Impacts are found, and with `--impacts` each makes one more source. `off` is the median of
-Blender's frame in a run with tracing off. Settled bodies lie asleep on the ground with one source at the edge; `beyond reading` is what
-tracing costs without reading the transforms. `CPU`: the same in CPU time, which other work on the machine does not lengthen: of all threads
-while Blender evaluates, and of the one that traces.
+Every frame is simulated by Blender and traced by the add-on, on a thread beside it. The same frames are played without tracing first:
+`off` is the median of Blender's own frame then, `on` that of the frame with tracing, `cost` the median of their ratio frame by frame, less
+one. `CPU` is the same of CPU time, of all threads: what tracing costs where there is no second core. `handler` is what the add-on's frame
+handler takes of it: reading, and waiting where the last frame is still being traced. 4 sources are on bodies, 10 listeners on others; all
+contacts that signals reach are wanted. Impacts are found, and with `--impacts` each makes one more source. Settled bodies lie asleep on
+the ground with one source at the edge; what tracing them costs beyond reading the transforms is the median of all other stages.
 """
 
 from __future__ import annotations
@@ -37,18 +37,20 @@ SHAPES = ("BOX", "SPHERE", "CONVEX_HULL", "CYLINDER", "CAPSULE", "CONE", "MIXED"
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """Medians over the frames of one scene: milliseconds of Blender's own frame, of it in a run with tracing off, of tracing, of each of
-    its stages; the ratio; the same of CPU time; narrow-phase queries made and avoided per frame, all told; bytes that the tracer holds."""
+    """Medians over the frames of one scene: milliseconds of the frame without and with tracing, and by how much one is above the other;
+    the same of CPU time; milliseconds of the handler, and of each stage; narrow-phase queries made and avoided per frame, all told; bytes
+    that the tracer holds."""
 
     bodies: int
-    blender: float
     off: float
-    tracing: float
+    on: float
     cost: float
-    blender_cpu: float
-    tracing_cpu: float
+    off_cpu: float
+    on_cpu: float
     cost_cpu: float
+    handler: float
     stages: dict[str, float]
+    beyond: float
     contacts: float
     queries: int
     avoided: int
@@ -129,42 +131,38 @@ class _Watch:
     """Times the add-on's handler from the handlers before and after it."""
 
     def __init__(self) -> None:
-        self.tracing: list[float] = []
-        self.working: list[float] = []
+        self.seconds: list[float] = []
         handlers = bpy.app.handlers.frame_change_post
         handlers.insert(0, self._begin)
         handlers.append(self._end)
 
     def _begin(self, *_: object) -> None:
-        self._begun = time.perf_counter(), time.thread_time()
+        self._begun = time.perf_counter()
 
     def _end(self, *_: object) -> None:
-        begun, worked = self._begun
-        self.tracing.append(time.perf_counter() - begun)
-        self.working.append(time.thread_time() - worked)
+        self.seconds.append(time.perf_counter() - self._begun)
 
 
 def measure(bodies: int, shape: str, frames: int, settled: bool, strategy: str, impacts: bool) -> Row:
-    """Play the scene once with tracing and once without."""
+    """Play the scene once without tracing and once with it."""
     scene = build(bodies, shape, frames, settled, strategy, impacts)
-    off = _play(scene, frames)[0] * 1000
+    off, off_cpu, _ = _play(scene, frames)
     scene = build(bodies, shape, frames, settled, strategy, impacts)
     scene.haptics.tracing = True
     watch = _Watch()
-    whole, worked, results = _play(scene, frames)
-    tracing, working = np.array(watch.tracing), np.array(watch.working)
-    own = whole - tracing
+    on, on_cpu, results = _play(scene, frames)
     stages = {stage: float(np.median([r.milliseconds[stage] for r in results])) for stage in results[0].milliseconds}
     return Row(
         bodies=bodies,
-        blender=1000 * float(np.median(own)),
-        off=float(np.median(off)),
-        tracing=1000 * float(np.median(tracing)),
-        cost=float(np.median(tracing / own)),
-        blender_cpu=1000 * float(np.median(worked - working)),
-        tracing_cpu=1000 * float(np.median(working)),
-        cost_cpu=float(np.median(working / (worked - working))),
+        off=1000 * float(np.median(off)),
+        on=1000 * float(np.median(on)),
+        cost=float(np.median(on / off)) - 1,
+        off_cpu=1000 * float(np.median(off_cpu)),
+        on_cpu=1000 * float(np.median(on_cpu)),
+        cost_cpu=float(np.median(on_cpu / off_cpu)) - 1,
+        handler=1000 * float(np.median(watch.seconds)),
         stages=stages,
+        beyond=float(np.median([sum(r.milliseconds.values()) - r.milliseconds["read"] for r in results])),
         contacts=float(np.median([len(r.contacts) for r in results])),
         queries=sum(r.statistics["contact_queries"] for r in results) // frames,
         avoided=sum(r.statistics["queries_avoided"] for r in results) // frames,
@@ -179,10 +177,11 @@ def _play(scene: bpy.types.Scene, frames: int) -> tuple[np.ndarray, np.ndarray, 
         begun, working = time.perf_counter(), time.process_time()
         scene.frame_set(k + 1)
         seconds[k], worked[k] = time.perf_counter() - begun, time.process_time() - working
-        result = session.result_of(scene)
-        if result is not None:
-            results.append(result)
-    return seconds, worked, results
+        previous = session.of(scene).previous
+        if previous is not None:
+            results.append(previous)
+    result = session.result_of(scene)
+    return seconds, worked, results if result is None else [*results, result]
 
 
 def _held(scene: bpy.types.Scene) -> int:
@@ -207,7 +206,7 @@ def run(
 ) -> list[Row]:
     """Print the table; its rows."""
     print(f"{frames} frames, {shape.lower()}, {SOURCES} sources, {LISTENERS} listeners, strategy {strategy}; milliseconds a frame")
-    print(" bodies  Blender      off  tracing    cost   goal |   CPU:  tracing    cost | contacts  queries  avoided     MB  stages")
+    print(" bodies      off       on    cost   goal | CPU: off       on    cost | handler | contacts  queries  avoided     MB  stages")
     rows = []
     haptic_tracing.register()
     try:
@@ -220,8 +219,7 @@ def run(
             row = measure(settled, shape, frames, True, strategy, impacts)
             rows.append(row)
             _show(row, f"{row.cost:7.1%} {'':>6}")
-            beyond = row.tracing - row.stages["read"], row.tracing_cpu - row.stages["read"]
-            words = f"{beyond[0]:.2f} ms a frame beyond reading, {beyond[1]:.2f} ms of CPU time"
+            words = f"{row.beyond:.2f} ms a frame beyond reading"
             print(f"{settled} settled, one local source: {words} (goal {SETTLED_GOAL:g} ms)", flush=True)
         print(f"the handler where tracing is off: {_idle(False):.1f} us, where nothing is tagged: {_idle(True):.1f} us (goal 20 us)")
     finally:
@@ -237,15 +235,14 @@ def _idle(tracing: bool) -> float:
     watch = _Watch()
     for frame in range(200):
         scene.frame_set(frame)
-    return 1e6 * float(np.median(watch.tracing))
+    return 1e6 * float(np.median(watch.seconds))
 
 
 def _show(row: Row, cost: str) -> None:
     stages = ", ".join(f"{stage} {milliseconds:.2f}" for stage, milliseconds in row.stages.items())
     print(
-        f"{row.bodies:7} {row.blender:8.2f} {row.off:8.2f} {row.tracing:8.2f} {cost} | {row.blender_cpu:7.2f}"
-        f" {row.tracing_cpu:7.2f} {row.cost_cpu:7.1%} | {row.contacts:8.0f} {row.queries:8} {row.avoided:8}"
-        f" {row.memory / 1e6:6.1f}  {stages}",
+        f"{row.bodies:7} {row.off:8.2f} {row.on:8.2f} {cost} | {row.off_cpu:8.2f} {row.on_cpu:8.2f} {row.cost_cpu:7.1%} |"
+        f" {row.handler:7.2f} | {row.contacts:8.0f} {row.queries:8} {row.avoided:8} {row.memory / 1e6:6.1f}  {stages}",
         flush=True,
     )
 
