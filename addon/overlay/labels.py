@@ -13,7 +13,7 @@ from .colour_map import FloatArray
 _SIDES = np.array([(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)], dtype=np.float64)
 _REACH_OF_SIDE = np.where(np.abs(_SIDES).sum(axis=1, keepdims=True) > 1, 0.5, 1.0)  # a diagonal needs less on either axis
 _REACHES = (1.0, 2.2, 4.0)
-_CELL = 8.0  # pixels
+_CELL = 12.0  # pixels
 _COST_OF_REACH = 6  # a step farther is worth that many covered pixels of a path
 _COST_OF_CONFUSION = 15  # so is standing nearer to the place of another label than to one's own
 
