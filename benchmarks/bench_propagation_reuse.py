@@ -94,45 +94,56 @@ def _keys(graph: HapticGraph) -> np.ndarray:
     return graph.node_object * (len(graph.table.names) + len(ends) + 1) + other + len(ends)
 
 
-def still_right(after: HapticGraph, labels: Labels, old: np.ndarray) -> np.ndarray:
-    """(r, n) which labels of the frame before, in the numbers of ``after``, come by a way of which nothing has moved."""
-    rows, count = labels.entry.shape
-    new = np.full(count, -1, dtype=np.int64)
+def renumbered(labels: Labels, old: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Costs and entries (r, n) of the frame before for the nodes of this one; -1 where nothing arrived, -2 for an entry that is no more."""
     kept = np.flatnonzero(old >= 0)
-    new[old[kept]] = kept
-    entry = np.where(old >= 0, labels.entry[:, old], -1)
-    entry = np.where(entry >= 0, new[entry], -1)
-    valid = entry >= 0
+    if labels.entry.shape[1] == len(old) and np.array_equal(old[kept], kept):  # none came, none went
+        return labels.arrival, labels.entry
+    number = np.full(labels.entry.shape[1] + 1, -2, dtype=np.int64)
+    number[-1] = -1
+    number[old[kept]] = kept
+    return labels.arrival[:, old], number[labels.entry[:, old]]
+
+
+def still_right(after: HapticGraph, entry: np.ndarray, old: np.ndarray) -> np.ndarray:
+    """(r, n) which of the entries come by a way of which nothing has moved."""
+    rows, count = entry.shape
+    same = old >= 0
+    valid = (entry >= 0) & same & same[entry]
     before = np.where(valid, after.partner[entry], -1)
-    pointer = np.where(before >= 0, before + after.node_count * np.arange(rows)[:, None], -1).reshape(-1)
-    valid = valid.reshape(-1)
+    pointer = np.where(before >= 0, before + count * np.arange(rows)[:, None], -1).reshape(-1)
+    right = valid.flatten()
     pending = np.flatnonzero(pointer >= 0)
     while len(pending):
         back = pointer[pending]
-        valid[pending] &= valid[back]
+        right[pending] &= right[back]
         pointer[pending] = pointer[back]
         pending = pending[pointer[pending] >= 0]
-    return valid.reshape(rows, -1)
+    return right.reshape(rows, count)
+
+
+def found_out(before: HapticGraph, after: HapticGraph, known: Labels) -> np.ndarray:
+    """(r, n) which labels are still right."""
+    old = same_nodes(before, after)
+    return still_right(after, renumbered(known, old)[1], old)
 
 
 def carried_on(after: HapticGraph, known: Labels, old: np.ndarray) -> np.ndarray:
     """(r, n) costs of arriving, from the labels of the frame before that are still right."""
     rows = len(after.sources)
-    right = still_right(after, known, old)
+    arrival, entry = renumbered(known, old)
+    right = still_right(after, entry, old)
     work = _Work(after, rows, np.full(rows, cost_limit(BEST.threshold)), False)
-    row, node = np.nonzero(right)
-    number = np.full(len(known.entry[0]), -1, dtype=np.int64)
-    number[old[old >= 0]] = np.flatnonzero(old >= 0)
-    work.arrival[row, node], work.entry[row, node] = known.arrival[row, old[node]], number[known.entry[row, old[node]]]
-    stale = ~right & (known.entry[:, old] >= 0) | (old < 0)
+    work.arrival[right], work.entry[right] = arrival[right], entry[right]
+    stale = ((entry != -1) & ~right) | (old < 0)
     filled = np.flatnonzero(np.diff(after.start))
     touched = np.zeros((rows, len(after.table.names)), dtype=np.bool_)
     touched[:, filled] = np.logical_or.reduceat(stale, after.start[filled], axis=1)
     cost = np.where(after.partner >= 0, work.arrival[:, after.partner] + work.crossing, np.inf)
-    for number_of, source in enumerate(after.sources):
-        cost[number_of, list(source.nodes)] = 0.0
-    row, node = np.nonzero((cost <= work.limits[:, None]) & touched[:, after.node_object])
-    pending = row, node, cost[row, node]
+    for row, source in enumerate(after.sources):
+        cost[row, list(source.nodes)] = 0.0
+    place, node = np.nonzero((cost <= work.limits[:, None]) & touched[:, after.node_object])
+    pending = place, node, cost[place, node]
     targets = np.unique(after.listener_nodes)
     while len(pending[0]):
         pending = _step(work, *pending)
@@ -150,11 +161,11 @@ def compare(scene: str, before: Family, after: Family, settings: Settings) -> Ro
     anew = best_time(lambda: propagate(after.graph(), settings))
     if settings.strategy is Strategy.BEST_PATH:
         known, fresh = labels_of(first), labels_of(second)
-        right = still_right(second, known, old)
-        right &= known.arrival[:, old] == fresh.arrival
+        arrival, entry = renumbered(known, old)
+        right = still_right(second, entry, old) & (arrival == fresh.arrival)
         reached = np.count_nonzero(fresh.entry >= 0)
         valid = np.count_nonzero(right & (fresh.entry >= 0)) / reached
-        finding = best_time(lambda: still_right(second, known, same_nodes(first, second)))
+        finding = best_time(lambda: found_out(first, second, known))
         targets = second.listener_nodes
         limit = cost_limit(BEST.threshold)
         ours, expected = carried_on(second, known, old)[:, targets], fresh.arrival[:, targets]
