@@ -231,7 +231,8 @@ class SceneReader:
             rows |= {row for row in self._tagged if self._session_ids is not None and int(self._session_ids[row]) in deformed}
         changed = False
         again = sorted(rows)
-        for row, scale in zip(again, rigid_transforms(_matrices(raw[np.array(again, dtype=np.int64)]))[1], strict=True):
+        scales = rigid_transforms(_matrices(raw[np.array(again, dtype=np.int64)]))[1] if again else ()
+        for row, scale in zip(again, scales, strict=True):
             tagged = self._read_object(row, bpy.data.objects[row], depsgraph, scale)
             if tagged != self._tagged[row]:
                 self._tagged[row] = tagged

@@ -145,14 +145,10 @@ class HAPTIC_OT_delete_bake(Operator):
 
 CLASSES = (HAPTIC_OT_bake, HAPTIC_OT_delete_bake)
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+register, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
 
 
 def unregister() -> None:
     while _running:
         _running.pop().close()
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    _unregister_classes()

@@ -63,12 +63,4 @@ def _draw_track(layout: UILayout, scene: Scene, track: HapticTrack | None) -> No
 
 CLASSES = (HAPTIC_PT_bake,)
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)
