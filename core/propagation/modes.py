@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..functions import Exponential
-from ..graph import HapticGraph, ObjectTable, distances
+from ..graph import HapticGraph, distances
 from .result import Propagation
 
 FloatArray = NDArray[np.float64]
@@ -19,16 +19,14 @@ DISTANCE_ONLY = Exponential(alpha=0.2)
 
 
 def distance_only(graph: HapticGraph) -> HapticGraph:
-    """The graph with every object's propagation function replaced by `DISTANCE_ONLY`."""
+    """The graph with the gains of `DISTANCE_ONLY` for every object's propagation function; its objects are left as they are."""
     count = len(graph.table.names)
-    table = ObjectTable(
-        names=graph.table.names,
-        objects=tuple(dataclasses.replace(o, propagation=DISTANCE_ONLY) for o in graph.table.objects),
+    table = dataclasses.replace(
+        graph.table,
         factor=np.ones(count),
         decay=np.full(count, DISTANCE_ONLY.alpha),
         loss=np.zeros(count),
         special=frozenset(),
-        epsilon=graph.table.epsilon,
         band_gains=None,
         band_decays=None,
         slowness=None,
