@@ -6,12 +6,14 @@ touch never shifts against the picture. Frame by frame it is what a bake gives, 
 
 from __future__ import annotations
 
+from collections.abc import Hashable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from .frame_result import FrameResult
 from .mixdown import listener_mixes, source_voices
-from .rendering import Renderer, sample_index
+from .rendering import ListenerMix, Renderer, Voice, sample_index
 
 FloatArray = NDArray[np.float64]
 
@@ -34,11 +36,15 @@ class Playback:
         self._time: float | None = None
         self._last = np.zeros((0, 1))
         self._next = -1
+        self._heard: float | None = None  # when the last result was that was played
+        self._late: dict[Hashable, float] = {}  # onsets that were moved, by voice
 
     def start(self, time: float) -> None:
         """Begin at ``time`` [s], from silence."""
         self._renderer, self._time = None, time
         self._last, self._next = np.zeros((0, 1)), -1
+        self._heard = None
+        self._late.clear()
 
     def recorded(self, result: FrameResult) -> FloatArray:
         """The samples of a frame that was read from a track, (listeners, n), joined to those before where frames lie between."""
@@ -61,24 +67,54 @@ class Playback:
         mixes = listener_mixes(result.listeners)
         if self._time == result.time and self._renderer is not None:
             return np.zeros((len(mixes), 0))
-        voices = source_voices(result.sources, result.listeners, result.propagation)
+        block = self._continued(mixes, result, result.time, frame_seconds)
+        return self._elsewhere(mixes, result, frame_seconds) if block is None else block
+
+    def ahead(self, latest: FrameResult, time: float, frame_seconds: float) -> FloatArray | None:
+        """The samples of the frame that ends at ``time`` [s], which is still being traced, with what the ``latest`` traced frame says; None
+        where that is no continuation. What has begun in a frame that comes late begins with the next block."""
+        mixes = listener_mixes(latest.listeners)
+        if self._time is None or self._renderer is None or self._renderer.listeners != mixes:
+            return None
+        return self._continued(mixes, latest, time, frame_seconds)
+
+    def _continued(self, mixes: tuple[ListenerMix, ...], result: FrameResult, time: float, frame_seconds: float) -> FloatArray | None:
+        """The samples up to ``time`` where they follow what was played so far, else None."""
         before = self._renderer if self._renderer is not None and self._renderer.listeners == mixes else None
         begun = self._time
-        if begun is not None and 0.0 < result.time - begun <= max(_LONGEST_STEP, 1.5 * frame_seconds) and self._renderer in (None, before):
-            renderer = before or Renderer(mixes, result.sample_rate)
-            samples = renderer.render_frame(begun, result.time, voices)
-            start = begun if result.time - begun < 1.5 * frame_seconds else result.time - frame_seconds
-            block = samples[:, samples.shape[1] - _count(start, result.time, result.sample_rate) :]
-        else:
-            renderer = Renderer(mixes, result.sample_rate)
-            block = renderer.render_frame(result.time - frame_seconds, result.time, voices)
-            if before is not None and begun is not None:
-                ending = before.render_frame(begun, begun + frame_seconds, ())[:, : block.shape[1]]
-                block[:, : ending.shape[1]] += ending
-                ceilings = np.array([mix.s_max for mix in mixes])[:, None]
-                block = np.clip(block, -ceilings, ceilings)
+        if begun is None or not 0.0 < time - begun <= max(_LONGEST_STEP, 1.5 * frame_seconds) or self._renderer not in (None, before):
+            return None
+        renderer = before or Renderer(mixes, result.sample_rate)
+        samples = renderer.render_frame(begun, time, self._voices(result, begun))
+        start = begun if time - begun < 1.5 * frame_seconds else time - frame_seconds
+        self._renderer, self._time = renderer, time
+        return samples[:, samples.shape[1] - _count(start, time, result.sample_rate) :]
+
+    def _elsewhere(self, mixes: tuple[ListenerMix, ...], result: FrameResult, frame_seconds: float) -> FloatArray:
+        """The samples up to ``result`` at another place of the timeline."""
+        before, begun = self._renderer, self._time
+        self._late.clear()
+        renderer = Renderer(mixes, result.sample_rate)
+        block = renderer.render_frame(result.time - frame_seconds, result.time, self._voices(result, result.time - frame_seconds))
+        if before is not None and before.listeners == mixes and begun is not None:
+            ending = before.render_frame(begun, begun + frame_seconds, ())[:, : block.shape[1]]
+            block[:, : ending.shape[1]] += ending
+            ceilings = np.array([mix.s_max for mix in mixes])[:, None]
+            block = np.clip(block, -ceilings, ceilings)
         self._renderer, self._time = renderer, result.time
         return block
+
+    def _voices(self, result: FrameResult, begun: float) -> list[Voice]:
+        """What is played of a result in a block that begins at ``begun``: what began after the last result, but before this block, begins
+        with it."""
+        voices = source_voices(result.sources, result.listeners, result.propagation)
+        heard, self._heard = self._heard, result.time
+        if heard is not None and heard < begun:
+            self._late.update({voice.key: begun for voice in voices if heard <= voice.onset < begun and voice.key not in self._late})
+        if not self._late:
+            return voices
+        self._late = {voice.key: self._late[voice.key] for voice in voices if voice.key in self._late}
+        return [voice._replace(onset=self._late.get(voice.key, voice.onset)) for voice in voices]
 
 
 def grain(result: FrameResult, frame_seconds: float) -> FloatArray:

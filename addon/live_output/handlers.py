@@ -21,6 +21,8 @@ def frame_changed(scene: Scene) -> None:
     if not player.is_wanted():
         return
     try:
+        if scene.haptics.tracing and _goes_ahead(scene):
+            return
         result = session.result_of(scene) if scene.haptics.tracing else None
         if result is None or result.number != scene.frame_current:
             player.rest()
@@ -29,6 +31,16 @@ def frame_changed(scene: Scene) -> None:
     except Exception:
         player.rest()
         raise
+
+
+def _goes_ahead(scene: Scene) -> bool:
+    """Let a frame that is still being traced be felt in time, with gains that are a frame old, where tracing takes long."""
+    traced = session.of(scene)
+    latest = traced.previous if traced.begun is not None and not traced.begun.result.done() else None
+    if latest is None:
+        return False
+    time = seconds_of(scene, scene.frame_current)
+    return player.play_ahead(scene.session_uid, latest, time, frame_seconds(scene), choices(latest))
 
 
 @persistent

@@ -19,6 +19,9 @@ AUTOMATIC = ""
 """A listener's choice: the actuators at its body part."""
 MUTED = "-"
 """A listener's choice: none."""
+SLOW = 20.0
+"""Milliseconds: where the tracing of a few frames in a row takes longer, the next is not waited for."""
+_SLOW_FRAMES = 3
 
 
 @dataclass(slots=True)
@@ -29,6 +32,8 @@ class _State:
     playback: Playback = field(default_factory=Playback)
     mapping: ActuatorMapping | None = None
     mapped: tuple = ()
+    timed: FrameResult | None = None  # the last one whose tracing time was looked at
+    slow: int = 0  # frames in a row that took long
 
 
 _state = _State()
@@ -77,6 +82,25 @@ def play(scene: int, result: FrameResult, frame_seconds: float, choices: Mapping
     samples = _samples(result, frame_seconds, recorded)
     if not samples.shape[1]:
         return
+    _send(result, samples, choices)
+
+
+def play_ahead(scene: int, latest: FrameResult, time: float, frame_seconds: float, choices: Mapping[str, str]) -> bool:
+    """Let the frame at ``time`` [s] be felt with what the ``latest`` traced frame says, if tracing has been slow. False where the frame's
+    own result is to be waited for."""
+    if latest is not _state.timed:
+        _state.timed = latest
+        _state.slow = _state.slow + 1 if sum(latest.milliseconds.values()) > SLOW else 0
+    if not _state.playing or _state.scene != scene or _state.slow < _SLOW_FRAMES:
+        return False
+    samples = _state.playback.ahead(latest, time, frame_seconds)
+    if samples is None:
+        return False
+    _send(latest, samples, choices)
+    return True
+
+
+def _send(result: FrameResult, samples: NDArray[np.float64], choices: Mapping[str, str]) -> None:
     for key, block in mapping_of(result, choices).blocks(samples).items():
         outputs.running()[key].send(block)
     preview.play([listener.body_part for listener in result.listeners], samples, result.sample_rate)

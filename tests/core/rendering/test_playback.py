@@ -56,6 +56,28 @@ def test_dropped_frames_do_not_shift_what_is_felt():
         assert block[0] == pytest.approx(expected, abs=1e-9)
 
 
+def test_what_goes_ahead_of_tracing_is_felt_in_time_and_misses_no_impact():
+    """Frames 10 to 14 are played with what the frame before says: the tone goes on, the blow comes with the block after its frame's."""
+    results = traced(range(12)) + traced(range(30), impact=11.5 / FPS)[12:]
+    playback = Playback()
+    playback.start(0.0)
+    blocks = []
+    for number, result in enumerate(results[1:], 1):
+        ahead = 10 <= number <= 14
+        blocks.append(playback.ahead(results[number - 1], number / FPS, 1 / FPS) if ahead else playback.block(result, 1 / FPS))
+        if number == 14:
+            assert playback.block(result, 1 / FPS).shape == (1, 0), "played already"
+    samples = np.concatenate(blocks, axis=1)[0]
+    begin = int(np.ceil(12 / FPS * RATE - 1e-6))
+    times = np.arange(len(samples)) / RATE
+    since = times - 12 / FPS
+    blow = np.where(since >= 0, np.exp(-np.maximum(since, 0) / 0.03) * np.sin(2 * np.pi * 150.0 * since), 0.0)
+    first = int(np.ceil(RATE / FPS))
+    assert np.abs(samples - np.clip(np.sin(2 * np.pi * TONE * times) + blow, -1, 1))[first : begin + 2000].max() < 1e-4
+    assert playback.ahead(results[3], 3 / FPS, 1 / FPS) is None, "a jump waits for its frame"
+    assert Playback().ahead(results[3], 3 / FPS, 1 / FPS) is None
+
+
 @pytest.mark.parametrize("second", [0, 3, 17, 40, 900])
 def test_loops_and_jumps_do_not_click(second):
     first = list(range(25))
