@@ -82,7 +82,7 @@ def generated_tracks(draw):
     return Tracks(listeners, rate, samples, start=draw(st.sampled_from([0.0, -3.5, 10.0])))
 
 
-@settings(max_examples=14, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@settings(max_examples=10, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(generated_tracks())
 def test_generated_tracks_in_every_format(tmp_path_factory, tracks):
     folder = tmp_path_factory.mktemp("generated")

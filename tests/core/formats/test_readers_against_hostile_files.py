@@ -5,6 +5,8 @@ import gzip
 import json
 import struct
 import tracemalloc
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,7 +37,8 @@ def corpus(tmp_path_factory):
     export = Export("small", scene, tracks)
     files = [path for name in ("wav", "hjif", "haptic", "ahap", "wyvrn") for path in registry.write(name, export, folder).files]
     good = {path.suffix: path for path in files if path.suffix in registry.READERS and ".transients" not in path.name}
-    haptic_scene.write_export(export, folder / "small.scene.json", tracks="inline")
+    everything = haptic_scene.read_export(Path(__file__).parent / "corpus" / "good-devices-and-warmth.json")
+    haptic_scene.write_export(replace(everything, tracks=tracks), folder / "small.scene.json", tracks="inline")
     return {**good, ".json": folder / "small.scene.json"}
 
 
