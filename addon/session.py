@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -51,6 +53,7 @@ class Session:
     version: int = -1
     history: History = field(default_factory=History)
     begun: _Begun | None = None
+    draw_milliseconds: float = 0.0  # of the last redraw of a viewport
 
 
 _sessions: dict[int, Session] = {}
@@ -102,6 +105,16 @@ def problems_of(scene: Scene) -> tuple[Problem, ...]:
         return ()
     _finish(scene, session)
     return session.problems
+
+
+@contextmanager
+def drawing(scene: Scene) -> Iterator[None]:
+    """What is done inside counts as drawing the scene's results."""
+    started = time.perf_counter()
+    try:
+        yield
+    finally:
+        of(scene).draw_milliseconds += 1000 * (time.perf_counter() - started)
 
 
 def show(scene: Scene, result: FrameResult, samples: NDArray[np.float64]) -> None:

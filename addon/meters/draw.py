@@ -93,7 +93,8 @@ def _draw_pixels() -> None:
     if result is None or not result.listeners:
         _shown.pop(context.region.as_pointer(), None)
         return
-    draw_board(context, scene, result)
+    with session.drawing(scene):
+        draw_board(context, scene, result)
 
 
 def _refresh_panels(context: Context) -> None:

@@ -203,40 +203,44 @@ def _shown(context: Context) -> tuple[Scene, FrameResult] | None:
 
 def _draw_view() -> None:
     context = bpy.context
+    if context.scene is not None:
+        session.of(context.scene).draw_milliseconds = 0.0  # this comes first in a redraw
     shown = _shown(context)
     if shown is None:
         return
     scene, result = shown
     region, view = context.region, context.region_data
-    draw_graph(
-        drawing_of(scene.session_uid, result, scene_reader.read_settings(scene), options_of(scene, result)),
-        view.window_matrix,
-        view.view_matrix,
-        (region.width, region.height),
-        context.preferences.system.ui_scale * preferences().overlay_size,
-        xray=scene.haptics.xray,
-        flow=seconds_shown(scene) if scene.haptics.show_flow else None,
-    )
+    with session.drawing(scene):
+        draw_graph(
+            drawing_of(scene.session_uid, result, scene_reader.read_settings(scene), options_of(scene, result)),
+            view.window_matrix,
+            view.view_matrix,
+            (region.width, region.height),
+            context.preferences.system.ui_scale * preferences().overlay_size,
+            xray=scene.haptics.xray,
+            flow=seconds_shown(scene) if scene.haptics.show_flow else None,
+        )
 
 
 def _draw_pixels() -> None:
     context = bpy.context
     shown = _shown(context)
     drawing = _drawings.get(shown[0].session_uid) if shown is not None else None  # `_draw_view` has just drawn it
-    if drawing is None:
+    if shown is None or drawing is None:
         return
     from ..meters import draw as meters
 
     region = context.region
     perspective = np.array(context.region_data.perspective_matrix, dtype=np.float64)
-    draw_furniture(
-        drawing,
-        perspective,
-        (region.width, region.height),
-        context.preferences.system.ui_scale * preferences().overlay_size,
-        free_rectangle(context),
-        meters.taken(context),
-    )
+    with session.drawing(shown[0]):
+        draw_furniture(
+            drawing,
+            perspective,
+            (region.width, region.height),
+            context.preferences.system.ui_scale * preferences().overlay_size,
+            free_rectangle(context),
+            meters.taken(context),
+        )
 
 
 def seconds_shown(scene: Scene) -> float:

@@ -162,6 +162,7 @@ class HAPTIC_PT_statistics(HapticsPanel, Panel):
         column = layout.column(align=True)
         for stage, milliseconds in result.milliseconds.items():
             draw_pair(column, stage.replace("_", " ").capitalize(), f"{milliseconds:.2f} ms")
+        draw_pair(column, "Draw", f"{session.of(context.scene).draw_milliseconds:.2f} ms")
         column.separator()
         for name, value in result.statistics.items():
             draw_pair(column, name.replace("_", " ").capitalize(), f"{value:g}")

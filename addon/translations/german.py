@@ -428,6 +428,7 @@ MESSAGES: dict[str, str] = {
     "No listener was traced yet": "Noch kein Empfänger verfolgt",
     "Nothing reaches it": "Nichts erreicht ihn",
     "Statistics": "Statistik",
+    "Draw": "Zeichnen",
     "Meters": "Pegel",
     "Draw meters over the 3D viewport: how much each listener feels": "Pegel über die 3D-Ansicht zeichnen: wie viel jeder Empfänger spürt",
     "Levels": "Pegel",

@@ -1,11 +1,18 @@
 """Contacts in Blender scenes: bad geometry is named and the rest goes on; jumps make no impacts; simulated falls hit as mechanics says."""
 
+import importlib.util
 import math
+from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon import session
+
+_spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).with_name("recording_layout.py"))
+recording_layout = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(recording_layout)
 
 
 def problems():
@@ -165,6 +172,19 @@ def test_statistics_tell_what_blender_took_and_what_was_skipped(drop, scene):
     assert set(result.milliseconds) >= {"read", "broad", "narrow", "graph", "propagate", "mix"}
     assert result.statistics["blender_milliseconds"] > 0
     assert {"candidate_pairs", "contact_queries", "queries_avoided"} <= set(result.statistics)
+
+
+def test_the_panel_shows_every_stage_of_the_frame(drop, scene):
+    scene.frame_set(1)
+    session.result_of(scene)
+    with session.drawing(scene):
+        pass
+    layout = recording_layout.RecordingLayout()
+    bpy.types.HAPTIC_PT_statistics.draw(SimpleNamespace(layout=layout), bpy.context)
+    stages = [text for text in layout.labels if text.endswith(" ms")]
+    assert set(layout.labels) >= {"Read", "Broad", "Narrow", "Graph", "Propagate", "Mix", "Draw", "Queries avoided", "Blender milliseconds"}
+    assert len(stages) == 7 and all(float(text.removesuffix(" ms")) >= 0 for text in stages)
+    assert session.of(scene).draw_milliseconds > 0
 
 
 def test_points_of_a_patch_have_shares_that_add_up_to_one(bench, traced, scene):
