@@ -1,0 +1,77 @@
+"""Small graphs are computed one number at a time, larger ones in arrays, still larger ones in parts: each of these on graphs that are small
+enough for recursion over all paths."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from haptic_tracing.core.graph import graph_of_scene
+from haptic_tracing.core.propagation import labels, path_search, propagate
+from haptic_tracing.core.scene import HapticScene, Settings, Strategy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from path_reference import METRIC, OTHER, connected_scene, meets, recursive_paths
+
+SEEDS = st.integers(0, 10**6)
+LIMITS = st.tuples(st.sampled_from([None, 5, 7]), st.sampled_from([1e-3, 0.1]))
+WAYS = {
+    "scalars": {"FEW": 10**9},
+    "large objects": {"FEW": 10**9, "LARGE": 2},
+    "scalars in place": {"FEW": 10**9, "SMALL": 0},
+    "arrays": {"FEW": 0},
+    "parts of arrays": {"FEW": 0, "BATCH": 3},
+    "arrays, then scalars": {"FEW": 0, "TRICKLE_ROUNDS": 2, "TRICKLE": 10**9},
+}
+
+
+def sums_and_bests(scene: HapticScene, limits: tuple[int | None, float]) -> tuple[list[float], list[float]]:
+    """By recursion: the sum and the largest of the products of all paths within the limits, for each listener."""
+    graph = graph_of_scene(scene)
+    sums, bests = [], []
+    for column in range(len(graph.listeners)):
+        kept = [math.prod(gains) for _, gains in recursive_paths(graph, 0, column) if meets(gains, *limits)]
+        sums.append(math.fsum(kept))
+        bests.append(max(kept, default=0.0))
+    return sums, bests
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_labels(way):
+    @settings(max_examples=150, deadline=None, derandomize=True)
+    @given(SEEDS, LIMITS)
+    def check(seed, limits):
+        scene = connected_scene(seed, (*METRIC, *OTHER), listeners=3)
+        sums, bests = sums_and_bests(scene, limits)
+        chosen = {"max_connections": limits[0], "threshold": limits[1]}
+        graph = graph_of_scene(scene)
+        for strategy, expected in ((Strategy.BEST_PATH, bests), (Strategy.ALL_PATHS, sums)):
+            result = propagate(graph, Settings(strategy=strategy, **chosen))
+            assert result.gain[0] == pytest.approx(expected, rel=1e-9, abs=0)
+            assert not result.error_bound.any()
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in WAYS[way].items():
+            patch.setattr(labels, name, value)
+        check()
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(SEEDS, LIMITS)
+def test_crossed_patches_as_numbers_and_as_bytes(seed, limits):
+    """The same bits whichever way the crossed patches are kept, the same sums in another order with steps ranked by their promise."""
+    graph = graph_of_scene(connected_scene(seed, (*METRIC, *OTHER), listeners=3, refined=True))
+    results = []
+    for ways in ({}, {"WORD": 0}, {"FEW": 0}, {"FEW": 0, "WORD": 0}, {"FEW": 0, "BINS": 1}):
+        with pytest.MonkeyPatch.context() as patch:
+            for name, value in ways.items():
+                patch.setattr(path_search, name, value)
+            chosen = Settings(strategy=Strategy.ALL_PATHS, max_connections=limits[0], threshold=limits[1])
+            results.append(propagate(graph, chosen))
+    for one, other in ((0, 1), (2, 3), (2, 4)):
+        assert results[one].gain.tobytes() == results[other].gain.tobytes()
+    for result in results[1:]:
+        assert np.allclose(result.gain, results[0].gain, rtol=1e-13, atol=0)
+        assert np.array_equal(result.paths, results[0].paths)
+        assert np.array_equal(result.error_bound, results[0].error_bound)
