@@ -1,9 +1,9 @@
 """How much faster than real time 10 listeners x 32 voices are rendered at 8 kHz on one core, frame by frame as live playback does it.
 
-    python -m benchmarks.bench_rendering [--voices 32] [--listeners 10] [--fps 30] [--seconds 20]
+    python -m benchmarks.bench_rendering [--voices 32] [--listeners 10] [--fps 30] [--seconds 10]
 
 Gains (and delays) of every path change in every frame. `ratio` is seconds of signal by seconds of CPU time of this one thread, the best
-of three runs; `median` and `worst` are the milliseconds of one frame.
+of five runs; `median` and `worst` are the milliseconds of one frame.
 """
 
 from __future__ import annotations
@@ -98,13 +98,13 @@ def main() -> None:
     parser.add_argument("--voices", type=int, default=32)
     parser.add_argument("--listeners", type=int, default=10)
     parser.add_argument("--fps", type=float, default=30.0)
-    parser.add_argument("--seconds", type=float, default=20.0)
+    parser.add_argument("--seconds", type=float, default=10.0)
     options = parser.parse_args()
     print(f"{options.listeners} listeners x {options.voices} voices, {SAMPLE_RATE:g} Hz, {options.fps:g} frames a second")
     print(f"{'load':42} {'ratio':>8} {'median ms':>10} {'worst ms':>9}")
     for load in LOADS:
         seconds = options.seconds if load.delays == "none" or load.signal is tone else options.seconds / 10
-        runs = [frame_times(load, options.voices, options.listeners, options.fps, seconds) for _ in range(3)]
+        runs = [frame_times(load, options.voices, options.listeners, options.fps, seconds) for _ in range(5)]
         used, each = min(runs, key=lambda run: run[0])
         print(f"{load.name:42} {seconds / used:8.1f} {np.median(each):10.3f} {each.max():9.3f}", flush=True)
     print(f"target: steady tones at least {TARGET:g}")

@@ -167,13 +167,13 @@ class Renderer:
         for voice in voices:
             self._check(voice)
             stream = fading.pop(voice.key, None)
-            if stream is not None and stream.plays(voice):
-                parts.append(_Part(stream, voice, False))
-                continue
-            if stream is not None:
-                replaced.append(stream)
-            begins = voice.onset >= frame.start and (stream is None or stream.onset != voice.onset)
-            parts.append(_Part(_Stream(voice, self.sample_rate), voice, begins))
+            begins = False
+            if stream is None or not stream.plays(voice):
+                begins = voice.onset >= frame.start and (stream is None or stream.onset != voice.onset)
+                if stream is not None:
+                    replaced.append(stream)
+                stream = _Stream(voice, self.sample_rate)
+            parts.append(_Part(stream, voice, begins))
         if len({voice.key for voice in voices}) < len(voices):
             keys = [voice.key for voice in voices]
             raise ValueError(f"voices: key {next(key for key in keys if keys.count(key) > 1)!r} is given twice")
@@ -428,17 +428,14 @@ class _SteadyPaths:
 
     def __init__(self, frame: _Frame, group: _Group) -> None:
         self.parts = group.parts
-        streams = [part.stream for part in group.parts]
-        tones = [stream.tone for stream in streams if stream.tone is not None]
-        rate, count = streams[0].sample_rate, frame.count
+        rate, count = group.parts[0].stream.sample_rate, frame.count
+        tones = np.array([_tone_values(part.stream) for part in group.parts])
+        frequency, amplitude, phase, onset = np.hsplit(tones, 4)
         before, after = group.before, group.gains
         if before.ndim == 3:
-            response = np.array([bank_response(float(tone.frequency), rate) for tone in tones])[:, :, None]  # type: ignore[arg-type]
+            response = np.array([bank_response(hertz, rate) for hertz in frequency[:, 0].tolist()])[:, :, None]
             before, after = (before @ response)[:, :, 0], (after @ response)[:, :, 0]
-        strength = np.array([tone.amplitude for tone in tones])[:, None]
-        before, change = before * strength, (after - before) * strength
-        frequency = np.array([tone.frequency for tone in tones])[:, None]
-        since = np.array([frame.times[0] - stream.onset for stream in streams])[:, None]
+        before, change = before * amplitude, (after - before) * amplitude
         ramp = float(frame.ramp[0])
         ramp_step = float(frame.ramp[-1] - frame.ramp[0]) / max(count - 1, 1)
         late = lag_step = np.zeros((len(tones), 1))
@@ -447,7 +444,7 @@ class _SteadyPaths:
             delays_before = np.where(heard, group.delays_before, 0.0)
             drift = np.where(heard, group.delays, 0.0) - delays_before
             late, lag_step = delays_before + drift * ramp, drift * ramp_step
-        start = frequency * (since - late) + np.array([tone.phase for tone in tones])[:, None]
+        start = frequency * (frame.times[0] - onset - late) + phase
         step = frequency * (1.0 / rate - lag_step)
         self._paths = TonePaths(start.T, step.T, (before + change * ramp).T, change.T * ramp_step, count)
 
@@ -551,6 +548,13 @@ def _powers(base: Array, count: int) -> Array:
     for degree in range(1, count):
         np.multiply(powers[..., degree - 1], base, out=powers[..., degree])
     return powers
+
+
+def _tone_values(stream: _Stream) -> tuple[float, float, float, float]:
+    """Return frequency, amplitude, phase and onset of a stream that is a steady tone."""
+    tone = stream.tone
+    assert tone is not None and isinstance(tone.frequency, float) and isinstance(tone.amplitude, float)
+    return tone.frequency, tone.amplitude, tone.phase, stream.onset
 
 
 def _is_recorded(signal: Signal) -> bool:

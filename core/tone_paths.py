@@ -27,34 +27,38 @@ class TonePaths:
         self._count = count
         width = max(math.isqrt(count), 1)
         runs = -(-count // width)
-        fine = _powers(_turn(step), width)
-        coarse = _turn(start)[..., None] * _powers(_turn(width * step), runs)
+        turn = _turn(step)
+        fine = _powers(turn, width)
+        coarse = _powers(fine[-1] * turn, runs)
+        coarse *= _turn(start)
         # The gain is linear: gain of the run's first sample plus what it rises by within the run.
-        first = gain[..., None] + gain_step[..., None] * (width * np.arange(runs))
-        rising = gain_step[..., None]
-        self._runs = np.empty((*gain.shape, 4, runs))
-        self._places = np.empty((*start.shape, 4, width))
-        np.multiply(first, coarse.imag, out=self._runs[:, :, 0])
-        np.multiply(first, coarse.real, out=self._runs[:, :, 1])
-        np.multiply(rising, coarse.imag, out=self._runs[:, :, 2])
-        np.multiply(rising, coarse.real, out=self._runs[:, :, 3])
-        self._places[:, :, 0], self._places[:, :, 1] = fine.real, fine.imag
-        np.multiply(self._places[:, :, :2], np.arange(width), out=self._places[:, :, 2:])
+        first = gain[:, None] + gain_step[:, None] * (width * np.arange(runs))[:, None]
+        sine, cosine = coarse.imag.transpose(1, 0, 2), coarse.real.transpose(1, 0, 2)
+        listeners, voices = gain.shape
+        # (listeners, runs or places in a run, terms, voices)
+        self._runs = np.empty((listeners, runs, 4, voices))
+        np.multiply(first, sine, out=self._runs[:, :, 0])
+        np.multiply(first, cosine, out=self._runs[:, :, 1])
+        np.multiply(gain_step[:, None], sine, out=self._runs[:, :, 2])
+        np.multiply(gain_step[:, None], cosine, out=self._runs[:, :, 3])
+        self._places = np.empty((len(start), width, 4, voices))
+        self._places[:, :, 0], self._places[:, :, 1] = fine.real.transpose(1, 0, 2), fine.imag.transpose(1, 0, 2)
+        np.multiply(self._places[:, :, :2], np.arange(width)[:, None, None], out=self._places[:, :, 2:])
 
     def summed(self) -> Array:
         """Return the sum over voices, shape (n_listeners, count)."""
-        listeners, voices, terms, runs = self._runs.shape
-        alike, width = self._places.shape[0], self._places.shape[3]
-        left = self._runs.reshape(listeners, voices * terms, runs).transpose(0, 2, 1)
-        sums = left @ self._places.reshape(alike, voices * terms, width)
+        listeners, runs, terms, voices = self._runs.shape
+        alike, width = self._places.shape[:2]
+        places = self._places.reshape(alike, width, terms * voices).transpose(0, 2, 1)
+        sums = self._runs.reshape(listeners, runs, terms * voices) @ places
         return np.asarray(sums.reshape(listeners, runs * width)[:, : self._count])
 
     def at_listeners(self, chosen: list[int]) -> Array:
         """Return the voices as they reach some listeners, shape (n_voices, n_chosen, count)."""
-        _, voices, _, runs = self._runs.shape
+        _, runs, _, voices = self._runs.shape
         places = self._places if len(self._places) == 1 else self._places[chosen]
-        each = self._runs[chosen].transpose(1, 0, 3, 2) @ places.transpose(1, 0, 2, 3)
-        return each.reshape(voices, len(chosen), runs * self._places.shape[3])[:, :, : self._count]
+        each = self._runs[chosen].transpose(3, 0, 1, 2) @ places.transpose(3, 0, 2, 1)
+        return each.reshape(voices, len(chosen), runs * self._places.shape[1])[:, :, : self._count]
 
 
 def _turn(cycles: Array) -> NDArray[np.complex128]:
@@ -67,13 +71,13 @@ def _turn(cycles: Array) -> NDArray[np.complex128]:
 
 
 def _powers(base: NDArray[np.complex128], count: int) -> NDArray[np.complex128]:
-    """Return base^0 to base^(count - 1) in a new last axis, by doubling."""
-    powers = np.empty((*base.shape, count), dtype=np.complex128)
-    powers[..., 0] = 1.0
+    """Return base^0 to base^(count - 1) in a new first axis, by doubling."""
+    powers = np.empty((count, *base.shape), dtype=np.complex128)
+    powers[0] = 1.0
     known, factor = 1, base
     while known < count:
         more = min(known, count - known)
-        np.multiply(powers[..., :more], factor[..., None], out=powers[..., known : known + more])
+        np.multiply(powers[:more], factor, out=powers[known : known + more])
         known += more
         factor = factor * factor
     return powers
