@@ -231,7 +231,7 @@ class Tracer:
         tracker = self._tracker
         if tracker is None or tracker.settings != self.contact_settings:
             self._tracker = None
-        elif tracker.bodies is not frame.bodies and tracker.bodies != frame.bodies:
+        elif self._bodies is not frame.bodies and tracker.bodies != frame.bodies:
             if [b.name for b in tracker.bodies] == [b.name for b in frame.bodies]:
                 tracker.replace_bodies(frame.bodies)
             else:
