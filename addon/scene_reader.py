@@ -343,7 +343,10 @@ def stands_for(function: ModulationFunction, imported: ModulationFunction) -> bo
     floats = {name: shortest(value) for name, value in numbers.items() if isinstance(value, float)}
     wave_speed, decays = imported.spectrum.wave_speed, imported.spectrum.band_decays
     spectrum = Spectrum(wave_speed=shortest(wave_speed), band_decays=tuple(map(shortest, decays)))
-    return replace(imported, **floats, spectrum=spectrum) == function
+    try:
+        return replace(imported, **floats, spectrum=spectrum) == function
+    except ValueError:  # too small for single precision
+        return False
 
 
 def function_of_properties(haptics: Any) -> ModulationFunction:

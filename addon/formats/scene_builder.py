@@ -42,18 +42,22 @@ def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list
     What could not be carried over, in words.
     """
     builder = _Builder(export, scene)
-    builder.add_materials()
-    builder.add_objects()
-    for source in export.need_scene().sources:
-        builder.add_source(source)
-    for listener in export.need_scene().listeners:
-        builder.add_listener(listener)
-    builder.add_devices()
-    builder.add_emitters()
-    if settings:
-        builder.take_settings()
-    builder.keep_contacts()
-    builder.add_frames()
+    try:
+        builder.add_materials()
+        builder.add_objects()
+        for source in export.need_scene().sources:
+            builder.add_source(source)
+        for listener in export.need_scene().listeners:
+            builder.add_listener(listener)
+        builder.add_devices()
+        builder.add_emitters()
+        if settings:
+            builder.take_settings()
+        builder.keep_contacts()
+        builder.add_frames()
+    except BaseException:
+        builder.remove()
+        raise
     builder.check()
     return builder.losses()
 
@@ -70,6 +74,10 @@ class _Builder:
         self.poses = {item.name: item.pose or Pose() for item in self.haptic.objects}
         self.attached: dict[str, Object] = {}
         self.lost: dict[str, list[str]] = {}
+
+    def remove(self) -> None:
+        """Take away what was made."""
+        bpy.data.batch_remove([*self.collection.objects, self.collection])
 
     def lose(self, what: str, name: str) -> None:
         """Something could not be carried over, of a thing of that name."""

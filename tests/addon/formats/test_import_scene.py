@@ -362,6 +362,30 @@ def test_what_is_wrong_is_said_and_makes_nothing(tmp_path, text, reason):
     assert not bpy.data.objects and not bpy.data.collections
 
 
+def test_an_import_that_fails_on_the_way_leaves_nothing(tmp_path, monkeypatch):
+    from haptic_tracing.addon.formats import scene_builder
+
+    (tmp_path / "a.json").write_text('{"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 0, "rho": 1}]}')
+
+    def fail(self):
+        raise ValueError("no more")
+
+    monkeypatch.setattr(scene_builder._Builder, "take_settings", fail)
+    with pytest.raises(RuntimeError, match="no more"):
+        bpy.ops.import_scene.haptic_scene(filepath=str(tmp_path / "a.json"))
+    assert not bpy.data.objects and not bpy.data.collections
+
+
+def test_a_number_too_small_for_blender_is_a_loss(tmp_path, capfd):
+    """The property then has its least value."""
+    tiny = {"function": "linear", "range": 1e-300}
+    document = {"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 0, "rho": 1, "propagation": tiny}]}
+    (tmp_path / "a.json").write_text(json.dumps(document))
+    assert bpy.ops.import_scene.haptic_scene(filepath=str(tmp_path / "a.json")) == {"FINISHED"}
+    assert "function 'linear' as the file has it: a" in capfd.readouterr().out
+    assert bpy.data.objects["a"].haptics.range == pytest.approx(0.001)
+
+
 def test_damaged_text_in_a_strangers_file_is_a_problem_in_words(add_box, traced):
     from haptic_tracing.addon import session
 
