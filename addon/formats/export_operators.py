@@ -17,8 +17,10 @@ from ...core.formats.export import Export
 from ...core.formats.haptic_scene import write_export
 from ...core.formats.recording import Recording
 from ...core.formats.tracks import ListenerTrack, Tracks
+from ...core.modalities import ModalityScene
 from ...core.scene import HapticScene
 from .. import session
+from ..modalities.properties import SHOWN
 from ..panels.drawing import wrapped
 from . import job
 from .capture import Capture
@@ -234,7 +236,8 @@ def expected(scene: Scene, ranged: bool, collection: str = "") -> Export:
     parts = [(obj.name_full, obj.haptics.listener.body_part) for obj in tagged]
     listeners = tuple(ListenerTrack(name, "" if part == "NONE" else part) for name, part in parts)
     tracks = Tracks(listeners, 8000, np.zeros((len(listeners), 1))) if ranged and listeners else None
-    return Export("scene", HapticScene(), tracks, Recording(1.0, 1, ()) if ranged else None)
+    modalities = tuple(ModalityScene(item) for item in SHOWN if getattr(scene.haptics.modalities, item.name).enabled)
+    return Export("scene", HapticScene(), tracks, Recording(1.0, 1, ()) if ranged else None, modalities=modalities)
 
 
 def draw_losses(layout: UILayout, name: str, export: Export, options: dict[str, Any]) -> None:

@@ -32,6 +32,8 @@ def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
     losses = []
     if export.recording is not None and not options["frames"]:
         losses.append("what changes over time")
+    elif export.recording is not None:
+        losses += [f"how {part.modality.title.lower()} changes over time" for part in export.modalities if part.enabled]
     if export.tracks is not None and options["tracks"] == "none":
         losses.append("the rendered tracks, which can be rendered again")
     if export.tracks is not None and options["tracks"] != "none" and options["encoding"] == "pcm16":

@@ -92,6 +92,13 @@ def test_numbers_keep_their_digits(hearth, tmp_path):
     assert read_export(tmp_path / "b.json").modalities == read_export(tmp_path / "a.json").modalities
 
 
+def test_a_range_says_that_warmth_is_that_of_its_first_frame(hearth, tmp_path, capfd):
+    exported(tmp_path / "a.json", frames="RANGE", frame_start=1, frame_end=2)
+    assert "Not in this file: how warmth changes over time" in capfd.readouterr().out
+    exported(tmp_path / "b.json")
+    assert "Not in" not in capfd.readouterr().out
+
+
 def test_switched_off_and_ranges(hearth, tmp_path):
     hearth.haptics.modalities.thermal.enabled = False
     exported(tmp_path / "a.json", frames="RANGE", frame_start=1, frame_end=3)
