@@ -13,6 +13,7 @@ from .colour_map import FloatArray
 _SIDES = np.array([(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)], dtype=np.float64)
 _REACH_OF_SIDE = np.where(np.abs(_SIDES).sum(axis=1, keepdims=True) > 1, 0.5, 1.0)  # a diagonal needs less on either axis
 _REACHES = (1.0, 2.2, 4.0)
+_CROWD = 28  # from so many labels on they stay near: long leaders would cross each other
 _CELL = 12.0  # pixels
 _COST_OF_REACH = 6  # a step farther is worth that many covered pixels of a path
 _COST_OF_CONFUSION = 15  # so is standing nearer to the place of another label than to one's own
@@ -50,11 +51,12 @@ def place_labels(
     corner = np.full_like(anchor, np.nan)
     if not len(anchor):
         return corner
-    reach = np.repeat(_REACHES, len(_SIDES))[None, :, None] * np.tile(_REACH_OF_SIDE, (len(_REACHES), 1))[None]
-    side = np.tile(_SIDES, (len(_REACHES), 1))[None]
+    reaches = _REACHES if len(anchor) < _CROWD else _REACHES[:2]
+    reach = np.repeat(reaches, len(_SIDES))[None, :, None] * np.tile(_REACH_OF_SIDE, (len(reaches), 1))[None]
+    side = np.tile(_SIDES, (len(reaches), 1))[None]
     low = anchor[:, None] + side * (extent[:, None] / 2 + clearance[:, None, None] * reach) - extent[:, None] / 2
     high = low + extent[:, None]
-    cost = _covered(low, high, busy, room) + _COST_OF_REACH * np.repeat(np.arange(len(_REACHES)), len(_SIDES))
+    cost = _covered(low, high, busy, room) + _COST_OF_REACH * np.repeat(np.arange(len(reaches)), len(_SIDES))
     cost += _COST_OF_CONFUSION * _nearer_to_another(low, high, anchor)
     free = _free(low, high, room, taken.reshape(-1, 4))
     placed: list[tuple[float, float, float, float]] = []

@@ -20,7 +20,7 @@ def steps(window):
         window.point_at_view()
         yield 0.2
         yield from window.press("M", **PRESS)
-        yield 0.5
+        yield 1.0
         if mode == "SD":
             window.save_picture("pie")
         window.point(window.mouse[0] + x, window.mouse[1] + y)
