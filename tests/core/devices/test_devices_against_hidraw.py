@@ -34,7 +34,7 @@ def under_umockdev(tmp_path):
 
     def run(command, *fakes):
         return subprocess.run(
-            ["umockdev-run", *describe(tmp_path, fakes), "--", sys.executable, *command], capture_output=True, text=True, timeout=60
+            ["umockdev-run", *describe(tmp_path, fakes), "--", sys.executable, *command], capture_output=True, text=True, timeout=300
         )
 
     return run

@@ -91,7 +91,7 @@ def started():
         return output
 
     yield start
-    ended = [output.stop(5.0) for output in outputs]
+    ended = [output.stop(60.0) for output in outputs]
     assert all(ended)
 
 

@@ -60,7 +60,7 @@ def play(output, seconds, rows, *frequencies):
         time.sleep(0.02)
 
 
-def wait_until(condition, seconds=20.0):
+def wait_until(condition, seconds=100.0):
     end = time.perf_counter() + seconds
     while not condition():
         if time.perf_counter() > end:
