@@ -283,7 +283,7 @@ class SceneReader:
                     else:
                         source = read_source(obj, carrier.name_full, self._frequencies.track(obj, depsgraph.scene))
                 except (OSError, ValueError) as error:
-                    problems.append(Problem(name, str(error)))
+                    problems.append(Problem(name, str(error).replace("mixing_expression", "the mixing formula")))
         animated = compatibility.is_animated(obj)
         deforming = any(animated or modifier.type not in _STEADY for modifier in obj.modifiers)
         struck = read_impact_material(obj)
