@@ -43,9 +43,10 @@ def written_devices(scene: Scene, listeners: Sequence[Listener]) -> tuple[Device
             name=name,
             profile=profiles[name],
             actuators=tuple(
-                ActuatorMapping(actuator, listener, known.gains.get((actuator, listener), 1.0))
+                ActuatorMapping(place.actuator, listener, place.gain)
                 for listener in sorted(felt)
-                for actuator in sorted({place.actuator for place in felt[listener] if place.device == name} - {""})
+                for place in sorted(set(felt[listener]), key=lambda place: place.actuator)
+                if place.device == name and place.actuator
             ),
             extras={**known.extras, **_adjusted(settings.get(name))},
         )
@@ -53,10 +54,9 @@ def written_devices(scene: Scene, listeners: Sequence[Listener]) -> tuple[Device
     )
 
 
-def take_devices(scene: Scene, devices: Sequence[DeviceMapping], listeners: Mapping[str, Object]) -> list[str]:
-    """Make a scene know ``devices``; ``listeners``: Blender's objects by their names in the file. What can't be felt here, in words."""
+def take_devices(scene: Scene, devices: Sequence[DeviceMapping], listeners: Mapping[str, Object]) -> None:
+    """Make a scene know ``devices``; ``listeners``: Blender's objects by their names in the file."""
     settings = scene.haptics.live_output.devices
-    losses = []
     for device in devices:
         own = settings.get(device.name) or settings.add()
         own.name = device.name
@@ -65,11 +65,8 @@ def take_devices(scene: Scene, devices: Sequence[DeviceMapping], listeners: Mapp
         for key in ADJUSTED if isinstance(adjusted, dict) else ():
             if isinstance(adjusted.get(key), int | float):
                 setattr(own, key, adjusted[key])
-        gains = [[item.actuator, listeners[item.listener].name_full, item.gain] for item in device.actuators if item.gain != 1.0]
-        if gains:
-            losses.append(f"{device.name}: gains of single actuators, which are kept for the next export")
         profile = device.profile if device.profile != profile_name(device.name) else None
-        own.imported = text_of(profile=profile, gains=gains, extras=extras)
+        own.imported = text_of(profile=profile, extras=extras)
     parts = {name: obj.haptics.listener.body_part for name, obj in listeners.items()}
     found = automatic(
         {name: "" if part == "NONE" else part for name, part in parts.items()}, {device.name: device.profile for device in devices}
@@ -77,9 +74,9 @@ def take_devices(scene: Scene, devices: Sequence[DeviceMapping], listeners: Mapp
     for name, obj in listeners.items() if devices else ():
         if is_muted(obj):
             continue
-        places = [Place(device.name, item.actuator) for device in devices for item in device.actuators if item.listener == name]
-        obj.haptics.live_output.actuators = AUTOMATIC if set(places) == set(found[name]) else choice_of(places)
-    return losses
+        places = [Place(device.name, item.actuator, item.gain) for device in devices for item in device.actuators if item.listener == name]
+        plain = set(places) == set(found[name]) and all(place.gain == 1.0 for place in places)
+        obj.haptics.live_output.actuators = AUTOMATIC if plain else choice_of(places)
 
 
 def is_muted(obj: Object | None) -> bool:

@@ -77,10 +77,9 @@ class KeptScene:
 
 @dataclass(frozen=True, slots=True)
 class KeptDevice:
-    """Of a device; ``gains`` by actuator and listener."""
+    """Of a device."""
 
     profile: str | None = None
-    gains: Mapping[tuple[str, str], float] = field(default_factory=dict)
     extras: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -186,8 +185,7 @@ def kept_device(text: str) -> KeptDevice:
     """Raises ValueError in words where the text is damaged."""
     try:
         form = _document(text)
-        gains = {(str(actuator), str(listener)): _number(gain, 0.0) for actuator, listener, gain in form.get("gains", [])}
-        return KeptDevice(str(form.get("profile") or "") or None, gains, _mapping(form.get("extras", {})))
+        return KeptDevice(str(form.get("profile") or "") or None, _mapping(form.get("extras", {})))
     except (ValueError, TypeError) as error:
         raise _damaged(error) from None
 

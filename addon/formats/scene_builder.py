@@ -158,8 +158,7 @@ class _Builder:
     def add_devices(self) -> None:
         """What the listeners are felt through."""
         listeners = {item.name: self.attached[f"listener {item.name}"] for item in self.haptic.listeners}
-        for loss in take_devices(self.scene, self.export.devices, listeners):
-            self.lose("devices", loss)
+        take_devices(self.scene, self.export.devices, listeners)
 
     def take_settings(self) -> None:
         """Settings, what the extras say of the scene's properties, and the frame that the file is of."""

@@ -123,7 +123,7 @@ class HapticActuatorProperties(PropertyGroup):
 
     actuators: StringProperty(
         name="Actuators",
-        description="Empty for those at its body part, - for none, else device/actuator, separated by semicolons",
+        description="Empty for those at its body part, - for none, else device/actuator or device/actuator*gain, separated by semicolons",
         update=_actuators_chosen,
     )
 

@@ -505,7 +505,7 @@ MESSAGES: dict[str, str] = {
     "This device needs no rule": "Dieses Gerät braucht keine Regel",
     "Actuator": "Aktor",
     "Actuators": "Aktoren",
-    "Empty for those at its body part, - for none, else device/actuator, separated by semicolons": "Leer für die an seinem Körperteil, - für keine, sonst Gerät/Aktor, durch Semikolon getrennt",
+    "Empty for those at its body part, - for none, else device/actuator or device/actuator*gain, separated by semicolons": "Leer für die an seinem Körperteil, - für keine, sonst Gerät/Aktor oder Gerät/Aktor*Faktor, durch Semikolon getrennt",
     "Where it will be felt": "Wo es gespürt wird",
     "What this listener is felt through; choose several, one after the other": "Wodurch dieser Empfänger gespürt wird; mehrere nacheinander wählen",
     "Preview as Sound": "Als Ton anhören",

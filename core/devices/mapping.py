@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 import numpy as np
@@ -31,10 +31,11 @@ class ActuatedDevice(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """An actuator of a device."""
+    """An actuator of a device, and how much of a listener it plays, >= 0; places that differ in that alone are the same."""
 
     device: str
     actuator: str
+    gain: float = field(default=1.0, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +56,7 @@ class Loss:
 class ActuatorMapping:
     """How samples of listeners become blocks of devices.
 
-    listeners: names, in the order of the samples' rows. weights: for each device an array (actuators, listeners) of 0 and 1.
+    listeners: names, in the order of the samples' rows. weights: for each device an array (actuators, listeners) of gains.
     """
 
     listeners: tuple[str, ...]
@@ -99,7 +100,7 @@ def map_listeners(
         for place in places:
             if place.device not in devices:
                 raise ValueError(f"device {place.device!r} is not connected")
-            weights[place.device][_index(devices[place.device], place), row] = 1.0
+            weights[place.device][_index(devices[place.device], place), row] = place.gain
     for device, profile in devices.items():
         losses += _losses(profile, weights[device], names, bands)
     return ActuatorMapping(names, weights, tuple(losses))

@@ -3,6 +3,7 @@
 import json
 
 import bpy
+import numpy as np
 import pytest
 from haptic_tracing.core.devices.mapping import map_listeners
 from haptic_tracing.core.devices.profiles import profile
@@ -93,15 +94,31 @@ def test_what_blender_has_no_words_for_is_kept(hands, tmp_path, recwarn):
     ]  # fmt: skip
     (tmp_path / "a.json").write_text(json.dumps(document))
     imported(tmp_path / "a.json")
-    assert choice("right") == "pad of the lab/left" and choice("left") == "-"
+    assert choice("right") == "pad of the lab/left*0.25" and choice("left") == "-"
     first = exported(tmp_path / "b.json")
     (written,) = read_export(tmp_path / "b.json").devices
     assert written == DeviceMapping("pad of the lab", "dualsense", (ActuatorMapping("left", "right", 0.25),), {"room": [3, "b"]})
     imported(tmp_path / "b.json")
     assert exported(tmp_path / "c.json") == first
-    bpy.context.scene.haptics.live_output.devices["pad of the lab"].imported = '{"gains": 3}'
+    bpy.context.scene.haptics.live_output.devices["pad of the lab"].imported = '{"extras": 3}'
     with pytest.raises(RuntimeError, match="import it again"):
         exported(tmp_path / "d.json")
+
+
+def test_gains_are_felt():
+    """What the text of a choice says is what the samples are multiplied by."""
+    from haptic_tracing.addon.live_output.player import choice_of, places_of
+    from haptic_tracing.core.devices.mapping import Place
+
+    places = places_of("dualsense AB:12/left grip*0.25;dualsense AB:12/right grip;odd/a*b*1.0;odd/a*b")
+    assert [(p.device, p.actuator, p.gain) for p in places] == [
+        ("dualsense AB:12", "left grip", 0.25), ("dualsense AB:12", "right grip", 1.0), ("odd", "a*b", 1.0), ("odd", "a*b", 1.0),
+    ]  # fmt: skip
+    assert choice_of(places[:3]) == "dualsense AB:12/left grip*0.25;dualsense AB:12/right grip;odd/a*b*1.0"
+    pad = profile("dualsense")
+    names = [actuator.name for actuator in pad.actuators]
+    mapping = map_listeners({"hand": "hand.L"}, {"pad": pad}, chosen={"hand": [Place("pad", names[0], 0.25), Place("pad", names[1], 2.0)]})
+    np.testing.assert_array_equal(mapping.blocks(np.array([[1.0, -0.5]]))["pad"][:2], [[0.25, -0.125], [2.0, -1.0]])
 
 
 def test_a_collection_has_the_devices_of_its_listeners(hands, tmp_path):
