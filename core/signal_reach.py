@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,7 +9,7 @@ from .contacts.reach import Reach
 from .functions import ModulationFunction
 from .graph import ObjectTable
 from .propagation.modes import DISTANCE_ONLY
-from .scene import Mode, Settings, Strategy, Vector
+from .scene import Mode, Settings, Strategy
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -36,22 +34,22 @@ def object_bounds(table: ObjectTable, settings: Settings) -> tuple[FloatArray, F
 
 def signal_reach(
     bounds: tuple[FloatArray, FloatArray],
-    bodies: Sequence[int],
-    positions: Sequence[Vector],
+    bodies: IntArray,
+    positions: FloatArray,
     settings: Settings,
     transmission: ModulationFunction | None = None,
     impacts: bool = True,
 ) -> Reach:
-    """What signals can reach that start at ``positions`` [m] on ``bodies``, of whose propagation ``bounds`` are known, and that ``impacts``
-    of the frame make. ``transmission`` of all contacts; None: identity."""
+    """What signals can reach that start at ``positions`` (k, 3) [m] on ``bodies`` (k,), of whose propagation ``bounds`` are known, and
+    that ``impacts`` of the frame make. ``transmission`` of all contacts; None: identity."""
     if settings.mode not in (Mode.HT, Mode.SD):
-        bodies, positions, impacts = (), (), False
+        bodies, positions, impacts = bodies[:0], positions[:0], False
     passed = 1.0
     if transmission is not None:
         passed = np.inf if transmission.name == "expression" else transmission.bounds(0.0, 0.0, 1.0, settings.epsilon)[1]
     return Reach(
-        bodies=np.array(bodies, dtype=np.int64),
-        positions=np.array(positions, dtype=np.float64).reshape(-1, 3),
+        bodies=bodies,
+        positions=positions,
         strengths=np.ones(len(bodies)),
         factor=bounds[0],
         decay=bounds[1],

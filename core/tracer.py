@@ -252,11 +252,13 @@ class Tracer:
             factor, decay = object_bounds(table, frame.settings)
             self._bounds = table, frame.settings, (factor[self._numbers], decay[self._numbers])
         starts: list[tuple[int, Vector]] = []
-        for source in frame.sources + self._sounding(frame):
+        for source in frame.sources:
             for name, position in ((source.object, source.position), (source.second_object, source.second_position)):
                 if source.amplitude > 0 and name in self._row and position is not None:
                     starts.append((self._row[name], position))
-        bodies, positions = [body for body, _ in starts], [position for _, position in starts]
+        bodies, positions = self._ringing_places(frame.transforms)
+        bodies = np.concatenate([np.array([body for body, _ in starts], dtype=np.int64), bodies])
+        positions = np.concatenate([np.array([position for _, position in starts], dtype=np.float64).reshape(-1, 3), positions])
         return signal_reach(self._bounds[2], bodies, positions, frame.settings, self.transmission, self.impact_sources)
 
     def _temporary_sources(self, frame: Frame, impacts: Sequence[Impact]) -> tuple[Source, ...]:
@@ -267,18 +269,23 @@ class Tracer:
 
     def _sounding(self, frame: Frame) -> tuple[Source, ...]:
         """The sources of impacts so far whose template plays."""
-        self._ringing = [r for r in self._ringing if self._time is None or r.end > self._time]
-        if frame.transforms is None:
-            return ()
-        sources = []
-        for ringing in self._ringing:
-            first, second = ringing.source.object, ringing.source.second_object
-            assert second is not None
-            positions = [
-                _transformed(frame.transforms[self._row[name]], local) for name, local in zip((first, second), ringing.local, strict=True)
-            ]
-            sources.append(replace(ringing.source, position=positions[0], second_position=positions[1]))
-        return tuple(sources)
+        _, positions = self._ringing_places(frame.transforms)
+        places = positions.reshape(-1, 2, 3).tolist()
+        return tuple(
+            replace(ringing.source, position=(ax, ay, az), second_position=(bx, by, bz))
+            for ringing, ((ax, ay, az), (bx, by, bz)) in zip(self._ringing, places, strict=True)
+        )
+
+    def _ringing_places(self, transforms: FloatArray | None) -> tuple[IntArray, FloatArray]:
+        """The bodies (2k,) of the k impacts whose template plays, the others forgotten, and where their sources are on them (2k, 3)."""
+        self._ringing = [r for r in self._ringing if transforms is not None and (self._time is None or r.end > self._time)]
+        if transforms is None or not self._ringing:
+            return np.zeros(0, dtype=np.int64), np.zeros((0, 3))
+        names = [name for ringing in self._ringing for name in (ringing.source.object, ringing.source.second_object)]
+        bodies = np.array([self._row[name] for name in names if name is not None], dtype=np.int64)
+        local = np.array([ringing.local for ringing in self._ringing]).reshape(-1, 3)
+        placed = transforms[bodies]
+        return bodies, (placed[:, :3, :3] * local[:, None]).sum(axis=2) + placed[:, :3, 3]
 
     def _struck(self, frame: Frame, impact: Impact) -> _Ringing:
         assert frame.transforms is not None
@@ -341,7 +348,3 @@ def _local(transform: FloatArray, position: Sequence[float]) -> FloatArray:
     """A world position in the frame of a rigid transform."""
     return np.asarray(transform[:3, :3].T @ (np.asarray(position) - transform[:3, 3]))
 
-
-def _transformed(transform: FloatArray, local: FloatArray) -> tuple[float, float, float]:
-    x, y, z = (transform[:3, :3] @ local + transform[:3, 3]).tolist()
-    return x, y, z

@@ -11,6 +11,9 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
+_FEW = 8
+"""Starts that are looked at one by one."""
+
 
 @dataclass(frozen=True, slots=True)
 class Reach:
@@ -50,15 +53,22 @@ class Reach:
         if float(np.max(self.factor, initial=0.0)) > 1 or self.transmission > 1:
             return np.ones(len(pairs), dtype=np.bool_)
         limit = self.threshold * (1 - 1e-9)
-        nearest = np.full(len(pairs), np.inf)
-        for position in self.positions:
-            away = np.maximum(np.maximum(regions[:, 0] - position, position - regions[:, 1]), 0.0)
-            nearest = np.minimum(nearest, np.sqrt((away**2).sum(axis=1)))
-        fading = np.exp(-max(0.0, float(np.min(self.decay))) * nearest)
+        fading = np.exp(-max(0.0, float(np.min(self.decay))) * self._away(regions))
         near = np.flatnonzero(float(np.max(self.strengths)) * fading >= limit)
         wanted = np.zeros(len(pairs), dtype=np.bool_)
         wanted[near[self._reached(pairs[near], fading[near], limit)]] = True
         return wanted
+
+    def _away(self, regions: FloatArray) -> FloatArray:
+        """How far regions (p, 2, 3) are from the nearest start (p,); of many starts a lower bound: the distance from the box of all."""
+        starts = [(position, position) for position in self.positions]
+        if len(starts) > _FEW:
+            starts = [(self.positions.min(axis=0), self.positions.max(axis=0))]
+        nearest = np.full(len(regions), np.inf)
+        for low, high in starts:
+            away = np.maximum(np.maximum(regions[:, 0] - high, low - regions[:, 1]), 0.0)
+            nearest = np.minimum(nearest, np.sqrt((away * away).sum(axis=1)))
+        return nearest
 
     def _reached(self, pairs: IntArray, fading: FloatArray, limit: float) -> BoolArray:
         """Which ``pairs`` a signal gets to over others with at least ``limit`` left after its way there has taken ``fading`` of it."""
