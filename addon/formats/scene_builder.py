@@ -203,9 +203,13 @@ class _Builder:
                 self.lose("functions of contacts that change over time", " and ".join(pair))
         haptics = self.scene.haptics
         names = {obj.name_full for obj in self.objects.values()}
+        try:
+            before = kept_contacts(haptics.imported_contacts).contacts
+        except ValueError:  # damaged: importing again is what helps
+            before = {}
         old = [
             item
-            for pair, items in kept_contacts(haptics.imported_contacts).contacts.items()
+            for pair, items in before.items()
             if not names.intersection(pair) and all(name in bpy.data.objects for name in pair)
             for item in items
         ]

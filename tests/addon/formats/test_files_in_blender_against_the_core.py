@@ -203,6 +203,10 @@ def test_damaged_contacts_are_a_problem_in_words(stack, traced):
         bpy.context.scene.haptics.imported_contacts = text
         assert traced() is not None
         assert "import it again" in session.problems_of(bpy.context.scene)[0].message
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    assert bpy.ops.import_scene.haptic_scene(filepath=str(stack)) == {"FINISHED"}
+    assert traced().gains.tolist() == [[0.5, 0.1]] and not session.problems_of(bpy.context.scene)
 
 
 def test_functions_that_begin_in_a_later_frame_are_kept(stack, tmp_path, traced):
