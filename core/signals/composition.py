@@ -102,7 +102,7 @@ class Product(Signal):
     def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> Array:
         result = self.of[0].sample(start, count, sample_rate, onset)
         for factor in self.of[1:]:
-            result = result * factor.sample(start, count, sample_rate, onset)
+            result *= factor.sample(start, count, sample_rate, onset)
         return result
 
 
@@ -135,7 +135,7 @@ class Sum(Signal):
     def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> Array:
         result = self.of[0].sample(start, count, sample_rate, onset)
         for term in self.of[1:]:
-            result = result + term.sample(start, count, sample_rate, onset)
+            result += term.sample(start, count, sample_rate, onset)
         return result
 
 

@@ -72,7 +72,7 @@ class Signal(ABC):
         """Return samples `start` to `start + count - 1`, shape (count,).
 
         Sample n lies at n / sample_rate seconds on a clock on which the signal begins at `onset` (any real number: no rounding to samples).
-        Two calls give the same sample wherever their blocks begin.
+        Two calls give the same sample wherever their blocks begin. The array is the caller's own.
         """
         if not sample_rate > 0:
             raise ValueError(f"sample_rate: must be positive, not {sample_rate:g}")
