@@ -1,4 +1,4 @@
-"""Values between samples, and other sample rates: the windowed sinc (Smith, Digital Audio Resampling, 2002)."""
+"""Values between samples by the windowed sinc (Smith, Digital Audio Resampling, 2002), and other sample rates."""
 
 from __future__ import annotations
 
@@ -89,27 +89,21 @@ def _kernel_polynomials() -> Array:
 
 
 def resample(samples: Array, rate: float, new_rate: float) -> Array:
-    """Return `samples`, shape (n,), at `new_rate` instead of `rate` (hertz), shape (ceil(n · new_rate / rate),), by polyphase filters.
+    """Return `samples`, shape (n,), at `new_rate` instead of `rate` (hertz), shape (ceil(n · new_rate / rate),), by libsoxr.
 
-    Sample 0 stays where it is. What the new rate cannot carry is filtered out.
+    Sample 0 stays where it is. What the new rate cannot carry is filtered out. Raises ValueError for rates that are too far apart.
     """
-    ratio = Fraction(new_rate).limit_denominator(1_000_000) / Fraction(rate).limit_denominator(1_000_000)
-    up, down = ratio.numerator, ratio.denominator
-    if ratio == 1:
+    if rate == new_rate:
         return samples.copy()
-    stretch = max(1.0, down / up)
-    count = -(-len(samples) * up // down)
-    if up > _PHASES:
-        positions = np.arange(count) * np.float64(down / up)
-        return np.asarray(interpolate(samples[None, :], positions, stretch)[0])
-    reach = math.ceil(ZERO_CROSSINGS * stretch)
-    windows = sliding_window_view(np.concatenate((np.zeros(reach), samples, np.zeros(reach + 1))), 2 * reach)
-    result = np.empty(count)
-    for phase in range(min(up, count)):
-        before, remainder = divmod(phase * down, up)
-        out = result[phase::up]
-        out[:] = windows[before + 1 :: down][: len(out)] @ kernel_weights(np.array([remainder / up]), stretch)[0]
-    return result
+    import soxr
+
+    ratio = Fraction(new_rate).limit_denominator(1_000_000) / Fraction(rate).limit_denominator(1_000_000)
+    count = -(-len(samples) * ratio.numerator // ratio.denominator)
+    try:
+        result = np.asarray(soxr.resample(np.ascontiguousarray(samples, dtype=np.float64), rate, new_rate, quality="HQ"))[:count]
+    except RuntimeError as error:
+        raise ValueError(f"{rate:g} samples a second can't be made {new_rate:g}: {error}") from None
+    return np.pad(result, (0, count - len(result)))
 
 
 def _table_weights(phase: Array, stretch: float) -> Array:

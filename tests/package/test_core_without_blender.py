@@ -16,7 +16,7 @@ import haptic_tracing.core as core
 modules = [module.name for module in pkgutil.walk_packages(core.__path__, core.__name__ + ".")]
 for name in modules:
     importlib.import_module(name)
-early = sorted({"fcl", "hid", "hidraw", "networkx", "scipy", "fastjsonschema"} & set(sys.modules))
+early = sorted({"fcl", "hid", "hidraw", "networkx", "scipy", "fastjsonschema", "soxr"} & set(sys.modules))
 print(json.dumps({"modules": modules, "early": early}))
 """
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).parent
-CARRIED = {"networkx", "fcl", "python_fcl", "hid", "hidraw", "hidapi", "fastjsonschema", "__editable__"}
+CARRIED = {"networkx", "fcl", "python_fcl", "hid", "hidraw", "hidapi", "fastjsonschema", "soxr", "__editable__"}
 
 
 @pytest.fixture(scope="module")

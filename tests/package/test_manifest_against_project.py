@@ -21,6 +21,11 @@ def carried(manifest) -> list[tuple[str, str, frozenset[Tag]]]:
     return [(name, str(version), tags) for name, version, _, tags in parsed]
 
 
+def runs_on(tag: Tag, python: str) -> bool:
+    """Whether a wheel is built for this CPython: for it alone, or for the stable interface of an earlier one (PEP 384)."""
+    return tag.interpreter == python or (tag.abi == "abi3" and int(tag.interpreter.removeprefix("cp3")) <= int(python.removeprefix("cp3")))
+
+
 def test_versions_agree(manifest, project):
     assert manifest["version"] == project["project"]["version"]
 
@@ -54,7 +59,7 @@ def test_every_python_and_platform_has_every_wheel(manifest, pins):
             tag
             for wheel, _, tags in carried(manifest)
             for tag in tags
-            if wheel == name and tag.interpreter == python and tag.platform.startswith(system) and tag.platform.endswith(machine)
+            if wheel == name and runs_on(tag, python) and tag.platform.startswith(system) and tag.platform.endswith(machine)
         ]
         assert name in available or fitting, f"no wheel of {name} for {python} on {system} {machine}"
 

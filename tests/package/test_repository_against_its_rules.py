@@ -62,7 +62,7 @@ def absolute_imports(path) -> list[tuple[int, str]]:
 def test_what_is_shipped_imports_only_what_is_there_in_blender(root):
     in_blender = {"aud", "bl_ui", "blf", "bmesh", "bpy", "bpy_extras", "gpu", "gpu_extras", "idprop", "io_scene_gltf2", "mathutils"}
     in_blender |= {"numpy", "rna_keymap_ui", "rna_prop_ui"}
-    carried = {"networkx", "fcl", "hid", "hidraw", "fastjsonschema"}
+    carried = {"networkx", "fcl", "hid", "hidraw", "fastjsonschema", "soxr"}
     allowed = set(sys.stdlib_module_names) | in_blender | carried
     found = []
     for part in ("addon", "core", "sample_scenes"):

@@ -44,7 +44,7 @@ def test_tones_that_skin_feels(rate: float) -> None:
 def test_what_the_new_rate_cannot_carry_is_gone() -> None:
     times = np.arange(48_000) / 48_000
     for frequency in (4900.0, 6000.0, 7900.0, 8100.0, 15_950.0):
-        assert np.abs(resample(np.sin(2 * np.pi * frequency * times), 48_000, 8000)[50:-50]).max() < 1e-4
+        assert np.abs(resample(np.sin(2 * np.pi * frequency * times), 48_000, 8000)[200:-200]).max() < 1e-4
 
 
 def test_same_rate_is_the_same_samples() -> None:
