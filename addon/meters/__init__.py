@@ -13,8 +13,9 @@ def register() -> None:
 
 def unregister() -> None:
     """Stop drawing."""
-    from . import draw, explanation, operators
+    from . import draw, explanation, operators, pictures
 
     draw.unregister()
+    pictures.forget()
     operators.unregister()
     explanation.forget()

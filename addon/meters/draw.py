@@ -16,7 +16,6 @@ from ..overlay import draw as overlay
 from ..overlay.furniture import Furniture, Rectangle, legend_width, plate_of
 from ..overlay.quads import quads_of
 from ..preferences import preferences
-from . import pictures
 from .board import Scope, meters
 from .levels import Level, levels
 
@@ -153,7 +152,6 @@ def forget() -> None:
     _shown.clear()
     _refreshed.clear()
     _levels.clear()
-    pictures.forget()
 
 
 def register() -> None:

@@ -112,7 +112,6 @@ def test_panel_shows_scope_and_body_as_pictures(felt, monkeypatch):
     for name in ("scope_picture", "body_picture"):
         draw_it = getattr(pictures, name)
         monkeypatch.setattr(pictures, name, lambda *what, name=name, draw_it=draw_it: drawn.append(name) or draw_it(*what))
-    pictures.forget()
     layout = _drawn(result_panel.HAPTIC_PT_meters)
     assert len(layout.icons) == 2
     assert "foot, ±1" in layout.labels
@@ -129,7 +128,6 @@ def test_panel_shows_scope_and_body_as_pictures(felt, monkeypatch):
     assert drawn[3:] == ["body_picture"]
     felt.haptics.meters.show_body = False
     assert _drawn(result_panel.HAPTIC_PT_meters).icons == []
-    pictures.forget()
 
 
 def test_modes_by_one_click(felt):
