@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ..core.frame_result import FrameResult
 from ..core.tracer import Frame, Tracer
+from . import progress
 from .meters.history import History
 from .modalities import feeling
 from .scene_reader import Problem, Reading, SceneReader, seconds_of
@@ -211,7 +212,7 @@ def _finish(scene: Scene, session: Session) -> None:
     session.result = None
     started = time.perf_counter()
     try:
-        result = begun.result.result()
+        result = progress.result_of(begun.result)
     except ValueError as error:
         session.tracer.reset()
         session.problems = (*begun.problems, Problem("", str(error)))

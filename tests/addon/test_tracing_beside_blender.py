@@ -7,7 +7,7 @@ import threading
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon import session, timeline
+from haptic_tracing.addon import progress, session, timeline
 from haptic_tracing.sample_scenes import build_sample
 
 FRAMES = 1, 40
@@ -78,3 +78,18 @@ def test_no_thread_is_left_when_scenes_are_forgotten_while_a_frame_is_traced(ben
     assert threads() == []
     bpy.context.scene.frame_set(7)
     assert session.result_of(bench).number == 7
+
+
+def test_a_long_wait_shows_that_it_goes_on(bench, monkeypatch):
+    shown = []
+    monkeypatch.setattr(progress, "show", shown.append)
+    step = type(session.of(bench).tracer).step
+
+    def slow(self, frame):
+        threading.Event().wait(0.5)
+        return step(self, frame)
+
+    monkeypatch.setattr(type(session.of(bench).tracer), "step", slow)
+    bench.frame_set(4)
+    assert session.result_of(bench).number == 4
+    assert len(shown) > 1 and all(0 < part < 1 for part in shown)
