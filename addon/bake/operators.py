@@ -12,6 +12,8 @@ from ..overlay import draw
 from . import curves, playback, sound, storage
 from .baking import Baking
 
+_rpt = bpy.app.translations.pgettext_rpt
+
 _PIECE = 0.08  # seconds of baking between two looks at what the user does
 
 _running: list[Baking] = []
@@ -70,7 +72,7 @@ class HAPTIC_OT_bake(Operator):
             return {"CANCELLED"}
         if event.type == "ESC":
             self.cancel(context)
-            self.report({"INFO"}, "Bake cancelled")
+            self.report({"INFO"}, _rpt("Bake cancelled"))
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}
@@ -111,7 +113,7 @@ class HAPTIC_OT_bake(Operator):
 
     def _finished(self, baking: Baking) -> set[str]:
         draw.redraw()
-        done = f"{baking.frame_count} frame{'s' if baking.frame_count > 1 else ''} baked"
+        done = _rpt("1 frame baked") if baking.frame_count == 1 else _rpt("{} frames baked").format(baking.frame_count)
         self.report({"WARNING"} if baking.warnings else {"INFO"}, "; ".join((done, *baking.warnings)))
         return {"FINISHED"}
 

@@ -19,6 +19,8 @@ from .export_operators import MOST_REPORTED
 from .kept import text_of
 from .scene_builder import build
 
+_rpt = bpy.app.translations.pgettext_rpt
+
 HIGHEST_RATE = 8000
 """Samples a second that are kept of a recording: as many as are rendered."""
 
@@ -51,7 +53,7 @@ class HAPTIC_OT_import_scene(Operator):
             return {"CANCELLED"}
         for loss in losses[:MOST_REPORTED]:
             self.report({"WARNING"}, loss)
-        self.report({"INFO"}, f"Haptic scene imported: {Path(self.filepath).name}")
+        self.report({"INFO"}, _rpt("Haptic scene imported: {}").format(Path(self.filepath).name))
         return {"FINISHED"}
 
 
@@ -85,7 +87,8 @@ class HAPTIC_OT_import_signal(Operator):
             return {"CANCELLED"}
         if haptic_carrier(obj) is None:
             if obj.type not in SOLID_TYPES:
-                self.report({"ERROR"}, f"'{obj.name}' has no surface: parent it to a haptic object, so that it has something to shake")
+                message = _rpt("'{}' has no surface: parent it to a haptic object, so that it has something to shake")
+                self.report({"ERROR"}, message.format(obj.name))
                 return {"CANCELLED"}
             obj.haptics.enabled = True
         source = obj.haptics.source
@@ -94,8 +97,8 @@ class HAPTIC_OT_import_signal(Operator):
         source.enabled = True
         for loss in reading.losses[:MOST_REPORTED]:
             self.report({"WARNING"}, loss)
-        of = f", channel {self.channel} of {len(reading.channels)}" if len(reading.channels) > 1 else ""
-        self.report({"INFO"}, f"'{obj.name}' emits {channel.name}{of}")
+        message = _rpt("'{}' emits {}") if len(reading.channels) == 1 else _rpt("'{}' emits {}, channel {} of {}")
+        self.report({"INFO"}, message.format(obj.name, channel.name, self.channel, len(reading.channels)))
         return {"FINISHED"}
 
 

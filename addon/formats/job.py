@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 import bpy
 from bpy.types import Context, Event, Header, Operator, WindowManager
 
+_rpt = bpy.app.translations.pgettext_rpt
+
 BUDGET = 0.1
 """Seconds of work between two looks at the window."""
 
@@ -58,7 +60,7 @@ def run(operator: Operator, context: Context, job: Job) -> set[str]:
     if operator.options.is_invoke and not bpy.app.background and context.window is not None and job.total > 1:
         global _running
         if _running is not None:
-            operator.report({"ERROR"}, f"{_running.label} is not done yet")
+            operator.report({"ERROR"}, _rpt("{} is not done yet").format(_running.label))
             return {"CANCELLED"}
         _running = job
         bpy.app.timers.register(_start, first_interval=0.05)  # the file browser closes first
@@ -109,7 +111,7 @@ class HAPTIC_OT_run_job(Operator):
         assert _running is not None
         if event.type == "ESC":
             self.cancel(context)
-            self.report({"WARNING"}, "Cancelled: nothing was written")
+            self.report({"WARNING"}, _rpt("Cancelled: nothing was written"))
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}  # nothing else happens while the frames are stepped

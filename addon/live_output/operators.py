@@ -14,6 +14,8 @@ from ..preferences import preferences
 from . import outputs, player, preview, refresh
 from .properties import adjustment_of
 
+_rpt = bpy.app.translations.pgettext_rpt
+
 _AUTOMATIC, _NONE = "AUTOMATIC", "NONE"
 _items: list[tuple[str, str, str, str, int]] = []  # Blender keeps no copy of dynamic items
 
@@ -41,7 +43,7 @@ class HAPTIC_OT_connect_device(Operator):
         key = self.device or outputs.preferred(preferences().default_device)
         found = outputs.found(key)
         if found is None:
-            self.report({"WARNING"}, f"{key or 'A device'} is not connected: press Find Devices")
+            self.report({"WARNING"}, _rpt("{} is not connected: press Find Devices").format(key or _rpt("A device")))
             return {"CANCELLED"}
         devices = context.scene.haptics.live_output.devices
         settings = devices.get(key)
@@ -75,10 +77,10 @@ class HAPTIC_OT_copy_udev_rule(Operator):
     def execute(self, context: Context) -> set[str]:
         found = outputs.found(self.device)
         if found is None or not found.rule:
-            self.report({"WARNING"}, "This device needs no rule")
+            self.report({"WARNING"}, _rpt("This device needs no rule"))
             return {"CANCELLED"}
         context.window_manager.clipboard = found.rule
-        self.report({"INFO"}, "Copied")
+        self.report({"INFO"}, _rpt("Copied"))
         return {"FINISHED"}
 
 
@@ -107,7 +109,7 @@ class HAPTIC_OT_choose_actuator(Operator):
     def execute(self, context: Context) -> set[str]:
         obj = context.scene.objects.get(self.listener)
         if obj is None or not obj.is_editable:
-            self.report({"WARNING"}, f"{self.listener} can't be changed")
+            self.report({"WARNING"}, _rpt("{} can't be changed").format(self.listener))
             return {"CANCELLED"}
         settings = obj.haptics.live_output
         if self.place in (_AUTOMATIC, _NONE):
@@ -131,7 +133,7 @@ class HAPTIC_OT_toggle_preview(Operator):
         try:
             preview.switch_on()
         except preview.AudioUnavailable as error:
-            self.report({"WARNING"}, f"No preview: {error}")
+            self.report({"WARNING"}, _rpt("No preview: {}").format(error))
             return {"CANCELLED"}
         preview.set_volume(context.scene.haptics.live_output.preview_volume)
         return {"FINISHED"}
@@ -146,7 +148,7 @@ class HAPTIC_OT_panic(Operator):
         player.rest()
         outputs.disconnect_all()
         preview.switch_off()
-        self.report({"INFO"}, "All haptic output is off")
+        self.report({"INFO"}, _rpt("All haptic output is off"))
         return {"FINISHED"}
 
 
