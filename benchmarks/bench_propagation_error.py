@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import os
 import time
 from collections.abc import Callable
@@ -20,12 +19,13 @@ from dataclasses import asdict, dataclass
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
-from haptic_tracing.core.propagation import Propagation, propagate
+from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene import Settings, Strategy
 
 from .families import Family, grid, hub, ladder, pile, random_contacts, tree
 from .peers import OutOfTime, enumerate_paths
 from .report import RESULTS, milliseconds, publish, table
+from .timing import best_run
 
 FAMILIES: tuple[Callable[[], Family], ...] = (
     lambda: tree(300),
@@ -87,19 +87,6 @@ class Measured:
         return next(point for point in self.points if point.curve == CERTIFIED and point.setting == f"{WANTED:g}")
 
 
-def best_time(run: Callable[[], Propagation]) -> tuple[float, Propagation]:
-    """The best of up to five runs, or as many as fit into a second."""
-    best, spent = math.inf, 0.0
-    for _ in range(5):
-        begun = time.process_time()
-        result = run()
-        used = time.process_time() - begun
-        best, spent = min(best, used), spent + used
-        if spent > 1:
-            break
-    return best, result
-
-
 def relative(gains: np.ndarray, true: np.ndarray) -> float:
     heard = true > 0
     return float(np.max(np.abs(gains[heard] - true[heard]) / true[heard], initial=0.0))
@@ -143,7 +130,7 @@ def measure(family: Family, seconds: float) -> Measured:
     for curve, setting, chosen in ours:
         if curve in done:
             continue
-        used, result = best_time(lambda chosen=chosen: propagate(family.graph(), chosen))
+        used, result = best_run(lambda chosen=chosen: propagate(family.graph(), chosen), patience=1.0)
         error = relative(result.gain[0], true)
         bound = relative(true + result.error_bound[0], true) if curve == CERTIFIED else None
         points.append(Point(curve, setting, used, error, bound))

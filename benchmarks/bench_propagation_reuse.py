@@ -15,8 +15,6 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import os
-import time
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
@@ -31,6 +29,9 @@ from haptic_tracing.core.scene import Settings, Strategy
 from .families import Family, pile
 from .frames import demo_family, falling_boxes
 from .report import milliseconds, publish, table
+from .timing import best_time
+
+RUNS = 15
 
 BEST = Settings(strategy=Strategy.BEST_PATH)
 PARTS = (0.01, 0.1, 0.5, 1.0)
@@ -51,16 +52,6 @@ class Row:
     finding: float
     ideal: float
     working: float | None
-
-
-def best_time(run: Callable[[], object], runs: int = 15) -> float:
-    """Seconds of the best run."""
-    times = []
-    for _ in range(runs):
-        begun = time.process_time()
-        run()
-        times.append(time.process_time() - begun)
-    return min(times)
 
 
 def labels_of(graph: HapticGraph) -> Labels:
@@ -157,26 +148,26 @@ def compare(scene: str, before: Family, after: Family, settings: Settings) -> Ro
     old = same_nodes(first, second)
     crossed = second.partner >= 0
     changed = float(np.mean(old[crossed] < 0))
-    building = best_time(lambda: after.graph())
-    anew = best_time(lambda: propagate(after.graph(), settings))
+    building = best_time(lambda: after.graph(), RUNS)
+    anew = best_time(lambda: propagate(after.graph(), settings), RUNS)
     if settings.strategy is Strategy.BEST_PATH:
         known, fresh = labels_of(first), labels_of(second)
         arrival, entry = renumbered(known, old)
         right = still_right(second, entry, old) & (arrival == fresh.arrival)
         reached = np.count_nonzero(fresh.entry >= 0)
         valid = np.count_nonzero(right & (fresh.entry >= 0)) / reached
-        finding = best_time(lambda: found_out(first, second, known))
+        finding = best_time(lambda: found_out(first, second, known), RUNS)
         targets = second.listener_nodes
         limit = cost_limit(BEST.threshold)
         ours, expected = carried_on(second, known, old)[:, targets], fresh.arrival[:, targets]
         if not np.allclose(np.minimum(ours, limit), np.minimum(expected, limit), rtol=1e-12, atol=0):
             raise AssertionError("other gains")
-        labels = best_time(lambda: labels_of(second))
-        working = anew - labels + best_time(lambda: carried_on(second, known, same_nodes(first, second)))
+        labels = best_time(lambda: labels_of(second), RUNS)
+        working = anew - labels + best_time(lambda: carried_on(second, known, same_nodes(first, second)), RUNS)
     else:
         working = None
         valid = float(np.mean(propagate(first, settings).gain == propagate(second, settings).gain))
-        finding = best_time(lambda: same_nodes(first, second))
+        finding = best_time(lambda: same_nodes(first, second), RUNS)
     ideal = building + finding + (1 - valid) * (anew - building)
     return Row(scene, changed, valid, anew, building, finding, ideal, working)
 

@@ -9,11 +9,7 @@ connections, a gain of 0.001), `free` lifts both, as the peers have none. Memory
 from __future__ import annotations
 
 import argparse
-import math
 import os
-import time
-import tracemalloc
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
@@ -25,6 +21,7 @@ from haptic_tracing.core.scene import Settings, Strategy
 from .families import FAMILIES, Family
 from .peers import PEERS
 from .report import milliseconds, publish, table
+from .timing import best_run, peak
 
 SIZES = (10, 100, 1000, 10_000, 100_000)
 FREE = Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0.0)
@@ -62,28 +59,6 @@ class Row:
     megabytes: dict[str, float | None]
 
 
-def best_time(run: Callable[[], object]) -> float:
-    """The best of up to five runs within a second."""
-    best, spent = math.inf, 0.0
-    for _ in range(5):
-        begun = time.process_time()
-        run()
-        used = time.process_time() - begun
-        best, spent = min(best, used), spent + used
-        if spent > 1:
-            break
-    return best
-
-
-def peak(run: Callable[[], object]) -> float:
-    """Megabytes allocated at most."""
-    tracemalloc.start()
-    run()
-    _, most = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    return most / 1e6
-
-
 def traced(family: Family, settings: Settings) -> Propagation:
     return propagate(family.graph(), settings)
 
@@ -102,8 +77,8 @@ def measure(family: Family, seconds: float, slow: set[str]) -> Row:
         def run(name: str = name) -> object:
             return PEERS[name](family) if name in PEERS else traced(family, RUNS[name])
 
-        used[name] = best_time(run)
-        memory[name] = peak(run)
+        used[name], _ = best_run(run, patience=1.0)
+        memory[name] = peak(run) / 1e6
         if name in PEERS and not np.allclose(PEERS[name](family), free.gain, rtol=1e-9, atol=1e-300):
             raise AssertionError(f"{name} finds other gains in {family.name}")
         if used[name] > seconds:

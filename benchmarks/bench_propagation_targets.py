@@ -12,8 +12,6 @@ import argparse
 import os
 import statistics
 import time
-import tracemalloc
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
@@ -27,6 +25,7 @@ from .families import Family, ladder, pile, wall
 from .frames import demo_family
 from .peers import by_networkx, by_rustworkx, by_scipy
 from .report import milliseconds, publish, table
+from .timing import best_time, peak
 
 BEST = Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0.0)
 EXACT = Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0, tolerance=0.0)
@@ -44,27 +43,8 @@ class Target:
     reached: bool
 
 
-def best_time(run: Callable[[], object], runs: int = 5) -> float:
-    """Seconds of the best run."""
-    times = []
-    for _ in range(runs):
-        begun = time.process_time()
-        run()
-        times.append(time.process_time() - begun)
-    return min(times)
-
-
 def best_path(family: Family) -> np.ndarray:
     return propagate(family.graph(), BEST).gain
-
-
-def peak(run: Callable[[], object]) -> float:
-    """Bytes allocated at most."""
-    tracemalloc.start()
-    run()
-    _, most = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    return most
 
 
 def against_peers() -> list[Target]:

@@ -1,0 +1,38 @@
+"""What something costs: seconds of the processor at best, bytes at most."""
+
+from __future__ import annotations
+
+import math
+import time
+import tracemalloc
+from collections.abc import Callable
+from typing import TypeVar
+
+Result = TypeVar("Result")
+
+
+def best_time(run: Callable[[], object], runs: int = 5) -> float:
+    """Seconds of the best of ``runs``."""
+    return best_run(run, runs)[0]
+
+
+def best_run(run: Callable[[], Result], runs: int = 5, patience: float = math.inf) -> tuple[float, Result]:
+    """Seconds of the best of up to ``runs``, or of as many as fit into ``patience`` seconds, and what the last one gave."""
+    best, spent = math.inf, 0.0
+    for _ in range(runs):
+        begun = time.process_time()
+        result = run()
+        used = time.process_time() - begun
+        best, spent = min(best, used), spent + used
+        if spent > patience:
+            break
+    return best, result
+
+
+def peak(run: Callable[[], object]) -> int:
+    """Bytes allocated at most."""
+    tracemalloc.start()
+    run()
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return most
