@@ -65,7 +65,8 @@ def test_damaged_bytes_are_refused_or_read_as_a_track(seed, data):
     except TrackError:
         return
     for frame in range(track.frame_start, track.frame_end + 1):
-        track.result(frame)
+        result = track.result(frame)
+        assert result is not None and result.number == frame
 
 
 def _with_header(change):

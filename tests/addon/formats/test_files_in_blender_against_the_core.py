@@ -15,18 +15,9 @@ from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listen
 from haptic_tracing.core.signals import Adsr, Decay, Noise, Pulse, Sine
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from scene_files import exported, imported
 
 FEW = settings(max_examples=30, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
-
-
-def imported(path):
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    assert bpy.ops.import_scene.haptic_scene(filepath=str(path)) == {"FINISHED"}
-
-
-def exported(path):
-    assert bpy.ops.export_scene.haptic_scene(filepath=str(path)) == {"FINISHED"}
-    return path.read_bytes()
 
 
 def by_core(scene):

@@ -17,6 +17,7 @@ from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listen
 from haptic_tracing.core.signals import Adsr, Decay, Gain, Loop, Noise, Pulse, Sampled, Sine
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from scene_files import exported
 
 FEW = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 
@@ -29,11 +30,6 @@ def empty_file():
     for mesh in list(bpy.data.meshes):
         bpy.data.meshes.remove(mesh)
     bpy.context.scene.haptics.imported = bpy.context.scene.haptics.imported_contacts = ""
-
-
-def exported(path):
-    assert bpy.ops.export_scene.haptic_scene(filepath=str(path)) == {"FINISHED"}
-    return path.read_bytes()
 
 
 def imported(path):

@@ -4,16 +4,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.core.formats.haptic_scene import read_export
-
-
-def exported(path, **options):
-    assert bpy.ops.export_scene.haptic_scene(filepath=str(path), **options) == {"FINISHED"}
-    return path.read_bytes()
-
-
-def imported(path):
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    assert bpy.ops.import_scene.haptic_scene(filepath=str(path)) == {"FINISHED"}
+from scene_files import exported, imported
 
 
 def shown():

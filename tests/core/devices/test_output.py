@@ -232,10 +232,10 @@ def test_the_last_zero_is_repeated_where_it_fails(started):
         pad = FakePad()
         output = started(FakeHid(pad))
         playing(output)
-        until(lambda pad=pad: sounding(pad))
+        assert until(lambda pad=pad: sounding(pad))
         pad.failing = 2
         end(output)
-        until(lambda pad=pad: pad.written[-2:] == [ZERO, RELEASE])
+        assert until(lambda pad=pad: pad.written[-2:] == [ZERO, RELEASE])
         output.stop()
 
 
