@@ -35,8 +35,7 @@ def frame_changed(scene: Scene) -> None:
 
 def _goes_ahead(scene: Scene) -> bool:
     """Let a frame that is still being traced be felt in time, with gains that are a frame old, where tracing takes long."""
-    traced = session.of(scene)
-    latest = traced.previous if traced.begun is not None and not traced.begun.result.done() else None
+    latest = session.latest_while_busy(scene)
     if latest is None:
         return False
     time = seconds_of(scene, scene.frame_current)
