@@ -1,55 +1,40 @@
 """What tracing adds to Blender's own frame while rigid bodies fall and settle, or lie still.
 
-    python -m benchmarks.bench_frame [--bodies 100 1000 3000] [--settled 10000] [--frames 200] [--shape BOX] [--strategy auto] [--impacts]
+    python -m benchmarks.bench_frame [--bodies 100 1000 3000] [--settled 10000] [--frames 200] [--passes 3]
+                                     [--shape BOX] [--strategy auto] [--impacts]
 
-Every frame is simulated by Blender and traced by the add-on, on a thread beside it. The same frames are played without and with tracing,
-three times in turns, and the quicker of each frame's times counts: what else a machine does comes and goes. `off` is the median of
-Blender's own frame without, `on` that of the frame with tracing, `cost` the median of their ratio frame by frame, less one. `CPU` is the
-same of CPU time, of all threads: what tracing costs where there is no second core. `handler` is what the add-on's frame handler takes of
-it: reading, and waiting where the last frame is still being traced. 4 sources are on bodies, 10 listeners on others; all contacts that
-signals reach are wanted. Impacts are found, and with `--impacts` each makes one more source. Settled bodies lie asleep on the ground with
-one source at the edge; beyond reading the transforms, Blender waits for the rest of the handler, and all other stages pass beside it.
+Every frame is simulated by Blender and traced by the add-on, on a thread beside it. Three Blenders play the same frames, a few at a time
+in turns, so that whatever else the machine does meets them all: one without tracing, one with it, and one more without. Of several passes
+the quickest of each frame's times counts; the first frame of each turn, which has no tracing beside it, does not. `off` is the median of
+Blender's own frame without, `on` that of the frame with tracing, `cost` the median of their ratio frame by frame, less one. `noise` is the
+same of the two Blenders without tracing: no cost below it is known. `CPU` is the cost in CPU time, of all threads: what tracing costs where
+there is no second core. `handler` is what the add-on's frame handler takes of it: reading, and waiting where the last frame is still being
+traced. 4 sources are on bodies, 10 listeners on others; all contacts that signals reach are wanted. Impacts are found, and with `--impacts`
+each makes one more source. Settled bodies lie asleep on the ground with one source at the edge; beyond reading the transforms, Blender
+waits for the rest of the handler, and all other stages pass beside it.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
-import tempfile
-import time
-import tracemalloc
+import multiprocessing
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
-os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
-os.environ["OPENBLAS_NUM_THREADS"] = "1"
-
-import bpy
-import haptic_tracing
 import numpy as np
-from haptic_tracing.addon import session
-from mathutils import Euler
 
 GOALS = {100: 0.25, 1000: 0.06, 3000: 0.05}
 SETTLED_GOAL = 1.0
-SOURCES, LISTENERS = 4, 10
 PASSES = 3
-SIZE = 0.5
-SHAPES = ("BOX", "SPHERE", "CONVEX_HULL", "CYLINDER", "CAPSULE", "CONE", "MIXED")
+TURN = 20
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
-    """Medians over the frames of one scene: milliseconds of the frame without and with tracing, and by how much one is above the other;
-    the same of CPU time; milliseconds of the handler, and of each stage; narrow-phase queries made and avoided per frame, all told; bytes
-    that the tracer holds."""
+class Traced:
+    """Medians over the frames that were traced: milliseconds of the handler, and of each stage; narrow-phase queries made and avoided
+    per frame, all told; bytes that the tracer holds."""
 
-    bodies: int
-    off: float
-    on: float
-    cost: float
-    off_cpu: float
-    on_cpu: float
-    cost_cpu: float
     handler: float
     stages: dict[str, float]
     beyond: float
@@ -59,197 +44,117 @@ class Row:
     memory: int
 
 
-def _mesh(kind: str) -> bpy.types.Mesh:
-    half = SIZE / 2
-    mesh = bpy.data.meshes.new(kind)
-    if kind == "BOX":
-        corners = [(x, y, z) for x in (-half, half) for y in (-half, half) for z in (-half, half)]
-        faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    else:
-        turns = np.linspace(0, 2 * np.pi, 12, endpoint=False)
-        ring = [(half * np.cos(a), half * np.sin(a)) for a in turns]
-        top = 1.6 * half if kind == "CAPSULE" else half
-        corners = [(x, y, z) for z in (-top, top) for x, y in ring]
-        faces = [tuple(range(11, -1, -1)), tuple(range(12, 24)), *((k, (k + 1) % 12, 12 + (k + 1) % 12, 12 + k) for k in range(12))]
-    mesh.from_pydata(corners, [], faces)
-    return mesh
+@dataclass(frozen=True, slots=True)
+class Row:
+    """Medians over the frames of one scene: milliseconds of the frame without and with tracing, by how much one is above the other, and by
+    how much the frame without is above itself; the same of CPU time; and what was traced."""
+
+    bodies: int
+    off: float
+    on: float
+    cost: float
+    noise: float
+    off_cpu: float
+    on_cpu: float
+    cost_cpu: float
+    traced: Traced
 
 
-def _add(name: str, mesh: bpy.types.Mesh | None, place: tuple[float, ...], turn: tuple[float, ...] = (0, 0, 0)) -> bpy.types.Object:
-    obj = bpy.data.objects.new(name, mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    obj.location, obj.rotation_euler = place, Euler(turn)
-    return obj
+class _Blender:
+    """A Blender in a process of its own that plays ``frames`` of a scene in turns."""
+
+    def __init__(self, tracing: bool, frames: int, *scene: object) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._connection, other = context.Pipe()
+        self._process = context.Process(target=_in_blender, args=("play_in_turns", other, tracing, frames, *scene), daemon=True)
+        self._process.start()
+
+    def play(self, numbers: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+        """Seconds of each of these frames, of the clock and of CPU time."""
+        self._connection.send(numbers)
+        return self._connection.recv()
+
+    def end(self) -> Traced | None:
+        """What it traced, if it did."""
+        self._connection.send(())
+        traced = self._connection.recv()
+        self._process.join()
+        return None if traced is None else Traced(**traced)
 
 
-def _rigid(obj: bpy.types.Object, shape: str, kind: str = "ACTIVE") -> bpy.types.Object:
-    bpy.context.scene.rigidbody_world.collection.objects.link(obj)
-    body = obj.rigid_body
-    body.type, body.collision_shape = kind, shape
-    obj.haptics.enabled = True
-    return obj
+def _in_blender(function: str, *arguments: Any) -> Any:
+    """A function of `falling_bodies`, in a process that knows nothing of Blender yet."""
+    from . import falling_bodies
+
+    return getattr(falling_bodies, function)(*arguments)
 
 
-def build(bodies: int, shape: str, frames: int, settled: bool, strategy: str, impacts: bool) -> bpy.types.Scene:
-    """A new file with so many bodies above a ground: in layers, turned at random, that fall onto each other, or side by side at rest."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    scene = bpy.context.scene
-    scene.frame_start, scene.frame_end = 1, frames
-    scene.haptics.tracing = False
-    scene.haptics.strategy, scene.haptics.impacts = strategy, impacts
-    bpy.ops.rigidbody.world_add()
-    world = scene.rigidbody_world
-    world.collection, world.constraints = bpy.data.collections.new("bodies"), bpy.data.collections.new("constraints")
-    world.point_cache.frame_start, world.point_cache.frame_end = 1, frames
-    kinds = SHAPES[:-1] if shape == "MIXED" else (shape,)
-    meshes = {kind: _mesh(kind) for kind in kinds}
-    random = np.random.default_rng(bodies)
-    width = int(np.ceil(np.sqrt(bodies))) if settled else max(3, round((bodies / 4) ** (1 / 3) * 2))
-    ground = _mesh("BOX")
-    ground.name = "ground"
-    ground.transform(np.diag([4.0 * width, 4.0 * width, 2.0, 1.0]).tolist())
-    _rigid(_add("ground", ground, (0, 0, -SIZE)), "BOX", "PASSIVE")
-    made = []
-    for k in range(bodies):
-        layer, row, column = k // width**2, k // width % width, k % width
-        gap = 0.7
-        place = np.array([column - width / 2, row - width / 2, 0.0]) * gap + [0, 0, SIZE / 2 + (0.0 if settled else 0.5 + gap * layer)]
-        turn = np.zeros(3)
-        if not settled:
-            place[:2] += random.uniform(-0.1, 0.1, 2)
-            turn = random.uniform(-0.5, 0.5, 3)
-        kind = kinds[k % len(kinds)]
-        made.append(_rigid(_add(f"body {k:05d}", meshes[kind], tuple(place), tuple(turn)), kind))
-        made[-1].rigid_body.use_deactivation = settled
-    for k in range(1 if settled else SOURCES):
-        made[k * bodies // SOURCES].haptics.source.enabled = True
-    for k in range(LISTENERS):
-        made[(2 * k + 1) if settled else (2 * k + 1) * bodies // (2 * LISTENERS)].haptics.listener.enabled = True
-    bpy.context.view_layer.update()
-    return scene
-
-
-class _Watch:
-    """Times the add-on's handler from the handlers before and after it."""
-
-    def __init__(self) -> None:
-        self.seconds: list[float] = []
-        handlers = bpy.app.handlers.frame_change_post
-        handlers.insert(0, self._begin)
-        handlers.append(self._end)
-
-    def _begin(self, *_: object) -> None:
-        self._begun = time.perf_counter()
-
-    def _end(self, *_: object) -> None:
-        self.seconds.append(time.perf_counter() - self._begun)
-
-
-def measure(bodies: int, shape: str, frames: int, settled: bool, strategy: str, impacts: bool) -> Row:
-    """Play the scene without tracing and with it, in turns."""
-    off, off_cpu, on, on_cpu = np.full((4, frames), np.inf)
-    for _ in range(PASSES):
-        scene = build(bodies, shape, frames, settled, strategy, impacts)
-        seconds, worked, _ = _play(scene, frames)
-        off, off_cpu = np.minimum(off, seconds), np.minimum(off_cpu, worked)
-        scene = build(bodies, shape, frames, settled, strategy, impacts)
-        scene.haptics.tracing = True
-        watch = _Watch()
-        seconds, worked, results = _play(scene, frames)
-        on, on_cpu = np.minimum(on, seconds), np.minimum(on_cpu, worked)
-    stages = {stage: float(np.median([r.milliseconds[stage] for r in results])) for stage in results[0].milliseconds}
+def measure(bodies: int, shape: str, frames: int, passes: int, settled: bool, strategy: str, impacts: bool) -> Row:
+    """Play the scene without tracing, with it, and without once more, in turns."""
+    seconds, worked = np.full((2, 3, frames), np.inf)
+    for _ in range(passes):
+        blenders = [_Blender(tracing, frames, bodies, shape, settled, strategy, impacts) for tracing in (False, True, False)]
+        for begin in range(0, frames, TURN):
+            numbers = range(begin + 1, min(begin + TURN, frames) + 1)
+            for times, cpu, blender in zip(seconds, worked, blenders, strict=True):
+                of_clock, of_cpu = blender.play(numbers)
+                times[begin:][: len(numbers)] = np.minimum(times[begin:][: len(numbers)], of_clock)
+                cpu[begin:][: len(numbers)] = np.minimum(cpu[begin:][: len(numbers)], of_cpu)
+        _, traced, _ = (blender.end() for blender in blenders)
+    beside = np.arange(frames) % TURN > 0
+    (off, on, again), (off_cpu, on_cpu, _) = 1000 * seconds[:, beside], 1000 * worked[:, beside]
     return Row(
         bodies=bodies,
-        off=1000 * float(np.median(off)),
-        on=1000 * float(np.median(on)),
+        off=float(np.median(off)),
+        on=float(np.median(on)),
         cost=float(np.median(on / off)) - 1,
-        off_cpu=1000 * float(np.median(off_cpu)),
-        on_cpu=1000 * float(np.median(on_cpu)),
+        noise=float(np.median(again / off)) - 1,
+        off_cpu=float(np.median(off_cpu)),
+        on_cpu=float(np.median(on_cpu)),
         cost_cpu=float(np.median(on_cpu / off_cpu)) - 1,
-        handler=1000 * float(np.median(watch.seconds)),
-        stages=stages,
-        beyond=float(np.median([sum(r.milliseconds.values()) - r.milliseconds["read"] for r in results])),
-        contacts=float(np.median([len(r.contacts) for r in results])),
-        queries=sum(r.statistics["contact_queries"] for r in results) // frames,
-        avoided=sum(r.statistics["queries_avoided"] for r in results) // frames,
-        memory=_held(scene),
+        traced=traced,
     )
-
-
-def _play(scene: bpy.types.Scene, frames: int) -> tuple[np.ndarray, np.ndarray, list]:
-    """Seconds of each frame, of CPU time of all threads in it, and what was traced."""
-    seconds, worked, results = np.empty(frames), np.empty(frames), []
-    for k in range(frames):
-        begun, working = time.perf_counter(), time.process_time()
-        scene.frame_set(k + 1)
-        seconds[k], worked[k] = time.perf_counter() - begun, time.process_time() - working
-        previous = session.of(scene).previous
-        if previous is not None:
-            results.append(previous)
-    result = session.result_of(scene)
-    return seconds, worked, results if result is None else [*results, result]
-
-
-def _held(scene: bpy.types.Scene) -> int:
-    """Bytes that tracing the last frames anew takes and keeps."""
-    session.clear()
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    tracemalloc.start()
-    for _ in range(2):
-        session.trace(scene, depsgraph)
-    held, _ = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    return held
 
 
 def run(
     bodies: tuple[int, ...] = (100, 1000, 3000),
     settled: int = 10_000,
     frames: int = 200,
+    passes: int = PASSES,
     shape: str = "BOX",
     strategy: str = "auto",
     impacts: bool = False,
 ) -> list[Row]:
     """Print the table; its rows."""
-    print(f"{frames} frames, {shape.lower()}, {SOURCES} sources, {LISTENERS} listeners, strategy {strategy}; milliseconds a frame")
-    print(" bodies      off       on    cost   goal | CPU: off       on    cost | handler | contacts  queries  avoided     MB  stages")
+    print(f"{frames} frames, {shape.lower()}, strategy {strategy}; milliseconds a frame")
+    columns = "bodies      off       on    cost  noise   goal | CPU: off       on    cost | handler | contacts  queries  avoided     MB"
+    print(f" {columns}  stages")
     rows = []
-    haptic_tracing.register()
-    try:
-        for count in bodies:
-            row = measure(count, shape, frames, False, strategy, impacts)
-            rows.append(row)
-            goal = f"{GOALS[count]:.0%}" if count in GOALS else ""
-            _show(row, f"{row.cost:7.1%} {goal:>6}")
-        if settled:
-            row = measure(settled, shape, frames, True, strategy, impacts)
-            rows.append(row)
-            _show(row, f"{row.cost:7.1%} {'':>6}")
-            waits = row.handler - row.stages["read"]
-            words = f"Blender waits {waits:.2f} ms a frame beyond reading (goal {SETTLED_GOAL:g} ms), {row.beyond:.2f} ms pass beside it"
-            print(f"{settled} settled, one local source: {words}", flush=True)
-        print(f"the handler where tracing is off: {_idle(False):.1f} us, where nothing is tagged: {_idle(True):.1f} us (goal 20 us)")
-    finally:
-        haptic_tracing.unregister()
+    for count in bodies:
+        row = measure(count, shape, frames, passes, False, strategy, impacts)
+        rows.append(row)
+        goal = f"{GOALS[count]:.0%}" if count in GOALS else ""
+        _show(row, goal)
+    if settled:
+        row = measure(settled, shape, frames, passes, True, strategy, impacts)
+        rows.append(row)
+        _show(row, "")
+        waits, beside = row.traced.handler - row.traced.stages["read"], row.traced.beyond
+        words = f"Blender waits {waits:.2f} ms a frame beyond reading (goal {SETTLED_GOAL:g} ms), {beside:.2f} ms pass beside it"
+        print(f"{settled} settled, one local source: {words}", flush=True)
+    with multiprocessing.get_context("spawn").Pool(1) as blender:
+        off, untagged = blender.apply(_in_blender, ("idle",))
+        print(f"the handler where tracing is off: {off:.1f} us, where nothing is tagged: {untagged:.1f} us (goal 20 us)")
     return rows
 
 
-def _idle(tracing: bool) -> float:
-    """Microseconds of the handler where there is nothing to do."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    scene = bpy.context.scene
-    scene.haptics.tracing = tracing
-    watch = _Watch()
-    for frame in range(200):
-        scene.frame_set(frame)
-    return 1e6 * float(np.median(watch.seconds))
-
-
-def _show(row: Row, cost: str) -> None:
-    stages = ", ".join(f"{stage} {milliseconds:.2f}" for stage, milliseconds in row.stages.items())
+def _show(row: Row, goal: str) -> None:
+    traced = row.traced
+    stages = ", ".join(f"{stage} {milliseconds:.2f}" for stage, milliseconds in traced.stages.items())
     print(
-        f"{row.bodies:7} {row.off:8.2f} {row.on:8.2f} {cost} | {row.off_cpu:8.2f} {row.on_cpu:8.2f} {row.cost_cpu:7.1%} |"
-        f" {row.handler:7.2f} | {row.contacts:8.0f} {row.queries:8} {row.avoided:8} {row.memory / 1e6:6.1f}  {stages}",
+        f"{row.bodies:7} {row.off:8.2f} {row.on:8.2f} {row.cost:7.1%} {row.noise:6.1%} {goal:>6} |"
+        f" {row.off_cpu:8.2f} {row.on_cpu:8.2f} {row.cost_cpu:7.1%} | {traced.handler:7.2f} |"
+        f" {traced.contacts:8.0f} {traced.queries:8} {traced.avoided:8} {traced.memory / 1e6:6.1f}  {stages}",
         flush=True,
     )
 
@@ -260,11 +165,12 @@ def main() -> None:
     parser.add_argument("--bodies", type=int, nargs="*", default=[100, 1000, 3000])
     parser.add_argument("--settled", type=int, default=10_000)
     parser.add_argument("--frames", type=int, default=200)
-    parser.add_argument("--shape", choices=SHAPES, default="BOX")
+    parser.add_argument("--passes", type=int, default=PASSES)
+    parser.add_argument("--shape", default="BOX")
     parser.add_argument("--strategy", choices=("auto", "best_path", "all_paths", "energy_balance"), default="auto")
     parser.add_argument("--impacts", action="store_true")
     options = parser.parse_args()
-    run(tuple(options.bodies), options.settled, options.frames, options.shape, options.strategy, options.impacts)
+    run(tuple(options.bodies), options.settled, options.frames, options.passes, options.shape, options.strategy, options.impacts)
 
 
 if __name__ == "__main__":

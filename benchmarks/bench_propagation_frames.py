@@ -2,7 +2,7 @@
 
     python -m benchmarks.bench_propagation_frames [--bodies 100 1000] [--frames 120]
 
-Boxes fall and settle as in `bench_frame`, with 4 sources and 10 listeners; the second half of the frames is computed again, anew each.
+Boxes fall and settle as in `falling_bodies`, with 4 sources and 10 listeners; the second half of the frames is computed again, anew each.
 """
 
 from __future__ import annotations

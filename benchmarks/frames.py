@@ -33,15 +33,15 @@ def demo_family() -> Family:
 
 
 def falling_boxes(bodies: int, frames: int) -> list[Family]:
-    """What each frame of `bench_frame` hands to the graph: so many boxes, 4 sources, 10 listeners, all contacts that signals reach."""
+    """What each frame of `falling_bodies` hands to the graph: so many boxes, 4 sources, 10 listeners, all contacts that signals reach."""
     import haptic_tracing
     from haptic_tracing.addon import session
 
-    from . import bench_frame
+    from . import falling_bodies
 
     haptic_tracing.register()
     try:
-        scene = bench_frame.build(bodies, "BOX", frames, False, "best_path", False)
+        scene = falling_bodies.build(frames, bodies, "BOX", False, "best_path", False)
         scene.haptics.tracing = True
         played = []
         for frame in range(1, frames + 1):
