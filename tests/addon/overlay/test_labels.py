@@ -56,8 +56,12 @@ def test_labels_never_overlap(seed, count):
     for k, rectangle in enumerate(placed):
         assert not _overlap(rectangle, taken[0])
         assert not any(_overlap(rectangle, other) for other in placed[:k])
-    if count:
-        assert len(placed)
+
+
+@given(st.floats(150, 250), st.floats(100, 200))
+def test_a_label_with_room_is_placed(x, y):
+    corner = place_labels(np.array([[x, y]]), np.array([[80.0, 15.0]]), np.array([8.0]), ROOM, np.zeros((0, 4)), np.zeros((0, 2)))
+    assert np.isfinite(corner).all()
 
 
 def test_a_free_label_stands_at_the_right_of_its_place():
