@@ -153,7 +153,7 @@ class SceneReader:
         self._shapes: dict[int, tuple[Any, Any]] = {}  # by session id: what it was built from, and the shape
         self._frequencies = AnimatedFrequencies()
         self._lists: _Lists | None = None
-        self._raw = np.zeros((0, 16), dtype=np.float32)  # all matrices of the file as they were read last
+        self._raw = np.zeros((0, 16), dtype=np.float32)  # matrices of the tagged rows as they were read last
         self._rigid = np.zeros((0, 4, 4))  # of the tagged rows
         self._transforms = np.zeros((0, 4, 4))  # of the bodies
         self._placed: list[Source | Listener] = []
@@ -204,24 +204,28 @@ class SceneReader:
         shown = {obj.session_uid for obj in depsgraph.view_layer.objects}
         tagged = {row: obj for row, obj in enumerate(bpy.data.objects) if obj.session_uid in shown and is_tagged(obj)}
         self._frequencies.clear()
-        scales = dict(zip(tagged, rigid_transforms(_matrices(raw[np.array(list(tagged), dtype=np.int64)]))[1], strict=True))
+        scales = dict(zip(tagged, rigid_transforms(raw[np.array(list(tagged), dtype=np.int64)])[1], strict=True))
         self._tagged = {row: self._read_object(row, obj, depsgraph, scales[row]) for row, obj in progress(tuple(tagged.items()))}
         self._lists = None
 
     def _read_changed(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> _Lists:
         """Read again what is animated, what was scaled and whose mesh changed, and where everything is now."""
         lists = self._lists or _Lists.of(self._tagged)
-        if lists is not self._lists or len(raw) != len(self._raw):
-            self._rigid, moved = np.zeros((len(lists.rows), 4, 4)), np.arange(len(lists.rows))
+        raw_tagged = raw.take(lists.rows, axis=0)
+        if lists is not self._lists:
+            moved = np.arange(len(lists.rows))
         else:
             # Where simulations at rest tremble, the matrix of before stays.
-            moved = np.flatnonzero(~(np.abs(raw[lists.rows] - self._raw[lists.rows]) <= _TREMBLE).all(axis=1))
+            moved = np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= _TREMBLE).all(axis=1))
         rows = set(lists.animated)
+        if len(moved) == len(lists.rows):
+            self._raw = raw_tagged
+            self._rigid, scales = rigid_transforms(raw_tagged)
+        elif len(moved):
+            self._raw[moved] = raw_tagged[moved]
+            self._rigid = self._rigid.copy()  # the old one belongs to the last reading
+            self._rigid[moved], scales = rigid_transforms(raw_tagged[moved])
         if len(moved):
-            rigid, scales = rigid_transforms(_matrices(raw[lists.rows[moved]]))
-            # A new array: the old one belongs to the last reading.
-            self._rigid = rigid if len(moved) == len(lists.rows) else self._rigid.copy()
-            self._rigid[moved] = rigid
             known = lists.scales[moved]
             rows |= set(lists.rows[moved[np.any(np.abs(scales - known) > 1e-5 * np.abs(known), axis=1)]].tolist())
         if lists.deforming or depsgraph.id_type_updated("MESH"):
@@ -231,7 +235,7 @@ class SceneReader:
             rows |= {row for row in self._tagged if self._session_ids is not None and int(self._session_ids[row]) in deformed}
         changed = False
         again = sorted(rows)
-        scales = rigid_transforms(_matrices(raw[np.array(again, dtype=np.int64)]))[1] if again else ()
+        scales = rigid_transforms(raw[np.array(again, dtype=np.int64)])[1] if again else ()
         for row, scale in zip(again, scales, strict=True):
             tagged = self._read_object(row, bpy.data.objects[row], depsgraph, scale)
             if tagged != self._tagged[row]:
@@ -244,13 +248,9 @@ class SceneReader:
             self._transforms.setflags(write=False)  # so that the tracker knows it again
             self._settled = lists.homes.settled(self._transforms)
             self._placed = [
-                item if near(item.position, place) else replace(item, position=tuple(place))
+                item if near(item.position, place) else item.moved(place)
                 for place, item in zip(raw[lists.of_places, 12:15].tolist(), lists.places, strict=True)
             ]
-        if len(self._raw) != len(raw):
-            self._raw = raw
-        elif len(moved):
-            self._raw[lists.rows[moved]] = raw[lists.rows[moved]]
         self._lists = lists
         return lists
 
@@ -509,27 +509,22 @@ def _raw_matrices(count: int) -> NDArray[np.float32]:
     return values.reshape(count, 16)
 
 
-def _matrices(raw: NDArray[np.float32]) -> FloatArray:
-    """(n, 4, 4) matrices of raw ones (n, 16)."""
-    return raw.reshape(-1, 4, 4).transpose(0, 2, 1).astype(np.float64)
-
-
 def pose_of(transform: FloatArray) -> Pose:
     """The pose of a rigid transform (4, 4)."""
     rotation = Matrix(transform[:3, :3].tolist()).to_quaternion()
     return Pose(tuple(transform[:3, 3].tolist()), (rotation.w, rotation.x, rotation.y, rotation.z))
 
 
-def rigid_transforms(matrices: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Split world matrices (n, 4, 4) into rigid transforms and scales (n, 3), negative where mirrored.
+def rigid_transforms(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
+    """Split raw matrices (n, 16) into rigid transforms (n, 4, 4) and scales (n, 3), negative where mirrored.
 
     A shear is dropped, as Bullet does.
     """
-    transforms = np.array(matrices, dtype=np.float64)
-    axes = transforms[:, :3, :3]
-    scales = np.sqrt(np.einsum("nij,nij->nj", axes, axes))
-    x, y, z = axes.transpose(2, 1, 0)
+    columns = raw.T.astype(np.float64, order="C").reshape(4, 4, -1)
+    axes = columns[:3, :3]
+    scales = np.sqrt((axes * axes).sum(axis=1))
+    x, y, z = axes
     volume = (y[1] * z[2] - y[2] * z[1]) * x[0] + (y[2] * z[0] - y[0] * z[2]) * x[1] + (y[0] * z[1] - y[1] * z[0]) * x[2]
-    scales[volume < 0] *= -1
-    transforms[:, :3, :3] = axes / np.where(scales == 0, 1.0, scales)[:, None, :]
-    return transforms, scales
+    scales[:, volume < 0] *= -1
+    axes /= np.where(scales == 0, 1.0, scales)[:, None]
+    return columns.transpose(2, 1, 0).copy(), scales.T

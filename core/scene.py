@@ -10,7 +10,7 @@ import enum
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from .functions import HapticTracing, Identity, ModulationFunction
 from .mixing import MixingExpression
@@ -58,6 +58,17 @@ def _unit_interval(key: str, value: float) -> None:
 def _name(key: str, value: str) -> None:
     if not isinstance(value, str) or not value:
         raise ValueError(f"{key}: expected a name, got {value!r}")
+
+
+_Item = TypeVar("_Item")
+
+
+def _with(item: _Item, **checked: Any) -> _Item:
+    """A copy with other values of some fields. Unlike `dataclasses.replace` it checks nothing again: places change in every frame."""
+    copy = object.__new__(type(item))
+    for name in type(item).__slots__:  # type: ignore[attr-defined]
+        object.__setattr__(copy, name, checked[name] if name in checked else getattr(item, name))
+    return copy
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,6 +193,12 @@ class Source:
         if self.second_object is not None:
             object.__setattr__(self, "second_position", _finite_vector("second_position", self.second_position or self.position))
 
+    def moved(self, position: Iterable[float], second_position: Iterable[float] | None = None) -> Source:
+        """The same source elsewhere; its second side stays where it is unless that is given. Raises ValueError where a number is not
+        finite."""
+        second = self.second_position if second_position is None else _finite_vector("second_position", second_position)
+        return _with(self, position=_finite_vector("position", position), second_position=second)
+
 
 @dataclass(frozen=True, slots=True)
 class Listener:
@@ -215,6 +232,10 @@ class Listener:
                 MixingExpression(self.mixing_expression)
             except ValueError as error:
                 raise ValueError(f"mixing_expression: {str(error).removeprefix('expression: ')}") from None
+
+    def moved(self, position: Iterable[float]) -> Listener:
+        """The same listener elsewhere. Raises ValueError where a number is not finite."""
+        return _with(self, position=_finite_vector("position", position))
 
 
 @dataclass(frozen=True, slots=True)

@@ -271,10 +271,7 @@ class Tracer:
         """The sources of impacts so far whose template plays."""
         _, positions = self._ringing_places(frame.transforms)
         places = positions.reshape(-1, 2, 3).tolist()
-        return tuple(
-            replace(ringing.source, position=(ax, ay, az), second_position=(bx, by, bz))
-            for ringing, ((ax, ay, az), (bx, by, bz)) in zip(self._ringing, places, strict=True)
-        )
+        return tuple(ringing.source.moved(first, second) for ringing, (first, second) in zip(self._ringing, places, strict=True))
 
     def _ringing_places(self, transforms: FloatArray | None) -> tuple[IntArray, FloatArray]:
         """The bodies (2k,) of the k impacts whose template plays, the others forgotten, and where their sources are on them (2k, 3)."""

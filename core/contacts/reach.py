@@ -42,44 +42,48 @@ class Reach:
         """Of signals that start at ``positions`` (m, 3) on ``bodies`` (m,) alone, with strength 1."""
         return replace(self, bodies=bodies, positions=positions, strengths=np.ones(len(bodies)))
 
-    def wanted(self, pairs: IntArray, regions: FloatArray) -> BoolArray:
-        """Which of the possible contacts ``pairs`` (p, 2), lying somewhere in ``regions`` (p, 2, 3) [world], a signal can get to.
+    def wanted(self, first: IntArray, second: IntArray, low: FloatArray, high: FloatArray) -> BoolArray:
+        """Which of the possible contacts of bodies ``first`` and ``second`` (p,), lying somewhere between ``low`` and ``high`` (3, p)
+        [world], a signal can get to.
 
         A signal that is still at least the threshold at a contact has passed bodies from the source on, each for its factor, and at least
         the straight way there, for the least decay of any body.
         """
-        if len(self.bodies) == 0 or len(pairs) == 0:
-            return np.zeros(len(pairs), dtype=np.bool_)
+        if len(self.bodies) == 0 or len(first) == 0:
+            return np.zeros(len(first), dtype=np.bool_)
         if float(np.max(self.factor, initial=0.0)) > 1 or self.transmission > 1:
-            return np.ones(len(pairs), dtype=np.bool_)
+            return np.ones(len(first), dtype=np.bool_)
         limit = self.threshold * (1 - 1e-9)
-        fading = np.exp(-max(0.0, float(np.min(self.decay))) * self._away(regions))
+        fading = np.exp(-max(0.0, float(np.min(self.decay))) * self._away(low, high))
         near = np.flatnonzero(float(np.max(self.strengths)) * fading >= limit)
-        wanted = np.zeros(len(pairs), dtype=np.bool_)
-        wanted[near[self._reached(pairs[near], fading[near], limit)]] = True
+        wanted = np.zeros(len(first), dtype=np.bool_)
+        wanted[near[self._reached(first[near], second[near], fading[near], limit)]] = True
         return wanted
 
-    def _away(self, regions: FloatArray) -> FloatArray:
-        """How far regions (p, 2, 3) are from the nearest start (p,); of many starts a lower bound: the distance from the box of all."""
+    def _away(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """How far regions from ``low`` to ``high`` (3, p) are from the nearest start (p,); of many starts a lower bound: the distance from
+        the box of all."""
         starts = [(position, position) for position in self.positions]
         if len(starts) > _FEW:
             starts = [(self.positions.min(axis=0), self.positions.max(axis=0))]
-        nearest = np.full(len(regions), np.inf)
-        for low, high in starts:
-            away = np.maximum(np.maximum(regions[:, 0] - high, low - regions[:, 1]), 0.0)
-            nearest = np.minimum(nearest, np.sqrt((away * away).sum(axis=1)))
-        return nearest
+        nearest = np.full(low.shape[1], np.inf)
+        for begin, end in starts:
+            away = np.maximum(low - end[:, None], begin[:, None] - high)
+            np.maximum(away, 0.0, out=away)
+            np.minimum(nearest, np.einsum("ip,ip->p", away, away), out=nearest)
+        return np.sqrt(nearest)
 
-    def _reached(self, pairs: IntArray, fading: FloatArray, limit: float) -> BoolArray:
-        """Which ``pairs`` a signal gets to over others with at least ``limit`` left after its way there has taken ``fading`` of it."""
-        count = len(pairs)
-        ends = pairs.T.reshape(-1)
+    def _reached(self, first: IntArray, second: IntArray, fading: FloatArray, limit: float) -> BoolArray:
+        """Which pairs a signal gets to over others with at least ``limit`` left after its way there has taken ``fading`` of it."""
+        count, bodies_in_all = len(first), len(self.factor)
+        ends, others = np.concatenate([first, second]), np.concatenate([second, first])
         order = np.argsort(ends, kind="stable")
-        pair, other = order % count if count else order, pairs[:, ::-1].T.reshape(-1)[order]
-        begin = np.concatenate([[0], np.cumsum(np.bincount(ends, minlength=len(self.factor)))])
-        entering = np.zeros(len(self.factor))
+        pair, other = order % max(count, 1), others[order]
+        begin = np.zeros(bodies_in_all + 1, dtype=np.int64)
+        np.cumsum(np.bincount(ends, minlength=bodies_in_all), out=begin[1:])
+        entering = np.zeros(bodies_in_all)
         np.maximum.at(entering, self.bodies, self.strengths)
-        reached = np.zeros(count, dtype=np.bool_)
+        reached, stronger_now = np.zeros(count, dtype=np.bool_), np.zeros(bodies_in_all, dtype=np.bool_)
         bodies = np.unique(self.bodies)
         while len(bodies):
             many = begin[bodies + 1] - begin[bodies]
@@ -89,8 +93,11 @@ class Reach:
             steps, value = steps[arrived], value[arrived] * self.transmission
             reached[pair[steps]] = True
             # Stronger than before by more than rounding: bodies around a ring don't chase each other.
-            stronger = value > entering[other[steps]] * (1 + 1e-12)
-            steps, value = steps[stronger], value[stronger]
-            np.maximum.at(entering, other[steps], value)
-            bodies = np.unique(other[steps])
+            ahead = other[steps]
+            stronger = value > entering[ahead] * (1 + 1e-12)
+            ahead = ahead[stronger]
+            np.maximum.at(entering, ahead, value[stronger])
+            stronger_now[ahead] = True
+            bodies = np.flatnonzero(stronger_now)
+            stronger_now[bodies] = False
         return reached

@@ -456,10 +456,9 @@ class ContactTracker:
         a, b = pairs.larger[possible], pairs.smaller[possible]
         # A contact node lies on its own body, and so up to the tolerance outside the other.
         around = self.settings.tolerance + self.settings.slack
-        low = np.maximum(self._low[:, a], self._low[:, b]) - around
-        high = np.minimum(self._high[:, a], self._high[:, b]) + around
-        regions = np.stack([low.T, high.T], axis=1)
-        asked[possible] = wanted.wanted(np.stack([a, b], axis=1), regions)
+        low = np.maximum(self._low.take(a, axis=1), self._low.take(b, axis=1)) - around
+        high = np.minimum(self._high.take(a, axis=1), self._high.take(b, axis=1)) + around
+        asked[possible] = wanted.wanted(a, b, low, high)
         return asked
 
     def _look(self, rows: IntArray, before: BoolArray) -> None:
