@@ -71,7 +71,7 @@ class Reach:
             away = np.maximum(low - end[:, None], begin[:, None] - high)
             np.maximum(away, 0.0, out=away)
             np.minimum(nearest, np.einsum("ip,ip->p", away, away), out=nearest)
-        return np.sqrt(nearest)
+        return np.asarray(np.sqrt(nearest))
 
     def _reached(self, first: IntArray, second: IntArray, fading: FloatArray, limit: float) -> BoolArray:
         """Which pairs a signal gets to over others with at least ``limit`` left after its way there has taken ``fading`` of it."""
