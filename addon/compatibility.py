@@ -25,14 +25,16 @@ _TRANSFORMS = ("location", "rotation_", "scale", "delta_", "hide_")
 """How the data paths begin of what is animated most often, and is seen in the matrix."""
 
 
-def is_animated(datablock: Any) -> bool:
-    """True where an action, the NLA or drivers may change properties of the datablock other than its transform and visibility."""
+def animated_paths(datablock: Any) -> tuple[str, ...] | None:
+    """The data paths, other than of its transform and visibility, that an action or drivers may change of the datablock; None where the NLA
+    may change any."""
     data = datablock.animation_data
     if data is None:
-        return False
+        return ()
     if len(data.nla_tracks) > 0:
-        return True
-    return any(not curve.data_path.startswith(_TRANSFORMS) for curve in (*fcurves_of(datablock), *data.drivers))
+        return None
+    paths = {curve.data_path for curve in (*fcurves_of(datablock), *data.drivers)}
+    return tuple(sorted(path for path in paths if not path.startswith(_TRANSFORMS)))
 
 
 def fcurves_of(datablock: Any) -> list[Any]:

@@ -85,7 +85,7 @@ class _Tagged:
     """One tagged object of the scene, as authored."""
 
     row: int  # in bpy.data.objects
-    animated: bool
+    animated: tuple[str, ...] | None  # data paths, see `compatibility.animated_paths`
     deforming: bool
     scale: tuple[float, float, float]
     object: HapticObject | None
@@ -104,7 +104,7 @@ class _Lists:
 
     rows: NDArray[np.int64]
     scales: FloatArray
-    animated: tuple[int, ...]
+    animated: tuple[tuple[int, tuple[str, ...] | None], ...]  # rows and data paths
     deforming: bool  # any of them
     of_bodies: NDArray[np.int64]
     of_places: NDArray[np.int64]
@@ -131,7 +131,7 @@ class _Lists:
         return cls(
             rows=np.array([t.row for t in tagged], dtype=np.int64),
             scales=np.array([t.scale for t in tagged], dtype=np.float64).reshape(-1, 3),
-            animated=tuple(t.row for t in tagged if t.animated),
+            animated=tuple((t.row, t.animated) for t in tagged if t.animated != ()),
             deforming=any(t.deforming for t in tagged),
             of_bodies=np.array([k for k, _, _ in bodies], dtype=np.int64),
             of_places=np.array([row for row, _ in places], dtype=np.int64),
@@ -152,6 +152,7 @@ class SceneReader:
         self._tagged: dict[int, _Tagged] = {}  # by row
         self._shapes: dict[int, tuple[Any, Any]] = {}  # by session id: what it was built from, and the shape
         self._frequencies = AnimatedFrequencies()
+        self._animated: dict[int, tuple[Any, ...]] = {}  # by row: what its animated properties were last
         self._lists: _Lists | None = None
         self._raw = np.zeros((0, 16), dtype=np.float32)  # matrices of the tagged rows as they were read last
         self._rigid = np.zeros((0, 4, 4))  # of the tagged rows
@@ -204,6 +205,7 @@ class SceneReader:
         shown = {obj.session_uid for obj in depsgraph.view_layer.objects}
         tagged = {row: obj for row, obj in enumerate(bpy.data.objects) if obj.session_uid in shown and is_tagged(obj)}
         self._frequencies.clear()
+        self._animated.clear()
         scales = dict(zip(tagged, rigid_transforms(raw[np.array(list(tagged), dtype=np.int64)])[1], strict=True))
         self._tagged = {row: self._read_object(row, obj, depsgraph, scales[row]) for row, obj in progress(tuple(tagged.items()))}
         self._lists = None
@@ -217,7 +219,7 @@ class SceneReader:
         else:
             # Where simulations at rest tremble, the matrix of before stays.
             moved = np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= _TREMBLE).all(axis=1))
-        rows = set(lists.animated)
+        rows = {row for row, paths in lists.animated if self._is_animated_now(row, paths)}
         if len(moved) == len(lists.rows):
             self._raw = raw_tagged
             self._rigid, scales = rigid_transforms(raw_tagged)
@@ -284,12 +286,20 @@ class SceneReader:
                         source = read_source(obj, carrier.name_full, self._frequencies.track(obj, depsgraph.scene))
                 except (OSError, ValueError) as error:
                     problems.append(Problem(name, str(error).replace("mixing_expression", "the mixing formula")))
-        animated = compatibility.is_animated(obj)
-        deforming = any(animated or modifier.type not in _STEADY for modifier in obj.modifiers)
+        animated = compatibility.animated_paths(obj)
+        deforming = any(animated != () or modifier.type not in _STEADY for modifier in obj.modifiers)
         struck = read_impact_material(obj)
         return _Tagged(
             row, animated, deforming, tuple(scale.tolist()), haptic_object, body, home, source, listener, struck, tuple(problems)
         )
+
+    def _is_animated_now(self, row: int, paths: tuple[str, ...] | None) -> bool:
+        """Whether animation has changed any property of the object since it was asked last."""
+        if paths is None:
+            return True
+        values = _values_at(bpy.data.objects[row], paths)
+        before, self._animated[row] = self._animated.get(row), values
+        return values != before
 
     def _scale(self, row: int, scale: FloatArray) -> FloatArray:
         """The object's scale in the world; the known one where only rounding differs, so that what turns keeps its shape."""
@@ -309,6 +319,18 @@ class SceneReader:
             known = (key, collision_shape(obj, depsgraph, scale))
             self._shapes[obj.session_uid] = known
         return known[1]
+
+
+def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:
+    """The values at data paths of an object, None at one that leads nowhere."""
+    values = []
+    for path in paths:
+        try:
+            value = obj.path_resolve(path)
+        except ValueError:
+            value = None
+        values.append(tuple(value) if hasattr(value, "__iter__") else value)
+    return tuple(values)
 
 
 def _is_as_imported(obj: Object, scale: FloatArray) -> bool:

@@ -55,6 +55,29 @@ def test_amplitude_and_kappa_that_are_keyframed_count_at_each_frame(seesaw, scen
     assert 0.2 < session.result_of(scene).sources[0].amplitude <= 1.0
 
 
+def test_drivers_and_strips_of_the_nla_count_at_each_frame(seesaw, scene):
+    plank, _, source, _ = seesaw
+    driver = plank.haptics.driver_add("kappa").driver
+    driver.type = "SCRIPTED"
+    driver.expression = "frame / 20"
+    for frame, amplitude in ((1, 0.0), (11, 1.0)):
+        source.haptics.source.amplitude = amplitude
+        source.haptics.source.keyframe_insert("amplitude", frame=frame)
+    data = source.animation_data
+    action, data.action = data.action, None
+    data.nla_tracks.new().strips.new("strip", 1, action)
+    felt = []
+    for frame in (2, 3, 6, 6, 9):
+        scene.frame_set(frame)
+        result = session.result_of(scene)
+        amplitude, kappa = source.haptics.source.amplitude, frame / 20
+        assert plank.haptics.kappa == pytest.approx(kappa)
+        expected = amplitude * _gain(kappa, plank.haptics.rho, math.hypot(3.0, 0.1)) * _gain(0.1, 0.9, 0.25)
+        assert result.gains[0, 0] == pytest.approx(expected, rel=1e-5)
+        felt.append(amplitude)
+    assert 0 < felt[0] < felt[1] < felt[2] == felt[3] < felt[4] < 1
+
+
 def test_moving_the_box_away_breaks_the_path(seesaw, traced):
     assert traced().gains[0, 0] > 0
     seesaw[1].location.z += 1.0
