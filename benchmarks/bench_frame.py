@@ -27,7 +27,7 @@ import numpy as np
 GOALS = {100: 0.25, 1000: 0.06, 3000: 0.05}
 SETTLED_GOAL = 1.0
 PASSES = 3
-TURN = 20
+FRAMES_OF_BODIES = 20_000  # in a turn: of 1,000 bodies 20 frames
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,17 +91,18 @@ def _in_blender(function: str, *arguments: Any) -> Any:
 
 def measure(bodies: int, shape: str, frames: int, passes: int, settled: bool, strategy: str, impacts: bool) -> Row:
     """Play the scene without tracing, with it, and without once more, in turns."""
+    turn = int(np.clip(FRAMES_OF_BODIES // bodies, 10, 100))
     seconds, worked = np.full((2, 3, frames), np.inf)
     for _ in range(passes):
         blenders = [_Blender(tracing, frames, bodies, shape, settled, strategy, impacts) for tracing in (False, True, False)]
-        for begin in range(0, frames, TURN):
-            numbers = range(begin + 1, min(begin + TURN, frames) + 1)
+        for begin in range(0, frames, turn):
+            numbers = range(begin + 1, min(begin + turn, frames) + 1)
             for times, cpu, blender in zip(seconds, worked, blenders, strict=True):
                 of_clock, of_cpu = blender.play(numbers)
                 times[begin:][: len(numbers)] = np.minimum(times[begin:][: len(numbers)], of_clock)
                 cpu[begin:][: len(numbers)] = np.minimum(cpu[begin:][: len(numbers)], of_cpu)
         _, traced, _ = (blender.end() for blender in blenders)
-    beside = np.arange(frames) % TURN > 0
+    beside = np.arange(frames) % turn > 0
     (off, on, again), (off_cpu, on_cpu, _) = 1000 * seconds[:, beside], 1000 * worked[:, beside]
     return Row(
         bodies=bodies,
