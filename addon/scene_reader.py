@@ -214,12 +214,12 @@ class SceneReader:
         """Read again what is animated, what was scaled and whose mesh changed, and where everything is now."""
         lists = self._lists or _Lists.of(self._tagged)
         raw_tagged = raw.take(lists.rows, axis=0)
+        animated = {row for row, paths in lists.animated if self._is_animated_now(row, paths)}
         if lists is not self._lists:
-            moved = np.arange(len(lists.rows))
+            rows, moved = set(), np.arange(len(lists.rows))  # everything has just been read
         else:
             # Where simulations at rest tremble, the matrix of before stays.
-            moved = np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= _TREMBLE).all(axis=1))
-        rows = {row for row, paths in lists.animated if self._is_animated_now(row, paths)}
+            rows, moved = animated, np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= _TREMBLE).all(axis=1))
         if len(moved) == len(lists.rows):
             self._raw = raw_tagged
             self._rigid, scales = rigid_transforms(raw_tagged)
