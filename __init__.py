@@ -13,7 +13,7 @@ _GLTF = ("glTF2ExportUserExtension", "glTF2ImportUserExtension", "draw_export", 
 
 def __getattr__(name: str) -> Any:
     if name in _GLTF:
-        from .addon.formats import gltf
+        from .addon.io import gltf
 
         return getattr(gltf, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
@@ -21,13 +21,13 @@ def __getattr__(name: str) -> Any:
 
 def register() -> None:
     """Called by Blender when the extension is enabled."""
-    from . import addon
+    from .addon import registration
 
-    addon.register()
+    registration.register()
 
 
 def unregister() -> None:
     """Called by Blender when the extension is disabled."""
-    from . import addon
+    from .addon import registration
 
-    addon.unregister()
+    registration.unregister()

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from haptic_tracing.core.contacts.reach import Reach
+from haptic_tracing.core.contacts.gain_bound import Reach
 from haptic_tracing.core.contacts.tracker import Body, ContactTracker
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "core" / "contacts"))
@@ -70,9 +70,7 @@ def simulated(bodies: int, kind: str, frames: int) -> tuple[tuple[Body, ...], li
         place = np.array([column - width / 2, row - width / 2, 0.8 + layer]) * 1.3 + [*generator.uniform(-0.1, 0.1, 2), 0.0]
         turn = generator.normal(size=4)
         turn = (turn / np.linalg.norm(turn)).tolist()
-        numbers.append(
-            pybullet.createMultiBody(1, known[k % len(known)], basePosition=place.tolist(), baseOrientation=turn, **client)
-        )
+        numbers.append(pybullet.createMultiBody(1, known[k % len(known)], basePosition=place.tolist(), baseOrientation=turn, **client))
         told.append(Body(f"body {k}", shapes[k % len(shapes)], 1.0))
     sequence = []
     for _ in range(frames):

@@ -16,7 +16,7 @@ from itertools import pairwise
 
 import numpy as np
 from haptic_tracing.core.devices.actuation import actuation_of
-from haptic_tracing.core.devices.family import RumbleFamily, StreamFamily
+from haptic_tracing.core.devices.families.family import RumbleFamily, StreamFamily
 from haptic_tracing.core.devices.pacing import pacing_of
 from haptic_tracing.core.devices.profiles import Actuator, Profile, load_profiles
 from haptic_tracing.core.devices.report import Report, Tones

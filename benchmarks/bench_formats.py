@@ -27,11 +27,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from haptic_tracing.core.body import DEFAULT_LISTENERS
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.tracks import ListenerTrack, Tracks
-from haptic_tracing.core.scene import HapticObject, HapticScene, Listener
+from haptic_tracing.core.formats.tracks.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
+from haptic_tracing.core.scene.values import HapticObject, HapticScene, Listener
 from haptic_tracing.core.signals import DEFAULT_IMPACT, Pulse
 
 from .report import publish, table

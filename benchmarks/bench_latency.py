@@ -27,8 +27,8 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import bpy
 import haptic_tracing
 import numpy as np
-from haptic_tracing.addon import handlers as addon_handlers
 from haptic_tracing.addon.live_output import handlers, outputs, player
+from haptic_tracing.addon.registration import handlers as addon_handlers
 from haptic_tracing.core.devices.output import DeviceOutput
 from haptic_tracing.core.devices.pacing import RumblePacing
 from haptic_tracing.sample_scenes import build_sample

@@ -28,13 +28,13 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import bpy
 import haptic_tracing
 import numpy as np
-from haptic_tracing.addon import session
-from haptic_tracing.addon.meters import draw as meters
-from haptic_tracing.addon.overlay import draw, picture, shader
+from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.view.meters import draw as meters
+from haptic_tracing.addon.view.overlay import draw, picture, shader
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.frame_result import FrameResult
-from haptic_tracing.core.functions import Exponential
-from haptic_tracing.core.scene import Contact, HapticObject, Listener, Settings, Source
+from haptic_tracing.core.render.frame_result import FrameResult
+from haptic_tracing.core.scene.functions import Exponential
+from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Settings, Source
 from haptic_tracing.core.tracer import Frame, Tracer
 from mathutils import Euler, Matrix
 
@@ -183,7 +183,7 @@ def rows(nodes: int, listeners: int, redraws: int) -> Iterator[Row]:
 
 def quads_drawn(nodes: int, listeners: int) -> str:
     """How much the GPU is given, in words."""
-    from haptic_tracing.addon.overlay.quads import quads
+    from haptic_tracing.addon.view.overlay.quads import quads
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene

@@ -20,7 +20,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene import Settings, Strategy
+from haptic_tracing.core.scene.values import Settings, Strategy
 
 from .families import Family, grid, hub, ladder, pile, random_contacts, tree
 from .peers import OutOfTime, enumerate_paths
@@ -116,10 +116,7 @@ def measure(family: Family, seconds: float) -> Measured:
                 break
     ours = (
         [(CERTIFIED, f"{t:g}", Settings(strategy=Strategy.ALL_PATHS, tolerance=t, **free)) for t in TOLERANCES]
-        + [
-            ("all_paths, threshold", f"{t:g}", Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=t))
-            for t in THRESHOLDS
-        ]
+        + [("all_paths, threshold", f"{t:g}", Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=t)) for t in THRESHOLDS]
         + [
             ("all_paths, max_connections", f"{n}", Settings(strategy=Strategy.ALL_PATHS, max_connections=n, threshold=0.0, tolerance=0.0))
             for n in CONNECTIONS

@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene import Settings, Strategy
+from haptic_tracing.core.scene.values import Settings, Strategy
 
 from .families import Family
 from .frames import falling_boxes

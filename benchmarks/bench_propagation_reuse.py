@@ -20,11 +20,11 @@ from dataclasses import asdict, dataclass
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
-from haptic_tracing.core.graph import HapticGraph, distances
+from haptic_tracing.core.graph.haptic_graph import HapticGraph, distances
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.propagation.connections import cost_limit
-from haptic_tracing.core.propagation.labels import Labels, _step, _Work, label
-from haptic_tracing.core.scene import Settings, Strategy
+from haptic_tracing.core.propagation.shortest_paths import Labels, _step, _Work, label
+from haptic_tracing.core.scene.values import Settings, Strategy
 
 from .families import Family, pile
 from .frames import demo_family, falling_boxes

@@ -18,7 +18,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene import Settings, Strategy
+from haptic_tracing.core.scene.values import Settings, Strategy
 
 from .bench_propagation_error import BY_CONNECTIONS, ENUMERATION, WANTED, Measured, measured_before
 from .families import Family, ladder, pile, wall

@@ -28,8 +28,8 @@ def _measure(run: str, frames: int) -> dict[str, float]:
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     import bpy
     import haptic_tracing
-    from haptic_tracing.addon import timeline
-    from haptic_tracing.addon.suspension import suspended
+    from haptic_tracing.addon.changes.suspension import suspended
+    from haptic_tracing.addon.session import timeline
     from haptic_tracing.sample_scenes import build_sample
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)

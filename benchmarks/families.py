@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.graph import HapticGraph, ObjectTable, build_graph
-from haptic_tracing.core.scene import HapticObject, Listener, Source
+from haptic_tracing.core.graph.haptic_graph import HapticGraph, ObjectTable, build_graph
+from haptic_tracing.core.scene.values import HapticObject, Listener, Source
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,9 +8,9 @@ import tempfile
 from pathlib import Path
 
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.formats.scene_json import read_scene
-from haptic_tracing.core.graph import ObjectTable
-from haptic_tracing.core.scene import HapticScene, SourceKind
+from haptic_tracing.core.formats.scene.scene_json import read_scene
+from haptic_tracing.core.graph.haptic_graph import ObjectTable
+from haptic_tracing.core.scene.values import HapticScene, SourceKind
 
 from .families import Family
 
@@ -35,7 +35,7 @@ def demo_family() -> Family:
 def falling_boxes(bodies: int, frames: int) -> list[Family]:
     """What each frame of `falling_bodies` hands to the graph: so many boxes, 4 sources, 10 listeners, all contacts that signals reach."""
     import haptic_tracing
-    from haptic_tracing.addon import session
+    from haptic_tracing.addon.session.session import session
 
     from . import falling_bodies
 

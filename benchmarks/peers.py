@@ -11,7 +11,7 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
-from haptic_tracing.core.graph import HapticGraph
+from haptic_tracing.core.graph.haptic_graph import HapticGraph
 
 from .families import Family
 

@@ -26,7 +26,7 @@ def _tolerance(text: str) -> float:
 def run(args: argparse.Namespace) -> int:
     """Print ``{"contacts": [...]}`` in the form of the scene file, each contact with its signed ``distance`` in metres."""
     from ..core.contacts.scene_contacts import contacts_of_scene
-    from ..core.formats.scene_json import read_scene
+    from ..core.formats.scene.scene_json import read_scene
 
     scene = read_scene(args.scene)
     try:

@@ -44,7 +44,7 @@ def add_parser(subparsers: _SubParsersAction[argparse.ArgumentParser]) -> None:
 
 def run_encode(args: argparse.Namespace) -> int:
     """Print one report as lower-case hexadecimal."""
-    from ..core.devices.registry import rumble_report
+    from ..core.devices.families.registry import rumble_report
 
     print(rumble_report(args.device, args.left, args.right, args.transport, args.sequence).data.hex())
     return 0

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..core.formats.export import Export
-    from ..core.formats.options import Value
-    from ..core.frame_result import FrameResult
-    from ..core.scene import HapticScene
+    from ..core.formats.io.options import Value
+    from ..core.render.frame_result import FrameResult
+    from ..core.scene.values import HapticScene
 
 STILL_RATE = 30
 """Frames a second in which a scene without frames is traced."""
@@ -43,7 +43,7 @@ def add_option_argument(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read, render what is not in the file, write, print. Exit code 0."""
     from ..core.formats import registry
-    from ..core.formats.haptic_scene import read_export
+    from ..core.formats.scene.haptic_scene import read_export
 
     names = list(registry.FORMATS) if args.to == "all" else list(dict.fromkeys(args.to.split(",")))
     chosen = chosen_options(args.options, names)
@@ -87,8 +87,8 @@ def print_written(written: dict[str, Any]) -> None:
 
 
 def _rendered(export: Export, seconds: float, sample_rate: int) -> Any:
-    from ..core.formats.recording import traced
-    from ..core.formats.take import tracks_of
+    from ..core.formats.scene.recording import traced
+    from ..core.formats.tracks.track_recorder import tracks_of
 
     scene = export.need_scene()
     if export.recording is not None:
@@ -99,7 +99,7 @@ def _rendered(export: Export, seconds: float, sample_rate: int) -> Any:
 def _still(scene: HapticScene, seconds: float, sample_rate: int) -> Iterator[FrameResult]:
     """The frames of a scene in which nothing moves."""
     from ..core.contacts.scene_contacts import contacts_of_scene
-    from ..core.formats.recording import frame_of
+    from ..core.formats.scene.recording import frame_of
     from ..core.tracer import Tracer
 
     if not scene.contacts:

@@ -10,10 +10,10 @@ import time
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..core.graph import HapticGraph, NoGain
+    from ..core.graph.haptic_graph import HapticGraph, NoGain
     from ..core.modalities import Felt
     from ..core.propagation import Propagation
-    from ..core.scene import HapticScene, Strategy
+    from ..core.scene.values import HapticScene, Strategy
 
 _UNSET = object()
 
@@ -62,10 +62,10 @@ def _tolerance(text: str) -> float:
 
 def run(args: argparse.Namespace) -> int:
     """Read, propagate, print."""
-    from ..core.formats.modalities_json import modalities_from_dict
-    from ..core.formats.scene_json import current_document, scene_from_dict
-    from ..core.formats.strict_json import read_json
-    from ..core.graph import NoGain, graph_of_scene
+    from ..core.formats.io.strict_json import read_json
+    from ..core.formats.scene.modalities_json import modalities_from_dict
+    from ..core.formats.scene.scene_json import current_document, scene_from_dict
+    from ..core.graph.haptic_graph import NoGain, graph_of_scene
     from ..core.propagation import propagate
 
     document = current_document(read_json(args.scene), args.scene)

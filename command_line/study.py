@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
     start_blender()
     from tqdm import tqdm
 
-    from ..addon.suspension import suspended
+    from ..addon.changes.suspension import suspended
     from ..sample_scenes import build_sample
     from ..study import baking, plots
     from ..study.checks import checks_of
@@ -76,7 +76,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _write_tracks(folder: Path, ride: Ride) -> list[Path]:
-    from ..core.formats.wav import write_wav
+    from ..core.formats.tracks.wav import write_wav
 
     written = []
     for mode, rendition in ride.renditions.items():

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from ..addon.timeline import ImpactFelt, Played
-    from ..core.frame_result import FrameResult
+    from ..addon.session.timeline import ImpactFelt, Played
+    from ..core.render.frame_result import FrameResult
 
 
 def add_parser(subparsers: Any) -> None:
@@ -34,7 +34,7 @@ def add_output_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Open the file, trace it, write the results. Exit code 0."""
     start_blender()
-    from ..addon import timeline
+    from ..addon.session import timeline
 
     if not Path(args.file).is_file():
         raise ValueError(f"{args.file}: there is no such file")
@@ -63,12 +63,12 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
     import bpy
     from tqdm import tqdm
 
-    from ..addon import timeline
-    from ..addon.formats.frame_scene import scene_of_result, written_export
-    from ..addon.suspension import suspended
-    from ..core.formats.haptic_scene import read_export, write_export
-    from ..core.formats.tracks import Tracks
-    from ..core.formats.wav import write_wav
+    from ..addon.changes.suspension import suspended
+    from ..addon.io.frame_scene import scene_of_result, written_export
+    from ..addon.session import timeline
+    from ..core.formats.scene.haptic_scene import read_export, write_export
+    from ..core.formats.tracks.tracks import Tracks
+    from ..core.formats.tracks.wav import write_wav
 
     scene = bpy.context.scene
     start = scene.frame_start if args.start is None else args.start
@@ -82,7 +82,7 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
     read_export(written[0])  # validates what was written
     write_wav(Tracks.of(played), written[1])
     if not args.no_picture:
-        from ..addon.overlay.picture import draw_picture
+        from ..addon.view.overlay.picture import draw_picture
 
         written.append(args.out / f"{name}.png")
         with suspended():

@@ -16,16 +16,16 @@ from numpy.typing import NDArray
 
 from .contacts.authored import AuthoredContacts
 from .contacts.contact_set import ContactSet
-from .contacts.reach import Reach
+from .contacts.gain_bound import Reach
 from .contacts.tracker import STILL, Body, ContactSettings, ContactTracker, FrameContacts, Impact
-from .frame_result import FrameResult
-from .functions import ModulationFunction
-from .graph import HapticGraph, ObjectTable, build_graph
-from .mixdown import Mixdown
+from .graph.haptic_graph import HapticGraph, ObjectTable, build_graph
 from .propagation import Propagation, propagate
-from .rendering import SAMPLE_RATE, sample_index
-from .scene import HapticObject, Listener, Settings, Source, SourceKind, Vector
-from .signal_reach import object_bounds, signal_reach
+from .propagation.gain_bounds import object_bounds, signal_reach
+from .render.frame_result import FrameResult
+from .render.mixdown import Mixdown
+from .render.renderer import SAMPLE_RATE, sample_index
+from .scene.functions import ModulationFunction
+from .scene.values import HapticObject, Listener, Settings, Source, SourceKind, Vector
 from .signals import DEFAULT_IMPACT, Signal, impact_template
 
 FloatArray = NDArray[np.float64]
@@ -344,4 +344,3 @@ _FIELDS = {cls: tuple(f.name for f in fields(cls)) for cls in (Source, Listener)
 def _local(transform: FloatArray, position: Sequence[float]) -> FloatArray:
     """A world position in the frame of a rigid transform."""
     return np.asarray(transform[:3, :3].T @ (np.asarray(position) - transform[:3, 3]))
-

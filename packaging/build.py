@@ -39,9 +39,7 @@ def build(output: Path) -> list[Path]:
     output.mkdir(parents=True, exist_ok=True)
     for old in output.glob("haptic_tracing-*.zip"):
         old.unlink()
-    extension_command(
-        "build", "--source-dir", str(ROOT), "--output-dir", str(output), "--split-platforms", "--valid-tags", str(tags)
-    )
+    extension_command("build", "--source-dir", str(ROOT), "--output-dir", str(output), "--split-platforms", "--valid-tags", str(tags))
     zips = sorted(output.glob("haptic_tracing-*.zip"))
     for path in zips:
         extension_command("validate", "--valid-tags", str(tags), str(path))

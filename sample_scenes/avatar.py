@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from bpy.types import Object, Scene
 from mathutils import Matrix, Vector
 
-from ..core.body import BODY_PART, DEFAULT_LISTENERS
+from ..core.scene.body import BODY_PART, DEFAULT_LISTENERS
 from .geometry import SUNK, Geometry, Point, along, joined, limb, sphere, superellipsoid
 from .materials import FLESH, Substance, surface
 from .staging import make_listener, make_moving, make_static, place, place_empty

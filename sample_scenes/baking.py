@@ -7,7 +7,7 @@ from collections.abc import Callable
 import bpy
 from bpy.types import Scene
 
-from ..addon.suspension import suspended
+from ..addon.changes.suspension import suspended
 
 
 def bake_rigid_bodies(scene: Scene, progress: Callable[[int], None] = lambda frame: None) -> None:

@@ -17,8 +17,15 @@ BACK_HEIGHT = 0.58
 
 
 def add_bench(
-    scene: Scene, location: Point, wood: Material, metal: Material, *, width: float = 1.7, depth: float = 0.44, height: float = 0.45,
-    lean: float = math.radians(10)
+    scene: Scene,
+    location: Point,
+    wood: Material,
+    metal: Material,
+    *,
+    width: float = 1.7,
+    depth: float = 0.44,
+    height: float = 0.45,
+    lean: float = math.radians(10),
 ) -> dict[str, Object]:
     """A park bench: a slatted seat on four separate feet, and a slatted back that leans back by ``lean``.
 
@@ -60,9 +67,7 @@ def add_table(
     return parts
 
 
-def add_chair(
-    scene: Scene, location: Point, wood: Material, *, heading: float, height: float, lean: float
-) -> dict[str, Object]:
+def add_chair(scene: Scene, location: Point, wood: Material, *, heading: float, height: float, lean: float) -> dict[str, Object]:
     """A kitchen chair: a seat on four separate legs, and a back that leans back by ``lean``.
 
     It faces -Y, turned by ``heading`` about z. ``location`` is on the ground below the line where the front of the back meets the seat.
@@ -121,9 +126,7 @@ def _slats(width: float, depth: float, thickness: float, count: int) -> dict[str
     """Boards along x with gaps, on two metal bars below; together they fill the box width x depth x thickness about the origin."""
     bar, gap = 0.012, 0.018
     board = (depth - gap * (count - 1)) / count
-    slats = [
-        box((width, board, thickness - bar), 0.006).moved(0.0, (k + 0.5) * board + k * gap - depth / 2, bar / 2) for k in range(count)
-    ]
+    slats = [box((width, board, thickness - bar), 0.006).moved(0.0, (k + 0.5) * board + k * gap - depth / 2, bar / 2) for k in range(count)]
     bars = [box((0.05, depth, bar)).moved(x, 0.0, (bar - thickness) / 2).painted(1) for x in (0.14 - width / 2, width / 2 - 0.14)]
     return {"boards": joined(slats), "bars": joined(bars)}
 

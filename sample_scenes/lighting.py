@@ -8,7 +8,7 @@ import bpy
 from bpy.types import Camera, Light, Material, Object, Scene
 from mathutils import Vector
 
-from ..addon.compatibility import eevee_engine
+from ..addon.blender.compatibility import eevee_engine
 from .geometry import Geometry, Point
 from .materials import linear_colour, node_tree
 from .staging import place

@@ -150,8 +150,10 @@ def _add_chasm(scene: Scene, bridge: tuple[float, float]) -> None:
 
 def add_lamps(scene: Scene, bridge: tuple[float, float]) -> None:
     """Props of timber and lanterns along the tunnel; crystals that glow."""
-    timber, iron, flame = surface("Timber", "#6b4a2e", 0.85, mottle=0.35), surface("Lantern Iron", "#26241f", 0.6), surface(
-        "Lantern Flame", "#ffb347", 0.5, glow=9.0
+    timber, iron, flame = (
+        surface("Timber", "#6b4a2e", 0.85, mottle=0.35),
+        surface("Lantern Iron", "#26241f", 0.6),
+        surface("Lantern Flame", "#ffb347", 0.5, glow=9.0),
     )
     frames, lanterns = [], []
     places = [x for x in (START + 7.0 + 10.0 * k for k in range(32)) if not bridge[0] - 2 < x < bridge[1] + 2]

@@ -379,9 +379,7 @@ def _add_walls(scene: Scene) -> None:
             _add_pieces(scene, name, looks[kind], x, wall_frame(number), draw, (6, 3) if kind == "Stone" else (9, 1))
 
 
-def _add_pieces(
-    scene: Scene, name: str, look: bpy.types.Material, x: float, frame: int, draw: Random, counts: tuple[int, int]
-) -> None:
+def _add_pieces(scene: Scene, name: str, look: bpy.types.Material, x: float, frame: int, draw: Random, counts: tuple[int, int]) -> None:
     """Blocks or planks that fly off when the wall is hit: nothing haptic."""
     columns, rows = counts
     width, height = 2 * WALL_HALF_WIDTH / columns, (WALL_TOP - WALL_BOTTOM) / rows

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..core.formats.take import Take
-from ..core.frame_result import FrameResult
-from ..core.mode_rendering import ModeRendering
-from ..core.scene import Mode, Source
+from ..core.formats.tracks.track_recorder import Take
+from ..core.render.frame_result import FrameResult
+from ..core.render.mode_rendering import ModeRendering
+from ..core.scene.values import Mode, Source
 from .rendition import MODES, FloatArray, Rendition, Ride, Sounding
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def bake_ride(
 
     Raises ValueError in words where a frame can't be traced.
     """
-    from ..addon import session, timeline
+    from ..addon.session import session, timeline
     from ..sample_scenes.mine_ride import SECTIONS
 
     scene.haptics.mode = "HT"
@@ -87,18 +87,18 @@ def lively_frames(ride: Ride, count: int) -> list[int]:
 
 def can_draw() -> bool:
     """True where pictures can be drawn here."""
-    from ..addon.overlay.picture import starts_gpu
+    from ..addon.view.overlay.picture import starts_gpu
 
     return starts_gpu()
 
 
 def draw_frames(scene: Scene, frames: Sequence[int], size: tuple[int, int] = (480, 300)) -> dict[int, bytes]:
     """PNG by frame: the ride as its camera sees it, with the best paths over it. Needs what `can_draw` says."""
-    from ..addon import timeline
-    from ..addon.overlay.picture import viewport_picture
-    from ..addon.overlay.png import write_png
-    from ..addon.overlay.render_data import Options
-    from ..addon.suspension import suspended
+    from ..addon.changes.suspension import suspended
+    from ..addon.session import timeline
+    from ..addon.view.overlay.picture import viewport_picture
+    from ..addon.view.overlay.png import write_png
+    from ..addon.view.overlay.render_data import Options
 
     pictures = {}
     with tempfile.TemporaryDirectory() as folder:

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..core.propagation.modes import DISTANCE_ONLY
-from ..core.scene import Mode
+from ..core.scene.values import Mode
 from .measures import balance, dynamic_range, variety
 from .rendition import MODES, FloatArray, Ride, Sounding
 

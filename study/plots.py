@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.scene import Mode
+from ..core.scene.values import Mode
 from .checks import MATERIALS, shock_rows, stalactites, wall_gains
 from .measures import active_count, balance, dynamic_range, patterns, spatial_spread, spectrogram, variety
 from .rendition import MODES, TITLES, Ride

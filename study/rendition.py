@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.formats.tracks import Tracks
-from ..core.scene import Mode
+from ..core.formats.tracks.tracks import Tracks
+from ..core.scene.values import Mode
 
 FloatArray = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.formats.atomic import write_bytes
+from ..core.formats.io.atomic import write_bytes
 from .body_map import body_map, shade_numbers, shades
 from .checks import Check
 from .measures import active_count, dynamic_range, patterns, spatial_spread, variety
@@ -102,9 +102,7 @@ def write_report(
 
 def _checks_table(checks: Sequence[Check]) -> str:
     sign = {True: "<td class=yes>holds", False: "<td class=no>does not hold", None: "<td>no data"}
-    rows = (
-        f"<tr>{sign[c.holds]}<td><b>{escape(c.name)}</b><td>{escape(c.statement)}<td>{escape(c.measured)}</tr>" for c in checks
-    )
+    rows = (f"<tr>{sign[c.holds]}<td><b>{escape(c.name)}</b><td>{escape(c.statement)}<td>{escape(c.measured)}</tr>" for c in checks)
     return f"<table><tr><th><th><th>Statement<th>Measured</tr>{''.join(rows)}</table>"
 
 

@@ -8,8 +8,8 @@ from contextlib import closing
 
 from bpy.types import Scene
 
-from .. import timeline
-from ..suspension import suspended
+from ..changes.suspension import suspended
+from ..session import timeline
 from . import curves, sound, storage
 from .digest import digest_of
 from .playback import play, wanted_range

@@ -7,8 +7,8 @@ import numpy as np
 from bpy.types import Object, Scene
 from numpy.typing import NDArray
 
-from ...core.formats.envelopes import coarse_envelope
-from .. import compatibility
+from ...core.formats.tracks.envelopes import coarse_envelope
+from ..blender import compatibility
 from .track import HapticTrack
 
 INTENSITY, FREQUENCY = "haptics.felt.intensity", "haptics.felt.frequency"

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 from bpy.types import Scene
 
-from ...core.frame_result import FrameResult
-from .. import session
-from ..meters.history import SECONDS
+from ...core.render.frame_result import FrameResult
+from ...core.render.history import SECONDS
+from ..session import session
 from . import storage
 from .digest import changes, digest_of
 from .track import HapticTrack
@@ -69,7 +69,7 @@ def is_from_track(result: FrameResult | None, frame: int) -> bool:
 
 def show_current(scene: Scene) -> None:
     """After the choice between track and tracing: the current frame anew."""
-    from ..overlay import draw
+    from ..view.overlay import draw
 
     session.mark_changed()
     play(scene)

@@ -13,8 +13,8 @@ import numpy as np
 from bpy.types import Scene
 from numpy.typing import NDArray
 
-from ...core.body import BODY_PART
-from .. import compatibility
+from ...core.scene.body import BODY_PART
+from ..blender import compatibility
 from .track import FULL_SCALE, HapticTrack
 
 NAME = "Haptics"
@@ -67,9 +67,7 @@ def write_stereo(track: HapticTrack, path: Path) -> None:
     """A WAV file of 16 bits: each side the sum of its listeners, the middle of the body on both, as loud as fits."""
     sides = np.array([_sides(item.body_part) for item in track.listeners], dtype=np.float64).reshape(-1, 2)
     weights = sides / np.sqrt(np.maximum((sides**2).sum(axis=0), 1.0))
-    pieces = [
-        _mixed(track.samples[:, first : first + _CHUNK], weights) for first in range(0, max(track.samples.shape[1], 1), _CHUNK)
-    ]
+    pieces = [_mixed(track.samples[:, first : first + _CHUNK], weights) for first in range(0, max(track.samples.shape[1], 1), _CHUNK)]
     peak = max((float(np.abs(piece).max(initial=0.0)) for piece in pieces), default=0.0)
     factor = _HEADROOM * FULL_SCALE / max(peak, 1e-9) if peak > _HEADROOM else float(FULL_SCALE)
     with wave.open(str(path), "wb") as file:

@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.contacts.contact_set import ContactSet
-from ...core.formats.strict_json import parse_json
-from ...core.frame_result import FrameResult
-from ...core.graph import ObjectTable, build_graph
+from ...core.formats.io.strict_json import parse_json
+from ...core.graph.haptic_graph import ObjectTable, build_graph
 from ...core.propagation import Propagation
-from ...core.scene import HapticObject, Listener, Source, SourceKind
+from ...core.render.frame_result import FrameResult
+from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 
 FloatArray = NDArray[np.float64]
 
@@ -136,9 +136,7 @@ class HapticTrack:
         rows = slice(*self.rows[k : k + 2].tolist())
         sources = tuple(
             self._source(*row)
-            for row in zip(
-                self.row_source[rows].tolist(), self.row_amplitude[rows].tolist(), self.row_place[rows].tolist(), strict=True
-            )
+            for row in zip(self.row_source[rows].tolist(), self.row_amplitude[rows].tolist(), self.row_place[rows].tolist(), strict=True)
         )
         listeners = tuple(
             Listener(item.name, item.name, tuple(place), item.body_part, item.radius, 1.0, "cumulative", item.s_max)

@@ -10,10 +10,11 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.types import Scene
 
-from .. import session
 from ..bake import playback
-from ..scene_reader import seconds_of
-from . import outputs, player, preview, properties, refresh
+from ..properties import live_output
+from ..scene_reader.reader import seconds_of
+from ..session import session
+from . import outputs, player, preview, refresh
 
 
 def frame_changed(scene: Scene) -> None:
@@ -83,7 +84,7 @@ def frame_seconds(scene: Scene) -> float:
 def choices(result: Any) -> dict[str, str]:
     """What the listeners of a frame are to be felt through, where that is not automatic. Read where something was chosen since."""
     global _chosen
-    key = (properties.choices_made(), tuple(listener.name for listener in result.listeners))
+    key = (live_output.choices_made(), tuple(listener.name for listener in result.listeners))
     if _chosen[0] != key:
         objects = ((name, bpy.data.objects.get(name)) for name in key[1])
         found = {name: obj.haptics.live_output.actuators for name, obj in objects if obj is not None}
@@ -97,7 +98,7 @@ _chosen: tuple[Any, dict[str, str]] = (None, {})
 @persistent
 def choose_again(*_: Any) -> None:
     """After undo, redo and another file any choice may be another."""
-    properties.choose()
+    live_output.choose()
 
 
 def stop_everything() -> None:

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.devices.mapping import ActuatorMapping, Loss, Place, map_listeners
-from ...core.frame_result import FrameResult
-from ...core.playback import Playback, grain, recorded_grain
+from ...core.render.frame_result import FrameResult
+from ...core.render.playback import Playback, grain, recorded_grain
 from ...core.signals import Decay, Product, Signal, Sine, Track
-from ..preferences import preferences
+from ..properties.preferences import preferences
 from . import outputs, preview
 
 AUTOMATIC = ""

@@ -13,8 +13,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.body import BODY_PART
 from ...core.devices.resampling import Resampler
+from ...core.scene.body import BODY_PART
 
 FloatArray = NDArray[np.float64]
 

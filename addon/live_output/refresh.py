@@ -36,9 +36,5 @@ def _tick() -> float | None:
     return _SECONDS if outputs.running() or outputs.is_finding() else None
 
 
-def register() -> None:
-    pass
-
-
 def unregister() -> None:
     stop()

@@ -10,11 +10,11 @@ from bpy.props import EnumProperty
 from bpy.types import Context, Object, Operator
 from mathutils import Matrix, Vector
 
-from ...core.materials import MATERIALS
+from ...core.scene.materials import MATERIALS
 from ...sample_scenes import SAMPLES, build_sample
-from ..materials import library
-from ..scene_reader import haptic_carrier
-from .polling import UNDO, poll_object_mode
+from ..authoring import materials
+from ..blender.polling import UNDO, poll_object_mode
+from ..scene_reader.reader import haptic_carrier
 from .tagging import make_source
 
 _rpt = bpy.app.translations.pgettext_rpt
@@ -56,7 +56,7 @@ class HAPTIC_OT_add_source_object(Operator):
             obj.parent = carrier
             obj.matrix_parent_inverse = carrier.matrix_world.inverted_safe()
         else:
-            library.apply([obj], library.preset_in(context.scene, MATERIALS["steel"]))
+            materials.apply([obj], materials.preset_in(context.scene, MATERIALS["steel"]))
         obj.matrix_basis = place
         make_source(obj, self.kind)
         obj.haptics.source.frequency = frequency
@@ -120,7 +120,7 @@ class HAPTIC_OT_add_medium(Operator):
         obj.display_type = "BOUNDS"
         obj.hide_render = True
         obj.haptics.enabled = obj.haptics.medium = True
-        library.apply([obj], library.preset_in(context.scene, material))
+        materials.apply([obj], materials.preset_in(context.scene, material))
         return {"FINISHED"}
 
 

@@ -8,7 +8,7 @@ from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import BoolProperty, StringProperty
 from bpy.types import Context, Operator
 
-from .polling import UNDO, poll_object_mode
+from ..blender.polling import UNDO, poll_object_mode
 
 
 class HAPTIC_OT_select_object(Operator):

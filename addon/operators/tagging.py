@@ -6,12 +6,12 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Object, Operator, Scene
 
-from ..materials import library
-from ..progress import progress
-from ..scene_reader import haptic_carrier
-from ..suspension import suspended
-from .polling import SOLID_TYPES, UNDO, editable, linked_message, poll_active, poll_selected
-from .signals import signal_for
+from ..authoring import materials
+from ..authoring.signals import signal_for
+from ..blender.polling import SOLID_TYPES, UNDO, editable, linked_message, poll_active, poll_selected
+from ..blender.progress import progress
+from ..changes.suspension import suspended
+from ..scene_reader.reader import haptic_carrier
 
 _rpt = bpy.app.translations.pgettext_rpt
 
@@ -21,7 +21,7 @@ def make_haptic(scene: Scene, objects: list[Object], guess: bool = True) -> int:
     new = [obj for obj in objects if not obj.haptics.enabled]
     for obj in progress(new):
         obj.haptics.enabled = True
-    return library.apply_guesses(scene, [obj for obj in new if not obj.haptics.material.name]) if guess else 0
+    return materials.apply_guesses(scene, [obj for obj in new if not obj.haptics.material.name]) if guess else 0
 
 
 class HAPTIC_OT_make_objects(Operator):
@@ -69,7 +69,7 @@ def _add_physics(context: Context, objects: list[Object]) -> None:
     for obj in progress(new):
         if obj.rigid_body is None:
             bodies.link(obj)
-        obj.rigid_body.type = "PASSIVE" if library.is_ground(obj) else "ACTIVE"
+        obj.rigid_body.type = "PASSIVE" if materials.is_ground(obj) else "ACTIVE"
 
 
 class HAPTIC_OT_add_source(Operator):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Context, Operator
 
-from .. import session
-from ..overlay import draw
+from ..session import session
 from ..translations.sentences import translated
+from ..view.overlay import draw
 
 
 class HAPTIC_OT_trace_frame(Operator):

@@ -7,8 +7,8 @@ import textwrap
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Object, UILayout
 
-from .. import session
-from ..scene_reader import haptic_carrier
+from ..scene_reader.reader import haptic_carrier
+from ..session import session
 from ..translations.sentences import translated
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bpy.types import Context, Panel
 
-from ..formats import job
+from ..blender import job
 from .drawing import HapticsPanel
 
 

@@ -9,8 +9,8 @@ import blf
 import bpy
 from bpy.types import UILayout
 
-from ...core.functions import Finding, check_expression, excerpt
-from ..function_properties import PARAMETERS
+from ...core.scene.functions import Finding, check_expression, excerpt
+from ..properties.function import PARAMETERS
 from .drawing import wrapped
 
 _checked = lru_cache(maxsize=256)(check_expression)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bpy.types import Context, Panel
 
-from ...core.mixing import check_mixing
+from ...core.render.mixing import check_mixing
 from .drawing import HapticsPanel, draw_carrier
 from .formula import draw_finding
 

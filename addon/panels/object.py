@@ -10,12 +10,12 @@ from typing import Any
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Object, Panel, UILayout
 
-from ...core.bands import BAND_EDGES
-from ...core.functions.curve import Curve, gain_curve
-from ..materials import plot
-from ..panel_picture import theme_ink
-from ..preferences import gain_text, preferences
-from ..scene_reader import read_function
+from ...core.scene.bands import BAND_EDGES
+from ...core.scene.functions.curve import Curve, gain_curve
+from ..properties.preferences import gain_text, preferences
+from ..scene_reader.reader import read_function
+from ..view import gain_plot
+from ..view.panel_picture import theme_ink
 from .drawing import HapticsPanel, draw_pair, warn
 from .formula import draw_parameters
 
@@ -138,7 +138,7 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
         if curve is None:
             layout.label(text="The formula gives no gain", icon="ERROR")
             return
-        icon = plot.icon(key, curve, tuple(preferences().curve_colour), theme_ink(context))
+        icon = gain_plot.icon(key, curve, tuple(preferences().curve_colour), theme_ink(context))
         layout.template_icon(icon_value=icon, scale=7.0)
         row = layout.row()
         row.label(text="0 m, 0 to -60 dB")

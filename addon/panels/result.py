@@ -7,18 +7,19 @@ import math
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Panel, UILayout
 
-from ...core.frame_result import FrameResult
-from ...core.scene import Mode
-from .. import scene_reader, session
+from ...core.render.frame_result import FrameResult
+from ...core.scene.values import Mode
 from ..bake import playback
-from ..meters import draw as meters
-from ..meters import pictures
-from ..meters.board import full_scale
-from ..meters.comparison import compared
-from ..meters.explanation import device_words, why_silent
-from ..meters.levels import Level, decibels
-from ..panel_picture import theme_ink
+from ..scene_reader import reader
+from ..session import session
 from ..translations.sentences import translated
+from ..view.meters import draw as meters
+from ..view.meters import pictures
+from ..view.meters.board import full_scale
+from ..view.meters.comparison import compared
+from ..view.meters.explanation import device_words, why_silent
+from ..view.meters.levels import Level, decibels
+from ..view.panel_picture import theme_ink
 from .drawing import HapticsPanel, draw_pair, wrapped
 
 _SHOWN_SOURCES = 4
@@ -134,7 +135,7 @@ class HAPTIC_PT_comparison(HapticsPanel, Panel):
             layout.label(text="This frame was not traced:", icon="INFO")
             layout.label(text="switch off Play Baked Track", icon="BLANK1")
             return
-        gains = compared(result, scene_reader.read_settings(scene))
+        gains = compared(result, reader.read_settings(scene))
         grid = layout.grid_flow(row_major=True, columns=1 + len(Mode), even_columns=False, align=True)
         grid.label(text="")
         for mode in Mode:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bpy.types import Context, Panel, Scene
 
-from .. import session
+from ..session import session
 from .drawing import HapticsPanel, draw_problems
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..functions import ModulationFunction
-from ..scene import Contact
+from ..scene.functions import ModulationFunction
+from ..scene.values import Contact
 from .contact_set import ContactSet
 
 ARRAYS = ("pairs", "positions", "normal", "depth", "distance", "area", "share", "transmission")

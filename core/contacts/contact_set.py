@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ..functions import Identity, ModulationFunction
-from ..scene import Contact
+from ..scene.functions import Identity, ModulationFunction
+from ..scene.values import Contact
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

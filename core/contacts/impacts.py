@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .motion import Paths
-from .narrow_phase import NarrowPhase, relative_pose
+from .narrow.narrow_phase import NarrowPhase, relative_pose
 from .settings import ImpactEnergy
 
 FloatArray = NDArray[np.float64]

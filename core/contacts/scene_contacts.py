@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..scene import HapticScene, Pose
+from ..scene.values import HapticScene, Pose
 from .contact_set import ContactSet
 from .shapes import pose_matrix
 from .tracker import Body, ContactSettings, ContactTracker, Motion

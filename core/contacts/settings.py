@@ -6,7 +6,7 @@ import enum
 import math
 from dataclasses import dataclass
 
-from ..scene import Vector
+from ..scene.values import Vector
 from .shapes import Shape
 
 

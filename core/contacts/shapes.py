@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..scene import Pose, Vector
+from ..scene.values import Pose, Vector
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from .broad_phase import overlapping_pairs
 from .contact_set import ContactSet
+from .gain_bound import Reach
 from .impacts import Hits, Impact, Meetings, impact_energies, took_place
 from .motion import MotionHistory, Paths
-from .narrow_phase import NarrowPhase, PairPatches, relative_pose
-from .reach import Reach
+from .narrow.narrow_phase import NarrowPhase, PairPatches, relative_pose
 from .settings import Body, ContactSettings, ImpactEnergy, Motion
 
 __all__ = ["Body", "ContactSettings", "ContactStatistics", "ContactTracker", "FrameContacts", "Impact", "ImpactEnergy", "Motion", "Reach"]

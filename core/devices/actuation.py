@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .family import AnyFamily, RumbleFamily, StreamFamily
+from .families.family import AnyFamily, RumbleFamily, StreamFamily
 from .profiles import Calibration, Profile
 from .report import Tones
 from .resampling import Resampler

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Protocol
 
-from .family import AnyFamily, HidDevice, Interface, is_gamepad
-from .registry import families_of
+from .families.family import AnyFamily, HidDevice, Interface, is_gamepad
+from .families.registry import families_of
 from .report import Transport
 
 UDEV_FILE = "/etc/udev/rules.d/70-haptic-tracing.rules"

@@ -9,7 +9,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..body import body_part
+from ..scene.body import body_part
 from .profiles import Actuator
 
 Array = NDArray[np.float64]

@@ -18,7 +18,7 @@ from importlib import import_module
 from typing import Any
 
 from .connection import DeviceError
-from .family import HidDevice, Interface, RumbleFamily
+from .families.family import HidDevice, Interface, RumbleFamily
 from .profiles import Actuator, Calibration, Channel, Profile
 from .report import Report, Tones, Transport
 

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .actuation import actuation_of, checked_block
 from .connection import DeviceError, HidModule, Opened, hid_module, open_device
-from .family import AnyFamily, RumbleFamily
+from .families.family import AnyFamily, RumbleFamily
 from .pacing import WATCHDOG, Pacing, pacing_of
 from .profiles import Adjustment, Profile
 from .report import Report

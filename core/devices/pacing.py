@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .actuation import SampleActuation, ToneActuation
-from .family import RumbleFamily, StreamFamily
+from .families.family import RumbleFamily, StreamFamily
 from .limits import DriveLimits, SampleLimits
 from .profiles import Adjustment, Profile
 from .report import Report, Tones, Transport

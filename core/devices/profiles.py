@@ -9,9 +9,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal, NoReturn
 
-from ..body import BODY_PART
-from .family import AnyFamily, RumbleFamily
-from .registry import FAMILIES
+from ..scene.body import BODY_PART
+from .families.family import AnyFamily, RumbleFamily
+from .families.registry import FAMILIES
 from .report import Transport
 
 Kind = Literal["VCM", "LRA", "ERM", "PCM"]

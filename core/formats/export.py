@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..body import BODY_PART, BodyPart
-from ..scene import HapticScene
-from .atomic import atomic_file
-from .names import file_stems
-from .tracks import ListenerTrack, Tracks
+from ..scene.body import BODY_PART, BodyPart
+from ..scene.values import HapticScene
+from .io.atomic import atomic_file
+from .io.file_names import file_stems
+from .tracks.tracks import ListenerTrack, Tracks
 
 if TYPE_CHECKING:
     from ..modalities import ModalityScene
-    from .devices import DeviceMapping
-    from .materials_json import LibraryMaterial
-    from .recording import Recording
+    from .scene.devices import DeviceMapping
+    from .scene.materials_json import LibraryMaterial
+    from .scene.recording import Recording
 
 EDITOR = "Haptic Tracing"
 

@@ -13,29 +13,31 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, cast
 
-from .error import FormatError
 from .export import Export
-from .options import Option, Value, complete
-from .reading import Reading
+from .io.error import FormatError
+from .io.options import Option, Value, complete
+from .tracks.reading import Reading
 
 FORMATS: Mapping[str, str] = MappingProxyType(
     {
-        "scene": "haptic_scene",
-        "wav": "wav",
-        "ohm": "ohm",
-        "hjif": "hjif",
-        "wyvrn": "wyvrn",
-        "haptic": "haptic",
-        "ahap": "ahap",
-        "tact": "tact",
-        "hla": "hla",
-        "csv": "table",
-        "npz": "npz",
+        "scene": "scene.haptic_scene",
+        "wav": "tracks.wav",
+        "ohm": "tracks.ohm",
+        "hjif": "tracks.hjif",
+        "wyvrn": "tracks.wyvrn",
+        "haptic": "tracks.haptic",
+        "ahap": "tracks.ahap",
+        "tact": "tracks.tact",
+        "hla": "tracks.hla",
+        "csv": "tracks.csv_table",
+        "npz": "tracks.npz",
     }
 )
 """The module of each format, imported when it is asked for."""
 
-READERS: Mapping[str, str] = MappingProxyType({".wav": "wav", ".hjif": "hjif", ".haptic": "haptic", ".ahap": "ahap", ".haps": "wyvrn"})
+READERS: Mapping[str, str] = MappingProxyType(
+    {".wav": "tracks.wav", ".hjif": "tracks.hjif", ".haptic": "tracks.haptic", ".ahap": "tracks.ahap", ".haps": "tracks.wyvrn"}
+)
 """The format of each kind of file that vibrations can be imported from."""
 
 

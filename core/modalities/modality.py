@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from ..functions import ModulationFunction
-from ..scene import Strategy
+from ..scene.functions import ModulationFunction
+from ..scene.values import Strategy
 
 
 @dataclass(frozen=True, slots=True)

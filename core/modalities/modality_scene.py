@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..contacts.contact_set import ContactSet
-from ..scene import HapticScene
+from ..scene.values import HapticScene
 from .modality import Modality
 from .propagation import Emitter, Felt, feel
 

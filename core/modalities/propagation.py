@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..contacts.contact_set import ContactSet
-from ..functions import Constant, ModulationFunction, function_from_dict
-from ..graph import ObjectTable, build_graph
+from ..graph.haptic_graph import ObjectTable, build_graph
 from ..propagation import objects_on, propagate
-from ..scene import HapticObject, Listener, Settings, Source
+from ..scene.functions import Constant, ModulationFunction, function_from_dict
+from ..scene.values import HapticObject, Listener, Settings, Source
 from .modality import Modality
 
 FloatArray = NDArray[np.float64]

@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from ..functions import FUNCTIONS, Conduction
-from ..scene import Strategy
+from ..scene.functions import FUNCTIONS, Conduction
+from ..scene.values import Strategy
 from .modality import Modality, Quantity
 
 JOINT = 500.0

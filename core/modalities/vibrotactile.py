@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..functions import FUNCTIONS
-from ..scene import Strategy
+from ..scene.functions import FUNCTIONS
+from ..scene.values import Strategy
 from .modality import Modality, Quantity, lossless
 
 VIBROTACTILE = Modality(

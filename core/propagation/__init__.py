@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..graph import HapticGraph
+from ..graph.haptic_graph import HapticGraph
 from .result import Propagation
 from .strategies import propagate
 

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ..graph import HapticGraph
+from ..graph.haptic_graph import HapticGraph
 from .connections import cost_limit, intra_costs, path_costs
-from .labels import Labels, label
-from .layered import Layers, layers
+from .hop_constrained import Layers, layers
+from .shortest_paths import Labels, label
 from .strongest_paths import StrongestPaths
 
 FloatArray = NDArray[np.float64]

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bands import BAND_COUNT
-from ..graph import HapticGraph, distances
+from ..graph.haptic_graph import HapticGraph, distances
+from ..scene.bands import BAND_COUNT
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

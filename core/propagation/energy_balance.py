@@ -21,10 +21,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bands import BAND_COUNT
-from ..graph import HapticGraph, NodeKind, distances
+from ..graph.haptic_graph import HapticGraph, NodeKind, distances
+from ..scene.bands import BAND_COUNT
 from .elimination import Elimination, eliminated
-from .pieces import patches_of
+from .exact.bridge_decomposition import patches_of
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from ..functions import Exponential
-from ..graph import HapticGraph, distances
+from ..graph.haptic_graph import HapticGraph, distances
+from ..scene.functions import Exponential
 from .result import Propagation
 
 FloatArray = NDArray[np.float64]
@@ -37,9 +37,7 @@ def distance_only(graph: HapticGraph) -> HapticGraph:
 def straight_distances(graph: HapticGraph) -> FloatArray:
     """Straight-line distance (s, l) in metres between sources and listeners, from the nearer side of a source that feeds two objects."""
     listeners = graph.node_position[graph.listener_nodes]
-    rows = [
-        distances(graph.node_position[list(source.nodes)][:, None, :], listeners[None, :, :]).min(axis=0) for source in graph.sources
-    ]
+    rows = [distances(graph.node_position[list(source.nodes)][:, None, :], listeners[None, :, :]).min(axis=0) for source in graph.sources]
     return np.array(rows, dtype=np.float64).reshape(len(graph.sources), len(graph.listeners))
 
 

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..graph import HapticGraph
-from ..scene import Settings
+from ..graph.haptic_graph import HapticGraph
+from ..scene.values import Settings
 from .best_path import ERROR_LIMIT, SLACK, crossings_of
 from .connections import amplifying, cost_limit
-from .labels import label
-from .layered import layers
+from .hop_constrained import layers
+from .shortest_paths import label
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -7,17 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bands import BAND_COUNT
-from ..graph import HapticGraph
-from ..scene import Mode, Settings, SourceKind, Strategy
-from .all_paths import PathSums, limited_sums, reach, unlimited_sums
+from ..graph.haptic_graph import HapticGraph
+from ..scene.bands import BAND_COUNT
+from ..scene.values import Mode, Settings, SourceKind, Strategy
 from .best_path import BestPaths, best_paths, crossings_of, gain_and_error
 from .connections import ROUNDING, amplifying, path_bands, path_delay
+from .delay_taps import strongest_taps
 from .energy_balance import energy_gains
+from .exact.walk_bounds import LARGEST
 from .modes import direct_gains, distance_only, localised, nearest_listener
+from .path_sums import PathSums, limited_sums, reach, unlimited_sums
 from .result import Propagation
-from .taps import strongest_taps
-from .walk_sums import LARGEST
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

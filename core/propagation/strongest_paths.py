@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..graph import HapticGraph
+from ..graph.haptic_graph import HapticGraph
 from .connections import intra_costs
 
 FloatArray = NDArray[np.float64]

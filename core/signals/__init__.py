@@ -1,5 +1,6 @@
 """Signals: small immutable values that compose by `*`, `+` and `>>` and are sampled only at the end."""
 
+from .automation import Track, ramp
 from .composition import Delay, Gain, Loop, Product, Sequence, Sum
 from .envelopes import Adsr, Constant, Decay, Keyed
 from .impacts import DecayingSine, Impulse
@@ -9,7 +10,6 @@ from .sampled import Sampled
 from .serialization import SIGNAL_KINDS, signal_from_dict
 from .signal import Signal
 from .templates import DEFAULT_IMPACT, DEFAULT_PERSISTENT, IMPACT_MATERIALS, ImpactMaterial, impact_material, impact_template
-from .track import Track, ramp
 from .wav import decoded_wav, read_wav
 
 __all__ = [

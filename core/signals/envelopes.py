@@ -9,9 +9,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from .automation import Array, Track, checked_parameter, largest
 from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
 from .signal import Signal
-from .track import Array, Track, checked_parameter, largest
 
 SILENCE = 1e-4
 """What decays exponentially ends when it has fallen to this share (-80 dB)."""

@@ -8,11 +8,11 @@ from typing import ClassVar
 
 import numpy as np
 
+from .automation import Array
 from .envelopes import SILENCE
 from .limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
 from .signal import Signal
 from .sine import sine
-from .track import Array
 
 
 @dataclass(frozen=True, slots=True)

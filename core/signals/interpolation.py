@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from .track import Array
+from .automation import Array
 
 ZERO_CROSSINGS = 16
 """Half-width of the kernel in samples of the lower of the two rates."""

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from .automation import Array, Track, checked_parameter, largest, values_of
 from .limits import MAX_PEAK, checked_integer, checked_number
 from .signal import Signal
-from .track import Array, Track, checked_parameter, largest, values_of
 
 
 @dataclass(frozen=True, slots=True)

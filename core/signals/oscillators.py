@@ -9,10 +9,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from .automation import Array, Track, checked_parameter, largest, values_of
 from .limits import MAX_FREQUENCY, MAX_PEAK, checked_number
 from .signal import Signal
 from .sine import sine
-from .track import Array, Track, checked_parameter, largest, values_of
 
 _RUN = 64
 

@@ -8,10 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from .automation import Array
 from .interpolation import interpolate
 from .limits import MAX_PEAK, checked_number
 from .signal import Signal
-from .track import Array
 
 MAX_SAMPLES = 4_000_000
 _OVERSHOOT = 4.0

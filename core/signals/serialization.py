@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from .automation import Track
 from .composition import Delay, Gain, Loop, Product, Sequence, Sum
 from .envelopes import Adsr, Constant, Decay, Keyed
 from .impacts import DecayingSine, Impulse
@@ -16,7 +17,6 @@ from .noise import Noise
 from .oscillators import Pulse, Saw, Sine, Square, Triangle
 from .sampled import Sampled
 from .signal import Signal
-from .track import Track
 
 SIGNAL_KINDS: Mapping[str, type[Signal]] = {
     cls.kind: cls

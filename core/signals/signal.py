@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from .track import Array, Track
+from .automation import Array, Track
 
 
 def sample_times(start: int, count: int, sample_rate: float, onset: float) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .track import Array
+from .automation import Array
 
 # sin(2π q) / q in powers of q², the highest first: Chebyshev's fit on |q| <= 1/4, to 7e-16.
 _COEFFICIENTS = (

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from .automation import Array
 from .interpolation import resample
 from .sampled import MAX_SAMPLES, Sampled
-from .track import Array
 
 MAX_BYTES = 1 << 30
 _PCM, _FLOAT, _EXTENSIBLE = 1, 3, 0xFFFE

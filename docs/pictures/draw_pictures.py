@@ -11,10 +11,10 @@ from pathlib import Path
 import bpy
 import haptic_tracing
 import numpy as np
-from haptic_tracing.addon import session, timeline
-from haptic_tracing.addon.overlay import picture, rendering
-from haptic_tracing.addon.overlay.png import write_png
-from haptic_tracing.addon.suspension import suspended
+from haptic_tracing.addon.changes.suspension import suspended
+from haptic_tracing.addon.session import session, timeline
+from haptic_tracing.addon.view.overlay import picture, rendering
+from haptic_tracing.addon.view.overlay.png import write_png
 from haptic_tracing.sample_scenes import build_sample
 
 FOLDER = Path(__file__).parent

@@ -2,7 +2,7 @@
 
 import bpy
 import pytest
-from haptic_tracing.core.body import DEFAULT_LISTENERS
+from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 
 
 def _select(*objects):

@@ -7,8 +7,9 @@ from types import SimpleNamespace
 import bpy
 import haptic_tracing
 import pytest
-from haptic_tracing.addon import keymap, menus
-from haptic_tracing.addon.properties import MODE_ITEMS
+from haptic_tracing.addon.panels import menus
+from haptic_tracing.addon.properties.haptics import MODE_ITEMS
+from haptic_tracing.addon.registration import keymap
 
 _spec = importlib.util.spec_from_file_location("recording_layout_of_shortcuts", Path(__file__).parent / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 import pytest
-from haptic_tracing.addon import session
+from haptic_tracing.addon.session.session import session
 
 
 def _gain(kappa, rho, distance, epsilon=0.1):
@@ -189,7 +189,7 @@ def test_the_command_line_finds_the_same_gains_in_the_export(seesaw, traced, tmp
 
 
 def test_the_same_timeline_played_twice_gives_the_same_bits(add_box, add_empty, scene):
-    from haptic_tracing.addon import timeline
+    from haptic_tracing.addon.session import timeline
 
     bpy.ops.rigidbody.world_add()
     ground = add_box("ground", (0, 0, -0.5), (10, 10, 1), "PASSIVE")

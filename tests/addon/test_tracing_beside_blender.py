@@ -7,7 +7,8 @@ import threading
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon import progress, session, timeline
+from haptic_tracing.addon.blender import progress
+from haptic_tracing.addon.session import session, timeline
 from haptic_tracing.sample_scenes import build_sample
 
 FRAMES = 1, 40

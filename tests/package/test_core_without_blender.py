@@ -25,5 +25,5 @@ def test_core_imports_without_blender_and_without_native_packages():
     answer = subprocess.run([sys.executable, "-I", "-c", PROGRAM], capture_output=True, text=True)
     assert answer.returncode == 0, answer.stderr
     imported = json.loads(answer.stdout)
-    assert "haptic_tracing.core.graph" in imported["modules"]
+    assert "haptic_tracing.core.graph.haptic_graph" in imported["modules"]
     assert imported["early"] == []

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 from random import Random
 
 import networkx
-from haptic_tracing.core.functions import Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction
-from haptic_tracing.core.graph import HapticGraph
-from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Source
+from haptic_tracing.core.graph.haptic_graph import HapticGraph
+from haptic_tracing.core.scene.functions import Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Source
 from hypothesis import strategies as st
 
 METRIC: tuple[ModulationFunction, ...] = (

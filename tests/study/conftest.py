@@ -18,7 +18,7 @@ import pytest
 @pytest.fixture(scope="module")
 def mine_ride() -> Iterator[Any]:
     """The scene of the ride, in a file of its own."""
-    from haptic_tracing.addon.suspension import suspended
+    from haptic_tracing.addon.changes.suspension import suspended
     from haptic_tracing.sample_scenes import build_sample
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from haptic_tracing.addon import session
-from haptic_tracing.addon.timeline import steps
-from haptic_tracing.core.mode_rendering import ModeRendering
-from haptic_tracing.core.scene import Mode
+from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session.timeline import steps
+from haptic_tracing.core.render.mode_rendering import ModeRendering
+from haptic_tracing.core.scene.values import Mode
 
 FIRST, LAST = 2108, 2120  # the shock wave: several impacts at a time
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from haptic_tracing.core.scene import Mode
+from haptic_tracing.core.scene.values import Mode
 from haptic_tracing.sample_scenes.mine_ride import wall_frame
 from haptic_tracing.study import checks
 from haptic_tracing.study.rendition import MODES

@@ -2,7 +2,7 @@
 
 import bpy
 import pytest
-from haptic_tracing.core.body import BODY_PART, BODY_PARTS, DEFAULT_LISTENERS
+from haptic_tracing.core.scene.body import BODY_PART, BODY_PARTS, DEFAULT_LISTENERS
 from mathutils import Matrix, Vector
 
 # Where a body 1.8 m high that faces -y has its bones; "L" and "R" are mirrored.

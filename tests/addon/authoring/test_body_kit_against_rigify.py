@@ -5,7 +5,7 @@ import sys
 
 import bpy
 import pytest
-from haptic_tracing.core.body import BODY_PART, BODY_PARTS
+from haptic_tracing.core.scene.body import BODY_PART, BODY_PARTS
 
 FINGERS = {"index_finger.L", "index_finger.R"}
 

@@ -8,8 +8,9 @@ import blf
 import bpy
 import haptic_tracing
 import pytest
-from haptic_tracing.addon import preferences, session
 from haptic_tracing.addon.panels import formula
+from haptic_tracing.addon.properties import preferences
+from haptic_tracing.addon.session.session import session
 
 _spec = importlib.util.spec_from_file_location("recording_layout_of_authoring", Path(__file__).parents[1] / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)
@@ -98,9 +99,8 @@ def test_every_panel_and_menu_of_authoring_draws(add_box, add_empty):
     bpy.context.scene.collection.objects.link(armature)
     box.select_set(True)
     bpy.context.scene.haptics.modalities.thermal.enabled = True
-    from haptic_tracing.addon import menus, panels
-    from haptic_tracing.addon.materials import panels as materials
-    from haptic_tracing.addon.modalities import panels as modalities
+    from haptic_tracing.addon import panels
+    from haptic_tracing.addon.panels import materials, menus, modalities
 
     for active in (None, box, empty, armature):
         bpy.context.view_layer.objects.active = active
@@ -126,7 +126,7 @@ def test_panels_draw_with_an_object_of_another_library(add_box):
 
 
 def test_every_operator_is_in_a_menu():
-    from haptic_tracing.addon import menus
+    from haptic_tracing.addon.panels import menus
 
     offered = set(menus.NEEDS_MORE)
     for menu in menus.CLASSES:

@@ -3,11 +3,11 @@
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon import session
-from haptic_tracing.addon.materials import plot
-from haptic_tracing.core.functions import Constant, HapticTracing, Spectrum
-from haptic_tracing.core.functions.curve import gain_curve
-from haptic_tracing.core.materials import MATERIALS
+from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.view import gain_plot
+from haptic_tracing.core.scene.functions import Constant, HapticTracing, Spectrum
+from haptic_tracing.core.scene.functions.curve import gain_curve
+from haptic_tracing.core.scene.materials import MATERIALS
 
 
 def _select(*objects):
@@ -166,26 +166,28 @@ def test_the_curve_shows_what_is_traced():
 
 def test_the_picture_is_drawn_again_only_where_something_changed(monkeypatch):
     drawn = []
-    monkeypatch.setattr(plot, "picture", lambda *arguments: drawn.append(1) or np.zeros((plot.SIZE, plot.SIZE, 4), np.float32))
+    monkeypatch.setattr(
+        gain_plot, "picture", lambda *arguments: drawn.append(1) or np.zeros((gain_plot.SIZE, gain_plot.SIZE, 4), np.float32)
+    )
     curve = gain_curve(HapticTracing(), 0.2, 0.9, 0.1)
     for key in ("a", "a", "b", "b"):
-        plot.icon(key, curve, (1, 1, 1), (0, 0, 0))
-    plot.icon("b", curve, (1, 0, 0), (0, 0, 0))
+        gain_plot.icon(key, curve, (1, 1, 1), (0, 0, 0))
+    gain_plot.icon("b", curve, (1, 0, 0), (0, 0, 0))
     assert len(drawn) == 3
-    plot.forget()
+    gain_plot.forget()
 
 
 @pytest.mark.parametrize("decibels", [0.0, -20.0, -47.0])
 def test_the_picture_has_the_curve_at_its_height(decibels):
     curve = gain_curve(Constant(gain_value=10 ** (decibels / 20)), 0, 1, 0.1)
-    pixels = plot.picture(curve, (1.0, 0.5, 0.0), (0.9, 0.9, 0.9))
-    assert pixels.shape == (plot.SIZE, plot.SIZE, 4)
+    pixels = gain_plot.picture(curve, (1.0, 0.5, 0.0), (0.9, 0.9, 0.9))
+    assert pixels.shape == (gain_plot.SIZE, gain_plot.SIZE, 4)
     assert np.isfinite(pixels).all()
     assert pixels.min() >= 0
     assert pixels.max() <= 1 + 1e-6
     assert (pixels[..., :3] <= pixels[..., 3:] + 1e-6).all()  # colours are times opacity
     strongest = np.argmax(pixels[:, 77, 0] - pixels[:, 77, 2])
-    assert abs(strongest - (10 + (1 + decibels / 60) * (plot.SIZE - 21))) <= 2
+    assert abs(strongest - (10 + (1 + decibels / 60) * (gain_plot.SIZE - 21))) <= 2
 
 
 def test_every_part_of_a_material_is_shared(boxes, materials):

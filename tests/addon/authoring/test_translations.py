@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import pytest
 from haptic_tracing.addon.translations import german, sentences
-from haptic_tracing.core import silence
+from haptic_tracing.core.diagnosis import silence
 
 _spec = importlib.util.spec_from_file_location("messages_of_the_add_on", Path(__file__).parent / "messages.py")
 messages = importlib.util.module_from_spec(_spec)
@@ -67,7 +67,7 @@ def test_why_it_is_silent_is_translated_whatever_the_core_says():
 
 
 def test_warnings_of_propagation_are_translated():
-    source = (Path(silence.__file__).parent / "propagation" / "strategies.py").read_text(encoding="utf-8")
+    source = (Path(silence.__file__).parents[1] / "propagation" / "strategies.py").read_text(encoding="utf-8")
     warnings = re.findall(r'warnings\.append\("([^"]+)"\)', source)
     assert len(warnings) >= 4
     assert [text for text in warnings if text not in sentences.TEMPLATES] == []

@@ -7,8 +7,8 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.core.formats import registry
-from haptic_tracing.core.formats.haptic_scene import read_export
-from haptic_tracing.core.formats.recording import traced as traced_again
+from haptic_tracing.core.formats.scene.haptic_scene import read_export
+from haptic_tracing.core.formats.scene.recording import traced as traced_again
 
 
 @pytest.fixture
@@ -120,8 +120,8 @@ def test_what_can_not_be_traced_writes_nothing(shaken, tmp_path):
 
 
 def test_a_job_goes_in_pieces_and_is_cancelled_without_a_trace(shaken, tmp_path):
-    from haptic_tracing.addon.formats.capture import Capture
-    from haptic_tracing.addon.formats.job import Job
+    from haptic_tracing.addon.blender.job import Job
+    from haptic_tracing.addon.io.capture import Capture
 
     shaken.frame_set(7)
     finished = []
@@ -137,7 +137,7 @@ def test_a_job_goes_in_pieces_and_is_cancelled_without_a_trace(shaken, tmp_path)
 
 
 def test_a_bake_is_exported_without_tracing(shaken, tmp_path):
-    from haptic_tracing.addon.formats import capture
+    from haptic_tracing.addon.io import capture
 
     arguments = {"format": "wav", "frame_start": 2, "frame_end": 9}
     bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "traced.wav"), **arguments)
@@ -153,7 +153,7 @@ def test_a_bake_is_exported_without_tracing(shaken, tmp_path):
 
 
 def test_losses_are_drawn_before_anything_is_written(shaken, recording_layout):
-    from haptic_tracing.addon.formats.export_operators import draw_losses, expected
+    from haptic_tracing.addon.io.export_operators import draw_losses, expected
 
     layout = recording_layout()
     draw_losses(layout, "tact", expected(shaken, True), {})
@@ -169,7 +169,7 @@ def test_losses_are_drawn_before_anything_is_written(shaken, recording_layout):
 
 
 def test_endings_follow_the_format():
-    from haptic_tracing.addon.formats.export_operators import export_name, with_ending
+    from haptic_tracing.addon.io.export_operators import export_name, with_ending
 
     assert with_ending("/a/b.json", (".json.gz", ".json"), ".json.gz") == "/a/b.json.gz"
     assert with_ending("/a/b.JSON.GZ", (".json.gz", ".json"), ".json") == "/a/b.json"

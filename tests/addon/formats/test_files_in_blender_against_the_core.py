@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.shapes import Box
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.haptic_scene import read_export, write_export
-from haptic_tracing.core.functions import function_from_dict
-from haptic_tracing.core.graph import graph_of_scene
+from haptic_tracing.core.formats.scene.haptic_scene import read_export, write_export
+from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source
+from haptic_tracing.core.scene.functions import function_from_dict
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source
 from haptic_tracing.core.signals import Adsr, Decay, Noise, Pulse, Sine
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -99,7 +99,7 @@ def scenes(draw):
 @FEW
 @given(scene=scenes())
 def test_generated_scenes(tmp_path_factory, scene):
-    from haptic_tracing.addon import session
+    from haptic_tracing.addon.session.session import session
 
     folder = tmp_path_factory.mktemp("generated")
     write_export(Export("a", scene), folder / "a.json")
@@ -187,7 +187,7 @@ def test_two_files_in_one_scene_keep_their_contacts(stack, traced):
 
 
 def test_damaged_contacts_are_a_problem_in_words(stack, traced):
-    from haptic_tracing.addon import session
+    from haptic_tracing.addon.session.session import session
 
     imported(stack)
     for text in ("{", "[]", '{"contacts": 3}', '{"contacts": [{"objects": ["left", "left"], "positions": []}]}', "[" * 1000):

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Sphere
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.haptic_scene import read_export, write_export
-from haptic_tracing.core.formats.recording import traced as traced_again
-from haptic_tracing.core.formats.scene_json import read_scene
-from haptic_tracing.core.functions import function_from_dict
-from haptic_tracing.core.graph import build_graph
+from haptic_tracing.core.formats.scene.haptic_scene import read_export, write_export
+from haptic_tracing.core.formats.scene.recording import traced as traced_again
+from haptic_tracing.core.formats.scene.scene_json import read_scene
+from haptic_tracing.core.graph.haptic_graph import build_graph
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, SourceKind
+from haptic_tracing.core.scene.functions import function_from_dict
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, SourceKind
 from haptic_tracing.core.signals import Adsr, Decay, Gain, Loop, Noise, Pulse, Sampled, Sine
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -40,7 +40,7 @@ def imported(path):
 def gains_of(scene):
     """By the core alone, from what the file says."""
     from haptic_tracing.core.contacts.contact_set import ContactSet
-    from haptic_tracing.core.graph import ObjectTable
+    from haptic_tracing.core.graph.haptic_graph import ObjectTable
 
     table = ObjectTable.of(scene.objects, scene.settings.epsilon)
     contacts = ContactSet.from_contacts(scene.contacts, table.index())
@@ -143,7 +143,7 @@ def test_a_frame_of_the_demo_with_its_impacts(tmp_path, traced):
     scene = bpy.context.scene
     for frame in range(scene.frame_start, scene.frame_start + 60):
         scene.frame_set(frame)
-        from haptic_tracing.addon import session
+        from haptic_tracing.addon.session.session import session
 
         result = session.result_of(scene)
         if any(source.kind is SourceKind.TEMPORARY for source in result.sources):
@@ -359,7 +359,7 @@ def test_what_is_wrong_is_said_and_makes_nothing(tmp_path, text, reason):
 
 
 def test_an_import_that_fails_on_the_way_leaves_nothing(tmp_path, monkeypatch):
-    from haptic_tracing.addon.formats import scene_builder
+    from haptic_tracing.addon.io import scene_builder
 
     (tmp_path / "a.json").write_text('{"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 0, "rho": 1}]}')
 
@@ -383,7 +383,7 @@ def test_a_number_too_small_for_blender_is_a_loss(tmp_path, capfd):
 
 
 def test_damaged_text_in_a_strangers_file_is_a_problem_in_words(add_box, traced):
-    from haptic_tracing.addon import session
+    from haptic_tracing.addon.session.session import session
 
     box = add_box("box", (0, 0, 0), (1, 1, 1))
     box.haptics.source.enabled = True

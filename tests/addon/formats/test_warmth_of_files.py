@@ -3,18 +3,17 @@
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.core.formats.scene.haptic_scene import read_export
 from scene_files import exported, imported
 
 
 def shown():
     """What the panel shows, by listener."""
-    from haptic_tracing.addon import session
-    from haptic_tracing.addon.modalities import feeling
+    from haptic_tracing.addon.session.session import modalities, session
 
     scene = bpy.context.scene
     session.trace(scene, bpy.context.evaluated_depsgraph_get())
-    (felt,) = feeling.felt_in(scene)
+    (felt,) = modalities.felt_in(scene)
     return dict(zip(felt.listeners, felt.values.tolist(), strict=True))
 
 

@@ -3,8 +3,8 @@
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon import session
-from haptic_tracing.addon.suspension import stepped
+from haptic_tracing.addon.changes.suspension import stepped
+from haptic_tracing.addon.session.session import session
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def key(obj, name, *pairs, interpolation="LINEAR"):
     for frame, value in pairs:
         setattr(obj.haptics.source, name, value)
         obj.haptics.source.keyframe_insert(name, frame=frame)
-    from haptic_tracing.addon.compatibility import fcurves_of
+    from haptic_tracing.addon.blender.compatibility import fcurves_of
 
     for curve in fcurves_of(obj):
         for point in curve.keyframe_points:
@@ -57,7 +57,7 @@ def test_a_keyed_amplitude_goes_in_straight_lines_from_frame_to_frame(hum, scene
 
 
 def test_moving_a_key_is_felt_and_muting_the_curve_too(hum, scene):
-    from haptic_tracing.addon.compatibility import fcurves_of
+    from haptic_tracing.addon.blender.compatibility import fcurves_of
 
     key(hum, "frequency", (1, 50.0), (49, 50.0))
     first = rendered(scene)

@@ -6,9 +6,9 @@ import bpy
 import haptic_tracing
 import pytest
 from fake_hid import RELEASE, ZERO, sounding, until
-from haptic_tracing.addon import handlers as addon_handlers
-from haptic_tracing.addon import session
 from haptic_tracing.addon.live_output import handlers, outputs, player
+from haptic_tracing.addon.registration import handlers as addon_handlers
+from haptic_tracing.addon.session.session import session
 from haptic_tracing.core.tracer import Tracer
 
 
@@ -115,7 +115,7 @@ def test_scrubbing_is_a_short_grain_then_silence(plug, connect, felt):
 
 
 def test_bakes_and_exports_are_not_felt(plug, connect, felt):
-    from haptic_tracing.addon.suspension import stepped, suspended
+    from haptic_tracing.addon.changes.suspension import stepped, suspended
 
     pad = plug()
     connect()

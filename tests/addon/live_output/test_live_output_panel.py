@@ -9,7 +9,8 @@ from types import SimpleNamespace
 import bpy
 import pytest
 from fake_hid import until
-from haptic_tracing.addon.live_output import handlers, outputs, panels
+from haptic_tracing.addon.live_output import handlers, outputs
+from haptic_tracing.addon.panels import live_output
 from haptic_tracing.core.devices.output import Status
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
@@ -26,7 +27,7 @@ class Layout(recording_layout.RecordingLayout):
 
 def drawn():
     layout = Layout()
-    for panel in panels.CLASSES:
+    for panel in live_output.CLASSES:
         panel.draw(SimpleNamespace(layout=layout), bpy.context)
     return layout
 
@@ -65,7 +66,7 @@ def test_a_device_is_offered_connected_and_shown_with_its_budget(plug, connect, 
 def test_what_a_status_says_is_shown(scene):
     layout = Layout()
     blocked = Status("open", "DualSense: write failed: no", 12, 3, 1, 0, 4.2, 0.004, 0.090)
-    panels._draw_status(layout, blocked, 1 / 24)
+    live_output._draw_status(layout, blocked, 1 / 24)
     shown = " ".join(layout.labels)
     assert "A write has been blocked for 4.2 s" in shown and "write failed" in shown
     assert "3, 1" in layout.labels and "111 ms (noticed)" in layout.labels
@@ -73,8 +74,8 @@ def test_what_a_status_says_is_shown(scene):
 
 def test_the_budget_counts_from_the_middle_of_the_picture():
     status = Status("open", "", 1, 0, 0, 0, 0.0, 0.002, 0.012)
-    assert panels.lag_of_picture(status, 0.04) == pytest.approx(0.032)
-    assert panels.lag_of_picture(Status("open", "", 0, 0, 0, 0, 0.0, None, None), 0.04) is None
+    assert live_output.lag_of_picture(status, 0.04) == pytest.approx(0.032)
+    assert live_output.lag_of_picture(Status("open", "", 0, 0, 0, 0, 0.0, None, None), 0.04) is None
 
 
 def test_a_gamepad_that_nothing_can_drive_is_named(plug, scene):

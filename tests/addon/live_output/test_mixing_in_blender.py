@@ -8,14 +8,15 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon import session
-from haptic_tracing.addon.formats.frame_scene import scene_of_frame
-from haptic_tracing.addon.live_output import handlers, outputs, panels
+from haptic_tracing.addon.io.frame_scene import scene_of_frame
+from haptic_tracing.addon.live_output import handlers, outputs
+from haptic_tracing.addon.panels import live_output
 from haptic_tracing.addon.panels.listener import HAPTIC_PT_listener
 from haptic_tracing.addon.panels.source import HAPTIC_PT_source
-from haptic_tracing.core.formats.scene_json import scene_from_dict, scene_to_dict
-from haptic_tracing.core.mixing import LOOK_AHEAD
-from haptic_tracing.core.rendering import sample_index
+from haptic_tracing.addon.session.session import session
+from haptic_tracing.core.formats.scene.scene_json import scene_from_dict, scene_to_dict
+from haptic_tracing.core.render.mixing import LOOK_AHEAD
+from haptic_tracing.core.render.renderer import sample_index
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)
@@ -114,10 +115,10 @@ def test_the_limiter_turns_down_what_would_be_cut(two_sources, plug, connect):
     assert share[sure].max() <= 1 + 1e-9 and share[sure].min() > 0, "turned down, never bent over"
     assert np.abs(np.diff(share[sure])).max() < 0.1, "smoothly"
     assert np.abs(live - baked)[:, begin:].max() < TRACK
-    assert panels.limiter_seconds(two_sources) == 0.0, "what a track was baked with is in it"
+    assert live_output.limiter_seconds(two_sources) == 0.0, "what a track was baked with is in it"
     two_sources.haptics.bake.use_track = False
     two_sources.frame_set(3)
-    assert panels.limiter_seconds(two_sources) == LOOK_AHEAD
+    assert live_output.limiter_seconds(two_sources) == LOOK_AHEAD
 
 
 def test_a_persistent_source_wears_off(two_sources, plug, connect):

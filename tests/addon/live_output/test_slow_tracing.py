@@ -6,9 +6,9 @@ from dataclasses import replace
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon import session
 from haptic_tracing.addon.live_output import handlers, outputs
-from haptic_tracing.core.rendering import sample_index
+from haptic_tracing.addon.session.session import session
+from haptic_tracing.core.render.renderer import sample_index
 from haptic_tracing.core.tracer import Tracer
 
 RATE = 8000

@@ -5,17 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from haptic_tracing.addon.meters.body_map import HALF_WIDTH, HEIGHT, figure
-from haptic_tracing.addon.meters.comparison import compared
-from haptic_tracing.addon.meters.history import History
-from haptic_tracing.addon.meters.levels import FLOOR, decibels, levels, place_of
-from haptic_tracing.addon.meters.still import still_samples
-from haptic_tracing.core.body import BODY_PARTS
+from haptic_tracing.addon.view.meters.body_map import HALF_WIDTH, HEIGHT, figure
+from haptic_tracing.addon.view.meters.comparison import compared
+from haptic_tracing.addon.view.meters.levels import FLOOR, decibels, levels, place_of
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.functions import Exponential
 from haptic_tracing.core.perception import threshold_level
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene import HapticObject, Listener, Mode, Settings, Source
+from haptic_tracing.core.render.history import History
+from haptic_tracing.core.render.still import still_samples
+from haptic_tracing.core.scene.body import BODY_PARTS
+from haptic_tracing.core.scene.functions import Exponential
+from haptic_tracing.core.scene.values import HapticObject, Listener, Mode, Settings, Source
 from haptic_tracing.core.signals import Sine
 from haptic_tracing.core.tracer import Frame, Tracer
 

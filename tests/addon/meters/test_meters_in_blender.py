@@ -7,11 +7,11 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon import session
-from haptic_tracing.addon.meters import draw, explanation, pictures
-from haptic_tracing.addon.overlay import picture
-from haptic_tracing.addon.overlay.furniture import plate_of
 from haptic_tracing.addon.panels import result as result_panel
+from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.view.meters import draw, explanation, pictures
+from haptic_tracing.addon.view.overlay import picture
+from haptic_tracing.addon.view.overlay.annotations import plate_of
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.frame_result import FrameResult
-from haptic_tracing.core.functions import Exponential, Linear
-from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Settings, Source, SourceKind
+from haptic_tracing.core.render.frame_result import FrameResult
+from haptic_tracing.core.scene.functions import Exponential, Linear
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, SourceKind
 from haptic_tracing.core.tracer import Frame, Tracer
 
 
@@ -91,7 +91,7 @@ def camera(scene: Any) -> Iterator[Any]:
 @pytest.fixture
 def shown(scene: Any, bridge: FrameResult) -> Callable[[], FrameResult]:
     """Makes the bridge the scene's last traced frame."""
-    from haptic_tracing.addon import session
+    from haptic_tracing.addon.session.session import session
 
     def show() -> FrameResult:
         session.of(scene).result = bridge

@@ -5,9 +5,10 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
-from haptic_tracing.addon import overlay, properties
-from haptic_tracing.addon.overlay import draw, shader
-from haptic_tracing.addon.overlay.render_data import Options
+from haptic_tracing.addon.properties import haptics
+from haptic_tracing.addon.view import overlay
+from haptic_tracing.addon.view.overlay import draw, shader
+from haptic_tracing.addon.view.overlay.render_data import Options
 
 from .conftest import BRIDGE
 
@@ -94,4 +95,4 @@ def test_draw_callbacks_outside_a_viewport_draw_nothing(uploads, shown):
 
 def test_overlay_properties_have_tooltips():
     for name in ("show_overlay", "show_intra", "show_best_paths", "show_labels", "show_flow", "xray"):
-        assert properties.HapticSceneProperties.bl_rna.properties[name].description
+        assert haptics.HapticSceneProperties.bl_rna.properties[name].description

@@ -11,10 +11,10 @@ import bpy
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
-from haptic_tracing.addon.overlay import draw, picture, raster, rendering
-from haptic_tracing.addon.overlay.furniture import furniture
-from haptic_tracing.addon.overlay.png import write_png
-from haptic_tracing.addon.overlay.render_data import SILENT_COLOUR, SOURCE_COLOUR, Options, render_data
+from haptic_tracing.addon.view.overlay import draw, picture, raster, rendering
+from haptic_tracing.addon.view.overlay.annotations import furniture
+from haptic_tracing.addon.view.overlay.png import write_png
+from haptic_tracing.addon.view.overlay.render_data import SILENT_COLOUR, SOURCE_COLOUR, Options, render_data
 from mathutils import Vector
 
 from .conftest import BRIDGE
@@ -217,7 +217,7 @@ def test_rendered_graph_is_hidden_unless_it_is_drawn_in_front(scene, camera, wal
 @pytest.mark.skipif(sys.platform != "linux", reason="EGL is Linux's way to a GPU without a screen")
 def test_without_egl_the_gpu_is_left_alone():
     """Blender itself ends with a segmentation fault there."""
-    program = "import bpy; from haptic_tracing.addon.overlay import picture; print('starts:', picture.starts_gpu())"
+    program = "import bpy; from haptic_tracing.addon.view.overlay import picture; print('starts:', picture.starts_gpu())"
     nowhere = {"__EGL_VENDOR_LIBRARY_DIRS": "/nonexistent", "LIBGL_DRIVERS_PATH": "/nonexistent"}
     done = subprocess.run([sys.executable, "-c", program], env={**os.environ, **nowhere}, capture_output=True, text=True, check=True)
     assert "starts: False" in done.stdout

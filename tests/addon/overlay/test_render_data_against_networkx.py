@@ -6,8 +6,8 @@ from dataclasses import replace
 import networkx
 import numpy as np
 import pytest
-from haptic_tracing.addon.overlay.colour_map import GainScale
-from haptic_tracing.addon.overlay.render_data import (
+from haptic_tracing.addon.view.overlay.colour_map import GainScale
+from haptic_tracing.addon.view.overlay.render_data import (
     IMPACT_COLOUR,
     SILENT_COLOUR,
     SOURCE_COLOUR,
@@ -16,7 +16,7 @@ from haptic_tracing.addon.overlay.render_data import (
     path_steps,
     render_data,
 )
-from haptic_tracing.core.scene import Mode, Settings, SourceKind
+from haptic_tracing.core.scene.values import Mode, Settings, SourceKind
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 

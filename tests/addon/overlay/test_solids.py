@@ -4,11 +4,11 @@ import bpy
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
-from haptic_tracing.addon.overlay import draw, geometry, picture
-from haptic_tracing.addon.overlay.colour_map import linear
-from haptic_tracing.addon.overlay.furniture import furniture
-from haptic_tracing.addon.overlay.render_data import Options, render_data
-from haptic_tracing.addon.overlay.solids import flat, octahedron, solid_graph, sphere, spiked_ball, three_rings, torus, tubes
+from haptic_tracing.addon.view.overlay import draw, geometry, picture
+from haptic_tracing.addon.view.overlay.annotations import furniture
+from haptic_tracing.addon.view.overlay.colour_map import linear
+from haptic_tracing.addon.view.overlay.render_data import Options, render_data
+from haptic_tracing.addon.view.overlay.solids import flat, octahedron, solid_graph, sphere, spiked_ball, three_rings, torus, tubes
 from mathutils import Vector
 
 from .conftest import BRIDGE, random_scene, traced

@@ -32,7 +32,7 @@ the last bit would decide."""
 
 def digest(name: str, scene: Any) -> dict[str, Any]:
     """What is stored of a sample: impacts, the level (RMS) at each listener, gains in the last frame and wherever something strikes."""
-    from haptic_tracing.addon import timeline
+    from haptic_tracing.addon.session import timeline
 
     first, last, _ = PARTS[name]
     impacts: list[list[Any]] = []
@@ -61,7 +61,7 @@ def store() -> None:
     """Write the values of all samples."""
     import bpy
     import haptic_tracing
-    from haptic_tracing.addon.suspension import suspended
+    from haptic_tracing.addon.changes.suspension import suspended
     from haptic_tracing.sample_scenes import build_sample
 
     values = {}

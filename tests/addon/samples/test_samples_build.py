@@ -4,9 +4,9 @@ import re
 
 import bpy
 import pytest
-from haptic_tracing.addon import session
-from haptic_tracing.addon.suspension import suspended
-from haptic_tracing.core.body import DEFAULT_LISTENERS
+from haptic_tracing.addon.changes.suspension import suspended
+from haptic_tracing.addon.session.session import session
+from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 from haptic_tracing.sample_scenes import SAMPLES, build_sample
 
 FRAMES = 4

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from haptic_tracing.core.body import DEFAULT_LISTENERS
+from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 from haptic_tracing.sample_scenes import domino_wall, hammer_nail, mine_ride
 
 RELATIVE = 1e-5  # Blender keeps positions and properties in single precision

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from haptic_tracing.core.body import BODY_PART, BODY_PARTS
-from haptic_tracing.core.skeleton import Bone, partner, places
+from haptic_tracing.core.scene.body import BODY_PART, BODY_PARTS
+from haptic_tracing.core.scene.skeleton import Bone, partner, places
 
 # Where the joints of a body 1.8 m high are that faces -y: x to its left, z up. Name: head and tail.
 _SPINE = {1: (0.95, 1.05), 2: (1.05, 1.2), 3: (1.2, 1.35), 4: (1.35, 1.48)}

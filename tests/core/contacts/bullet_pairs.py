@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, ConvexHull, Cylinder, Mesh, Shape, Sphere, rotation_matrix
-from haptic_tracing.core.scene import Pose
+from haptic_tracing.core.scene.values import Pose
 
 RECORDED = Path(__file__).with_name("bullet_pairs.npz")
 

@@ -5,8 +5,8 @@ from haptic_tracing.core.contacts.authored import AuthoredContacts
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.contacts.shapes import Box
 from haptic_tracing.core.contacts.tracker import Body
-from haptic_tracing.core.functions import Constant, Identity, function_from_dict
-from haptic_tracing.core.scene import Contact, HapticObject, Listener, Settings, Source
+from haptic_tracing.core.scene.functions import Constant, Identity, function_from_dict
+from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Settings, Source
 from haptic_tracing.core.tracer import Frame, Tracer
 
 INDEX = {"a": 0, "b": 1, "c": 2}

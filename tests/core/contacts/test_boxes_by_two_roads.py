@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from haptic_tracing.core.contacts.boxes import box_contacts
 from haptic_tracing.core.contacts.motion import rotations
-from haptic_tracing.core.contacts.narrow_phase import NarrowPhase
+from haptic_tracing.core.contacts.narrow.boxes import box_contacts
+from haptic_tracing.core.contacts.narrow.narrow_phase import NarrowPhase
 from haptic_tracing.core.contacts.shapes import Box
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -11,7 +11,7 @@ import pytest
 from haptic_tracing.core.contacts.bullet_shapes import convex_hull_shape, mesh_shape, shape_from_bounding_box
 from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
 from haptic_tracing.core.contacts.shapes import Box, Cylinder
-from haptic_tracing.core.scene import HapticObject, HapticScene, Pose
+from haptic_tracing.core.scene.values import HapticObject, HapticScene, Pose
 
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 SIDES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]

@@ -8,7 +8,7 @@ from haptic_tracing.core.contacts.motion import rotations
 from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Shape, Sphere, pose_matrix
 from haptic_tracing.core.contacts.tracker import Body, ContactTracker
-from haptic_tracing.core.scene import HapticObject, HapticScene, Pose
+from haptic_tracing.core.scene.values import HapticObject, HapticScene, Pose
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -95,8 +95,12 @@ def test_box_on_a_plane(ground, gap, frame):
         (ConvexHull(CUBE), (1, 0, 0, 0), 0.5, 1.0),
         (ConvexHull(CUBE, rounding=0.04), (1, 0, 0, 0), 0.5, 1.0),
         (ConvexHull(CUBE, margin=0.1), (1, 0, 0, 0), 0.6, 1.0),
-        (Mesh(CUBE, [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4]]),
-         LYING, 0.5, 1.0),
+        (
+            Mesh(CUBE, [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4]]),
+            LYING,
+            0.5,
+            1.0,
+        ),
         (Compound(((Box((0.2, 0.2, 1.0)), at(0.5)), (Box((0.2, 0.2, 1.0)), at(-0.5)))), (1, 0, 0, 0), 0.5, 0.08),
     ],
 )
@@ -171,9 +175,7 @@ def test_capsule_across_the_edge_of_a_box(frame, along, gap):
 )
 def test_spheres(frame, radii, margins, gap):
     far = sum(radii) + sum(margins) + gap
-    found, positions, normal = contact(
-        (Sphere(radii[0], margins[0]), at()), (Sphere(radii[1], margins[1]), at(far)), frame, tolerance=0.01
-    )
+    found, positions, normal = contact((Sphere(radii[0], margins[0]), at()), (Sphere(radii[1], margins[1]), at(far)), frame, tolerance=0.01)
     assert len(found) == (gap <= 0.01)
     if len(found):
         np.testing.assert_allclose(found.distance[0], gap, atol=1e-9)

@@ -155,8 +155,10 @@ def test_passing_a_thin_wall_within_a_frame(rate, speed, shape):
 
 def test_turning_body():
     """A plank that turns about its middle and hits with its end."""
-    tracker = ContactTracker([Body("post", Sphere(0.1), motion="static"), Body("plank", Box((2, 0.1, 0.1)), 10.0)], ContactSettings(
-        energy="normal", least_energy=0.1, gravity=(0, 0, 0)))
+    tracker = ContactTracker(
+        [Body("post", Sphere(0.1), motion="static"), Body("plank", Box((2, 0.1, 0.1)), 10.0)],
+        ContactSettings(energy="normal", least_energy=0.1, gravity=(0, 0, 0)),
+    )
     spin, rate = -2.0, 24.0
     meet = None
     impacts = []

@@ -19,7 +19,7 @@ from haptic_tracing.core.contacts.shapes import (
     parts_of,
     shape_from_dict,
 )
-from haptic_tracing.core.scene import Pose
+from haptic_tracing.core.scene.values import Pose
 
 TETRAHEDRON = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
 FACES = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]

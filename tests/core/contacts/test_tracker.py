@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from haptic_tracing.core.contacts.gain_bound import Reach
 from haptic_tracing.core.contacts.motion import rotations
-from haptic_tracing.core.contacts.reach import Reach
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, ConvexHull, Cylinder, Mesh, Sphere
 from haptic_tracing.core.contacts.tracker import STILL, Body, ContactSettings, ContactTracker
-from haptic_tracing.core.scene import Pose
+from haptic_tracing.core.scene.values import Pose
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -283,6 +283,7 @@ def test_no_bodies_and_one_body():
 
 def test_deforming_bodies_keep_their_motion():
     """A balloon that is blown up while it falls: its hull changes in every frame, and it hits once."""
+
     def balloon(frame):
         return Body("balloon", ConvexHull(CUBE * (1 + 0.01 * frame)), 10.0)
 

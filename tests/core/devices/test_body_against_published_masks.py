@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from haptic_tracing.core.body import BODY_PART, BODY_PARTS, DEFAULT_LISTENERS, body_part
+from haptic_tracing.core.scene.body import BODY_PART, BODY_PARTS, DEFAULT_LISTENERS, body_part
 
 # Bits of OHMData.h in MPEGGroup/HapticReferenceSoftware.
 # On each side: ear 0x4, chest 0x10, then every second bit from the upper arm to the toes; the left one is the right one shifted by 1.

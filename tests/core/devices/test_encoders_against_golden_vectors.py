@@ -6,14 +6,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from haptic_tracing.core.devices.dualsense import DUALSENSE, DUALSENSE_FIRST_GENERATION
-from haptic_tracing.core.devices.dualsense_pcm import DUALSENSE_PCM
-from haptic_tracing.core.devices.dualshock4 import dualshock4_report
-from haptic_tracing.core.devices.registry import rumble_report
+from haptic_tracing.core.devices.families.dualsense import DUALSENSE, DUALSENSE_FIRST_GENERATION
+from haptic_tracing.core.devices.families.dualsense_pcm import DUALSENSE_PCM
+from haptic_tracing.core.devices.families.dualshock4 import dualshock4_report
+from haptic_tracing.core.devices.families.registry import rumble_report
+from haptic_tracing.core.devices.families.steam_controller import STEAM_CONTROLLER_PCM
+from haptic_tracing.core.devices.families.switch import (
+    SWITCH_PRO,
+    actuator_word,
+    amplitude_index,
+    enable_vibration,
+    frequency_code,
+    usb_command,
+)
+from haptic_tracing.core.devices.families.xbox import lasting
 from haptic_tracing.core.devices.report import Tones, levels
-from haptic_tracing.core.devices.steam_controller import STEAM_CONTROLLER_PCM
-from haptic_tracing.core.devices.switch import SWITCH_PRO, actuator_word, amplitude_index, enable_vibration, frequency_code, usb_command
-from haptic_tracing.core.devices.xbox import lasting
 
 GOLDEN = json.loads((Path(__file__).parent / "hid_golden.json").read_text())
 VECTORS = {vector["id"]: vector for vector in GOLDEN["vectors"]}

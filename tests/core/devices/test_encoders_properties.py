@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.core.devices.dualsense_pcm import DUALSENSE_PCM
-from haptic_tracing.core.devices.family import RumbleFamily, StreamFamily
-from haptic_tracing.core.devices.registry import FAMILIES, rumble_report
+from haptic_tracing.core.devices.families.dualsense_pcm import DUALSENSE_PCM
+from haptic_tracing.core.devices.families.family import RumbleFamily, StreamFamily
+from haptic_tracing.core.devices.families.registry import FAMILIES, rumble_report
+from haptic_tracing.core.devices.families.switch import SWITCH_PRO, actuator_word
 from haptic_tracing.core.devices.report import Tones
-from haptic_tracing.core.devices.switch import SWITCH_PRO, actuator_word
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from haptic_tracing.core.body import BODY_PARTS, DEFAULT_LISTENERS
 from haptic_tracing.core.devices.mapping import Place, map_listeners
 from haptic_tracing.core.devices.profiles import load_profiles, profile
+from haptic_tracing.core.scene.body import BODY_PARTS, DEFAULT_LISTENERS
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from fake_hid import RELEASE, ZERO, FakeHid, FakePad, sounding, until
 from haptic_tracing.core.devices.connection import DeviceError, connected, hid_module, open_device
+from haptic_tracing.core.devices.families.registry import family
 from haptic_tracing.core.devices.output import DeviceOutput, rest_all, silence_all, stop_all
 from haptic_tracing.core.devices.profiles import Adjustment, Calibration, profile
-from haptic_tracing.core.devices.registry import family
 
 RATE = 8000
 

@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from haptic_tracing.core.devices.actuation import actuation_of
+from haptic_tracing.core.devices.families.registry import rumble_report
+from haptic_tracing.core.devices.families.switch import enable_vibration, usb_command
 from haptic_tracing.core.devices.pacing import WATCHDOG, pacing_of
 from haptic_tracing.core.devices.profiles import Adjustment, load_profiles, profile
-from haptic_tracing.core.devices.registry import rumble_report
-from haptic_tracing.core.devices.switch import enable_vibration, usb_command
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -6,9 +6,9 @@ from itertools import pairwise
 
 import jsonschema
 import pytest
-from haptic_tracing.core.body import DEFAULT_LISTENERS
+from haptic_tracing.core.devices.families.registry import FAMILIES
 from haptic_tracing.core.devices.profiles import BUILT_IN, Calibration, load_profiles, parse_profile, profile
-from haptic_tracing.core.devices.registry import FAMILIES
+from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 
 SCHEMA = json.loads((BUILT_IN.parent / "device.schema.json").read_text())
 FILES = sorted(BUILT_IN.glob("*.json"))

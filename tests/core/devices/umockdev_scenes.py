@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 from haptic_tracing.core.devices.connection import connected, hid_module, open_device
+from haptic_tracing.core.devices.families.registry import family, rumble_report
 from haptic_tracing.core.devices.output import DeviceOutput
 from haptic_tracing.core.devices.profiles import profile
-from haptic_tracing.core.devices.registry import family, rumble_report
 
 RATE = 8000
 NODE = Path("/dev/hidraw0")

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.core.body import DEFAULT_LISTENERS
-from haptic_tracing.core.formats.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.formats.tracks.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 
 RATE = 8000
 

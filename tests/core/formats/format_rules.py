@@ -4,7 +4,7 @@ import json
 import struct
 from itertools import pairwise
 
-from haptic_tracing.core.formats.schema import load_schema, validate
+from haptic_tracing.core.formats.io.schema import load_schema, validate
 from jsonschema import Draft7Validator
 
 SCHEMAS = {

@@ -11,12 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from haptic_tracing.core.formats import atomic, registry
+from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.names import file_stem, file_stems
-from haptic_tracing.core.formats.scene_json import read_scene, write_scene
-from haptic_tracing.core.formats.tracks import ListenerTrack, Tracks
-from haptic_tracing.core.scene import HapticObject, HapticScene
+from haptic_tracing.core.formats.io import atomic
+from haptic_tracing.core.formats.io.file_names import file_stem, file_stems
+from haptic_tracing.core.formats.scene.scene_json import read_scene, write_scene
+from haptic_tracing.core.formats.tracks.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.scene.values import HapticObject, HapticScene
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -96,8 +97,8 @@ import resource, signal, sys
 import numpy as np
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.tracks import ListenerTrack, Tracks
-from haptic_tracing.core.scene import HapticObject, HapticScene
+from haptic_tracing.core.formats.tracks.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.scene.values import HapticObject, HapticScene
 
 name, folder, most = sys.argv[1], sys.argv[2], int(sys.argv[3])
 noise = np.random.default_rng(0).normal(0, 0.1, (2, 80_000)).clip(-1, 1)
@@ -128,7 +129,7 @@ def test_a_disk_that_takes_no_more_gets_no_half_file(tmp_path, name, most):
 
 KILLED = """
 import os, signal, sys
-from haptic_tracing.core.formats.atomic import atomic_file
+from haptic_tracing.core.formats.io.atomic import atomic_file
 
 with atomic_file(sys.argv[1]) as file:
     file.write(b"half of it" * 100_000)

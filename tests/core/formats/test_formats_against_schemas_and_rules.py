@@ -9,11 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from haptic_tracing.core.body import BODY_PART, BODY_PARTS
-from haptic_tracing.core.formats import ohm, registry
+from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.tracks import ListenerTrack, Tracks
-from haptic_tracing.core.scene import HapticObject, HapticScene
+from haptic_tracing.core.formats.tracks import ohm
+from haptic_tracing.core.formats.tracks.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.scene.body import BODY_PART, BODY_PARTS
+from haptic_tracing.core.scene.values import HapticObject, HapticScene
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 

@@ -10,12 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from haptic_tracing.core.formats import haptic_scene, registry, strict_json
-from haptic_tracing.core.formats.error import FormatError
+from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.scene_json import read_scene
-from haptic_tracing.core.formats.tracks import ListenerTrack, Tracks
-from haptic_tracing.core.scene import HapticObject, HapticScene, Source
+from haptic_tracing.core.formats.io import strict_json
+from haptic_tracing.core.formats.io.error import FormatError
+from haptic_tracing.core.formats.scene import haptic_scene
+from haptic_tracing.core.formats.scene.scene_json import read_scene
+from haptic_tracing.core.formats.tracks.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.scene.values import HapticObject, HapticScene, Source
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -155,7 +157,7 @@ def test_what_is_no_json_document_says_so(tmp_path, suffix, data, reason):
 
 
 def test_brackets_in_strings_are_text(tmp_path):
-    document = {"format": "haptic-scene", "version": "1.0", "objects": [{"name": '\\"[[' + "[{" * 110 + '\\', "kappa": 0, "rho": 1}]}
+    document = {"format": "haptic-scene", "version": "1.0", "objects": [{"name": '\\"[[' + "[{" * 110 + "\\", "kappa": 0, "rho": 1}]}
     (tmp_path / "odd.json").write_text(json.dumps(document))
     assert read_scene(tmp_path / "odd.json").objects[0].name.startswith('\\"[[')
 

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.shapes import Box, pose_matrix
 from haptic_tracing.core.contacts.tracker import Body, Motion
-from haptic_tracing.core.formats.devices import ActuatorMapping, DeviceMapping
-from haptic_tracing.core.formats.error import FormatError
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.haptic_scene import read_export, write_export
-from haptic_tracing.core.formats.recording import RecordedFrame, Recorder, Recording, states, traced
-from haptic_tracing.core.formats.take import tracks_of
-from haptic_tracing.core.functions import Exponential, HapticTracing
-from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Pose, Source, SourceKind
+from haptic_tracing.core.formats.io.error import FormatError
+from haptic_tracing.core.formats.scene.devices import ActuatorMapping, DeviceMapping
+from haptic_tracing.core.formats.scene.haptic_scene import read_export, write_export
+from haptic_tracing.core.formats.scene.recording import RecordedFrame, Recorder, Recording, states, traced
+from haptic_tracing.core.formats.tracks.track_recorder import tracks_of
+from haptic_tracing.core.scene.functions import Exponential, HapticTracing
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source, SourceKind
 from haptic_tracing.core.signals import Noise
 from haptic_tracing.core.tracer import Frame, Tracer
 

@@ -9,11 +9,11 @@ from dataclasses import MISSING, fields
 import jsonschema
 import pytest
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Sphere
-from haptic_tracing.core.formats.error import FormatError
-from haptic_tracing.core.formats.scene_json import MIGRATIONS, read_scene, scene_from_dict, scene_to_dict, write_scene
-from haptic_tracing.core.formats.schema import load_schema, validate
-from haptic_tracing.core.functions import Constant, Exponential, Expression, HapticTracing, Identity, Linear, Spectrum
-from haptic_tracing.core.scene import (
+from haptic_tracing.core.formats.io.error import FormatError
+from haptic_tracing.core.formats.io.schema import load_schema, validate
+from haptic_tracing.core.formats.scene.scene_json import MIGRATIONS, read_scene, scene_from_dict, scene_to_dict, write_scene
+from haptic_tracing.core.scene.functions import Constant, Exponential, Expression, HapticTracing, Identity, Linear, Spectrum
+from haptic_tracing.core.scene.values import (
     Contact,
     HapticObject,
     HapticScene,

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from haptic_tracing.core.functions import Expression, check_expression, excerpt
-from haptic_tracing.core.functions.expression import MAX_LENGTH
+from haptic_tracing.core.scene.functions import Expression, check_expression, excerpt
+from haptic_tracing.core.scene.functions.expression import MAX_LENGTH
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -3,9 +3,9 @@
 import math
 
 import pytest
-from haptic_tracing.core.bands import BAND_CENTRES, BAND_COUNT
-from haptic_tracing.core.functions import HapticTracing, Spectrum
-from haptic_tracing.core.materials import MATERIALS, absorption, guess, named_in
+from haptic_tracing.core.scene.bands import BAND_CENTRES, BAND_COUNT
+from haptic_tracing.core.scene.functions import HapticTracing, Spectrum
+from haptic_tracing.core.scene.materials import MATERIALS, absorption, guess, named_in
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -7,10 +7,10 @@ import haptic_tracing
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.functions import Conduction
 from haptic_tracing.core.modalities import MODALITIES, THERMAL, VIBROTACTILE, Emitter, feel
 from haptic_tracing.core.modalities.thermal import JOINT
-from haptic_tracing.core.scene import Contact, Listener, Settings
+from haptic_tracing.core.scene.functions import Conduction
+from haptic_tracing.core.scene.values import Contact, Listener, Settings
 from scipy.integrate import solve_bvp
 from scipy.sparse import diags
 from scipy.sparse.linalg import spsolve

@@ -6,10 +6,10 @@ import itertools
 import math
 
 import pytest
-from haptic_tracing.core.functions import Constant, Exponential, Identity
-from haptic_tracing.core.graph import HapticGraph, graph_of_scene
+from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene import HapticScene, Settings, Strategy
+from haptic_tracing.core.scene.functions import Constant, Exponential, Identity
+from haptic_tracing.core.scene.values import HapticScene, Settings, Strategy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import AMPLIFYING, METRIC, OTHER, REFERENCES, connected_scene, meets, scenes

@@ -8,11 +8,11 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.core.bands import BAND_COUNT
-from haptic_tracing.core.functions import Spectrum
-from haptic_tracing.core.graph import HapticGraph, graph_of_scene
+from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene import HapticScene, Settings, Strategy
+from haptic_tracing.core.scene.bands import BAND_COUNT
+from haptic_tracing.core.scene.functions import Spectrum
+from haptic_tracing.core.scene.values import HapticScene, Settings, Strategy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import METRIC, OTHER, connected_scene, meets, recursive_paths

@@ -6,10 +6,10 @@ import math
 
 import networkx
 import pytest
-from haptic_tracing.core.functions import Identity, Linear
-from haptic_tracing.core.graph import graph_of_scene
+from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.functions import Identity, Linear
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import AMPLIFYING, METRIC, OTHER, REFERENCES, connected_scene, meets, networkx_paths, scenes

@@ -8,14 +8,15 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from haptic_tracing.core.functions import Constant, Expression, Identity
-from haptic_tracing.core.graph import graph_of_scene
-from haptic_tracing.core.propagation import frontier, propagate
-from haptic_tracing.core.propagation.arena import build_arena
-from haptic_tracing.core.propagation.path_search import Limits, search
-from haptic_tracing.core.propagation.pieces import patches_of
-from haptic_tracing.core.propagation.walk_sums import LARGEST, Bounds
-from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.graph.haptic_graph import graph_of_scene
+from haptic_tracing.core.propagation import propagate
+from haptic_tracing.core.propagation.exact import simpath
+from haptic_tracing.core.propagation.exact.bridge_decomposition import patches_of
+from haptic_tracing.core.propagation.exact.path_search import Limits, search
+from haptic_tracing.core.propagation.exact.search_graph import build_arena
+from haptic_tracing.core.propagation.exact.walk_bounds import LARGEST, Bounds
+from haptic_tracing.core.scene.functions import Constant, Expression, Identity
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import AMPLIFYING, METRIC, OTHER, connected_scene, meets, recursive_paths
@@ -167,20 +168,20 @@ def test_frontier_gives_up_at_once():
         if a < graph.partner[a]
     ]
     edges = [(p[0][0], p[0][2]) for p in patches]
-    order, expected = frontier.order_patches(edges, dict.fromkeys(range(12), ORIGIN), 0)
+    order, expected = simpath.order_patches(edges, dict.fromkeys(range(12), ORIGIN), 0)
     assert sorted(order) == list(range(len(edges)))
     assert expected == sorted(expected)
-    crossings = frontier.plan([patches[k] for k in order], (0, int(graph.sources[0].nodes[0])))
+    crossings = simpath.plan([patches[k] for k in order], (0, int(graph.sources[0].nodes[0])))
     one = np.ones((1, 1))
     weights = [
-        frontier.Weights(
+        simpath.Weights(
             np.ones((len(c.waiting[0]) + 1, len(c.waiting[1]) + 1, 1)),
             (np.ones((len(c.waiting[0]) + 1, 1)), np.ones((len(c.waiting[1]) + 1, 1))),
             (None, None),
         )
         for c in crossings
     ]
-    running = frontier.SumOverPaths(crossings, weights, one, np.zeros((1, 1)), False, expected)
+    running = simpath.SumOverPaths(crossings, weights, one, np.zeros((1, 1)), False, expected)
     assert running.run(1000) is None
     assert running.work < 2000
 
@@ -197,10 +198,10 @@ def test_frontier_paused_again_and_again():
     """However small its steps, the sum is the same to the last bit."""
     graph = graph_of_scene(dense(6, Constant(gain_value=0.9)))
     whole = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0, tolerance=0.0), 10**9)
-    begun: list[frontier.SumOverPaths] = []
-    run = frontier.SumOverPaths.run
+    begun: list[simpath.SumOverPaths] = []
+    run = simpath.SumOverPaths.run
 
-    def in_steps(self: frontier.SumOverPaths, allowed: float):
+    def in_steps(self: simpath.SumOverPaths, allowed: float):
         begun.append(self)
         for part in np.linspace(0, allowed, 50):
             if (total := run(self, part)) is not None:
@@ -208,7 +209,7 @@ def test_frontier_paused_again_and_again():
         return None
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(frontier.SumOverPaths, "run", in_steps)
+        patch.setattr(simpath.SumOverPaths, "run", in_steps)
         paused = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0, tolerance=0.0), 10**9)
     assert begun
     assert paused.gain.tolist() == whole.gain.tolist()

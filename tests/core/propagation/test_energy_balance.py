@@ -7,11 +7,11 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.core.functions import Constant, Exponential, Identity, Linear
-from haptic_tracing.core.graph import graph_of_scene
+from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import energy_balance, propagate
 from haptic_tracing.core.propagation.elimination import eliminated
-from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.functions import Constant, Exponential, Identity, Linear
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import METRIC, OTHER, connected_scene

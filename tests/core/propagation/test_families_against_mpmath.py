@@ -10,14 +10,14 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import pytest
-from haptic_tracing.core.functions import Constant, Exponential
-from haptic_tracing.core.graph import HapticGraph, graph_of_scene
+from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import energy_balance, propagate
-from haptic_tracing.core.propagation.arena import build_arena
 from haptic_tracing.core.propagation.elimination import Elimination
-from haptic_tracing.core.propagation.pieces import patches_of
-from haptic_tracing.core.propagation.walk_sums import walk_sums
-from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.propagation.exact.bridge_decomposition import patches_of
+from haptic_tracing.core.propagation.exact.search_graph import build_arena
+from haptic_tracing.core.propagation.exact.walk_bounds import walk_sums
+from haptic_tracing.core.scene.functions import Constant, Exponential
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import connected_scene, recursive_paths

@@ -7,9 +7,9 @@ from random import Random
 
 import numpy as np
 import pytest
-from haptic_tracing.core.graph import graph_of_scene
+from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import objects_on, propagate
-from haptic_tracing.core.scene import HapticScene, Listener, Mode, Settings, Source, Strategy
+from haptic_tracing.core.scene.values import HapticScene, Listener, Mode, Settings, Source, Strategy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import METRIC, OTHER, connected_scene

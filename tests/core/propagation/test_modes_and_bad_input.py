@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.functions import Exponential, Expression, Identity
-from haptic_tracing.core.graph import NoGain, ObjectTable, build_graph, graph_of_scene
+from haptic_tracing.core.graph.haptic_graph import NoGain, ObjectTable, build_graph, graph_of_scene
 from haptic_tracing.core.propagation import objects_on, propagate
-from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Mode, Settings, Source, Strategy
+from haptic_tracing.core.scene.functions import Exponential, Expression, Identity
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Mode, Settings, Source, Strategy
 
 SCENE = HapticScene(
     objects=(HapticObject("ground", 0.2, 0.9), HapticObject("bench", 0.1, 0.8), HapticObject("kite", 0.5, 0.5)),

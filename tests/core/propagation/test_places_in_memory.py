@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.functions import Exponential, HapticTracing, Spectrum
-from haptic_tracing.core.graph import HapticGraph, ObjectTable, build_graph
+from haptic_tracing.core.graph.haptic_graph import HapticGraph, ObjectTable, build_graph
 from haptic_tracing.core.propagation import Propagation, propagate
-from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.functions import Exponential, HapticTracing, Spectrum
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import METRIC, OTHER, connected_scene
@@ -108,7 +108,7 @@ def test_same_bits_in_a_heap():
 def test_same_bits_with_any_number_of_threads():
     """Libraries for linear algebra divide large products among threads: energies with a core of some hundred subsystems."""
     code = (
-        "from test_places_in_memory import CORE, heap; from haptic_tracing.core.graph import graph_of_scene;"
+        "from test_places_in_memory import CORE, heap; from haptic_tracing.core.graph.haptic_graph import graph_of_scene;"
         "from haptic_tracing.core.propagation import propagate; print(propagate(graph_of_scene(heap(400)), CORE).gain.tobytes().hex())"
     )
     paths = [str(Path(__file__).parent), *sys.path]

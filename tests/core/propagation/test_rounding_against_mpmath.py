@@ -8,10 +8,10 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from haptic_tracing.core.functions import Constant, Exponential, Identity
-from haptic_tracing.core.graph import HapticGraph, graph_of_scene
+from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.functions import Constant, Exponential, Identity
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import connected_scene, recursive_paths

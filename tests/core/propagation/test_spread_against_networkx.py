@@ -7,10 +7,10 @@ import math
 import networkx
 import numpy as np
 import pytest
-from haptic_tracing.core.functions import Constant, Exponential, HapticTracing, Linear
-from haptic_tracing.core.graph import HapticGraph, graph_of_scene
+from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation.spread import spread
-from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Settings, Source
+from haptic_tracing.core.scene.functions import Constant, Exponential, HapticTracing, Linear
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -6,10 +6,10 @@ import math
 from fractions import Fraction
 
 import pytest
-from haptic_tracing.core.functions import Constant, Exponential, HapticTracing, Identity
-from haptic_tracing.core.graph import graph_of_scene
+from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import Propagation, objects_on, propagate
-from haptic_tracing.core.scene import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.functions import Constant, Exponential, HapticTracing, Identity
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
 
 ONE = Identity()
 ORIGIN = (0.0, 0.0, 0.0)

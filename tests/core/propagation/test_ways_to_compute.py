@@ -7,9 +7,10 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.core.graph import graph_of_scene
-from haptic_tracing.core.propagation import labels, path_search, propagate
-from haptic_tracing.core.scene import HapticScene, Settings, Strategy
+from haptic_tracing.core.graph.haptic_graph import graph_of_scene
+from haptic_tracing.core.propagation import propagate, shortest_paths
+from haptic_tracing.core.propagation.exact import path_search
+from haptic_tracing.core.scene.values import HapticScene, Settings, Strategy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import METRIC, OTHER, connected_scene, meets, recursive_paths
@@ -53,7 +54,7 @@ def test_labels(way):
 
     with pytest.MonkeyPatch.context() as patch:
         for name, value in WAYS[way].items():
-            patch.setattr(labels, name, value)
+            patch.setattr(shortest_paths, name, value)
         check()
 
 

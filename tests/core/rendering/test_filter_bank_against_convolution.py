@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from haptic_tracing.core.bands import BAND_CENTRES, BAND_COUNT, BAND_EDGES
-from haptic_tracing.core.filter_bank import bank_reach, low_pass, split_bands
+from haptic_tracing.core.render.filter_bank import bank_reach, low_pass, split_bands
+from haptic_tracing.core.scene.bands import BAND_CENTRES, BAND_COUNT, BAND_EDGES
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from haptic_tracing.core.mixing import HOLD, LOOK_AHEAD, RELEASE, Limiter
-from haptic_tracing.core.rendering import ListenerMix, Renderer, Voice, bake
+from haptic_tracing.core.render.mixing import HOLD, LOOK_AHEAD, RELEASE, Limiter
+from haptic_tracing.core.render.renderer import ListenerMix, Renderer, Voice, bake
 from haptic_tracing.core.signals import DecayingSine, Sine
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.core.formats.error import FormatError
-from haptic_tracing.core.formats.scene_json import scene_from_dict
-from haptic_tracing.core.mixdown import mixing_method
-from haptic_tracing.core.mixing import (
+from haptic_tracing.core.formats.io.error import FormatError
+from haptic_tracing.core.formats.scene.scene_json import scene_from_dict
+from haptic_tracing.core.render.mixdown import mixing_method
+from haptic_tracing.core.render.mixing import (
     MIXING_VARIABLES,
     MixingExpression,
     check_mixing,
@@ -20,8 +20,8 @@ from haptic_tracing.core.mixing import (
     strongest,
     weighted,
 )
-from haptic_tracing.core.rendering import ListenerMix, Renderer, Voice
-from haptic_tracing.core.scene import Listener
+from haptic_tracing.core.render.renderer import ListenerMix, Renderer, Voice
+from haptic_tracing.core.scene.values import Listener
 from haptic_tracing.core.signals import Constant, Decay, Sine
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from haptic_tracing.core.playback import GRAIN, Playback, grain, recorded_grain
-from haptic_tracing.core.scene import HapticObject, Listener, Source, SourceKind
+from haptic_tracing.core.render.playback import GRAIN, Playback, grain, recorded_grain
+from haptic_tracing.core.scene.values import HapticObject, Listener, Source, SourceKind
 from haptic_tracing.core.signals import DecayingSine, Sine
 from haptic_tracing.core.tracer import Frame, Tracer
 

@@ -7,9 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from haptic_tracing.core.bands import BAND_EDGES
-from haptic_tracing.core.filter_bank import bank_reach, low_pass, split_bands
-from haptic_tracing.core.rendering import ListenerMix, Renderer, Voice, bake
+from haptic_tracing.core.render.filter_bank import bank_reach, low_pass, split_bands
+from haptic_tracing.core.render.renderer import ListenerMix, Renderer, Voice, bake
+from haptic_tracing.core.scene.bands import BAND_EDGES
 from haptic_tracing.core.signals import Adsr, Constant, DecayingSine, Noise, Sampled, Signal, Sine, Square
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -165,9 +165,7 @@ signals = st.sampled_from(
     st.integers(0, 99),
 )
 @settings(deadline=None, max_examples=100)
-def test_frames_cut_into_blocks_give_the_same(
-    kinds: list[tuple[Signal, float, bool, bool]], cuts: list[float], seed: int
-) -> None:
+def test_frames_cut_into_blocks_give_the_same(kinds: list[tuple[Signal, float, bool, bool]], cuts: list[float], seed: int) -> None:
     """Gains, delays and priorities are functions of time here: how finely it is cut does not show."""
     random = np.random.default_rng(seed)
     whole = frames(10)

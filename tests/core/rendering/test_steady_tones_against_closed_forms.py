@@ -5,12 +5,12 @@ from __future__ import annotations
 import mpmath
 import numpy as np
 import pytest
-from haptic_tracing.core.filter_bank import bank_reach, bank_response, split_bands
-from haptic_tracing.core.rendering import ListenerMix, Renderer, Voice
+from haptic_tracing.core.render.filter_bank import bank_reach, bank_response, split_bands
+from haptic_tracing.core.render.renderer import ListenerMix, Renderer, Voice
+from haptic_tracing.core.render.tone_paths import TonePaths
 from haptic_tracing.core.signals import Adsr, Noise, Sampled, Signal, Sine
 from haptic_tracing.core.signals.interpolation import interpolate, local_polynomials
 from haptic_tracing.core.signals.sine import sine
-from haptic_tracing.core.tone_paths import TonePaths
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -60,7 +60,7 @@ def test_unknown_material_is_named() -> None:
 
 
 def test_every_material_that_can_be_hit_has_an_impact():
-    from haptic_tracing.core.materials import MATERIALS
+    from haptic_tracing.core.scene.materials import MATERIALS
     from haptic_tracing.core.signals import impact_material
 
     assert [name for name in MATERIALS if impact_material(name) is None] == ["air"]

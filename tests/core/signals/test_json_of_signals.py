@@ -83,8 +83,9 @@ def test_crossfades_cannot_multiply_the_work() -> None:
 
 json_values = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5) | st.sampled_from(list(SIGNAL_KINDS)),
-    lambda inner: st.lists(inner, max_size=4)
-    | st.dictionaries(st.text(max_size=3) | st.sampled_from(["signal", "of", "times", "values"]), inner),
+    lambda inner: (
+        st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=3) | st.sampled_from(["signal", "of", "times", "values"]), inner)
+    ),
     max_leaves=12,
 )
 

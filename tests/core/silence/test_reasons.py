@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.shapes import Box, Sphere
 from haptic_tracing.core.contacts.tracker import Body, ContactSettings, Motion
-from haptic_tracing.core.functions import Exponential, Linear
-from haptic_tracing.core.scene import HapticObject, Listener, Settings, Source
+from haptic_tracing.core.diagnosis.silence import Cause, Surroundings, reasons
+from haptic_tracing.core.scene.functions import Exponential, Linear
+from haptic_tracing.core.scene.values import HapticObject, Listener, Settings, Source
 from haptic_tracing.core.signals import Sampled, Sine
-from haptic_tracing.core.silence import Cause, Surroundings, reasons
 from haptic_tracing.core.tracer import Frame, Tracer
 
 CONTACTS = ContactSettings()

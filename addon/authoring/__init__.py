@@ -1,0 +1,1 @@
+"""Edits that several operators share: materials, body listeners, signals."""

@@ -1,0 +1,137 @@
+"""Listeners placed on a body: on the bones of an armature, or in the bounding box of a mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import bpy
+from bpy.types import Collection, Object
+from mathutils import Matrix, Vector
+
+from ...core.scene.body import BODY_PART, BodyPart
+from ...core.scene.skeleton import Bone, Place, partner, places
+
+# Where the parts of a standing body are in its bounding box: from the middle to the side (left is +x), from front (-y) to back, height.
+_PLACES = {
+    "head": (0.0, 0.5, 0.93),
+    "ear": (0.15, 0.5, 0.93),
+    "chest": (0.2, 0.2, 0.76),
+    "belly": (0.0, 0.2, 0.62),
+    "hips": (0.0, 0.5, 0.52),
+    "upper_back": (0.3, 0.8, 0.78),
+    "middle_back": (0.3, 0.8, 0.62),
+    "upper_arm": (0.6, 0.5, 0.73),
+    "forearm": (0.85, 0.5, 0.6),
+    "hand": (0.95, 0.5, 0.48),
+    "index_finger": (0.97, 0.4, 0.43),
+    "upper_leg": (0.35, 0.5, 0.4),
+    "lower_leg": (0.35, 0.5, 0.2),
+    "foot": (0.35, 0.35, 0.03),
+}
+
+
+def listeners_on(body: Object) -> dict[str, Object]:
+    """The listeners that a body or armature carries, by body part."""
+    return {child.haptics.listener.body_part: child for child in body.children if child.haptics.listener.enabled}
+
+
+def place_on_mesh(body: Object, parts: Sequence[BodyPart], collection: Collection) -> None:
+    """Empties as listeners where a standing body that fills the bounding box of ``body`` has the parts."""
+    corners = [Vector(corner) for corner in body.bound_box]
+    low = Vector(map(min, zip(*corners, strict=True)))
+    high = Vector(map(max, zip(*corners, strict=True)))
+    for part in parts:
+        offset, depth, height = _PLACES[part.name.partition(".")[0]]
+        across = 0.5 + {"L": 0.5, "R": -0.5, "": 0.0}[part.side] * offset
+        local = Vector(low[axis] + fraction * (high[axis] - low[axis]) for axis, fraction in enumerate((across, depth, height)))
+        listener = add_listener(part, f"{body.name} {part.name}", collection)
+        attach(listener, body, "", body.matrix_world @ local)
+
+
+def bones_of(armature: Object) -> list[Bone]:
+    """The bones at rest, in the armature's space."""
+    return [Bone(bone.name, tuple(bone.head_local), tuple(bone.tail_local)) for bone in armature.data.bones]
+
+
+def place_on_bones(armature: Object, parts: Sequence[BodyPart], collection: Collection) -> list[BodyPart]:
+    """Empties as listeners, each parented to the bone of its part. Returns the parts that the armature has no bone for.
+
+    Raises ValueError in words where it is no armature of a body.
+    """
+    found: Mapping[str, Place] = places(bones_of(armature), parts)
+    for part in parts:
+        place = found.get(part.name)
+        if place is not None:
+            listener = add_listener(part, f"{armature.name} {part.name}", collection)
+            attach(listener, armature, place.bone, posed(armature, place.bone, Vector(place.position)))
+    return [part for part in parts if part.name not in found]
+
+
+def posed(armature: Object, bone: str, rest: Vector) -> Vector:
+    """Where a point of a bone is in the world now; ``rest`` is where it is at rest, in the armature's space."""
+    local = armature.data.bones[bone].matrix_local.inverted() @ rest
+    return armature.matrix_world @ armature.pose.bones[bone].matrix @ local
+
+
+def add_listener(part: BodyPart, name: str, collection: Collection) -> Object:
+    """An empty, drawn as the bounding volume of the part, that is a listener."""
+    empty = bpy.data.objects.new(name, None)
+    collection.objects.link(empty)
+    empty.empty_display_type = "SPHERE"
+    listener = empty.haptics.listener
+    listener.enabled = True
+    listener.body_part = part.name
+    listener.radius = part.radius
+    empty.empty_display_size = part.radius
+    return empty
+
+
+def attach(obj: Object, parent: Object, bone: str, place: Vector) -> None:
+    """Parent an object, to a bone where one is named, and put it at ``place`` in the world, neither turned nor scaled."""
+    carried = parent.matrix_world
+    obj.parent = parent
+    if bone:
+        obj.parent_type, obj.parent_bone = "BONE", bone
+        carried = carried @ parent.pose.bones[bone].matrix @ Matrix.Translation((0, parent.data.bones[bone].length, 0))
+    obj.matrix_parent_inverse = carried.inverted_safe()
+    obj.matrix_basis = Matrix.Translation(place)
+
+
+def armature_of(obj: Object) -> Object | None:
+    """The armature that an object is, or that moves it."""
+    if obj.type == "ARMATURE":
+        return obj
+    return obj.find_armature() if obj.type == "MESH" else None
+
+
+def skins(armature: Object) -> list[Object]:
+    """The meshes that an armature moves, the largest first."""
+    moved = [obj for obj in armature.children_recursive if obj.type == "MESH" and obj.find_armature() == armature]
+    return sorted(moved, key=lambda obj: -obj.dimensions.length)
+
+
+def mirrored(listener: Object) -> Object:
+    """The listener's partner on the other side of the body, with its settings; made where there is none."""
+    part = BODY_PART[listener.haptics.listener.body_part]
+    other = BODY_PART[part.mirror]
+    parent = listener.parent
+    siblings = listeners_on(parent) if parent is not None else {}
+    partner = siblings.get(other.name)
+    if partner is None:
+        partner = add_listener(other, bpy.utils.flip_name(listener.name), listener.users_collection[0])
+        place = listener.matrix_world.translation
+        if parent is None:
+            partner.matrix_basis = Matrix.Translation(Vector((-place.x, place.y, place.z)))
+        else:
+            local = parent.matrix_world.inverted_safe() @ place
+            attach(partner, parent, _other_bone(parent, listener), parent.matrix_world @ Vector((-local.x, local.y, local.z)))
+    for name in ("radius", "gain", "mixing", "mixing_expression", "s_max", "limiter"):
+        setattr(partner.haptics.listener, name, getattr(listener.haptics.listener, name))
+    return partner
+
+
+def _other_bone(parent: Object, listener: Object) -> str:
+    """The bone on the other side; the same where it has no partner."""
+    if listener.parent_type != "BONE":
+        return ""
+    return partner(listener.parent_bone, (bone.name for bone in parent.data.bones))

@@ -1,0 +1,108 @@
+"""Materials put into a scene's library, and objects made of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from bpy.types import Context, Object, Scene
+
+from ...core.scene.materials import Material, guess, is_wide_and_flat
+from ..blender.progress import progress
+from ..properties.materials import HapticMaterial, holders, unique_name, values_of, write_values
+
+
+def preset_values(material: Material) -> dict[str, object]:
+    """The values of a preset as a library holds them."""
+    return {
+        "kappa": material.kappa,
+        "rho": material.rho,
+        "wave_speed": material.wave_speed,
+        "use_bands": False,  # at first the paper's function alone, whose gains the overlay shows; delays cost time to trace, too
+        "band_decays": material.band_decays,
+        "conductivity": material.conductivity,
+    }
+
+
+def add(scene: Scene, name: str, values: dict[str, object]) -> HapticMaterial:
+    """A new material of the scene's library, which gets a number where its name is taken."""
+    library = scene.haptics.materials
+    name = unique_name(name, {item.name for item in library.items})
+    item = library.items.add()
+    item.known_as = name
+    item.name = name
+    for key, value in values.items():
+        setattr(item, key, value)
+    library.active = len(library.items) - 1
+    return item
+
+
+def preset_in(scene: Scene, material: Material) -> HapticMaterial:
+    """The material of the scene's library that carries the preset's title; it is put there where there is none."""
+    return scene.haptics.materials.items.get(material.title) or add(scene, material.title, preset_values(material))
+
+
+def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
+    """Make objects of a material: they take its values, now and when it changes."""
+    name, values = item.name, values_of(item)
+    for obj in progress(objects):
+        write_values(obj, values)
+        if obj.haptics.material.name != name:
+            obj.haptics.material.name = name
+
+
+def copy(scene: Scene, item: HapticMaterial) -> HapticMaterial:
+    """A copy in the library, that nothing is made of yet."""
+    values = {**values_of(item), "wave_speed": item.wave_speed, "use_delay": item.use_delay}
+    return add(scene, item.name, values)
+
+
+def own_values(obj: Object) -> dict[str, object]:
+    """The values that an object has itself, as a material of the library holds them."""
+    values = _held(obj)
+    return {**values, "use_delay": values["wave_speed"] > 0}
+
+
+def _held(obj: Object) -> dict[str, object]:
+    return {
+        name: tuple(value) if name == "band_decays" else value
+        for name, holder in holders(obj).items()
+        for value in (getattr(holder, name),)
+    }
+
+
+def targets(context: Context, target: str) -> list[Object]:
+    """What "selected", "children" or "collection" means now: objects that vibration can pass through and that can be edited."""
+    match target:
+        case "CHILDREN":
+            found = {child for obj in context.selected_objects for child in (obj, *obj.children_recursive)}
+            objects: Iterable[Object] = (obj for obj in context.view_layer.objects if obj in found)
+        case "COLLECTION":
+            objects = context.object.users_collection[0].all_objects if context.object and context.object.users_collection else ()
+        case _:
+            objects = context.selected_objects
+    return list(objects)
+
+
+def guessed(obj: Object) -> Material | None:
+    """The material that an object is probably made of: by the names of its surfaces, its own and its mesh's, its shape and its mass."""
+    names = [slot.material.name for slot in obj.material_slots if slot.material is not None]
+    names += [obj.name] + ([obj.data.name] if obj.data is not None else [])
+    body = obj.rigid_body
+    mass = body.mass if body is not None and body.mass != 1.0 else None  # 1 kg is what nobody has set
+    return guess(names, tuple(obj.dimensions), mass)
+
+
+def is_ground(obj: Object) -> bool:
+    """True for what is so wide and flat that it carries other things."""
+    return is_wide_and_flat(tuple(obj.dimensions))
+
+
+def apply_guesses(scene: Scene, objects: Sequence[Object]) -> int:
+    """Make objects of what they are probably made of; how many tell it."""
+    known = 0
+    for obj in progress(objects):
+        material = guessed(obj)
+        if material is not None:
+            apply([obj], preset_in(scene, material))
+            known += 1
+    return known

@@ -1,0 +1,1 @@
+"""What Blender lacks or does differently from version to version."""

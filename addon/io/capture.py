@@ -1,0 +1,121 @@
+"""Frames of a scene, stepped and traced one after the other, gathered into what is written."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from contextlib import closing
+from dataclasses import replace
+
+import bpy
+import numpy as np
+
+from ...core.contacts.authored import rows_of
+from ...core.contacts.contact_set import ContactSet
+from ...core.formats.export import Export
+from ...core.formats.scene.recording import Recorder
+from ...core.formats.tracks.track_recorder import Take
+from ...core.render.frame_result import FrameResult
+from ..bake import storage
+from ..bake.playback import compare
+from ..bake.track import HapticTrack
+from ..session import session, timeline
+from .frame_scene import within, written_export, written_frame
+
+
+class Capture:
+    """The frames ``start`` to ``end`` of ``scene``; ``names``: only those objects, sources and listeners, though all are traced.
+
+    ``recorded``: the scene and what changes in it. ``felt``: the samples of the listeners. What is only felt comes from the baked track
+    where there is one of the range and nothing has changed since.
+    """
+
+    def __init__(
+        self, scene: bpy.types.Scene, start: int, end: int, recorded: bool, felt: bool, names: Collection[str] | None = None
+    ) -> None:
+        self.scene, self.start, self.end, self.names = scene, start, end, names
+        self._recorder = Recorder(scene.render.fps / scene.render.fps_base, scene.frame_start) if recorded else None
+        self._take = Take() if felt else None
+        self._first: Export | None = None
+
+    @property
+    def frames(self) -> int:
+        """How many."""
+        return self.end - self.start + 1
+
+    def steps(self) -> Iterator[int]:
+        """Trace the frames; each is yielded when it is done. When it ends or is closed, the scene's frame is what it was.
+
+        Raises ValueError in words for a frame that can't be traced, and for an empty range.
+        """
+        if self.frames < 1:
+            raise ValueError(f"The frame range {self.start} to {self.end} is empty")
+        with closing(self._results()) as results:
+            for result in results:
+                self._add(result)
+                yield result.number
+
+    def export(self, name: str) -> Export:
+        """All that was gathered, called ``name``."""
+        tracks = self._take.tracks() if self._take is not None else None
+        if tracks is not None and not tracks.listeners:
+            tracks = None
+        if self._recorder is None or self._first is None:
+            return Export(name, tracks=tracks)
+        first = self._first.need_scene()
+        scene = replace(self._recorder.scene(), settings=first.settings, extras=first.extras)
+        return replace(self._first, name=name, scene=scene, tracks=tracks, recording=self._recorder.recording())
+
+    def _results(self) -> Iterator[FrameResult]:
+        track = None if self._recorder is not None else baked(self.scene, self.start, self.end)
+        if track is None:
+            with closing(timeline.steps(self.scene, self.start, self.end)) as steps:
+                for step in steps:
+                    yield step.result
+            return
+        for frame in range(self.start, self.end + 1):
+            result = track.result(frame)
+            assert result is not None  # the track has the range
+            # What is heard at the first frame was felt on the way to it.
+            yield replace(result, block=None) if frame == self.start else result
+
+    def _add(self, result: FrameResult) -> None:
+        if self._take is not None:
+            self._take.add(result if self.names is None else felt_within(result, self.names))
+        if self._recorder is None:
+            return
+        reading = session.of(self.scene).reading
+        assert reading is not None  # the frame was traced
+        frame = written_frame(result, reading, self.scene)
+        frame = frame if self.names is None else within(frame, self.names)
+        if self._first is None:
+            self._first = written_export("", self.scene, frame, self.names)
+        contacts = contacts_within(result.contacts, result.objects, {item.name for item in frame.objects})
+        self._recorder.add(result.number, frame.objects, frame.sources, frame.listeners, contacts, result.objects)
+
+
+def baked(scene: bpy.types.Scene, start: int, end: int) -> HapticTrack | None:
+    """The scene's baked track where it has the frames and nothing has changed since it was made."""
+    track = storage.track_of(scene)
+    if track is None or start < track.frame_start or end > track.frame_end or compare(scene, track):
+        return None
+    return track
+
+
+def felt_within(result: FrameResult, names: Collection[str]) -> FrameResult:
+    """A frame with only the listeners of these names."""
+    rows = [i for i, item in enumerate(result.listeners) if item.name in names]
+    return replace(
+        result,
+        listeners=tuple(result.listeners[i] for i in rows),
+        gains=result.gains[:, rows],
+        block=None if result.block is None else result.block[rows],
+    )
+
+
+def contacts_within(contacts: ContactSet, objects: Collection[str], names: Collection[str]) -> ContactSet:
+    """Those between objects of these names; ``objects`` are the names that ``contacts`` numbers."""
+    inside = np.array([name in names for name in objects], dtype=np.bool_)
+    if inside.all():
+        return contacts
+    chosen = inside[contacts.pairs].all(axis=1)
+    return rows_of(contacts, chosen)

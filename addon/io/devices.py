@@ -1,0 +1,127 @@
+"""The devices of a scene file: what their actuators play, from listeners' choices, and as these.
+
+A listener that is felt automatically is written with the actuators at its body part of all devices whose profile is known, so that others
+need not know how they are chosen; read again, the same choice is the automatic one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.types import Object, Scene
+
+from ...core.devices.mapping import Place, map_listeners
+from ...core.devices.profiles import BUILT_IN, Profile, load_profiles
+from ...core.formats.scene.devices import ActuatorMapping, DeviceMapping
+from ...core.scene.values import Listener
+from ..blender.single_precision import shortest
+from ..live_output.player import AUTOMATIC, MUTED, choice_of, places_of
+from ..operators.live_output import profile_folders
+from ..scene_reader.imported import kept_device, text_of
+
+ADJUSTED = ("gain", "floor", "curve", "ceiling", "offset")
+"""Properties of a device that stand in its extras, under `EXTRAS`, where they are not as they come."""
+EXTRAS = "blender"
+
+
+def written_devices(scene: Scene, listeners: Sequence[Listener]) -> tuple[DeviceMapping, ...]:
+    """The devices that a scene knows of, in the order of their names, with what they play of ``listeners``."""
+    settings = scene.haptics.live_output.devices
+    choices = {item.name: _choice(bpy.data.objects.get(item.name)) for item in listeners}
+    named = {place.device for choice in choices.values() for place in places_of(choice) or ()}
+    names = sorted({*settings.keys(), *named} - {""})
+    kept = {name: kept_device(settings[name].imported if name in settings else "") for name in names}
+    profiles = {name: known.profile or profile_name(name) for name, known in kept.items()}
+    found = automatic({item.name: item.body_part for item in listeners}, profiles)
+    felt = {name: found[name] if choice == AUTOMATIC else places_of(choice) or [] for name, choice in choices.items()}
+    return tuple(
+        DeviceMapping(
+            name=name,
+            profile=profiles[name],
+            actuators=tuple(
+                ActuatorMapping(place.actuator, listener, place.gain)
+                for listener in sorted(felt)
+                for place in sorted(set(felt[listener]), key=lambda place: place.actuator)
+                if place.device == name and place.actuator
+            ),
+            extras={**known.extras, **_adjusted(settings.get(name))},
+        )
+        for name, known in kept.items()
+    )
+
+
+def take_devices(scene: Scene, devices: Sequence[DeviceMapping], listeners: Mapping[str, Object]) -> None:
+    """Make a scene know ``devices``; ``listeners``: Blender's objects by their names in the file."""
+    settings = scene.haptics.live_output.devices
+    for device in devices:
+        own = settings.get(device.name) or settings.add()
+        own.name = device.name
+        extras = dict(device.extras)
+        adjusted = extras.pop(EXTRAS, None)
+        for key in ADJUSTED if isinstance(adjusted, dict) else ():
+            if isinstance(adjusted.get(key), int | float):
+                setattr(own, key, adjusted[key])
+        profile = device.profile if device.profile != profile_name(device.name) else None
+        own.imported = text_of(profile=profile, extras=extras)
+    parts = {name: obj.haptics.listener.body_part for name, obj in listeners.items()}
+    found = automatic(
+        {name: "" if part == "NONE" else part for name, part in parts.items()}, {device.name: device.profile for device in devices}
+    )
+    for name, obj in listeners.items() if devices else ():
+        if is_muted(obj):
+            continue
+        places = [Place(device.name, item.actuator, item.gain) for device in devices for item in device.actuators if item.listener == name]
+        plain = set(places) == set(found[name]) and all(place.gain == 1.0 for place in places)
+        obj.haptics.live_output.actuators = AUTOMATIC if plain else choice_of(places)
+
+
+def is_muted(obj: Object | None) -> bool:
+    """Whether a listener is chosen to be felt nowhere."""
+    return _choice(obj) == MUTED
+
+
+def automatic(parts: Mapping[str, str], profiles: Mapping[str, str]) -> dict[str, list[Place]]:
+    """The actuators that listeners (by name: body part) are felt through of themselves, of devices (by name: profile) that are known."""
+    known = {name: _profiles()[profile] for name, profile in profiles.items() if profile in _profiles()}
+    weights = map_listeners(parts, known).weights
+    return {
+        listener: [
+            Place(name, actuator.name)
+            for name, profile in known.items()
+            for row, actuator in enumerate(profile.actuators)
+            if weights[name][row, column]
+        ]
+        for column, listener in enumerate(parts)
+    }
+
+
+def profile_name(device: str) -> str:
+    """The profile of a device by the name that it has here, which begins with it; of one without a profile its own name."""
+    fitting = [name for name in _profiles() if device == name or device.startswith(f"{name} ")]
+    return max(fitting, key=len, default=device)
+
+
+def _profiles() -> Mapping[str, Profile]:
+    return _loaded(profile_folders())
+
+
+@cache
+def _loaded(folders: tuple[Path, ...]) -> Mapping[str, Profile]:
+    return load_profiles((BUILT_IN, *(folder for folder in folders if folder.is_dir())))[0]
+
+
+def _choice(obj: Object | None) -> str:
+    return obj.haptics.live_output.actuators if obj is not None else AUTOMATIC
+
+
+def _adjusted(settings: Any) -> dict[str, Any]:
+    if settings is None:
+        return {}
+    changed = {key: shortest(getattr(settings, key)) for key in ADJUSTED if settings.is_property_set(key)}
+    defaults = {key: shortest(settings.bl_rna.properties[key].default) for key in ADJUSTED}
+    used = {key: value for key, value in changed.items() if value != defaults[key]}
+    return {EXTRAS: used} if used else {}

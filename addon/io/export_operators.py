@@ -1,0 +1,284 @@
+"""File > Export: haptic scenes and haptic tracks; collections export the same way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
+from bpy.types import Context, Event, Operator, Scene, UILayout
+from bpy_extras.io_utils import ExportHelper
+
+from ...core.formats import registry
+from ...core.formats.export import Export
+from ...core.formats.scene.haptic_scene import write_export
+from ...core.formats.scene.recording import Recording
+from ...core.formats.tracks.tracks import ListenerTrack, Tracks
+from ...core.modalities import ModalityScene
+from ...core.scene.values import HapticScene
+from ..blender import job
+from ..panels.drawing import wrapped
+from ..properties.modalities import SHOWN
+from ..session import session
+from .capture import Capture
+from .format_options import chosen, draw_options, option_properties
+from .frame_scene import scene_of_frame, scene_of_result, within, written_export
+
+TRACK_FORMATS = tuple(name for name in registry.FORMATS if name != "scene")
+SCENE_ENDINGS = (".json.gz", ".json")
+LINE = 34
+"""Characters of a line in the file browser's sidebar."""
+MOST_REPORTED = 12
+
+_RANGE = {
+    "frame_start": IntProperty(name="Start", description="First frame", default=1),
+    "frame_end": IntProperty(name="End", description="Last frame", default=250),
+    "collection": StringProperty(name="Collection", description="Only the objects of this collection", options={"HIDDEN", "SKIP_SAVE"}),
+}
+
+
+class RangeExport(ExportHelper):
+    """Mixin: a range of frames, the objects of a collection, losses shown beforehand."""
+
+    __annotations__ = dict(_RANGE)
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        if not self.properties.is_property_set("frame_end"):
+            self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
+        return ExportHelper.invoke(self, context, event)
+
+    def names(self) -> Collection[str] | None:
+        """The objects to export; None: all. Raises ValueError where there is no such collection."""
+        if not self.collection:
+            return None
+        collection = bpy.data.collections.get(self.collection)
+        if collection is None:
+            raise ValueError(f"There is no collection '{self.collection}'")
+        return {obj.name_full for obj in collection.all_objects}
+
+    def captured(self, context: Context, recorded: bool, felt: bool, finish: Callable[[Export], list[job.Report]]) -> set[str]:
+        """Step through the range, then ``finish``."""
+        capture = Capture(context.scene, self.frame_start, self.frame_end, recorded, felt, self.names())
+        name = export_name(self.filepath)
+        return job.run(self, context, job.Job("Exporting", capture.frames, capture.steps(), lambda: finish(capture.export(name))))
+
+    def draw_range(self, layout: UILayout) -> None:
+        column = layout.column(align=True)
+        column.prop(self, "frame_start", text="Frame Start")
+        column.prop(self, "frame_end")
+
+
+class HAPTIC_OT_export_scene(Operator, RangeExport):
+    """Write the haptic objects, sources, listeners and contacts as a haptic scene"""
+
+    bl_idname = "export_scene.haptic_scene"
+    bl_label = "Export Haptic Scene"
+    bl_options = {"PRESET"}
+
+    filter_glob: StringProperty(default="*.json;*.json.gz", options={"HIDDEN"})
+    frames: EnumProperty(
+        name="Frames",
+        description="What is written",
+        items=(
+            ("CURRENT", "This Frame", "The scene as it stands now"),
+            ("RANGE", "Range", "The scene at the first frame, and what changes from frame to frame"),
+        ),
+        default="CURRENT",
+    )
+    tracks: EnumProperty(
+        name="Tracks",
+        description="What the listeners feel, rendered",
+        items=(
+            ("none", "None", "Not written: the scene can be rendered again"),
+            ("inline", "In the File", "Within the JSON"),
+            ("wav", "Beside It", "As a WAV file of the same name"),
+        ),
+        default="none",
+    )
+    encoding: EnumProperty(
+        name="Encoding",
+        description="Of the tracks",
+        items=(("pcm16", "16 Bit", ""), ("float32", "Float", "Without any loss of range")),
+        default="pcm16",
+    )
+    compressed: BoolProperty(name="Compressed", description="Packed, as .json.gz", default=False)
+
+    @property
+    def filename_ext(self) -> str:
+        return ".json.gz" if self.compressed else ".json"
+
+    def check(self, context: Context) -> bool:
+        path = with_ending(self.filepath, SCENE_ENDINGS, self.filename_ext)
+        changed = path != self.filepath
+        self.filepath = path
+        return changed
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(self, "frames", expand=True)
+        if self.frames == "RANGE":
+            self.draw_range(layout)
+            layout.prop(self, "tracks")
+            if self.tracks != "none":
+                layout.prop(self, "encoding")
+        layout.prop(self, "compressed")
+        draw_losses(layout, "scene", expected(context.scene, self.frames == "RANGE"), self._options())
+
+    def execute(self, context: Context) -> set[str]:
+        if not self.filepath.lower().endswith(SCENE_ENDINGS):
+            self.filepath += self.filename_ext
+        try:
+            if self.frames == "RANGE":
+                return self.captured(context, True, self.tracks != "none", self._writer())
+            reports = self._writer()(self._current(context))
+        except (ValueError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for kind, text in reports:
+            self.report(kind, text)
+        return {"FINISHED"}
+
+    def _current(self, context: Context) -> Export:
+        scene, names = current_scene(context), self.names()
+        scene = scene if names is None else within(scene, names)
+        return written_export(export_name(self.filepath), context.scene, scene, names)
+
+    def _writer(self) -> Callable[[Export], list[job.Report]]:
+        """What writes the file once all frames are stepped: this operator is gone by then."""
+        path, options = Path(bpy.path.abspath(self.filepath)), self._options()
+
+        def write(export: Export) -> list[job.Report]:
+            tracks = options["tracks"] if export.tracks is not None else "none"
+            files = write_export(export, path, tracks=tracks, encoding=options["encoding"])
+            return written(files, registry.losses("scene", export, options))
+
+        return write
+
+    def _options(self) -> dict[str, Any]:
+        return {"tracks": self.tracks if self.frames == "RANGE" else "none", "encoding": self.encoding}
+
+
+class HAPTIC_OT_export_tracks(Operator, RangeExport):
+    """Write what the haptic listeners feel over a range of frames"""
+
+    bl_idname = "export_scene.haptic_tracks"
+    bl_label = "Export Haptic Tracks"
+    bl_options = {"PRESET"}
+    __annotations__ = {
+        "filter_glob": StringProperty(default=";".join(f"*{registry.suffix(name)}" for name in TRACK_FORMATS), options={"HIDDEN"}),
+        "format": EnumProperty(
+            name="Format",
+            description="Where it will be felt",
+            items=[(name, registry.label(name), "") for name in TRACK_FORMATS],
+            default="wav",
+        ),
+        **option_properties(TRACK_FORMATS),
+    }
+
+    @property
+    def filename_ext(self) -> str:
+        return registry.suffix(self.format)
+
+    def check(self, context: Context) -> bool:
+        path = with_ending(self.filepath, [registry.suffix(name) for name in TRACK_FORMATS], self.filename_ext)
+        changed = path != self.filepath
+        self.filepath = path
+        return changed
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(self, "format")
+        self.draw_range(layout)
+        draw_options(layout, self, self.format)
+        draw_losses(layout, self.format, expected(context.scene, True, self.collection), chosen(self, self.format))
+
+    def execute(self, context: Context) -> set[str]:
+        try:
+            return self.captured(context, False, True, self._writer())
+        except (ValueError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+
+    def _writer(self) -> Callable[[Export], list[job.Report]]:
+        """As that of a scene."""
+        name, folder, options = self.format, Path(bpy.path.abspath(self.filepath)).parent, chosen(self, self.format)
+
+        def write(export: Export) -> list[job.Report]:
+            done = registry.write(name, export, folder, options)
+            return written(done.files, done.losses)
+
+        return write
+
+
+def current_scene(context: Context) -> HapticScene:
+    """The current frame: as it was traced last, with the impacts that still ring, else traced now. Raises ValueError in words."""
+    scene = context.scene
+    depsgraph = context.evaluated_depsgraph_get()
+    result, reading = session.result_of(scene), session.of(scene).reading
+    is_traced = result is not None and "propagate" in result.milliseconds  # not read from a baked track
+    if scene.haptics.tracing and is_traced and reading is not None and result.number == scene.frame_current:
+        return scene_of_result(result, reading, scene)
+    return scene_of_frame(scene, depsgraph)
+
+
+def expected(scene: Scene, ranged: bool, collection: str = "") -> Export:
+    """What would be exported, without a sample: enough to say what a format can't carry."""
+    inside = bpy.data.collections.get(collection)
+    objects = scene.objects if inside is None else inside.all_objects
+    tagged = [obj for obj in objects if obj.haptics.listener.enabled]
+    parts = [(obj.name_full, obj.haptics.listener.body_part) for obj in tagged]
+    listeners = tuple(ListenerTrack(name, "" if part == "NONE" else part) for name, part in parts)
+    tracks = Tracks(listeners, 8000, np.zeros((len(listeners), 1))) if ranged and listeners else None
+    modalities = tuple(ModalityScene(item) for item in SHOWN if getattr(scene.haptics.modalities, item.name).enabled)
+    return Export("scene", HapticScene(), tracks, Recording(1.0, 1, ()) if ranged else None, modalities=modalities)
+
+
+def draw_losses(layout: UILayout, name: str, export: Export, options: dict[str, Any]) -> None:
+    """What a format can't carry, or why it can't be written."""
+    try:
+        losses = registry.losses(name, export, options)
+    except ValueError as error:
+        losses, heading, icon = (str(error).partition(": ")[2] or str(error),), "Can't be written", "ERROR"
+    else:
+        heading, icon = ("Not in these files", "INFO") if losses else ("Everything is carried", "CHECKMARK")
+    box = layout.box()
+    box.label(text=heading, icon=icon)
+    for loss in losses:
+        column = box.column(align=True)
+        for line in wrapped(loss, LINE):
+            column.label(text=line)
+
+
+def written(files: Collection[Path], losses: Collection[str]) -> list[job.Report]:
+    """What is reported of files that were written, and of what they can't carry."""
+    names = [path.name for path in files]
+    shown = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+    reports: list[job.Report] = [({"INFO"}, f"Not in {'these files' if len(names) > 1 else 'this file'}: {loss}") for loss in losses]
+    return [*reports[:MOST_REPORTED], ({"INFO"}, f"Written: {shown}")]
+
+
+def with_ending(path: str, known: Collection[str], ending: str) -> str:
+    """``path`` with ``ending`` in place of the known one that it has."""
+    if not path or path.endswith(("/", "\\")):
+        return path
+    has = next((suffix for suffix in sorted(known, key=len, reverse=True) if path.lower().endswith(suffix)), "")
+    return path[: len(path) - len(has)] + ending
+
+
+def export_name(path: str) -> str:
+    """What files are called after: the chosen name without its ending."""
+    name = Path(path).name
+    for suffix in SCENE_ENDINGS:
+        name = name[: -len(suffix)] if name.lower().endswith(suffix) else name
+    stem = Path(name).stem if Path(name).suffix in {registry.suffix(form) for form in TRACK_FORMATS} else name
+    return stem or "haptics"
+
+
+CLASSES = (HAPTIC_OT_export_scene, HAPTIC_OT_export_tracks)

@@ -1,0 +1,158 @@
+"""The haptic scene of a traced frame: the very numbers that it was traced from.
+
+Written, imported and written again, a frame gives the same bytes: what stands and touches where a file put it is traced with that file's
+numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+from typing import Any, TypeVar
+
+import bpy
+from bpy.types import Depsgraph, Object
+
+from ...core.formats.export import Export
+from ...core.formats.scene.recording import pair_of
+from ...core.modalities import ModalityScene
+from ...core.render.frame_result import FrameResult
+from ...core.scene.values import Contact, HapticObject, HapticScene, Listener, Source, SourceKind
+from ..blender.single_precision import shortest
+from ..properties.modalities import SHOWN
+from ..scene_reader.imported import KeptContacts, kept_contacts, kept_listener, kept_object, kept_scene, kept_source
+from ..scene_reader.modalities import read_modality
+from ..scene_reader.reader import Reading
+from ..session import session
+from .devices import is_muted, written_devices
+from .materials import NAMED, written_materials
+
+T = TypeVar("T")
+
+AUTHORED = (
+    "contact_tolerance",
+    "patch_points",
+    "impacts",
+    "minimum_energy",
+    "maximum_energy",
+    "impact_energy",
+    "refractory_time",
+)
+"""Properties of a scene that its settings in the file don't hold; they stand in its extras, under `EXTRAS`."""
+EXTRAS = "blender"
+MUTED = "muted"
+"""True in the extras of a listener that is chosen to be felt nowhere."""
+
+
+def scene_of_frame(scene: bpy.types.Scene, depsgraph: Depsgraph) -> HapticScene:
+    """The haptic scene as it stands in the current frame, contacts included. Raises ValueError in words where nothing can be traced."""
+    result = session.trace(scene, depsgraph)
+    reading = session.of(scene).reading
+    if result is None or reading is None:
+        problems = session.problems_of(scene)
+        raise ValueError(problems[0].message if problems else "Nothing is tagged: select objects and press Make Haptic")
+    return scene_of_result(result, reading, scene)
+
+
+def scene_of_result(result: FrameResult, reading: Reading, scene: bpy.types.Scene) -> HapticScene:
+    """The haptic scene of a traced frame of ``scene`` and the reading that it was traced from. Lists are in the order of names."""
+    return replace(written_frame(result, reading, scene), contacts=_contacts(result, kept_contacts(scene.haptics.imported_contacts)))
+
+
+def written_frame(result: FrameResult, reading: Reading, scene: bpy.types.Scene) -> HapticScene:
+    """`scene_of_result` without contacts."""
+    found = {obj.name_full: obj for obj in bpy.data.objects}
+    return HapticScene(
+        objects=_by_name(_object(item, found.get(item.name), item.name in reading.settled) for item in reading.posed_objects()),
+        sources=_by_name(_source(item, found.get(item.name)) for item in result.sources),
+        listeners=_by_name(_listener(item, found.get(item.name)) for item in result.listeners),
+        settings=reading.settings,
+        extras=_extras(scene, result.number),
+    )
+
+
+def written_modalities(scene: bpy.types.Scene, frame: HapticScene, names: Collection[str] | None = None) -> tuple[ModalityScene, ...]:
+    """What ``scene`` has for modalities beside vibration, as it stands now, on the objects of a written ``frame``; ``names``: with only
+    the sources of these names. Raises ValueError in words."""
+    objects = {item.name for item in frame.objects}
+    found = (read_modality(modality, scene, objects) for modality in SHOWN)
+    return tuple(
+        item if names is None else replace(item, emitters=tuple(emitter for emitter in item.emitters if emitter.name in names))
+        for item in found
+        if not item.is_empty
+    )
+
+
+def written_export(name: str, scene: bpy.types.Scene, frame: HapticScene, names: Collection[str] | None = None, **more: Any) -> Export:
+    """A written frame of ``scene`` with all that belongs to it; ``names``: only what belongs to these. Raises ValueError in words."""
+    return Export(
+        name,
+        frame,
+        devices=written_devices(scene, frame.listeners),
+        modalities=written_modalities(scene, frame, names),
+        materials=written_materials(scene, frame.objects, names is None),
+        **more,
+    )
+
+
+def within(scene: HapticScene, names: Collection[str]) -> HapticScene:
+    """The part of a scene that is made of the objects, sources and listeners of these names."""
+    objects = tuple(item for item in scene.objects if item.name in names)
+    left = {item.name for item in objects}
+    return replace(
+        scene,
+        objects=objects,
+        contacts=tuple(item for item in scene.contacts if left.issuperset(pair_of(item))),
+        sources=tuple(item for item in scene.sources if _is_within(item, names, left)),
+        listeners=tuple(item for item in scene.listeners if item.name in names and item.object in left),
+    )
+
+
+def _is_within(source: Source, names: Collection[str], objects: Collection[str]) -> bool:
+    if source.object not in objects or (source.second_object is not None and source.second_object not in objects):
+        return False
+    return source.name in names or source.kind is SourceKind.TEMPORARY
+
+
+def _by_name(items: Any) -> tuple[Any, ...]:
+    return tuple(sorted(items, key=lambda item: item.name))
+
+
+def _object(item: HapticObject, obj: Object | None, settled: bool) -> HapticObject:
+    kept = kept_object(obj.haptics.imported if obj is not None else "")
+    material = obj.haptics.material.name if obj is not None else ""
+    extras = {**kept.extras, NAMED: material} if material else dict(kept.extras)
+    return replace(item, pose=kept.pose if settled else item.pose, extras=extras)
+
+
+def _source(item: Source, obj: Object | None) -> Source:
+    if obj is None:  # an impact of this frame
+        return item
+    return replace(item, extras=dict(kept_source(obj.haptics.source.imported).extras))
+
+
+def _listener(item: Listener, obj: Object | None) -> Listener:
+    kept = kept_listener(obj.haptics.listener.imported if obj is not None else "")
+    return replace(item, extras={**kept.extras, MUTED: True} if is_muted(obj) else dict(kept.extras))
+
+
+def _contacts(result: FrameResult, kept: KeptContacts) -> tuple[Contact, ...]:
+    """Those that were traced, in the order of their objects' names; what came from a file with its extras."""
+    extras = {item.positions: dict(item.extras) for items in kept.contacts.values() for item in items if item.extras}
+    contacts = sorted(result.contacts.to_contacts(result.objects), key=pair_of)
+    return tuple(replace(item, extras=extras[item.positions]) if item.positions in extras else item for item in contacts)
+
+
+def _extras(scene: bpy.types.Scene, frame: int) -> dict[str, Any]:
+    """What was imported with the scene, and what its properties say beyond its settings."""
+    authored = {name: getattr(scene.haptics, name) for name in AUTHORED}
+    rate = scene.render.fps / scene.render.fps_base
+    return {
+        **kept_scene(scene.haptics.imported).extras,
+        EXTRAS: {
+            "frame": frame,
+            "frame_start": scene.frame_start,
+            "frame_rate": shortest(rate),
+            **{name: shortest(value) if isinstance(value, float) else value for name, value in authored.items()},
+        },
+    }

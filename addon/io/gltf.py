@@ -1,0 +1,170 @@
+"""Haptics in glTF, through the hooks that Blender's own exporter and importer offer to add-ons.
+
+What an object is goes into the extras of its node, under `KEY`; contacts stand with the first of their two objects, in the axes of the
+file. Haptic materials can go into the MPEG extension too, which has no place for kappa and rho but its extras.
+"""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import bpy
+from bpy.types import Context, Object, UILayout
+
+from ...core.formats.io.error import FormatError
+from ...core.formats.scene.scene_json import SceneReader, item_to_dict
+from ...core.scene.values import HapticScene
+from ..scene_reader.imported import text_of
+from .frame_scene import scene_of_frame
+from .materials import NAMED
+from .property_writer import write_body, write_listener, write_source
+
+KEY = "haptic_tracing"
+VERSION = 1
+
+_OF_THE_NODE = {"name", "shape", "pose", "object", "position", "second_position"}
+"""What the node itself says, or what would be of no use there."""
+
+
+class glTF2ExportUserExtension:
+    """What the exporter makes once per file and calls for every node."""
+
+    def __init__(self) -> None:
+        self.properties = bpy.context.scene.haptics.gltf
+        self.materials: dict[tuple[str, float, float], int] = {}
+        self._forms: dict[str, dict[str, Any]] | None = None
+        self._scene: HapticScene | None = None
+
+    def gather_node_hook(self, node: Any, blender_object: Any, export_settings: dict[str, Any]) -> None:
+        """Called for every node; ``blender_object`` is None or a collection for some."""
+        if not isinstance(blender_object, Object):
+            return
+        form = self._form(blender_object.name_full, export_settings)
+        if form is None:
+            return
+        if self.properties.use_extras:
+            node.extras = {**(node.extras or {}), KEY: {"version": VERSION, **form}}
+        if self.properties.use_material and node.mesh is not None and "object" in form:
+            node.mesh = self._with_material(node.mesh, form["object"])
+
+    def gather_scene_hook(self, scene: Any, blender_scene: Any, export_settings: dict[str, Any]) -> None:
+        """Called for the scene: the settings."""
+        self._form("", export_settings)
+        if self.properties.use_extras and self._scene is not None:
+            settings = {key: getattr(self._scene.settings, key) for key in ("max_connections", "threshold", "epsilon", "tolerance")}
+            modes = {"mode": self._scene.settings.mode.value, "strategy": self._scene.settings.strategy.value}
+            scene.extras = {**(scene.extras or {}), KEY: {"version": VERSION, "settings": {**modes, **settings}}}
+
+    def gather_gltf_extensions_hook(self, gltf: Any, export_settings: dict[str, Any]) -> None:
+        """Called for the whole file: the haptic materials."""
+        if not self.materials:
+            return
+        materials = [{"name": name, "extras": {"kappa": kappa, "rho": rho}} for name, kappa, rho in self.materials]
+        gltf.extensions[self.properties.material_name] = _extension(self.properties.material_name, {"materials": materials})
+
+    def _form(self, name: str, export_settings: dict[str, Any]) -> dict[str, Any] | None:
+        """What is written of an object; None of one without a role."""
+        if self._forms is None:
+            self._forms = {}
+            if self.properties.use_extras or self.properties.use_material:
+                try:
+                    self._scene = scene_of_frame(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+                except ValueError as error:  # nothing is tagged, or it can't be traced: a glTF file without haptics
+                    print(f"Haptic Tracing: no haptics in the glTF file: {error}")
+                else:
+                    self._forms = forms_of(self._scene, export_settings.get("gltf_yup", True))
+        return self._forms.get(name)
+
+    def _with_material(self, mesh: Any, form: dict[str, Any]) -> Any:
+        """The mesh with its haptic material; a copy, since objects of different materials may share one."""
+        material = form.get("extras", {}).get(NAMED, "") or f"kappa {form['kappa']:g}, rho {form['rho']:g}"
+        index = self.materials.setdefault((material, form["kappa"], form["rho"]), len(self.materials))
+        name = self.properties.material_name
+        mesh = copy.copy(mesh)
+        mesh.extensions = {**(mesh.extensions or {}), name: _extension(name, {"hapticMaterialIndex": index})}
+        return mesh
+
+
+def forms_of(scene: HapticScene, y_up: bool) -> dict[str, dict[str, Any]]:
+    """What is written of each object, source and listener, by name."""
+    forms: dict[str, dict[str, Any]] = {}
+    for role, items in (("object", scene.objects), ("source", scene.sources), ("listener", scene.listeners)):
+        for item in items:
+            form = {key: value for key, value in item_to_dict(item).items() if key not in _OF_THE_NODE}
+            forms.setdefault(item.name, {"name": item.name})[role] = form
+    for contact in scene.contacts:
+        first, second = contact.objects
+        form = item_to_dict(contact)
+        del form["objects"]
+        form["positions"] = [_turned(place, y_up) for place in contact.positions]
+        form["normal"] = _turned(contact.normal, y_up)
+        forms[first].setdefault("contacts", []).append({"object": second, **form})
+    return forms
+
+
+def _turned(vector: tuple[float, float, float], y_up: bool) -> list[float]:
+    x, y, z = vector
+    return [x, z, -y] if y_up else [x, y, z]
+
+
+def _extension(name: str, content: dict[str, Any]) -> Any:
+    from io_scene_gltf2.io.com.gltf2_io_extensions import Extension
+
+    return Extension(name=name, extension=content, required=False)
+
+
+class glTF2ImportUserExtension:
+    """What the importer makes once and calls for every node."""
+
+    def gather_import_node_after_hook(self, vnode: Any, gltf_node: Any, blender_object: Object, gltf: Any) -> None:
+        """Called when an object was made of a node."""
+        form = (gltf_node.extras or {}).get(KEY) if isinstance(gltf_node.extras, dict) else None
+        if not isinstance(form, dict):
+            return
+        if KEY in blender_object:
+            del blender_object[KEY]  # it is no custom property, but what it says
+        try:
+            read_roles(blender_object, form)
+        except (FormatError, ValueError, TypeError, KeyError) as error:
+            print(f"Haptic Tracing: the haptics of node '{blender_object.name}' are left out: {error}")
+
+
+def read_roles(obj: Object, form: dict[str, Any]) -> None:
+    """Give an object the roles that its node had. Raises ValueError, TypeError or KeyError for what is none."""
+    read = SceneReader("glTF")
+    nowhere = {"name": obj.name, "object": obj.name, "position": [0.0, 0.0, 0.0]}
+    items = {
+        role: make({key: value for key, value in {**base, **form[role]}.items() if key != "second_object"}, (role,))
+        for role, make, base in (
+            ("object", read.object, {"name": obj.name}),
+            ("source", read.source, nowhere),
+            ("listener", read.listener, nowhere),
+        )
+        if role in form
+    }
+    if "object" in items:
+        kept = write_body(obj.haptics, items["object"])
+        obj.haptics.imported = text_of(**kept, mass=items["object"].mass, extras=dict(items["object"].extras))
+    if "source" in items:
+        write_source(obj.haptics.source, items["source"], placed=False)
+    if "listener" in items:
+        write_listener(obj.haptics.listener, items["listener"], placed=False)
+
+
+def draw_export(context: Context, layout: UILayout) -> None:
+    """The panel in the exporter's sidebar."""
+    header, body = layout.panel("haptic_tracing_gltf", default_closed=False)
+    header.label(text="Haptic Tracing")
+    if body is None:
+        return
+    properties = context.scene.haptics.gltf
+    body.use_property_split = True
+    body.prop(properties, "use_extras")
+    body.prop(properties, "use_material")
+    if properties.use_material:
+        body.prop(properties, "material_name")
+
+
+def draw_import(context: Context, layout: UILayout) -> None:
+    """The importer has no options of ours."""

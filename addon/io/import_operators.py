@@ -1,0 +1,133 @@
+"""File > Import: haptic scenes as objects, vibrations as signals of sources."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+from bpy.props import BoolProperty, IntProperty, StringProperty
+from bpy.types import Context, Event, Operator
+
+from ...core.formats import registry
+from ...core.formats.scene.haptic_scene import read_export
+from ...core.formats.tracks.reading import Channel, Reading
+from ...core.signals import Loop, Sampled, Signal
+from ..blender.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode
+from ..blender.single_precision import shortest
+from ..scene_reader.imported import text_of
+from ..scene_reader.reader import haptic_carrier
+from .export_operators import MOST_REPORTED
+from .scene_builder import build
+
+_rpt = bpy.app.translations.pgettext_rpt
+
+HIGHEST_RATE = 8000
+"""Samples a second that are kept of a recording: as many as are rendered."""
+
+
+class HAPTIC_OT_import_scene(Operator):
+    """Make objects, sources and listeners of a haptic scene; what changes over time becomes keyframes"""
+
+    bl_idname = "import_scene.haptic_scene"
+    bl_label = "Import Haptic Scene"
+    bl_options = UNDO
+
+    filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
+    filter_glob: StringProperty(default="*.json;*.json.gz", options={"HIDDEN"})
+    use_settings: BoolProperty(
+        name="Settings", description="Take over the settings of the file, its frame rate and its frames", default=True
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_object_mode(cls, context)
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        return ask(self, context)
+
+    def execute(self, context: Context) -> set[str]:
+        try:
+            losses = build(read_export(bpy.path.abspath(self.filepath)), context.scene, self.use_settings)
+        except (ValueError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for loss in losses[:MOST_REPORTED]:
+            self.report({"WARNING"}, loss)
+        self.report({"INFO"}, _rpt("Haptic scene imported: {}").format(Path(self.filepath).name))
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_import_signal(Operator):
+    """Let the active object emit the vibration in a file (.hjif, .haptic, .ahap, .haps, .wav); it is kept with this file"""
+
+    bl_idname = "haptic.import_signal"
+    bl_label = "Import Haptic Signal"
+    bl_options = UNDO
+
+    filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
+    filter_glob: StringProperty(default=";".join(f"*{suffix}" for suffix in registry.READERS), options={"HIDDEN"})
+    channel: IntProperty(name="Channel", description="Which one of the file's vibrations", default=1, min=1, soft_max=32)
+    loop: BoolProperty(name="Loop", description="Play it again and again; otherwise once, at the scene's beginning", default=True)
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_active(cls, context)
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        return ask(self, context)
+
+    def execute(self, context: Context) -> set[str]:
+        obj = context.object
+        try:
+            reading = registry.read(bpy.path.abspath(self.filepath))
+            channel = chosen_channel(reading, self.channel)
+            signal = kept_signal(channel, self.loop)
+        except (ValueError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if haptic_carrier(obj) is None:
+            if obj.type not in SOLID_TYPES:
+                message = _rpt("'{}' has no surface: parent it to a haptic object, so that it has something to shake")
+                self.report({"ERROR"}, message.format(obj.name))
+                return {"CANCELLED"}
+            obj.haptics.enabled = True
+        source = obj.haptics.source
+        source.imported = text_of(signal=signal.to_dict())
+        source.signal = "KEPT"
+        source.enabled = True
+        for loss in reading.losses[:MOST_REPORTED]:
+            self.report({"WARNING"}, loss)
+        message = _rpt("'{}' emits {}") if len(reading.channels) == 1 else _rpt("'{}' emits {}, channel {} of {}")
+        self.report({"INFO"}, message.format(obj.name, channel.name, self.channel, len(reading.channels)))
+        return {"FINISHED"}
+
+
+def ask(operator: Operator, context: Context) -> set[str]:
+    """Ask for a file; where one was dropped, for the options alone."""
+    manager = context.window_manager
+    if operator.properties.is_property_set("filepath"):
+        return manager.invoke_props_dialog(operator, title=Path(operator.filepath).name, confirm_text=operator.bl_label)
+    manager.fileselect_add(operator)
+    return {"RUNNING_MODAL"}
+
+
+def chosen_channel(reading: Reading, number: int) -> Channel:
+    """A channel by its number, from 1. Raises ValueError where there is none."""
+    if not reading.channels:
+        raise ValueError("There is no vibration in this file")
+    if number > len(reading.channels):
+        raise ValueError(f"There are only {len(reading.channels)} channels in this file")
+    return reading.channels[number - 1]
+
+
+def kept_signal(channel: Channel, loop: bool) -> Signal:
+    """The signal of a channel as it is kept: recordings with as many samples as are rendered, in single precision."""
+    signal = channel.to_signal()
+    if isinstance(signal, Sampled):
+        rate = min(signal.rate, HIGHEST_RATE)
+        samples = channel.at_rate(rate) if rate < signal.rate else signal.samples
+        signal = Sampled([shortest(v) for v in samples.tolist()], rate)
+    return Loop(signal) if loop else signal
+
+
+CLASSES = (HAPTIC_OT_import_scene, HAPTIC_OT_import_signal)

@@ -1,0 +1,60 @@
+"""The scene's library of haptic materials, into files and from them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, fields
+from typing import Any
+
+import bpy
+from bpy.types import Scene
+
+from ...core.formats.scene.materials_json import LibraryMaterial
+from ...core.scene.values import HapticObject
+from ..authoring import materials as library
+from ..blender.single_precision import shortest
+
+NAMED = "material"
+"""The name of an object's haptic material, in its extras."""
+
+_KEYS = tuple(item.name for item in fields(LibraryMaterial) if item.name != "name")
+
+
+def written_materials(scene: Scene, objects: Iterable[HapticObject], whole: bool) -> tuple[LibraryMaterial, ...]:
+    """The library's, ``whole`` or only those that ``objects`` are made of, and then those that objects name and the library has not, with
+    the values of the first that does."""
+    named: dict[str, str] = {}
+    for item in objects:
+        if NAMED in item.extras:
+            named.setdefault(str(item.extras[NAMED]), item.name)
+    items = scene.haptics.materials.items
+    known = [_material(item.name, {key: getattr(item, key) for key in _KEYS}) for item in items if whole or item.name in named]
+    others = [
+        _material(name, library.own_values(bpy.data.objects[owner]))
+        for name, owner in named.items()
+        if name not in items and owner in bpy.data.objects
+    ]
+    return (*known, *others)
+
+
+def take_materials(scene: Scene, materials: Sequence[LibraryMaterial]) -> list[str]:
+    """Put ``materials`` into a scene's library; those whose name it has already stay as they are there, and are returned if they differ."""
+    other = []
+    for material in materials:
+        values = {key: value for key, value in asdict(material).items() if key != "name"}
+        known = scene.haptics.materials.items.get(material.name)
+        if known is None:
+            library.add(scene, material.name, values)
+        elif _material(material.name, {key: getattr(known, key) for key in _KEYS}) != _material(material.name, values):
+            other.append(material.name)
+    return other
+
+
+def _material(name: str, values: Mapping[str, Any]) -> LibraryMaterial:
+    return LibraryMaterial(name, **{key: _typed(values[key]) for key in _KEYS})
+
+
+def _typed(value: Any) -> Any:
+    if isinstance(value, bool):
+        return value
+    return shortest(value) if isinstance(value, float | int) else tuple(map(shortest, value))

@@ -1,0 +1,70 @@
+"""Where people find it: File > Export, File > Import, collections' exporters, and files dropped into the viewport."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.types import Context, FileHandler, Menu
+
+from ..blender import job
+from . import export_operators, import_operators
+
+
+class HAPTIC_FH_scene(FileHandler):
+    """Haptic scenes"""
+
+    bl_idname = "HAPTIC_FH_scene"
+    bl_label = "Haptic Scene"
+    bl_import_operator = "import_scene.haptic_scene"
+    bl_export_operator = "export_scene.haptic_scene"
+    bl_file_extensions = ".json;.gz"
+
+    @classmethod
+    def poll_drop(cls, context: Context) -> bool:
+        return _in_viewport(context)
+
+
+class HAPTIC_FH_tracks(FileHandler):
+    """What listeners feel; as signals on the way in"""
+
+    bl_idname = "HAPTIC_FH_tracks"
+    bl_label = "Haptic Tracks"
+    bl_import_operator = "haptic.import_signal"
+    bl_export_operator = "export_scene.haptic_tracks"
+    bl_file_extensions = ".hjif;.haptic;.ahap;.haps;.wav"
+
+    @classmethod
+    def poll_drop(cls, context: Context) -> bool:
+        return _in_viewport(context) and context.object is not None
+
+
+def _in_viewport(context: Context) -> bool:
+    return context.area is not None and context.area.type == "VIEW_3D"
+
+
+def _export_menu(self: Menu, context: Context) -> None:
+    self.layout.operator("export_scene.haptic_scene", text="Haptic Scene (.json)")
+    self.layout.operator("export_scene.haptic_tracks", text="Haptic Tracks (.hjif/.wav/.haptic/.ahap/...)")
+
+
+def _import_menu(self: Menu, context: Context) -> None:
+    self.layout.operator("import_scene.haptic_scene", text="Haptic Scene (.json)")
+    self.layout.operator("haptic.import_signal", text="Haptic Signal for the Active Object (.hjif/.wav/.haptic/.ahap/.haps)")
+
+
+CLASSES = (*job.CLASSES, *export_operators.CLASSES, *import_operators.CLASSES, HAPTIC_FH_scene, HAPTIC_FH_tracks)
+
+
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
+
+
+def register() -> None:
+    _register_classes()
+    bpy.types.TOPBAR_MT_file_export.append(_export_menu)
+    bpy.types.TOPBAR_MT_file_import.append(_import_menu)
+
+
+def unregister() -> None:
+    job.stop()
+    bpy.types.TOPBAR_MT_file_import.remove(_import_menu)
+    bpy.types.TOPBAR_MT_file_export.remove(_export_menu)
+    _unregister_classes()

@@ -1,0 +1,130 @@
+"""What a haptic scene says of an object, a source or a listener, as Blender's properties."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bpy.types import Object
+
+from ...core.modalities import ModalityScene
+from ...core.scene.values import HapticObject, Listener, Source, SourceKind
+from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
+from ..blender.single_precision import shortest
+from ..properties.function import PARAMETERS
+from ..scene_reader.imported import exact, text_of
+from ..scene_reader.reader import function_of_properties, stands_for
+
+FREQUENCIES = (0.1, 1000.0)
+"""Hertz that the property takes."""
+
+
+def write_numbers(owner: Any, **values: float) -> dict[str, float]:
+    """Set properties; the numbers of those that single precision does not hold, for `kept.exact`."""
+    for name, value in values.items():
+        setattr(owner, name, value)
+    return {name: value for name, value in values.items() if shortest(value) != value}
+
+
+def write_body(haptics: Any, item: HapticObject) -> dict[str, Any]:
+    """Make an object's properties those of ``item``. What is to be kept of it beside them."""
+    haptics.enabled, haptics.medium = True, item.medium
+    numbers = write_numbers(haptics, kappa=item.kappa, rho=item.rho)
+    function = item.propagation
+    if _choose(haptics, "function", function.name):
+        form = function.to_dict()
+        for key, name in PARAMETERS.get(function.name, {}).items():
+            setattr(haptics, name, form[key])
+        haptics.wave_speed = function.spectrum.wave_speed
+        haptics.material.use_bands = bool(function.spectrum.band_decays)
+        if function.spectrum.band_decays:
+            haptics.material.band_decays = function.spectrum.band_decays
+    made = function_of_properties(haptics)
+    return {"numbers": numbers, "function": function.to_dict() if made != function and stands_for(made, function) else None}
+
+
+def write_modality(obj: Object, part: ModalityScene, name: str) -> tuple[dict[str, float], list[str]]:
+    """Make an object's properties those that the object ``name`` has for a modality. The numbers that are to be kept, and what could not be
+    carried over, in words."""
+    group = getattr(obj.haptics.modalities, part.modality.name)
+    numbers = write_numbers(group, **{**part.modality.defaults(), **part.values.get(name, {})})
+    losses = []
+    form = part.forms.get(name, {"function": part.modality.default_function})
+    group.function = form["function"]
+    for key, own in PARAMETERS.get(group.function, {}).items():
+        match form.get(key):
+            case str(text):
+                setattr(group, own, text)
+            case float(number) | int(number):
+                numbers |= write_numbers(group, **{own: number})
+                if exact(group, own, numbers) != number:
+                    losses.append(f"{key} {number:g} of {part.modality.title}")
+    return {f"{part.modality.name}.{key}": value for key, value in numbers.items()}, losses
+
+
+def write_source(source: Any, item: Source, placed: bool = True) -> None:
+    """Make a source's properties those of ``item``; ``placed``: with its place in the world."""
+    source.enabled = True
+    numbers = write_numbers(source, amplitude=item.amplitude, priority=item.priority)
+    signal = Sine(60.0) if item.signal is None and item.kind is SourceKind.PERSISTENT else item.signal
+    signal, source.decay = _without_decay(signal) if item.kind is SourceKind.PERSISTENT else (signal, 0.0)
+    kept = _write_signal(source, signal)
+    source.imported = text_of(
+        numbers=numbers,
+        signal=kept.to_dict() if kept is not None else None,
+        kind=None if item.kind is SourceKind.PERSISTENT else item.kind.value,
+        onset=item.onset or None,
+        second_object=item.second_object if placed else None,
+        second_position=item.second_position if placed else None,
+        position=item.position if placed else None,
+        extras=dict(item.extras),
+    )
+
+
+def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[str]:
+    """As `write_source`. What could not be carried over, in words."""
+    listener.enabled = True
+    numbers = write_numbers(listener, radius=item.radius, gain=item.gain, s_max=item.s_max)
+    listener.limiter = item.limiter
+    if item.mixing == "custom":
+        listener.mixing_expression = item.mixing_expression
+    limited = [name for name in ("gain", "s_max") if exact(listener, name, numbers) != getattr(item, name)]
+    losses = [f"{name} {getattr(item, name):g}" for name in limited]
+    if item.body_part and not _choose(listener, "body_part", item.body_part):
+        losses.append(f"body part {item.body_part!r}")
+    if not _choose(listener, "mixing", item.mixing):
+        losses.append(f"mixing {item.mixing!r}")
+    listener.imported = text_of(position=item.position if placed else None, numbers=numbers, extras=dict(item.extras))
+    return losses
+
+
+def _without_decay(signal: Signal | None) -> tuple[Signal | None, float]:
+    """A signal and the seconds in which it wears off, 0 where it does not, as the properties have them."""
+    match signal:
+        case Product(of=(worn, Decay(time_constant=seconds))) if shortest(seconds) == seconds:
+            return worn, seconds
+    return signal, 0.0
+
+
+def _write_signal(source: Any, signal: Signal | None) -> Signal | None:
+    """Choose the signal that the properties can make; else the imported one, which is returned to be kept."""
+    low, high = FREQUENCIES
+    match signal:
+        case Sine(frequency=float(frequency)) | Pulse(frequency=float(frequency)) if (
+            signal == type(signal)(frequency) and low <= frequency <= high and shortest(frequency) == frequency
+        ):
+            source.signal = "SINE" if isinstance(signal, Sine) else "PULSE"
+            source.frequency = frequency
+            return None
+        case Noise() if signal == Noise():
+            source.signal = "NOISE"
+            return None
+    source.signal = "KEPT"
+    return signal
+
+
+def _choose(owner: Any, name: str, value: str) -> bool:
+    """Set a choice; False where there is no such one."""
+    if value not in owner.bl_rna.properties[name].enum_items:
+        return False
+    setattr(owner, name, value)
+    return True

@@ -1,0 +1,320 @@
+"""A haptic scene as objects of Blender."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.types import Collection, Object
+
+from ...core.contacts.shapes import Box, Shape
+from ...core.formats.export import Export
+from ...core.formats.scene.recording import pair_of
+from ...core.modalities import Emitter, ModalityScene
+from ...core.scene.functions import Identity, ModulationFunction
+from ...core.scene.values import Contact, HapticObject, Listener, Pose, Settings, Source, Vector
+from ..authoring import materials
+from ..blender.single_precision import shortest
+from ..live_output import player
+from ..properties.modalities import SHOWN
+from ..scene_reader.imported import kept_contacts, near, text_of, text_of_contacts, text_with
+from ..scene_reader.reader import read_function
+from .devices import take_devices
+from .frame_scene import AUTHORED, EXTRAS, MUTED
+from .keyframes import local_place, write_keyframes
+from .materials import NAMED, take_materials
+from .property_writer import write_body, write_listener, write_modality, write_numbers, write_source
+from .shape_mesh import surface
+
+SMALLEST = 0.1
+"""Metres: the least extent of an object whose file says nothing of its shape."""
+AXES = 0.1
+LONGEST_NAME = 63
+
+
+def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list[str]:
+    """Make the objects of an export in a collection called after it; ``settings``: take over those of its scene, time included.
+
+    What could not be carried over, in words.
+    """
+    builder = _Builder(export, scene)
+    try:
+        builder.add_materials()
+        builder.add_objects()
+        for source in export.need_scene().sources:
+            builder.add_source(source)
+        for listener in export.need_scene().listeners:
+            builder.add_listener(listener)
+        builder.add_devices()
+        builder.add_emitters()
+        if settings:
+            builder.take_settings()
+        builder.keep_contacts()
+        builder.add_frames()
+    except BaseException:
+        builder.remove()
+        raise
+    builder.check()
+    return builder.losses()
+
+
+class _Builder:
+    """One import."""
+
+    def __init__(self, export: Export, scene: bpy.types.Scene) -> None:
+        self.export, self.scene = export, scene
+        self.haptic = export.need_scene()
+        self.collection: Collection = bpy.data.collections.new(export.name)
+        scene.collection.children.link(self.collection)
+        self.objects: dict[str, Object] = {}
+        self.poses = {item.name: item.pose or Pose() for item in self.haptic.objects}
+        self.attached: dict[str, Object] = {}
+        self.lost: dict[str, list[str]] = {}
+
+    def remove(self) -> None:
+        """Take away what was made."""
+        bpy.data.batch_remove([*self.collection.objects, self.collection])
+
+    def lose(self, what: str, name: str) -> None:
+        """Something could not be carried over, of a thing of that name."""
+        self.lost.setdefault(what, []).append(name)
+
+    def losses(self) -> list[str]:
+        """All of it, in words."""
+        return [f"{what}: {_listed(names)}" for what, names in self.lost.items()]
+
+    def add_materials(self) -> None:
+        """The library, before anything is made of it."""
+        for name in take_materials(self.scene, self.export.materials):
+            self.lose("material of that name is another one in this scene", name)
+
+    def add_objects(self) -> None:
+        parts = {part.modality.name: part for part in self.export.modalities}
+        for item in self.haptic.objects:
+            shape, guessed = item.shape, item.shape is None
+            if guessed:
+                shape, centre = self._guessed(item)
+                self.poses[item.name] = replace(self.poses[item.name], position=centre)
+                self.lose("no shape in the file, made a box", item.name)
+            obj = self._new(item.name, _mesh(item.name, shape))
+            self.objects[item.name] = obj
+            pose = self.poses[item.name]
+            obj.rotation_mode = "QUATERNION"
+            obj.location, obj.rotation_quaternion = pose.position, pose.rotation
+            haptics = obj.haptics
+            material = self._material(item)
+            if material in self.scene.haptics.materials.items:
+                haptics.material.name = material  # and its values, which the object's own replace
+            kept = write_body(haptics, item)
+            for modality in SHOWN:
+                numbers, losses = write_modality(obj, parts.get(modality.name, ModalityScene(modality)), item.name)
+                kept["numbers"] |= numbers
+                for loss in losses:
+                    self.lose(loss, item.name)
+            haptics.imported = text_of(
+                **kept,
+                shape=None if guessed else shape.to_dict(),
+                mass=item.mass,
+                pose={"position": pose.position, "rotation": pose.rotation},
+                extras={key: value for key, value in item.extras.items() if key != NAMED or not material},
+            )
+            if material and material not in self.scene.haptics.materials.items:
+                materials.add(self.scene, material, materials.own_values(obj))
+                haptics.material.name = material
+            if read_function(haptics) != item.propagation:
+                self.lose(f"function {item.propagation.name!r} as the file has it", item.name)
+
+    def add_source(self, item: Source) -> None:
+        """On its object where it stands at its origin and is called so, else an empty on it."""
+        obj = self._holder(item, "source")
+        second = None if item.second_object is None else self.objects[item.second_object].name_full
+        write_source(obj.haptics.source, replace(item, second_object=second))
+
+    def add_listener(self, item: Listener) -> None:
+        """As `add_source`."""
+        obj = self._holder(item, "listener")
+        muted = item.extras.get(MUTED) is True
+        extras = {key: value for key, value in item.extras.items() if key != MUTED} if muted else item.extras
+        for loss in write_listener(obj.haptics.listener, replace(item, extras=extras)):
+            self.lose(loss, item.name)
+        if muted:
+            obj.haptics.live_output.actuators = player.MUTED
+
+    def add_emitters(self) -> None:
+        """Sources of other modalities, each on what is a source or listener of its name already, if it stands there."""
+        for part in self.export.modalities:
+            name = part.modality.name
+            for emitter in part.emitters:
+                obj = self._holder(emitter, name)
+                group = getattr(obj.haptics.modalities, name)
+                group.is_source = True
+                numbers = {f"{name}.{key}": value for key, value in write_numbers(group, source_value=emitter.value).items()}
+                obj.haptics.imported = text_with(obj.haptics.imported, {name: emitter.position}, numbers)
+
+    def add_devices(self) -> None:
+        """What the listeners are felt through."""
+        listeners = {item.name: self.attached[f"listener {item.name}"] for item in self.haptic.listeners}
+        take_devices(self.scene, self.export.devices, listeners)
+
+    def take_settings(self) -> None:
+        """Settings, what the extras say of the scene's properties, and the frame that the file is of."""
+        haptics, settings = self.scene.haptics, self.haptic.settings
+        haptics.mode, haptics.strategy = settings.mode.value, settings.strategy.value
+        haptics.max_connections = settings.max_connections or 0
+        numbers = write_numbers(haptics, threshold=settings.threshold, epsilon=settings.epsilon, localise=settings.localise)
+        if settings.max_connections == 0:
+            self.lose("max_connections", "0 means no limit here")
+        extras = dict(self.haptic.extras)
+        known = extras.get(EXTRAS)
+        if isinstance(known, dict):
+            del extras[EXTRAS]
+            for name in AUTHORED:
+                _assign(haptics, name, known.get(name))
+            self._take_time(known)
+        tolerance = None if settings.tolerance == Settings().tolerance else settings.tolerance
+        haptics.imported = text_of(numbers=numbers, tolerance=tolerance, extras=extras)
+        for part in self.export.modalities:
+            getattr(haptics.modalities, part.modality.name).enabled = part.enabled
+
+    def _take_time(self, known: Mapping[str, Any]) -> None:
+        rate, start, frame = (known.get(key) for key in ("frame_rate", "frame_start", "frame"))
+        if isinstance(rate, int | float) and 1 <= rate <= 10_000:
+            set_frame_rate(self.scene, float(rate))
+        _assign(self.scene, "frame_start", start)
+        if isinstance(frame, int) and abs(frame) < 1_000_000:
+            self.scene.frame_set(frame)
+
+    def keep_contacts(self) -> None:
+        """The contacts of the file, beside those of files that were imported before; what was imported again has new ones."""
+        frames = self.export.recording.frames if self.export.recording is not None else ()
+        begun = [item for frame in frames for item in frame.contacts]
+        later: dict[tuple[str, str], Contact] = {}
+        for item in begun:
+            later.setdefault(pair_of(item), item)
+        functions: dict[tuple[str, str], set[ModulationFunction]] = {}
+        for item in (*self.haptic.contacts, *begun):
+            functions.setdefault(pair_of(item), set()).add(item.transmission)
+        for pair in {pair_of(item) for item in begun}:
+            if len(functions[pair]) > 1:
+                self.lose("functions of contacts that change over time", " and ".join(pair))
+        haptics = self.scene.haptics
+        names = {obj.name_full for obj in self.objects.values()}
+        try:
+            before = kept_contacts(haptics.imported_contacts).contacts
+        except ValueError:  # damaged: importing again is what helps
+            before = {}
+        old = [
+            item
+            for pair, items in before.items()
+            if not names.intersection(pair) and all(name in bpy.data.objects for name in pair)
+            for item in items
+        ]
+        haptics.imported_contacts = text_of_contacts(
+            [*old, *map(self._renamed, self.haptic.contacts)],
+            [self._renamed(item) for item in later.values() if item.transmission != Identity()],
+            shortest(haptics.contact_tolerance),
+            haptics.patch_points,
+        )
+
+    def _renamed(self, item: Contact) -> Contact:
+        """A contact between the objects as they are called in Blender."""
+        first, second = (self.objects[name].name_full for name in item.objects)
+        return replace(item, objects=(first, second))
+
+    def add_frames(self) -> None:
+        """Keyframes and the sources that begin on the way. Impacts come from the file: Blender finds none of its own."""
+        recording = self.export.recording
+        if recording is None:
+            return
+        begun = [source for frame in recording.frames for source in frame.sources]
+        for source in begun:
+            self.add_source(source)
+        if any(source.second_object is not None for source in (*self.haptic.sources, *begun)):
+            self.scene.haptics.impacts = False
+        set_frame_rate(self.scene, recording.frame_rate)
+        first, last = recording.frames[0].number, recording.frames[-1].number
+        self.scene.frame_start, self.scene.frame_end = recording.frame_start, max(last, recording.frame_start)
+        if self.scene.frame_start != recording.frame_start:
+            self.lose("negative frames, Blender plays from 0", f"{recording.frame_start} to {last}")
+        moved = replace(self.haptic, objects=tuple(replace(item, pose=self.poses[item.name]) for item in self.haptic.objects))
+        for loss in write_keyframes(moved, recording, self.objects, self.attached):
+            self.lose("not carried over", loss)
+        self.scene.frame_set(first)
+
+    def check(self) -> None:
+        """What the file says and the objects can't."""
+        if self.export.tracks is not None:
+            self.lose("rendered tracks, which are rendered again", "tracks")
+
+    def _new(self, name: str, data: Any) -> Object:
+        obj = bpy.data.objects.new(name, data)
+        self.collection.objects.link(obj)
+        if obj.name_full != name:
+            self.lose("renamed", f"{name} to {obj.name_full}")
+        return obj
+
+    def _holder(self, item: Source | Listener | Emitter, role: str) -> Object:
+        """What is to be the source or listener, or the source of a modality."""
+        carrier = self.objects[item.object]
+        pose = self.poses[item.object]
+        place = local_place(item.position, pose)
+        others = [other for other in (self.attached.get(f"{kind} {item.name}") for kind in ("source", "listener")) if other is not None]
+        there = [other for other in others if other.parent is carrier and math.dist(other.location, place) < 1e-5]
+        if item.name == item.object and near(pose.position, item.position):
+            obj = carrier
+        elif there:
+            obj = there[0]
+        else:
+            obj = self._new(item.name, None)
+            obj.empty_display_size = AXES
+            obj.parent = carrier
+            obj.location = place
+        self.attached[f"{role} {item.name}"] = obj
+        return obj
+
+    def _material(self, item: HapticObject) -> str:
+        """The name of the haptic material that an object is made of, "" where there is none."""
+        name = item.extras.get(NAMED)
+        return name if isinstance(name, str) and len(name) <= LONGEST_NAME else ""
+
+    def _guessed(self, item: HapticObject) -> tuple[Shape, Vector]:
+        """A box around all that is known to be on an object, and its centre in the world."""
+        known = [position for contact in self.haptic.contacts for name, position in zip(contact.objects, contact.positions, strict=True)
+                 if name == item.name]  # fmt: skip
+        known += [other.position for other in (*self.haptic.sources, *self.haptic.listeners) if other.object == item.name]
+        points = np.array(known or [self.poses[item.name].position])
+        low, high = points.min(axis=0), points.max(axis=0)
+        x, y, z = np.maximum(high - low, SMALLEST).tolist()
+        cx, cy, cz = ((low + high) / 2).tolist()
+        return Box((x, y, z)), (cx, cy, cz)
+
+
+def set_frame_rate(scene: bpy.types.Scene, rate: float) -> None:
+    """Frames a second, as a whole number by a base."""
+    whole = max(math.ceil(rate - 1e-6), 1)
+    scene.render.fps = whole
+    scene.render.fps_base = 1.0 if abs(whole - rate) < 1e-6 else whole / rate
+
+
+def _mesh(name: str, shape: Shape) -> bpy.types.Mesh:
+    points, faces = surface(shape)
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(points.tolist(), [], faces)
+    mesh.validate()
+    return mesh
+
+
+def _assign(owner: Any, name: str, value: Any) -> None:
+    """Set a property to a value from a file, where it is of its kind."""
+    kind = type(getattr(owner, name))
+    if isinstance(value, kind) or (kind is float and isinstance(value, int) and not isinstance(value, bool)):
+        setattr(owner, name, value)
+
+
+def _listed(names: Iterable[str]) -> str:
+    names = list(names)
+    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")

@@ -1,0 +1,156 @@
+"""Operators that bake and take a bake away."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import bpy
+from bpy.types import Context, Event, Operator, Timer
+
+from ..bake import curves, playback, sound, storage
+from ..bake.baking import Baking
+from ..blender.polling import UNDO, poll_object_mode
+from ..view.overlay import draw
+
+_rpt = bpy.app.translations.pgettext_rpt
+
+_PIECE = 0.08  # seconds of baking between two looks at what the user does
+
+_running: list[Baking] = []
+
+
+def running() -> Baking | None:
+    """The bake that is going on."""
+    return _running[0] if _running else None
+
+
+class HAPTIC_OT_bake(Operator):
+    """Trace the frame range in order and keep what is felt with the scene, to be played without tracing"""
+
+    bl_idname = "haptic.bake"
+    bl_label = "Bake Haptics"
+    bl_options = UNDO
+
+    _baking: Baking | None = None
+    _timer: Timer | None = None
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if running() is not None:
+            cls.poll_message_set("A bake is going on; press Esc to cancel it")
+            return False
+        return poll_object_mode(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        try:
+            baking = Baking(context.scene)
+            baking.finish()
+        except ValueError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return self._finished(baking)
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        if context.window is None or bpy.app.background:
+            return self.execute(context)
+        try:
+            self._baking = Baking(context.scene)
+        except ValueError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        _running.append(self._baking)
+        manager = context.window_manager
+        manager.progress_begin(0, 100)
+        self._timer = manager.event_timer_add(0.005, window=context.window)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: Context, event: Event) -> set[str]:
+        baking = self._baking
+        if baking is None or baking not in _running:  # the add-on was switched off meanwhile
+            self._end(context)
+            return {"CANCELLED"}
+        if event.type == "ESC":
+            self.cancel(context)
+            self.report({"INFO"}, _rpt("Bake cancelled"))
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"RUNNING_MODAL"}
+        try:
+            done = baking.advance(_PIECE)
+        except ValueError as error:
+            self.cancel(context)
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        context.window_manager.progress_update(100 * baking.part)
+        context.workspace.status_text_set(f"{baking.words}   ({100 * baking.part:.0f} %)   Esc to cancel")
+        draw.redraw()
+        if not done:
+            return {"RUNNING_MODAL"}
+        self._end(context)
+        return self._finished(baking)
+
+    def cancel(self, context: Context) -> None:
+        """Also called by Blender where a file is loaded or the window is closed."""
+        baking = self._baking
+        self._end(context)
+        if baking is not None:
+            with suppress(ReferenceError):  # the scene may be gone
+                baking.close()
+
+    def _end(self, context: Context) -> None:
+        if self._baking in _running:
+            _running.remove(self._baking)
+        self._baking = None
+        manager = context.window_manager
+        if self._timer is not None:
+            manager.event_timer_remove(self._timer)
+            self._timer = None
+            manager.progress_end()
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+        draw.redraw()
+
+    def _finished(self, baking: Baking) -> set[str]:
+        draw.redraw()
+        done = _rpt("1 frame baked") if baking.frame_count == 1 else _rpt("{} frames baked").format(baking.frame_count)
+        self.report({"WARNING"} if baking.warnings else {"INFO"}, "; ".join((done, *baking.warnings)))
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_delete_bake(Operator):
+    """Remove the haptic track of this scene, its F-curves and its sound strip"""
+
+    bl_idname = "haptic.delete_bake"
+    bl_label = "Delete Bake"
+    bl_options = UNDO
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if running() is not None:
+            cls.poll_message_set("A bake is going on; press Esc to cancel it")
+            return False
+        bake = context.scene.haptics.bake
+        if bake.track is None and bake.sound is None:
+            cls.poll_message_set("Nothing has been baked in this scene")
+            return False
+        return True
+
+    def execute(self, context: Context) -> set[str]:
+        scene = context.scene
+        storage.drop(scene)
+        sound.remove_strip(scene)
+        curves.remove_curves(scene)
+        playback.show_current(scene)
+        return {"FINISHED"}
+
+
+CLASSES = (HAPTIC_OT_bake, HAPTIC_OT_delete_bake)
+
+register, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
+
+
+def unregister() -> None:
+    while _running:
+        _running.pop().close()
+    _unregister_classes()

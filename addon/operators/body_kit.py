@@ -1,0 +1,117 @@
+"""Operators that put listeners on a body."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import EnumProperty
+from bpy.types import Context, Object, Operator
+
+from ...core.scene.body import BODY_PART, BODY_PARTS, DEFAULT_LISTENERS, BodyPart
+from ...core.scene.materials import MATERIALS
+from ..authoring import body_kit, materials
+from ..blender.polling import SOLID_TYPES, UNDO, editable, poll_active, poll_selected
+from ..scene_reader.reader import haptic_carrier
+
+_rpt = bpy.app.translations.pgettext_rpt
+
+
+class HAPTIC_OT_add_default_listeners(Operator):
+    """Put listeners on the active object: on the bones of an armature, or where a standing body that fills the object has its parts"""
+
+    bl_idname = "haptic.add_default_listeners"
+    bl_label = "Add Body Listeners"
+    bl_options = {*UNDO, "PRESET"}
+
+    parts: EnumProperty(
+        name="Parts",
+        description="Which parts of the body get a listener",
+        items=(
+            ("DEFAULT", "Ten", "Ears, hands, upper back, middle back and upper legs: the default set-up"),
+            ("ALL", "All 25", "Every part of the body that a device may have an actuator for"),
+        ),
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_active(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        context.view_layer.update()
+        active = context.object
+        armature = body_kit.armature_of(active)
+        wanted = BODY_PARTS if self.parts == "ALL" else tuple(BODY_PART[name] for name in DEFAULT_LISTENERS)
+        if armature is not None:
+            return self._on_armature(context, armature, active, wanted)
+        if haptic_carrier(active) is None:
+            if active.type not in SOLID_TYPES:
+                message = _rpt("'{}' has no surface: select the mesh or the armature of the body")
+                self.report({"ERROR"}, message.format(active.name))
+                return {"CANCELLED"}
+            _make_flesh(context, active)
+        body_kit.place_on_mesh(active, _new(active, wanted), context.collection)
+        return {"FINISHED"}
+
+    def _on_armature(self, context: Context, armature: Object, active: Object, wanted: tuple[BodyPart, ...]) -> set[str]:
+        if not armature.is_editable:
+            self.report({"ERROR"}, "The armature is linked from a library; make it local or override it first")
+            return {"CANCELLED"}
+        try:
+            missing = body_kit.place_on_bones(armature, _new(armature, wanted), context.collection)
+        except ValueError as error:
+            self.report({"ERROR"}, f"{armature.name}: {error}")
+            return {"CANCELLED"}
+        body = armature.haptics.body or (active if active.type == "MESH" else next(iter(editable(body_kit.skins(armature))), None))
+        if body is None:
+            self.report({"WARNING"}, "This armature moves no mesh: choose its body in the panel Haptic Object, else nothing is felt")
+        else:
+            _make_flesh(context, body)
+            armature.haptics.body = body
+        if missing:
+            names = ", ".join(part.name.replace("_", " ") for part in missing)
+            self.report({"WARNING"}, _rpt("The armature has no bones for these parts, which got no listener: {}").format(names))
+        return {"FINISHED"}
+
+
+def _new(body: Object, wanted: tuple[BodyPart, ...]) -> list[BodyPart]:
+    """The wanted parts that have no listener yet."""
+    known = body_kit.listeners_on(body)
+    return [part for part in wanted if part.name not in known]
+
+
+def _make_flesh(context: Context, body: Object) -> None:
+    if not body.haptics.enabled:
+        body.haptics.enabled = True
+        materials.apply([body], materials.preset_in(context.scene, materials.guessed(body) or MATERIALS["flesh"]))
+
+
+class HAPTIC_OT_mirror_listeners(Operator):
+    """Give the other side of the body what the selected listeners have: their settings, and a listener where there is none"""
+
+    bl_idname = "haptic.mirror_listeners"
+    bl_label = "Mirror Listeners"
+    bl_options = UNDO
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_selected(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        context.view_layer.update()
+        sided = [obj for obj in editable(context.selected_objects) if _side(obj)]
+        if not sided:
+            self.report({"ERROR"}, "None of the selected objects is a listener of the left or right side: choose its body part")
+            return {"CANCELLED"}
+        for listener in sided:
+            body_kit.mirrored(listener)
+        self.report({"INFO"}, _rpt("{} listeners mirrored").format(len(sided)))
+        return {"FINISHED"}
+
+
+def _side(obj: Object) -> str:
+    listener = obj.haptics.listener
+    return BODY_PART[listener.body_part].side if listener.enabled and listener.body_part != "NONE" else ""
+
+
+CLASSES = (HAPTIC_OT_add_default_listeners, HAPTIC_OT_mirror_listeners)
+
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

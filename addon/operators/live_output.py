@@ -1,0 +1,172 @@
+"""Operators: find, connect and disconnect devices, choose actuators, preview, panic."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+from bpy.props import EnumProperty, StringProperty
+from bpy.types import Context, Operator
+
+from ...core.devices.mapping import Place
+from ..blender.polling import UNDO
+from ..live_output import outputs, player, preview, refresh
+from ..properties.live_output import adjustment_of
+from ..properties.preferences import preferences
+
+_rpt = bpy.app.translations.pgettext_rpt
+
+_AUTOMATIC, _NONE = "AUTOMATIC", "NONE"
+_items: list[tuple[str, str, str, str, int]] = []  # Blender keeps no copy of dynamic items
+
+
+class HAPTIC_OT_find_devices(Operator):
+    bl_idname = "haptic.find_devices"
+    bl_label = "Find Devices"
+    bl_description = "Look for haptic devices that are connected to this computer"
+
+    def execute(self, context: Context) -> set[str]:
+        settings = context.scene.haptics.live_output
+        outputs.find(profile_folders(), settings.sound_cards, settings.players)
+        refresh.start()
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_connect_device(Operator):
+    bl_idname = "haptic.connect_device"
+    bl_label = "Connect"
+    bl_description = "Let listeners be felt through this device while the timeline plays"
+
+    device: StringProperty(name="Device", description="Which one; empty for the default device of the preferences")
+
+    def execute(self, context: Context) -> set[str]:
+        key = self.device or outputs.preferred(preferences().default_device)
+        found = outputs.found(key)
+        if found is None:
+            self.report({"WARNING"}, _rpt("{} is not connected: press Find Devices").format(key or _rpt("A device")))
+            return {"CANCELLED"}
+        devices = context.scene.haptics.live_output.devices
+        settings = devices.get(key)
+        if settings is None:
+            settings = devices.add()
+            settings.name = key
+        outputs.connect(key, adjustment_of(settings, found.device))
+        refresh.start()
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_disconnect_device(Operator):
+    bl_idname = "haptic.disconnect_device"
+    bl_label = "Disconnect"
+    bl_description = "Silence the device and let go of it"
+
+    device: StringProperty()
+
+    def execute(self, context: Context) -> set[str]:
+        outputs.disconnect(self.device)
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_copy_udev_rule(Operator):
+    bl_idname = "haptic.copy_udev_rule"
+    bl_label = "Copy udev Rule"
+    bl_description = "Copy the line that lets you use this device; the panel says where to put it"
+
+    device: StringProperty()
+
+    def execute(self, context: Context) -> set[str]:
+        found = outputs.found(self.device)
+        if found is None or not found.rule:
+            self.report({"WARNING"}, _rpt("This device needs no rule"))
+            return {"CANCELLED"}
+        context.window_manager.clipboard = found.rule
+        self.report({"INFO"}, _rpt("Copied"))
+        return {"FINISHED"}
+
+
+def _choices(self: Operator, context: Context | None) -> list[tuple[str, str, str, str, int]]:
+    _items[:] = [
+        (_AUTOMATIC, "Automatic", "The actuators at its body part", "AUTO", 0),
+        (_NONE, "None", "It is not felt", "CANCEL", 1),
+    ]
+    for key, output in outputs.running().items():
+        for actuator in output.profile.actuators:
+            parts = ", ".join(actuator.body_parts) or "anywhere"
+            identifier = f"{key}/{actuator.name}"
+            _items.append((identifier, f"{output.profile.title}: {actuator.name}", f"Felt at {parts}", "NONE", len(_items)))
+    return _items
+
+
+class HAPTIC_OT_choose_actuator(Operator):
+    bl_idname = "haptic.choose_actuator"
+    bl_label = "Actuator"
+    bl_description = "What this listener is felt through; choose several, one after the other"
+    bl_options = UNDO
+
+    listener: StringProperty()
+    place: EnumProperty(items=_choices)
+
+    def execute(self, context: Context) -> set[str]:
+        obj = context.scene.objects.get(self.listener)
+        if obj is None or not obj.is_editable:
+            self.report({"WARNING"}, _rpt("{} can't be changed").format(self.listener))
+            return {"CANCELLED"}
+        settings = obj.haptics.live_output
+        if self.place in (_AUTOMATIC, _NONE):
+            settings.actuators = player.AUTOMATIC if self.place == _AUTOMATIC else player.MUTED
+            return {"FINISHED"}
+        place = Place(*self.place.rsplit("/", 1))
+        places = player.places_of(settings.actuators) or []
+        settings.actuators = player.choice_of([p for p in places if p != place] if place in places else [*places, place])
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_toggle_preview(Operator):
+    bl_idname = "haptic.toggle_preview"
+    bl_label = "Preview as Sound"
+    bl_description = "Hear what the listeners feel through Blender's own sound output, while the timeline plays"
+
+    def execute(self, context: Context) -> set[str]:
+        if preview.is_on():
+            preview.switch_off()
+            return {"FINISHED"}
+        try:
+            preview.switch_on()
+        except preview.AudioUnavailable as error:
+            self.report({"WARNING"}, _rpt("No preview: {}").format(error))
+            return {"CANCELLED"}
+        preview.set_volume(context.scene.haptics.live_output.preview_volume)
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_panic(Operator):
+    bl_idname = "haptic.panic"
+    bl_label = "Stop All Output"
+    bl_description = "Silence every device at once and let go of it, and switch the preview off"
+
+    def execute(self, context: Context) -> set[str]:
+        player.rest()
+        outputs.disconnect_all()
+        preview.switch_off()
+        self.report({"INFO"}, _rpt("All haptic output is off"))
+        return {"FINISHED"}
+
+
+CLASSES = (
+    HAPTIC_OT_find_devices,
+    HAPTIC_OT_connect_device,
+    HAPTIC_OT_disconnect_device,
+    HAPTIC_OT_copy_udev_rule,
+    HAPTIC_OT_choose_actuator,
+    HAPTIC_OT_toggle_preview,
+    HAPTIC_OT_panic,
+)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)
+
+
+def profile_folders() -> tuple[Path, ...]:
+    """The folder for device profiles of the user's own: "devices" in the extension's folder, where the add-on is an extension."""
+    package = __package__.rsplit(".addon", 1)[0]
+    if not package.startswith("bl_ext."):
+        return ()
+    return (Path(bpy.utils.extension_path_user(package, path="devices")),)

@@ -1,0 +1,171 @@
+"""Operators of haptic materials."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import EnumProperty, StringProperty
+from bpy.types import Context, Operator
+
+from ...core.scene.materials import MATERIALS
+from ..authoring import materials as library
+from ..blender.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode, poll_selected
+from ..blender.progress import progress
+from ..properties.materials import TARGET_ITEMS, made_of
+
+PRESET_ITEMS = tuple((material.name, material.title, "") for material in MATERIALS.values())
+
+
+def _poll_material(cls: type[Operator], context: Context) -> bool:
+    """The library has an active material."""
+    library_of = context.scene.haptics.materials
+    if not 0 <= library_of.active < len(library_of.items):
+        cls.poll_message_set("Choose a material of the library first")
+        return False
+    return True
+
+
+class HAPTIC_OT_apply_material(Operator):
+    """Make objects of a material; they share it: a change of the material changes them all"""
+
+    bl_idname = "haptic.apply_material"
+    bl_label = "Apply Material"
+    bl_options = UNDO
+
+    preset: EnumProperty(name="Material", description="What the objects are made of", items=PRESET_ITEMS, default="stone")
+    name: StringProperty(
+        name="From Library", description="A material of the scene's library instead of a preset", options={"SKIP_SAVE", "HIDDEN"}
+    )
+    target: EnumProperty(name="Apply To", description="What the material is applied to", items=TARGET_ITEMS)
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_selected(cls, context)
+
+    @classmethod
+    def description(cls, context: Context, properties) -> str:
+        material = MATERIALS[properties.preset]
+        if properties.name:
+            return ""
+        speed = f", {material.wave_speed:g} m/s" if material.wave_speed else ""
+        return f"κ {material.kappa:g}, ρ {material.rho:g}, (1 - κ) ρ = {material.k:.2f}{speed}, {material.conductivity:g} W/(m·K)"
+
+    def execute(self, context: Context) -> set[str]:
+        chosen = library.targets(context, self.target)
+        objects = [obj for obj in chosen if obj.type in SOLID_TYPES and obj.is_editable]
+        if not objects:
+            self.report({"ERROR"}, "No object with a surface among them; select meshes that are not linked from a library")
+            return {"CANCELLED"}
+        items = context.scene.haptics.materials.items
+        if self.name and self.name not in items:
+            self.report({"ERROR"}, "This material is not in the scene's library any more")
+            return {"CANCELLED"}
+        item = items[self.name] if self.name else library.preset_in(context.scene, MATERIALS[self.preset])
+        library.apply(objects, item)
+        linked = sum(not obj.is_editable for obj in chosen)
+        if linked:
+            self.report(
+                {"WARNING"}, bpy.app.translations.pgettext_rpt("{} linked objects can't be changed; override them first").format(linked)
+            )
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_guess_material(Operator):
+    """Guess from names, shapes and masses what the selected objects are made of"""
+
+    bl_idname = "haptic.guess_material"
+    bl_label = "Guess Material"
+    bl_options = UNDO
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_selected(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        objects = [obj for obj in context.selected_objects if obj.type in SOLID_TYPES and obj.is_editable]
+        known = library.apply_guesses(context.scene, objects)
+        message = bpy.app.translations.pgettext_rpt("{} of {} objects have a name, shape or mass that tells their material")
+        self.report({"INFO"}, message.format(known, len(objects)))
+        return {"FINISHED"} if known else {"CANCELLED"}
+
+
+class HAPTIC_OT_new_material(Operator):
+    """Put a new material into the library, with the values of the active object, which is then made of it"""
+
+    bl_idname = "haptic.new_material"
+    bl_label = "New Material"
+    bl_options = UNDO
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_active(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        obj = context.object
+        item = library.add(context.scene, obj.haptics.material.name or obj.name, library.own_values(obj))
+        library.apply([obj], item)
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_copy_material(Operator):
+    """Copy the active material of the library, to edit the copy without touching what is made of the original"""
+
+    bl_idname = "haptic.copy_material"
+    bl_label = "Copy Material"
+    bl_options = UNDO
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_object_mode(cls, context) and _poll_material(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        materials = context.scene.haptics.materials
+        library.copy(context.scene, materials.items[materials.active])
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_remove_material(Operator):
+    """Take the active material out of the library; what is made of it keeps its values"""
+
+    bl_idname = "haptic.remove_material"
+    bl_label = "Remove Material"
+    bl_options = UNDO
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_object_mode(cls, context) and _poll_material(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        materials = context.scene.haptics.materials
+        for obj in progress(list(made_of(context.scene, materials.items[materials.active].name))):
+            obj.haptics.material.name = ""
+        materials.items.remove(materials.active)
+        materials.active = max(0, min(materials.active, len(materials.items) - 1))
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_unlink_material(Operator):
+    """Give the active object values of its own, which are those of its material now"""
+
+    bl_idname = "haptic.unlink_material"
+    bl_label = "Own Values"
+    bl_options = UNDO
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_active(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        context.object.haptics.material.name = ""
+        return {"FINISHED"}
+
+
+CLASSES = (
+    HAPTIC_OT_apply_material,
+    HAPTIC_OT_guess_material,
+    HAPTIC_OT_new_material,
+    HAPTIC_OT_copy_material,
+    HAPTIC_OT_remove_material,
+    HAPTIC_OT_unlink_material,
+)
+
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

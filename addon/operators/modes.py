@@ -1,0 +1,50 @@
+"""Operators: one click from one rendering to the other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+from bpy.app.translations import pgettext_tip as tip_
+from bpy.props import EnumProperty
+from bpy.types import Context, Operator
+
+from ..bake import playback
+from ..blender.polling import UNDO
+from ..properties.haptics import MODE_ITEMS
+from ..session import session
+from ..view.overlay import draw
+
+_ITEMS = (*MODE_ITEMS, ("NEXT", "Next", "The one after the current: HT, SD, MD, MN, HT"))
+
+
+class HAPTIC_OT_set_mode(Operator):
+    """Render the scene in another way, to compare: through touching objects, at the nearest listener, by distance, or without fading"""
+
+    bl_idname = "haptic.set_mode"
+    bl_label = "Set Haptic Mode"
+    bl_options = UNDO
+
+    mode: EnumProperty(name="Mode", description="The rendering", items=_ITEMS, default="NEXT")
+
+    @classmethod
+    def description(cls, context: Context, properties: Any) -> str:
+        """The tooltip of a button: what its mode does."""
+        return next(f"{tip_(title)}: {tip_(words)}" for name, title, words in _ITEMS if name == properties.mode)
+
+    def execute(self, context: Context) -> set[str]:
+        haptics = context.scene.haptics
+        if playback.plays(context.scene):
+            haptics.bake.use_track = False
+            self.report({"INFO"}, "Play Baked Track is off now: another mode has to be traced")
+        modes = [name for name, *_ in MODE_ITEMS]
+        following = modes[(modes.index(haptics.mode) + 1) % len(modes)]
+        haptics.mode = following if self.mode == "NEXT" else self.mode
+        session.trace(context.scene, context.evaluated_depsgraph_get())
+        draw.redraw()
+        return {"FINISHED"}
+
+
+CLASSES = (HAPTIC_OT_set_mode,)
+
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

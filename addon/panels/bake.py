@@ -1,0 +1,66 @@
+"""Panel "Bake"."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.types import Context, Panel, Scene, UILayout
+
+from ..bake import playback, storage
+from ..bake.track import HapticTrack
+from ..operators.bake import running
+from .drawing import HapticsPanel, wrapped
+
+
+class HAPTIC_PT_bake(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_bake"
+    bl_label = "Bake"
+    bl_order = 50
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        scene = context.scene
+        bake = scene.haptics.bake
+        baking = running()
+        if baking is not None:
+            layout.progress(factor=baking.part, text=f"{100 * baking.part:.0f} %")
+            layout.label(text="Esc cancels", icon="EVENT_ESC")
+            return
+        layout.prop(bake, "use_range")
+        column = layout.column(align=True)
+        column.active = bake.use_range
+        column.prop(bake if bake.use_range else scene, "frame_start")
+        column.prop(bake if bake.use_range else scene, "frame_end", text="End")
+        column = layout.column(heading="Also")
+        column.prop(bake, "write_curves")
+        column.prop(bake, "write_sound")
+        layout.operator("haptic.bake", text="Bake" if bake.track is None else "Bake Again", icon="REC")
+        _draw_track(layout, scene, storage.track_of(scene))
+
+
+def _draw_track(layout: UILayout, scene: Scene, track: HapticTrack | None) -> None:
+    """What is baked, whether it still fits, and what to do with it."""
+    bake = scene.haptics.bake
+    if track is None:
+        for line in wrapped(storage.trouble(scene)):
+            layout.label(text=line, icon="ERROR")
+        return
+    box = layout.box()
+    reasons = playback.stale_reasons(scene)
+    words = "The scene has changed since" if reasons else f"Frames {track.frame_start} to {track.frame_end} are baked"
+    box.label(text=words, icon="ERROR" if reasons else "CHECKMARK")
+    column = box.column(align=True)
+    for reason in reasons:
+        for line in wrapped(reason):
+            column.label(text=line)
+    count = len(track.listeners)
+    box.label(text=f"{track.duration:.1f} s, {count} listener{'s' if count != 1 else ''}")
+    box.prop(bake, "use_track")
+    layout.operator("haptic.delete_bake", icon="TRASH")
+
+
+CLASSES = (HAPTIC_PT_bake,)
+
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -1,0 +1,156 @@
+"""Panel "Live Output": devices, how they do, what listeners are felt through, and what gets lost."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.types import Context, Panel, Scene, UILayout
+
+from ...core.devices.connection import UDEV_FILE
+from ...core.devices.mapping import LATEST, ActuatorMapping
+from ...core.devices.output import Status
+from ...core.render.mixing import LOOK_AHEAD
+from ..live_output import handlers, outputs, player, preview
+from ..session import session
+from .drawing import HapticsPanel, draw_pair, wrapped
+
+EARLIEST = -0.015
+"""Seconds by which touch may lead the picture unnoticed (Di Luca and Mahnan, 2019)."""
+_BLOCKED = 0.25
+
+
+class HAPTIC_PT_live_output(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_live_output"
+    bl_label = "Live Output"
+    bl_order = 50
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        row = layout.row(align=True)
+        row.operator("haptic.find_devices", text="Looking..." if outputs.is_finding() else "Find Devices", icon="VIEWZOOM")
+        row.operator("haptic.panic", text="", icon="CANCEL")
+        column = layout.column(align=True)
+        column.prop(context.scene.haptics.live_output, "sound_cards")
+        column.prop(context.scene.haptics.live_output, "players")
+        layout.operator("haptic.toggle_preview", icon="PLAY_SOUND", depress=preview.is_on())
+        if preview.is_on():
+            layout.prop(context.scene.haptics.live_output, "preview_volume")
+        _draw_devices(layout, context.scene)
+
+
+class HAPTIC_PT_actuators(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_actuators"
+    bl_parent_id = "HAPTIC_PT_live_output"
+    bl_label = "Listeners"
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        result = session.result_of(context.scene)
+        if result is None or not result.listeners:
+            layout.label(text="No listener was traced yet", icon="INFO")
+            return
+        choices = handlers.choices(result)
+        mapping = player.mapping_of(result, choices)
+        for row_number, listener in enumerate(result.listeners):
+            column = layout.column(align=True)
+            row = column.split(factor=0.45)
+            row.label(text=listener.name)
+            text = ", ".join(_actuators_of(mapping, row_number)) or "none"
+            text = text if listener.name in choices else f"Auto: {text}"
+            row.operator_menu_enum("haptic.choose_actuator", "place", text=text).listener = listener.name
+            for loss in mapping.losses:
+                if loss.listener == listener.name and outputs.running():
+                    _draw_text(column, loss.text.removeprefix(f"{listener.name} is not felt: ").removeprefix(f"{listener.name}: "))
+
+
+def _actuators_of(mapping: ActuatorMapping, row: int) -> list[str]:
+    """The actuators of a listener, with their device where there are several."""
+    running = outputs.running()
+    return [
+        f"{running[key].profile.title}: {actuator.name}" if len(running) > 1 else actuator.name
+        for key, weights in mapping.weights.items()
+        for actuator, weight in zip(running[key].profile.actuators, weights[:, row], strict=True)
+        if weight
+    ]
+
+
+def _draw_devices(layout: UILayout, scene: Scene) -> None:
+    inventory = outputs.inventory()
+    for key, output in outputs.running().items():
+        found = outputs.found(key)
+        box = _draw_title(layout, output.profile.title, found.kind if found else "")
+        box.operator("haptic.disconnect_device", icon="UNLINKED").device = key
+        _draw_status(box, output.status, handlers.frame_seconds(scene), limiter_seconds(scene))
+        settings = scene.haptics.live_output.devices.get(key)
+        if settings is not None:
+            column = box.column(align=True)
+            column.use_property_split = True
+            column.use_property_decorate = False
+            for name in ("gain", "floor", "curve", "ceiling", "offset"):
+                column.prop(settings, name)
+    if inventory is None:
+        return
+    for found in inventory.devices:
+        if found.key in outputs.running():
+            continue
+        box = _draw_title(layout, found.title, found.kind)
+        if found.rule:
+            _draw_text(box, "You may not use it yet. Copy the rule into", icon="ERROR")
+            box.label(text=UDEV_FILE)
+            _draw_text(box, "and plug the device in again")
+            box.operator("haptic.copy_udev_rule", icon="COPYDOWN").device = found.key
+        elif found.permission:
+            _draw_text(box, found.permission, icon="ERROR")
+        box.operator("haptic.connect_device", icon="LINKED").device = found.key
+    for name in inventory.strangers:
+        layout.label(text=f"{name} is not supported", icon="QUESTION")
+    for problem in inventory.problems:
+        _draw_text(layout, problem, icon="ERROR")
+    if not inventory.devices and not inventory.strangers:
+        layout.label(text="No haptic device is connected", icon="INFO")
+
+
+def _draw_title(layout: UILayout, title: str, kind: str) -> UILayout:
+    box = layout.box()
+    box.label(text=f"{title} ({kind})" if kind else title, icon="MOUSE_MOVE")
+    return box
+
+
+def _draw_status(layout: UILayout, status: Status, frame_seconds: float, rendering_seconds: float = 0.0) -> None:
+    column = layout.column(align=True)
+    state = {"searching": "Looking for it", "open": "Connected", "stopped": "Stopped", "failed": "Failed"}[status.state]
+    column.label(text=state, icon="CHECKMARK" if status.state == "open" else "ERROR")
+    if status.message:
+        _draw_text(column, status.message)
+    if status.writing_for > _BLOCKED:
+        _draw_text(column, f"A write has been blocked for {status.writing_for:.1f} s")
+    draw_pair(column, "Reports written", f"{status.written}")
+    draw_pair(column, "Failed, lost", f"{status.failed_writes}, {status.losses}")
+    lag = lag_of_picture(status, frame_seconds, rendering_seconds)
+    if lag is not None:
+        late = lag > LATEST or lag < EARLIEST
+        draw_pair(column, "Touch follows by", f"{1000 * lag:.0f} ms" + (" (noticed)" if late else ""))
+        column.label(text="-15 to 50 ms go unnoticed", icon="ERROR" if late else "BLANK1")
+
+
+def lag_of_picture(status: Status, frame_seconds: float, rendering_seconds: float = 0.0) -> float | None:
+    """Seconds by which touch follows the picture. A picture stands for its frame, so its middle counts: samples of the frame before it are
+    felt while it is shown, half a frame late on average. ``rendering_seconds``: by which samples lag the frame."""
+    return None if status.lag is None else status.lag + frame_seconds / 2 + rendering_seconds
+
+
+def limiter_seconds(scene: Scene) -> float:
+    """Seconds by which a limiter holds back what all listeners feel; 0 where none has one."""
+    result = session.result_of(scene)
+    return LOOK_AHEAD if result is not None and any(listener.limiter for listener in result.listeners) else 0.0
+
+
+def _draw_text(layout: UILayout, text: str, icon: str = "NONE") -> None:
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for number, line in enumerate(wrapped(text)):
+        column.label(text=line, icon=icon if number == 0 else "NONE")
+
+
+CLASSES = (HAPTIC_PT_live_output, HAPTIC_PT_actuators)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -1,0 +1,56 @@
+"""The menu of materials, and the panel of the scene's library."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.types import Context, Menu, Panel
+
+from ...core.scene.materials import MATERIALS
+from ..properties.materials import HAPTIC_UL_materials
+from .drawing import HapticsPanel
+
+
+class HAPTIC_MT_materials(Menu):
+    bl_idname = "HAPTIC_MT_materials"
+    bl_label = "Materials"
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        target = context.scene.haptics.materials.target
+        layout.operator("haptic.guess_material", icon="VIEWZOOM")
+        layout.operator("haptic.new_material", icon="ADD")
+        layout.separator()
+        flow = layout.column_flow(columns=2)
+        for name, material in MATERIALS.items():
+            properties = flow.operator("haptic.apply_material", text=material.title)
+            properties.preset, properties.target = name, target
+
+
+class HAPTIC_PT_materials(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_materials"
+    bl_parent_id = "HAPTIC_PT_scene"
+    bl_label = "Materials"
+    bl_order = 1
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        materials = context.scene.haptics.materials
+        row = layout.row()
+        row.template_list("HAPTIC_UL_materials", "", materials, "items", materials, "active", rows=3)
+        side = row.column(align=True)
+        side.menu("HAPTIC_MT_materials", text="", icon="ADD")
+        side.operator("haptic.remove_material", text="", icon="REMOVE")
+        side.operator("haptic.copy_material", text="", icon="DUPLICATE")
+        layout.row().prop(materials, "target", expand=True)
+        if 0 <= materials.active < len(materials.items):
+            item = materials.items[materials.active]
+            properties = layout.operator("haptic.apply_material", text="Apply", icon="CHECKMARK")
+            properties.name, properties.target = item.name, materials.target
+        else:
+            layout.label(text="Add materials with +", icon="INFO")
+
+
+CLASSES = (HAPTIC_UL_materials, HAPTIC_MT_materials, HAPTIC_PT_materials)
+
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

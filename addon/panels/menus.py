@@ -1,0 +1,148 @@
+"""Menus: Object > Haptics, where F3 finds every operator, and Add > Haptic."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.types import Context, Menu
+
+from ..operators.adding import SOURCE_ITEMS
+from ..properties.haptics import MODE_ITEMS
+
+# What works on the selection, on the scene, on materials; an operator that is not there is left out.
+_SELECTION = (
+    ("haptic.make_objects", "OUTLINER_OB_META"),
+    ("haptic.add_source", "OUTLINER_OB_FORCE_FIELD"),
+    ("haptic.add_listener", "OUTLINER_OB_LIGHTPROBE"),
+    ("haptic.add_default_listeners", "OUTLINER_OB_ARMATURE"),
+    ("haptic.mirror_listeners", "MOD_MIRROR"),
+    ("haptic.clear", "X"),
+)
+_MATERIALS = (
+    ("haptic.guess_material", "VIEWZOOM"),
+    ("haptic.new_material", "ADD"),
+    ("haptic.copy_material", "DUPLICATE"),
+    ("haptic.remove_material", "REMOVE"),
+    ("haptic.unlink_material", "UNLINKED"),
+)
+_SCENE = (
+    ("haptic.trace_frame", "FILE_REFRESH"),
+    ("haptic.toggle_tracing", "HIDE_OFF"),
+    ("haptic.graph_to_geometry", "MESH_DATA"),
+)
+
+
+def _draw(menu: Menu, entries: tuple[tuple[str, str], ...]) -> None:
+    for name, icon in entries:
+        menu.layout.operator(name, icon=icon)
+
+
+def others() -> list[str]:
+    """The add-on's operators that are in no menu of their own, by label: those of baking, playing and looking."""
+    listed = {name for entries in (_SELECTION, _MATERIALS, _SCENE) for name, _ in entries} | NEEDS_MORE
+    labels = {f"haptic.{name}": getattr(bpy.ops.haptic, name).get_rna_type().name for name in dir(bpy.ops.haptic)}
+    return sorted(labels.keys() - listed, key=lambda name: labels[name])
+
+
+NEEDS_MORE = {
+    "haptic.apply_material",
+    "haptic.select_object",
+    "haptic.add_source_object",
+    "haptic.add_medium",
+    "haptic.add_sample",
+}
+"""Operators that need to be told something that a plain entry does not: the other menus and panels offer them."""
+
+
+class HAPTIC_MT_object(Menu):
+    bl_idname = "HAPTIC_MT_object"
+    bl_label = "Haptics"
+
+    def draw(self, context: Context) -> None:
+        _draw(self, _SELECTION)
+        self.layout.separator()
+        self.layout.menu("HAPTIC_MT_materials", icon="MATERIAL")
+        _draw(self, _MATERIALS)
+        self.layout.separator()
+        _draw(self, _SCENE)
+        self.layout.menu("HAPTIC_MT_more")
+
+
+class HAPTIC_MT_more(Menu):
+    """The rest of the operators, so that search finds them"""
+
+    bl_idname = "HAPTIC_MT_more"
+    bl_label = "More"
+
+    def draw(self, context: Context) -> None:
+        for name in others():
+            self.layout.operator(name)
+
+
+class HAPTIC_MT_add(Menu):
+    bl_idname = "HAPTIC_MT_add"
+    bl_label = "Haptic"
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.operator_context = "EXEC_REGION_WIN"
+        for kind, title, _, icon, _ in SOURCE_ITEMS:
+            layout.operator("haptic.add_source_object", text=title, icon=icon).kind = kind
+        layout.separator()
+        layout.operator("haptic.add_medium", text="Air", icon="FORCE_WIND").medium = "air"
+        layout.operator("haptic.add_medium", text="Water", icon="MOD_FLUIDSIM").medium = "water"
+        layout.separator()
+        layout.operator("haptic.add_default_listeners", icon="OUTLINER_OB_ARMATURE")
+        layout.menu("HAPTIC_MT_samples", icon="SCENE_DATA")
+
+
+class HAPTIC_MT_samples(Menu):
+    bl_idname = "HAPTIC_MT_samples"
+    bl_label = "Sample Scenes"
+
+    def draw(self, context: Context) -> None:
+        from ...sample_scenes import SAMPLES
+
+        for sample in SAMPLES.values():
+            self.layout.operator("haptic.add_sample", text=sample.title).sample = sample.name
+
+
+class HAPTIC_MT_mode_pie(Menu):
+    """The four renderings around the pointer: the same scene, heard one way and then the other"""
+
+    bl_idname = "HAPTIC_MT_mode_pie"
+    bl_label = "Haptic Mode"
+
+    def draw(self, context: Context) -> None:
+        pie = self.layout.menu_pie()
+        for mode, title, _ in MODE_ITEMS:
+            current = context.scene.haptics.mode == mode
+            text = f"{iface_(title)} ({mode})"
+            pie.operator("haptic.set_mode", text=text, icon="RADIOBUT_ON" if current else "RADIOBUT_OFF", translate=False).mode = mode
+
+
+def _draw_object_menu(self: Menu, context: Context) -> None:
+    self.layout.separator()
+    self.layout.menu("HAPTIC_MT_object", icon="OUTLINER_OB_LIGHTPROBE")
+
+
+def _draw_add_menu(self: Menu, context: Context) -> None:
+    self.layout.separator()
+    self.layout.menu("HAPTIC_MT_add", icon="OUTLINER_OB_LIGHTPROBE")
+
+
+CLASSES = (HAPTIC_MT_more, HAPTIC_MT_object, HAPTIC_MT_samples, HAPTIC_MT_add, HAPTIC_MT_mode_pie)
+
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
+
+
+def register() -> None:
+    _register_classes()
+    bpy.types.VIEW3D_MT_object.append(_draw_object_menu)
+    bpy.types.VIEW3D_MT_add.append(_draw_add_menu)
+
+
+def unregister() -> None:
+    bpy.types.VIEW3D_MT_add.remove(_draw_add_menu)
+    bpy.types.VIEW3D_MT_object.remove(_draw_object_menu)
+    _unregister_classes()

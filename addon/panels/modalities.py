@@ -1,0 +1,86 @@
+"""Panels of the modalities beside vibration, one per modality, made from its data."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.types import Context, Panel
+
+from ...core.modalities import Felt, Modality
+from ..properties.modalities import SHOWN
+from ..session import modalities
+from .drawing import HapticsPanel, draw_carrier
+from .formula import draw_parameters
+
+_ORDER = 35
+"""After the panels of objects, sources and listeners."""
+
+
+def _scene_panel(modality: Modality) -> type[Panel]:
+    """What the listeners feel of a modality, and the switch."""
+
+    def draw_header(self: Panel, context: Context) -> None:
+        self.layout.prop(getattr(context.scene.haptics.modalities, modality.name), "enabled", text="")
+
+    def draw(self: Panel, context: Context) -> None:
+        layout = self.layout
+        layout.active = getattr(context.scene.haptics.modalities, modality.name).enabled
+        felt = next((felt for felt in modalities.felt_in(context.scene) if felt.modality is modality), None)
+        if felt is None:
+            layout.label(text="Switch it on and trace a frame", icon="INFO")
+        elif not felt.emitters:
+            layout.label(text="No source: make an object one below", icon="INFO")
+        else:
+            column = layout.column(align=True)
+            for index in range(len(felt.listeners)):
+                _draw_listener(column, felt, index)
+
+    return _panel(modality, "scene", {"bl_label": modality.title, "bl_order": _ORDER, "draw_header": draw_header, "draw": draw})
+
+
+def _draw_listener(layout, felt: Felt, index: int) -> None:
+    value = float(felt.values[index])
+    row = layout.split(factor=0.72)
+    row.label(text=felt.listeners[index], translate=False)
+    side = row.row()
+    side.alignment = "RIGHT"
+    side.label(text=f"{value:+.1f} {felt.modality.source_value.unit}", translate=False)
+    words = felt.modality.sensation(value)
+    if words:
+        layout.label(text=words, icon="BLANK1")
+
+
+def _object_panel(modality: Modality) -> type[Panel]:
+    """How the active object passes a modality on, and whether it is a source of it."""
+
+    def poll(cls: type[Panel], context: Context) -> bool:
+        return context.object is not None and context.object.type != "ARMATURE"
+
+    def draw(self: Panel, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        obj = context.object
+        group = getattr(obj.haptics.modalities, modality.name)
+        if obj.haptics.enabled:
+            layout.prop(group, "function")
+            if group.function == modality.default_function:
+                column = layout.column(align=True)
+                for quantity in modality.object_values:
+                    column.prop(group, quantity.name)
+            draw_parameters(layout, group, 0.0, 1.0, context.scene.haptics.epsilon)
+        layout.prop(group, "is_source")
+        if group.is_source:
+            layout.prop(group, "source_value")
+            draw_carrier(layout, obj, True, "Goes into")
+
+    values = {"bl_label": "Active Object", "bl_parent_id": f"HAPTIC_PT_{modality.name}_scene", "poll": classmethod(poll), "draw": draw}
+    return _panel(modality, "object", values)
+
+
+def _panel(modality: Modality, part: str, values: dict[str, object]) -> type[Panel]:
+    name = f"HAPTIC_PT_{modality.name}_{part}"
+    return type(name, (HapticsPanel, Panel), {"bl_idname": name, "bl_options": {"DEFAULT_CLOSED"}, "__module__": __name__, **values})
+
+
+CLASSES = tuple(panel(modality) for modality in SHOWN for panel in (_scene_panel, _object_panel))
+
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -1,0 +1,1 @@
+"""What a designer authors, as Blender properties."""

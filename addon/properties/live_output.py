@@ -1,0 +1,145 @@
+"""What a designer sets for live output: per device, per listener, and for the preview. Nothing of it switches a device on."""
+
+from __future__ import annotations
+
+from bpy.props import BoolProperty, CollectionProperty, FloatProperty, StringProperty
+from bpy.types import Context, PropertyGroup
+
+from ...core.devices.mapping import ActuatedDevice
+from ...core.devices.profiles import EARLIEST, Adjustment, Calibration
+from ..live_output import outputs, preview
+
+
+def _device_changed(self: PropertyGroup, context: Context) -> None:
+    output = outputs.running().get(self.name)
+    if output is not None:
+        output.adjust(adjustment_of(self, output.profile))
+
+
+_choices = 0
+
+
+def choose() -> None:
+    """Something else was chosen, for some listener."""
+    global _choices
+    _choices += 1
+
+
+def choices_made() -> int:
+    """A number that changes with every choice of actuators."""
+    return _choices
+
+
+def _actuators_chosen(self: PropertyGroup, context: Context) -> None:
+    choose()
+
+
+def _volume_changed(self: PropertyGroup, context: Context) -> None:
+    preview.set_volume(self.preview_volume)
+
+
+class HapticDeviceProperties(PropertyGroup):
+    """How one device feels; its name is the device's key."""
+
+    gain: FloatProperty(
+        name="Gain",
+        description="Makes everything on this device stronger or weaker",
+        default=1.0,
+        min=0.0,
+        max=4.0,
+        soft_max=2.0,
+        update=_device_changed,
+    )
+    floor: FloatProperty(
+        name="Floor",
+        description="Least strength at which the actuator moves: the weakest signal starts there",
+        default=0.0,
+        min=0.0,
+        max=0.9,
+        subtype="FACTOR",
+        update=_device_changed,
+    )
+    curve: FloatProperty(
+        name="Curve",
+        description="Exponent of strength; below 1 lifts weak signals",
+        default=1.0,
+        min=0.1,
+        max=4.0,
+        soft_min=0.3,
+        soft_max=2.0,
+        update=_device_changed,
+    )
+    ceiling: FloatProperty(
+        name="Ceiling",
+        description="The device is never driven harder than this part of what is safe for it",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_device_changed,
+    )
+    offset: FloatProperty(
+        name="Latency Offset",
+        description="Holds touch back, in milliseconds, where the picture is slow; below 0 brings it forward",
+        default=0.0,
+        min=1000 * EARLIEST,
+        max=1000.0,
+        soft_max=200.0,
+        precision=0,
+        update=_device_changed,
+    )
+    imported: StringProperty(name="Imported", description="What an imported file says beyond these properties", options={"HIDDEN"})
+
+
+class HapticLiveOutputProperties(PropertyGroup):
+    """The live output of a scene."""
+
+    devices: CollectionProperty(type=HapticDeviceProperties)
+    sound_cards: BoolProperty(
+        name="Sound Cards Too",
+        description="Look for sound cards as well: shakers, cushions and headsets that are felt, and a DualSense's actuators over USB",
+        default=False,
+    )
+    players: BoolProperty(
+        name="Haptic Players Too",
+        description="Look on this computer, and only here, for bHaptics Player and Intiface as well, which drive vests and other devices",
+        default=False,
+    )
+    preview_volume: FloatProperty(
+        name="Volume",
+        description="How loud listeners are heard",
+        default=0.5,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_volume_changed,
+    )
+
+
+class HapticActuatorProperties(PropertyGroup):
+    """What a listener is felt through."""
+
+    actuators: StringProperty(
+        name="Actuators",
+        description="Empty for those at its body part, - for none, else device/actuator or device/actuator*gain, separated by semicolons",
+        update=_actuators_chosen,
+    )
+
+
+CLASSES = (HapticDeviceProperties, HapticLiveOutputProperties, HapticActuatorProperties)
+
+
+def adjustment_of(settings: HapticDeviceProperties, device: ActuatedDevice) -> Adjustment:
+    """The user's settings of a device, on top of its profile."""
+    return Adjustment(
+        calibrations={
+            actuator.name: Calibration(
+                gain=min(actuator.calibration.gain * settings.gain, 10.0),
+                floor=max(actuator.calibration.floor, settings.floor),
+                exponent=min(max(actuator.calibration.exponent * settings.curve, 0.1), 10.0),
+            )
+            for actuator in device.actuators
+        },
+        ceiling=settings.ceiling,
+        delay=settings.offset / 1000,
+    )

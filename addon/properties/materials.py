@@ -1,0 +1,217 @@
+"""The scene's library of haptic materials, and which of them an object is made of.
+
+An object keeps the values of its material itself, so that it is traced without looking anything up and stays right when it is appended to
+another file; a change in the library is written to all objects of the scene that are made of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
+from bpy.types import Context, Object, PropertyGroup, Scene, UIList
+
+from ...core.scene.bands import BAND_COUNT
+from ..blender.progress import progress
+from .function import changed
+
+SHARED = ("kappa", "rho", "wave_speed", "use_bands", "band_decays", "conductivity")
+
+TARGET_ITEMS = (
+    ("SELECTED", "Selected", "The selected objects", "RESTRICT_SELECT_OFF", 0),
+    ("CHILDREN", "Children", "The selected objects and everything that is parented to them", "OUTLINER", 1),
+    ("COLLECTION", "Collection", "All objects of the active object's collection", "OUTLINER_COLLECTION", 2),
+)
+
+
+def holders(obj: Object) -> dict[str, Any]:
+    """The property group that holds each shared value of an object."""
+    haptics = obj.haptics
+    return {
+        "kappa": haptics,
+        "rho": haptics,
+        "wave_speed": haptics,
+        "use_bands": haptics.material,
+        "band_decays": haptics.material,
+        "conductivity": haptics.modalities.thermal,
+    }
+
+
+def values_of(item: HapticMaterial) -> dict[str, Any]:
+    """The values that objects made of a material of the library have."""
+    values = {name: tuple(value) if name == "band_decays" else value for name in SHARED for value in (getattr(item, name),)}
+    return {**values, "wave_speed": item.wave_speed if item.use_delay else 0.0}
+
+
+def write_values(obj: Object, values: dict[str, Any]) -> None:
+    """Give an object the values of a material; what it has already is not written again."""
+    for name, holder in holders(obj).items():
+        old = getattr(holder, name)
+        if (tuple(old) if name == "band_decays" else old) != values[name]:
+            setattr(holder, name, values[name])
+
+
+def made_of(scene: Scene, name: str) -> Iterator[Object]:
+    """The objects of a scene that are made of a material of its library and can be edited."""
+    return (obj for obj in scene.objects if obj.haptics.material.name == name and obj.is_editable)
+
+
+def _material_changed(self: HapticMaterial, context: Context) -> None:
+    values = values_of(self)
+    for obj in progress(list(made_of(self.id_data, self.known_as))):
+        write_values(obj, values)
+
+
+def _material_renamed(self: HapticMaterial, context: Context) -> None:
+    if self.name == self.known_as:
+        return
+    scene = self.id_data
+    taken = {item.name for item in scene.haptics.materials.items if item != self}
+    name = unique_name(self.name or self.known_as, taken)
+    for obj in progress(list(made_of(scene, self.known_as)) if self.known_as else ()):
+        obj.haptics.material.name = name
+    self.known_as = name
+    if self.name != name:
+        self.name = name
+
+
+def unique_name(name: str, taken: set[str]) -> str:
+    """The name, or the name with the first number that is free, as Blender numbers names."""
+    if name not in taken:
+        return name
+    stem, _, number = name.rpartition(".")
+    stem = stem if stem and number.isdigit() else name
+    return next(candidate for k in range(1, len(taken) + 2) if (candidate := f"{stem}.{k:03d}") not in taken)
+
+
+class HapticMaterial(PropertyGroup):
+    """A material of the scene's library."""
+
+    name: StringProperty(name="Name", description="Name of the material in this scene's library", update=_material_renamed)
+    known_as: StringProperty(options={"HIDDEN"})
+    kappa: FloatProperty(
+        name="Kappa (κ)",
+        description="The paper's transmissibility. As its function is published, only (1 - κ) ρ counts: a higher κ passes on less, "
+        "but over a longer distance; 1 passes on nothing",
+        default=0.1,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        precision=3,
+        options=set(),
+        update=_material_changed,
+    )
+    rho: FloatProperty(
+        name="Rho (ρ)",
+        description="The paper's density coefficient. A higher ρ passes on more but fades faster with distance; 0 passes on nothing",
+        default=0.9,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        precision=3,
+        options=set(),
+        update=_material_changed,
+    )
+    use_delay: BoolProperty(
+        name="Delay",
+        description="Signals take their time through this material, as its wave speed says; costs time to trace",
+        default=False,
+        options=set(),
+        update=_material_changed,
+    )
+    wave_speed: FloatProperty(
+        name="Wave Speed",
+        description="Speed of vibration in this material; 0 passes signals on without delay",
+        default=0.0,
+        min=0.0,
+        soft_max=5000.0,
+        unit="VELOCITY",
+        options=set(),
+        update=_material_changed,
+    )
+    use_bands: BoolProperty(
+        name="Frequency Bands",
+        description="High frequencies fade faster than low ones, as the values per band say",
+        default=False,
+        options=set(),
+        update=_material_changed,
+    )
+    band_decays: FloatVectorProperty(
+        name="Band Attenuation",
+        description="Extra attenuation per metre in this band of frequencies; 0 adds none",
+        size=BAND_COUNT,
+        default=(0.0,) * BAND_COUNT,
+        min=0.0,
+        soft_max=5.0,
+        precision=3,
+        options=set(),
+        update=_material_changed,
+    )
+    conductivity: FloatProperty(
+        name="Conductivity",
+        description="How well heat is conducted, in W/(m·K): steel 50, stone 2.8, wood 0.15",
+        default=1.0,
+        min=0.01,
+        max=500.0,
+        options=set(),
+        update=_material_changed,
+    )
+
+
+def _chosen(self: HapticObjectMaterial, context: Context) -> None:
+    """A material was chosen for an object: it takes its values."""
+    material = context.scene.haptics.materials.items.get(self.name) if self.name else None
+    if material is not None:
+        write_values(self.id_data, values_of(material))
+
+
+class HapticObjectMaterial(PropertyGroup):
+    """What an object is made of, and the values that only materials have."""
+
+    name: StringProperty(
+        name="Material",
+        description="The material of the scene's library that this object is made of",
+        options=set(),
+        update=_chosen,
+    )
+    use_bands: BoolProperty(
+        name="Frequency Bands",
+        description="High frequencies fade faster than low ones, as the values per band say",
+        default=False,
+        update=changed,
+    )
+    band_decays: FloatVectorProperty(
+        name="Band Attenuation",
+        description="Extra attenuation per metre in this band of frequencies; 0 adds none",
+        size=BAND_COUNT,
+        default=(0.0,) * BAND_COUNT,
+        min=0.0,
+        soft_max=5.0,
+        precision=3,
+        update=changed,
+    )
+
+
+class HapticMaterialLibrary(PropertyGroup):
+    """The haptic materials of a scene."""
+
+    items: CollectionProperty(type=HapticMaterial)
+    active: IntProperty(name="Active Material", default=0, min=0, options=set())
+    target: EnumProperty(name="Apply To", description="What a material is applied to", items=TARGET_ITEMS, options=set())
+
+
+class HAPTIC_UL_materials(UIList):
+    """The haptic materials of the scene, each with the one number that counts, (1 - κ) ρ."""
+
+    bl_idname = "HAPTIC_UL_materials"
+
+    def draw_item(self, context: Context, layout, data, item, icon, active_data, active_property, index=0, flags=0) -> None:
+        row = layout.row(align=True)
+        row.prop(item, "name", text="", emboss=False, icon="MATERIAL")
+        side = row.row()
+        side.alignment = "RIGHT"
+        side.label(text=f"{(1 - item.kappa) * item.rho:.2f}")
+
+
+CLASSES = (HapticMaterial, HapticObjectMaterial, HapticMaterialLibrary)

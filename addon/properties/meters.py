@@ -1,0 +1,35 @@
+"""What meters show."""
+
+from __future__ import annotations
+
+from bpy.props import BoolProperty
+from bpy.types import Context, PropertyGroup
+
+
+def _view_changed(self: PropertyGroup, context: Context) -> None:
+    from ..view.overlay import draw
+
+    draw.redraw()
+
+
+class HapticMetersProperties(PropertyGroup):
+    """The meters of a scene."""
+
+    show: BoolProperty(
+        name="Meters",
+        description="Draw meters over the 3D viewport: how much each listener feels",
+        default=True,
+        update=_view_changed,
+    )
+    show_scope: BoolProperty(
+        name="Scope",
+        description="Draw the last second of the selected listener, or of the one that feels the most",
+        default=True,
+        update=_view_changed,
+    )
+    show_body: BoolProperty(
+        name="Body", description="Draw a body whose parts light up where they feel something", default=True, update=_view_changed
+    )
+
+
+CLASSES = (HapticMetersProperties,)

@@ -1,0 +1,65 @@
+"""The properties of every modality without samples, made from its data: those of objects, of sources and of the scene."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
+from bpy.types import PropertyGroup
+
+from ...core.modalities import MODALITIES, Modality, Quantity
+from .function import FUNCTION_TITLES, FunctionParameters, changed
+
+SHOWN: tuple[Modality, ...] = tuple(modality for modality in MODALITIES.values() if not modality.sampled)
+"""The modalities beside vibration, which has properties and panels of its own."""
+
+
+def _property(quantity: Quantity) -> Any:
+    unit = "" if quantity.unit in ("", "m") else f", in {quantity.unit}"
+    return FloatProperty(
+        name=quantity.title,
+        description=f"{quantity.description}{unit}",
+        default=quantity.default,
+        min=quantity.low,
+        max=quantity.high,
+        unit="LENGTH" if quantity.unit == "m" else "NONE",
+        update=changed,
+    )
+
+
+def _object_group(modality: Modality) -> type[PropertyGroup]:
+    """What an object has for a modality, and whether it is a source of it."""
+    items = tuple((name, *FUNCTION_TITLES[name]) for name in modality.functions)
+    annotations = {
+        "function": EnumProperty(name="Function", description="How the signal fades on its way through", items=items, update=changed),
+        **{quantity.name: _property(quantity) for quantity in modality.object_values},
+        "is_source": BoolProperty(name="Source", description="This object emits it", default=False, update=changed),
+        "source_value": _property(modality.source_value),
+    }
+    return type(
+        f"Haptic{modality.name.title()}Object",
+        (PropertyGroup, FunctionParameters),
+        {"__annotations__": annotations, "__doc__": modality.description, "__module__": __name__},
+    )
+
+
+def _scene_group(modality: Modality) -> type[PropertyGroup]:
+    enabled = BoolProperty(name=modality.title, description=modality.description, default=False, update=changed)
+    return type(
+        f"Haptic{modality.name.title()}Scene",
+        (PropertyGroup,),
+        {"__annotations__": {"enabled": enabled}, "__doc__": modality.description, "__module__": __name__},
+    )
+
+
+def _container(name: str, groups: dict[str, type[PropertyGroup]]) -> type[PropertyGroup]:
+    annotations = {key: PointerProperty(type=group) for key, group in groups.items()}
+    return type(name, (PropertyGroup,), {"__annotations__": annotations, "__doc__": "One group per modality.", "__module__": __name__})
+
+
+_OBJECT_GROUPS = {modality.name: _object_group(modality) for modality in SHOWN}
+_SCENE_GROUPS = {modality.name: _scene_group(modality) for modality in SHOWN}
+HapticObjectModalities = _container("HapticObjectModalities", _OBJECT_GROUPS)
+HapticSceneModalities = _container("HapticSceneModalities", _SCENE_GROUPS)
+
+CLASSES = (*_OBJECT_GROUPS.values(), *_SCENE_GROUPS.values(), HapticObjectModalities, HapticSceneModalities)

@@ -1,0 +1,103 @@
+"""What a user chooses once for all files."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
+from bpy.types import AddonPreferences, Context
+
+ROOT = __package__.rpartition(".")[0]
+"""The extension's own package: the key of its preferences."""
+
+GAIN_UNIT_ITEMS = (
+    ("BOTH", "Factor and Decibel", "0.50  -6 dB"),
+    ("FACTOR", "Factor", "0.50"),
+    ("DECIBEL", "Decibel", "-6 dB"),
+)
+
+
+def _redraw(self: HapticTracingPreferences, context: Context) -> None:
+    from ..view.overlay import draw
+
+    draw.redraw()
+
+
+class HapticTracingPreferences(AddonPreferences):
+    bl_idname = ROOT
+
+    gain_unit: EnumProperty(name="Gains", description="How panels write gains", items=GAIN_UNIT_ITEMS, default="BOTH", update=_redraw)
+    curve_colour: FloatVectorProperty(
+        name="Curve",
+        description="Colour of the gain over distance in the panel",
+        subtype="COLOR_GAMMA",
+        size=3,
+        min=0.0,
+        max=1.0,
+        default=(1.0, 0.62, 0.2),
+        update=_redraw,
+    )
+    overlay_size: FloatProperty(
+        name="Overlay Size",
+        description="How large nodes, lines and labels are in the viewport",
+        default=1.0,
+        min=0.5,
+        max=3.0,
+        subtype="FACTOR",
+        update=_redraw,
+    )
+    default_device: StringProperty(
+        name="Default Device", description="What Connect Device takes: a part of its name; empty for the first device that is found"
+    )
+    keep_awake: BoolProperty(
+        name="Keep Devices Awake",
+        description="When playback ends, hold devices at zero instead of releasing them, so that they do not fall asleep",
+        default=False,
+    )
+
+    def draw(self, context: Context) -> None:
+        from ..registration import keymap
+
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column(heading="Display")
+        column.prop(self, "gain_unit")
+        column.prop(self, "overlay_size")
+        column.prop(self, "curve_colour")
+        column = layout.column(heading="Devices")
+        column.prop(self, "default_device")
+        column.prop(self, "keep_awake")
+        keymap.draw(layout, context)
+
+
+_DEFAULTS = SimpleNamespace(gain_unit="BOTH", curve_colour=(1.0, 0.62, 0.2), overlay_size=1.0, default_device="", keep_awake=False)
+
+
+def preferences() -> Any:
+    """The user's preferences; the defaults where the package runs without being enabled as an extension."""
+    addon = bpy.context.preferences.addons.get(ROOT)
+    return addon.preferences if addon is not None and addon.preferences is not None else _DEFAULTS
+
+
+def gain_text(gain: float) -> str:
+    """A gain (0 or more) as the user wants it written."""
+    factor = f"{gain:.2f}" if gain >= 0.1 or gain == 0 else f"{gain:.2g}"
+    decibel = f"{20 * math.log10(gain):.0f} dB" if gain > 0 else "-∞ dB"
+    match preferences().gain_unit:
+        case "FACTOR":
+            return factor
+        case "DECIBEL":
+            return decibel
+    return f"{factor}  {decibel}"
+
+
+def register() -> None:
+    bpy.utils.register_class(HapticTracingPreferences)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_class(HapticTracingPreferences)

@@ -1,0 +1,1 @@
+"""Blender's scene, read into values of the core."""

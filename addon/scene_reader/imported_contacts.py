@@ -1,0 +1,75 @@
+"""Where an imported file put bodies, and the contacts that it has between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import compress
+
+import numpy as np
+from bpy.types import Scene
+from numpy.typing import NDArray
+
+from ...core.contacts.authored import AuthoredContacts
+from ...core.contacts.shapes import pose_matrix
+from ...core.contacts.tracker import ContactSettings
+from ...core.scene.values import Pose
+from .imported import NEAR, KeptContacts, kept_contacts, kept_scene
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Homes:
+    """Where a file put bodies: ``transforms`` (n, 4, 4), infinite where it did not, and by how much these may differ."""
+
+    names: tuple[str, ...]
+    poses: tuple[Pose | None, ...]
+    transforms: FloatArray
+    limits: FloatArray
+
+    @classmethod
+    def of(cls, names: tuple[str, ...], poses: tuple[Pose | None, ...]) -> Homes:
+        transforms = np.full((len(poses), 4, 4), np.inf)
+        for row, pose in enumerate(poses):
+            if pose is not None:
+                transforms[row] = pose_matrix(pose)
+        limits = np.full((len(poses), 4, 4), 2 * NEAR)
+        far = np.abs(transforms[:, :3, 3]).max(axis=1, initial=1.0)
+        limits[:, :3, 3] = NEAR * np.where(np.isfinite(far), far, 1.0)[:, None]
+        return cls(names, poses, transforms, limits)
+
+    def settled(self, transforms: FloatArray) -> frozenset[str]:
+        """The bodies that stand there."""
+        if not np.isfinite(self.transforms[:, 3, 3]).any():
+            return frozenset()
+        return frozenset(compress(self.names, (np.abs(transforms - self.transforms) <= self.limits).all(axis=(1, 2)).tolist()))
+
+
+class ImportedContacts:
+    """The contacts that a scene was imported with. ``problems``: what is wrong with them, in words."""
+
+    def __init__(self) -> None:
+        self.problems: tuple[str, ...] = ()
+        self._kept = KeptContacts()
+        self._authored: tuple[tuple[KeptContacts, Homes, frozenset[str]], AuthoredContacts] | None = None
+
+    def read(self, scene: Scene) -> None:
+        """Read again what was imported with the scene."""
+        try:
+            kept_scene(scene.haptics.imported)
+            self._kept, self.problems = kept_contacts(scene.haptics.imported_contacts), ()
+        except ValueError as error:
+            self._kept, self.problems = KeptContacts(), (str(error),)
+
+    def authored(self, homes: Homes, settled: frozenset[str], settings: ContactSettings) -> AuthoredContacts | None:
+        """What the tracer is told of them where the bodies ``settled`` are in their homes: the same value as long as it says the same."""
+        kept = self._kept
+        found_alike = (kept.tolerance, kept.patch_points) == (settings.tolerance, settings.patch_points)
+        settled = settled if found_alike and kept.contacts else frozenset()
+        if not settled and not kept.transmissions:
+            return None
+        key = kept, homes, settled
+        if self._authored is None or self._authored[0] != key:
+            contacts = [item for pair, items in kept.contacts.items() if settled.issuperset(pair) for item in items]
+            self._authored = key, AuthoredContacts.of(homes.names, settled, contacts, kept.transmissions)
+        return self._authored[1]

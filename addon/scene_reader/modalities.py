@@ -1,0 +1,64 @@
+"""What a Blender scene has for a modality beside vibration, in the values of the core."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from bpy.types import Object, Scene
+
+from ...core.modalities import Emitter, Modality, ModalityScene
+from ..properties.function import PARAMETERS
+from .imported import KeptObject, exact, kept_object, near
+from .reader import haptic_carrier
+
+
+def read_modality(modality: Modality, scene: Scene, names: set[str]) -> ModalityScene:
+    """Of the haptic objects ``names`` of a scene. Raises ValueError in words where what was imported is damaged."""
+    values, forms, emitters = {}, {}, []
+    for obj in scene.objects:
+        group = getattr(obj.haptics.modalities, modality.name)
+        if obj.name_full not in names and not group.is_source:
+            continue
+        kept = kept_object(obj.haptics.imported)
+        numbers = numbers_of(modality, kept)
+        if obj.name_full in names:
+            own = {quantity.name: exact(group, quantity.name, numbers) for quantity in modality.object_values}
+            values[obj.name_full] = {key: value for key, value in own.items() if value != modality.defaults()[key]}
+            if group.function != modality.default_function:
+                parameters = PARAMETERS.get(group.function, {}).items()
+                forms[obj.name_full] = {"function": group.function} | {key: _parameter(group, name, numbers) for key, name in parameters}
+        emitter = _emitter(modality, obj, kept, numbers, names)
+        if emitter is not None:
+            emitters.append(emitter)
+    return ModalityScene(
+        modality=modality,
+        values={name: own for name, own in values.items() if own},
+        forms=forms,
+        emitters=tuple(sorted(emitters, key=lambda emitter: emitter.name)),
+        enabled=getattr(scene.haptics.modalities, modality.name).enabled,
+    )
+
+
+def numbers_of(modality: Modality, kept: KeptObject) -> dict[str, float]:
+    """Of the numbers that are kept with an object, those of a modality's properties."""
+    prefix = f"{modality.name}."
+    return {name.removeprefix(prefix): value for name, value in kept.numbers.items() if name.startswith(prefix)}
+
+
+def _parameter(group: Any, name: str, numbers: Mapping[str, float]) -> Any:
+    return exact(group, name, numbers) if isinstance(getattr(group, name), float) else getattr(group, name)
+
+
+def _emitter(modality: Modality, obj: Object, kept: KeptObject, numbers: Mapping[str, float], names: set[str]) -> Emitter | None:
+    """The object as a source, where it is one that stands on one of the objects ``names``."""
+    group = getattr(obj.haptics.modalities, modality.name)
+    if not group.is_source:
+        return None
+    carrier = haptic_carrier(obj)
+    if carrier is None or carrier.name_full not in names:
+        return None
+    position = tuple(obj.matrix_world.translation)
+    home = kept.emitters.get(modality.name)
+    position = home if home is not None and near(home, position) else position
+    return Emitter(obj.name_full, carrier.name_full, position, exact(group, "source_value", numbers))

@@ -1,0 +1,1 @@
+"""The live tracing of each scene."""

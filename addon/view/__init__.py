@@ -1,0 +1,1 @@
+"""What is drawn: the haptic graph, meters and pictures in panels."""

@@ -1,0 +1,71 @@
+"""The gain over distance as a picture in the panel, drawn again only where what it shows has changed."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.scene.functions.curve import Curve
+from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
+
+FLOOR = -60.0
+"""Decibels at the bottom of the picture."""
+
+_MARGIN = 10
+
+_picture = Picture()
+
+
+def picture(curve: Curve, colour: Colour, ink: Colour) -> Pixels:
+    """The curve as pixels (SIZE, SIZE, 4), colours times opacity, the first row at the bottom: from `FLOOR` to 0 dB upwards, the curve's
+    reach across.
+
+    Lines every 20 dB and at quarters of the reach, in ``ink``; the curve in ``colour``, filled below; the lowest and the highest band as
+    thin lines.
+    """
+    pixels = blank()
+    inside = slice(_MARGIN, SIZE - _MARGIN)
+    for part in np.linspace(0, 1, 4):
+        tint(pixels[_place(part), inside], ink, 0.5 if part == 0 else 0.2)
+    for part in np.linspace(0, 1, 5):
+        tint(pixels[inside, _place(part)], ink, 0.5 if part == 0 else 0.2)
+    columns = np.arange(_MARGIN, SIZE - _MARGIN)
+    at = np.linspace(0, curve.reach, len(columns))
+    for gains, width, filled in _lines(curve):
+        decibels = 20 * np.log10(np.maximum(np.interp(at, curve.distances, gains), 1e-9))
+        heights = _MARGIN + np.clip(1 - decibels / FLOOR, -0.02, 1) * (SIZE - 2 * _MARGIN - 1)
+        _draw(pixels, columns, heights, colour, width, filled)
+    return pixels
+
+
+def _lines(curve: Curve) -> list[tuple[NDArray[np.float64], float, bool]]:
+    bands = [] if curve.bands is None else [(gains, 0.7, False) for gains in curve.bands]
+    return [(curve.gains, 1.6, True), *bands]
+
+
+def _place(part: float) -> int:
+    return _MARGIN + round(part * (SIZE - 2 * _MARGIN - 1))
+
+
+def _draw(pixels: Pixels, columns: NDArray[np.int64], heights: NDArray[np.float64], colour: Colour, width: float, filled: bool) -> None:
+    """A smooth line over ``columns``; where it is steep it covers all rows between a column and the next."""
+    rows = np.arange(SIZE)[:, None]
+    following = np.append(heights[1:], heights[-1])
+    low, high = np.minimum(heights, following), np.maximum(heights, following)
+    distance = np.maximum(np.maximum(low - rows, rows - high), 0.0)
+    alpha = np.clip(width + 0.5 - distance, 0.0, 1.0)
+    if filled:
+        alpha = np.maximum(alpha, np.where((rows < heights) & (rows > _MARGIN), 0.22, 0.0))
+    chosen = pixels[:, columns]
+    tint(chosen, colour, alpha)
+    pixels[:, columns] = chosen
+
+
+def icon(key: object, curve: Curve, colour: Colour, ink: Colour) -> int:
+    """The number of the icon that shows the curve; ``key`` says what it is drawn from, so that the same is not drawn twice."""
+    return _picture.icon((key, colour, ink), lambda: picture(curve, colour, ink))
+
+
+def forget() -> None:
+    """Free the picture."""
+    _picture.forget()

@@ -1,0 +1,92 @@
+"""Why a listener of the scene feels nothing: the core's reasons, and those that only Blender knows. Looked for when asked, kept per
+frame."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import bpy
+from bpy.types import Scene
+
+from ....core.diagnosis.silence import Reason, Surroundings, reasons
+from ....core.render.frame_result import FrameResult
+from ...scene_reader import reader
+from ...session import session
+from .levels import RMS_SECONDS
+
+_PATIENCE = 0.004  # seconds that looking may take while the timeline plays
+
+_known: dict[tuple[int, str], tuple[FrameResult, Any, tuple[Reason, ...], float]] = {}
+
+
+def why_silent(scene: Scene, listener: str) -> tuple[str, tuple[Reason, ...]]:
+    """Why a listener feels nothing: one sentence about the scene ("" where there is nothing to say), and the core's reasons; () and ""
+    where it feels something."""
+    haptics = scene.haptics
+    result = session.result_of(scene)
+    if not haptics.tracing and result is None:
+        return "Tracing is switched off: tick the box of the panel Haptic Tracing", ()
+    if result is None:
+        problems = session.problems_of(scene)
+        return (problems[0].message if problems else "Nothing has been traced yet: play, or press Trace This Frame"), ()
+    names = [item.name for item in result.listeners]
+    if listener not in names:
+        return "It was no listener when this frame was traced", ()
+    stale = "Tracing is switched off: this is how the scene was before." if not haptics.tracing else ""
+    return stale, _reasons(scene, result, names.index(listener))
+
+
+def device_words(scene: Scene, listener: str) -> str:
+    """Whether a connected device lets the listener be felt: words where not, "" where it does, or where no device is connected."""
+    result = session.result_of(scene)
+    try:
+        from ...live_output import handlers, outputs, player
+    except ImportError:
+        return ""
+    if result is None or not outputs.running():
+        return ""
+    names = [item.name for item in result.listeners]
+    if listener not in names:
+        return ""
+    mapping = player.mapping_of(result, handlers.choices(result))
+    column = names.index(listener)
+    if any(weights[:, column].any() for weights in mapping.weights.values()):
+        return ""
+    losses = [loss.text for loss in mapping.losses if loss.listener == listener]
+    return losses[0] if losses else f"{listener} is muted: no actuator is chosen for it"
+
+
+def _reasons(scene: Scene, result: FrameResult, index: int) -> tuple[Reason, ...]:
+    name = result.listeners[index].name
+    settings = reader.read_settings(scene)
+    key = (scene.session_uid, name)
+    known = _known.get(key)
+    if known is not None and ((known[0] is result and known[1] == settings) or (known[3] > _PATIENCE and _is_playing())):
+        return known[2]
+    started = time.perf_counter()
+    reading = session.of(scene).reading
+    around = None
+    if reading is not None and {body.name for body in reading.bodies} <= set(result.objects):
+        around = Surroundings(reading.bodies, reading.transforms, reading.contact_settings)
+    recent = session.of(scene).history.samples(name, RMS_SECONDS)
+    found = reasons(result, settings, index, around, _muted(result), recent if len(recent) else None)
+    if len(_known) > 256:
+        _known.clear()
+    _known[key] = (result, settings, found, time.perf_counter() - started)
+    return found
+
+
+def _muted(result: FrameResult) -> set[str]:
+    objects = ((source.name, bpy.data.objects.get(source.name)) for source in result.sources)
+    return {name for name, obj in objects if obj is not None and obj.haptics.source.muted}
+
+
+def _is_playing() -> bool:
+    screen = bpy.context.screen
+    return screen is not None and screen.is_animation_playing
+
+
+def forget() -> None:
+    """Another file is loaded, or the add-on ends."""
+    _known.clear()

@@ -1,0 +1,273 @@
+"""The haptic graph as geometry that Cycles and EEVEE render: one mesh with colours, and labels as texts that face the camera."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_rpt as _rpt
+from bpy.props import BoolProperty, FloatProperty
+from bpy.types import Collection, Context, Material, Mesh, Object, Operator, Scene
+
+from ...scene_reader import reader
+from ...session import session
+from .annotations import INK, Furniture, furniture
+from .colour_map import FloatArray, linear
+from .draw import options_of, text_width
+from .picture import camera_view, picture_scale
+from .render_data import Label, render_data
+from .solids import Solid, extent_unit, flat, seen_unit, solid_graph
+
+NAME = "Haptic Graph"
+COLOUR_ATTRIBUTE = "Gain"
+_MARK = "haptic_graph"
+_FRONT = 4.0  # times the camera's near end: how far before it the nearest part of a graph in front stands
+
+
+class HAPTIC_OT_graph_to_geometry(Operator):
+    """Make a mesh of the haptic graph as it is drawn now, for renderings; an earlier one of this scene is replaced"""
+
+    bl_idname = "haptic.graph_to_geometry"
+    bl_label = "Graph to Geometry"
+    bl_options = {"REGISTER", "UNDO"}
+
+    in_front: BoolProperty(
+        name="In Front",
+        description="Bring the graph close to the camera, so that objects do not hide it. It looks right from where the camera is now",
+        default=True,
+    )
+    thickness: FloatProperty(
+        name="Thickness", description="How thick lines and symbols are", default=1.0, min=0.01, soft_min=0.2, soft_max=5.0
+    )
+    labels: BoolProperty(name="Labels", description="Add names and gains, and the legend where there is a camera", default=True)
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Switch to Object Mode first")
+            return False
+        if session.result_of(context.scene) is None:
+            cls.poll_message_set("Nothing has been traced yet: tag objects, then play or change the frame")
+            return False
+        return True
+
+    def execute(self, context: Context) -> set[str]:
+        scene = context.scene
+        result = session.result_of(scene)
+        data = render_data(result, reader.read_settings(scene), options_of(scene, result))
+        collection = _emptied_collection(scene)
+        if scene.camera is None:
+            unit = extent_unit(data) * self.thickness
+            graph = add_graph(collection, solid_graph(data, unit))
+        else:
+            size = scene.render.resolution_x, scene.render.resolution_y
+            scale = picture_scale(size)
+            view, projection = (np.array(matrix, dtype=np.float64) for matrix in camera_view(scene, size))
+            unit = seen_unit(data, projection, view, size[1] / scale) * self.thickness
+            graph = add_graph(collection, solid_graph(data, unit))
+            if self.in_front:
+                _bring_to_front(graph, view, projection, scene.camera.data.clip_start)
+            if self.labels:
+                items = furniture(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width)
+                _add_furniture(collection, items, scale, scene.camera, projection, size)
+        if self.labels and scene.camera is None:
+            for label in data.labels:
+                _add_label(collection, label, unit)
+        self.report({"INFO"}, _rpt("{:,} vertices in collection '{}'").format(len(graph.data.vertices), collection.name))
+        return {"FINISHED"}
+
+
+def _emptied_collection(scene: Scene) -> Collection:
+    """The scene's collection for the graph, without what was in it."""
+    collection = next((child for child in scene.collection.children_recursive if child.get(_MARK)), None)
+    if collection is None:
+        collection = bpy.data.collections.new(NAME)
+        collection[_MARK] = True
+        scene.collection.children.link(collection)
+    for obj in list(collection.objects):
+        data = obj.data
+        bpy.data.objects.remove(obj)
+        if data is not None and data.users == 0:
+            (bpy.data.meshes if isinstance(data, Mesh) else bpy.data.curves).remove(data)
+    return collection
+
+
+def add_graph(collection: Collection, solid: Solid) -> Object:
+    """The graph as a mesh object in ``collection``."""
+    obj = bpy.data.objects.new(NAME, solid_mesh(NAME, solid))
+    obj.data.materials.append(graph_material())
+    collection.objects.link(obj)
+    return obj
+
+
+def _bring_to_front(obj: Object, view: FloatArray, projection: FloatArray, clip_start: float) -> None:
+    """Move an object with world coordinates towards the camera without changing what is seen of it: nearer and smaller in perspective."""
+    values = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
+    obj.data.vertices.foreach_get("co", values)
+    depth = -(values.reshape(-1, 3) @ view[2, :3] + view[2, 3])
+    ahead = depth[depth > clip_start]
+    nearest = float(ahead.min()) if len(ahead) else clip_start
+    wanted = _FRONT * clip_start
+    if projection[3, 3] == 1:
+        towards = np.linalg.inv(view)[:3, 2]
+        obj.location = tuple(towards * (nearest - wanted))
+    else:
+        factor = min(wanted / nearest, 1.0)
+        camera = np.linalg.inv(view)[:3, 3]
+        obj.location, obj.scale = tuple(camera * (1 - factor)), (factor,) * 3
+    _hide_from_light(obj)
+
+
+def _hide_from_light(obj: Object) -> None:
+    """What stands before the camera throws no shadow and lights nothing."""
+    for key in ("visible_diffuse", "visible_glossy", "visible_transmission", "visible_volume_scatter", "visible_shadow"):
+        setattr(obj, key, False)
+
+
+def _add_furniture(
+    collection: Collection, items: Furniture, scale: float, camera: Object, projection: FloatArray, size: tuple[int, int]
+) -> None:
+    """Labels and legend on a plane before the camera, which carries them."""
+    clip_start = camera.data.clip_start
+    distance = _FRONT * clip_start * 0.5
+    orthographic = projection[3, 3] == 1
+    depth = 1.0 if orthographic else distance
+    shift = -projection[:2, 3] if orthographic else projection[:2, 2]
+    extent = 2 * depth / np.diag(projection)[:2]  # of the plane that the camera sees, in metres
+    plane = bpy.data.objects.new("Haptic Labels", solid_mesh("Haptic Labels", flat(items, scale)))
+    plane.data.materials.append(flat_material())
+    plane.parent = camera
+    plane.location = (*((shift - 1) * extent / 2), -distance)
+    plane.scale = (extent[0] / size[0], extent[1] / size[1], extent[1] / size[1])
+    collection.objects.link(plane)
+    _hide_from_light(plane)
+    above = 0.02 * scale * (len(items.lines.width) + 8 * len(items.points.size))
+    texts = [(_add_text(collection, text.words, text.size, (*text.colour, 1.0)), text) for text in items.texts]
+    bpy.context.view_layer.update()
+    for obj, text in texts:
+        natural = obj.dimensions.x / max(obj.scale.x, 1e-9)
+        obj.scale = (text_width(text.words, text.size) / max(natural, 1e-9),) * 3
+        obj.parent = plane
+        obj.location = (*text.position, above)
+        _hide_from_light(obj)
+
+
+def _add_text(collection: Collection, words: str, size: float, colour: tuple[float, ...]) -> Object:
+    curve = bpy.data.curves.new(f"{NAME}: {words}", "FONT")
+    curve.body, curve.size = words, size
+    curve.materials.append(text_material())
+    obj = bpy.data.objects.new(curve.name, curve)
+    obj.color = (*linear(np.array(colour[:3])), colour[3])
+    collection.objects.link(obj)
+    return obj
+
+
+def _add_label(collection: Collection, label: Label, unit: float) -> None:
+    """A text above its place, upright."""
+    obj = _add_text(collection, f"{label.name}  {label.value}", 17 * unit, (*INK, 1.0))
+    obj.data.align_x = "CENTER"
+    x, y, z = label.position
+    obj.location, obj.rotation_euler = (x, y, z + (label.clearance + 5) * unit), (np.pi / 2, 0, 0)
+
+
+def solid_mesh(name: str, solid: Solid) -> Mesh:
+    """A mesh of triangles with the colours as an attribute."""
+    mesh = bpy.data.meshes.new(name)
+    count = len(solid.triangles)
+    mesh.vertices.add(len(solid.vertices))
+    mesh.loops.add(3 * count)
+    mesh.polygons.add(count)
+    mesh.vertices.foreach_set("co", solid.vertices.astype(np.float32).reshape(-1))
+    mesh.loops.foreach_set("vertex_index", solid.triangles.astype(np.int32).reshape(-1))
+    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
+    mesh.update(calc_edges=True)
+    mesh.polygons.foreach_set("use_smooth", solid.smooth)
+    colours = mesh.color_attributes.new(COLOUR_ATTRIBUTE, "FLOAT_COLOR", "POINT")
+    values = np.column_stack([linear(solid.colours[:, :3]), solid.colours[:, 3]])
+    colours.data.foreach_set("color", values.astype(np.float32).reshape(-1))
+    mesh.color_attributes.active_color = colours
+    return mesh
+
+
+def graph_material() -> Material:
+    """Shines in the colours of the mesh, a little darker towards the edges, so that it looks round in any light. Backs are not drawn."""
+    material = bpy.data.materials.get(NAME)
+    if material is not None:
+        return material
+    material, nodes, links = _shining_material(NAME)
+    colour = nodes.new("ShaderNodeAttribute")
+    colour.attribute_name = COLOUR_ATTRIBUTE
+    facing = nodes.new("ShaderNodeLayerWeight")
+    facing.inputs["Blend"].default_value = 0.35
+    strength = nodes.new("ShaderNodeMath")
+    strength.operation = "MULTIPLY_ADD"
+    strength.inputs[1].default_value, strength.inputs[2].default_value = -0.7, 1.0
+    links.new(facing.outputs["Facing"], strength.inputs[0])
+    links.new(strength.outputs[0], nodes["Emission"].inputs["Strength"])
+    links.new(colour.outputs["Color"], nodes["Emission"].inputs["Color"])
+    side = nodes.new("ShaderNodeNewGeometry")
+    clear, mix = nodes.new("ShaderNodeBsdfTransparent"), nodes.new("ShaderNodeMixShader")
+    links.new(side.outputs["Backfacing"], mix.inputs["Fac"])
+    links.new(nodes["Emission"].outputs[0], mix.inputs[1])
+    links.new(clear.outputs[0], mix.inputs[2])
+    links.new(mix.outputs[0], nodes["Material Output"].inputs["Surface"])
+    places = ((colour, (-660, 60)), (strength, (-660, -140)), (facing, (-880, -140)), (nodes["Emission"], (-440, 0)))
+    for node, place in (*places, (side, (-440, 240)), (clear, (-440, -160)), (mix, (-220, 0))):
+        node.location = place
+    return material
+
+
+def flat_material() -> Material:
+    """Shines in the colours of the mesh, with their opacity."""
+    name = "Haptic Labels"
+    material = bpy.data.materials.get(name)
+    if material is not None:
+        return material
+    material, nodes, links = _shining_material(name)
+    material.surface_render_method = "BLENDED"
+    colour = nodes.new("ShaderNodeAttribute")
+    colour.attribute_name = COLOUR_ATTRIBUTE
+    clear, mix = nodes.new("ShaderNodeBsdfTransparent"), nodes.new("ShaderNodeMixShader")
+    links.new(colour.outputs["Color"], nodes["Emission"].inputs["Color"])
+    links.new(colour.outputs["Alpha"], mix.inputs["Fac"])
+    links.new(clear.outputs[0], mix.inputs[1])
+    links.new(nodes["Emission"].outputs[0], mix.inputs[2])
+    links.new(mix.outputs[0], nodes["Material Output"].inputs["Surface"])
+    for node, place in ((colour, (-660, 60)), (nodes["Emission"], (-440, -60)), (clear, (-440, 60)), (mix, (-220, 0))):
+        node.location = place
+    return material
+
+
+def text_material() -> Material:
+    """Shines in the object's colour."""
+    name = "Haptic Text"
+    material = bpy.data.materials.get(name)
+    if material is not None:
+        return material
+    material, nodes, links = _shining_material(name)
+    own = nodes.new("ShaderNodeObjectInfo")
+    links.new(own.outputs["Color"], nodes["Emission"].inputs["Color"])
+    own.location = (-440, 0)
+    return material
+
+
+def _shining_material(name: str) -> tuple[Material, Any, Any]:
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:
+        material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    emission, output = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeOutputMaterial")
+    emission.name, output.name = "Emission", "Material Output"
+    emission.location = (-220, 0)
+    links.new(emission.outputs[0], output.inputs["Surface"])
+    return material, nodes, links
+
+
+def register() -> None:
+    bpy.utils.register_class(HAPTIC_OT_graph_to_geometry)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_class(HAPTIC_OT_graph_to_geometry)

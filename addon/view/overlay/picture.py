@@ -1,0 +1,192 @@
+"""A picture of a scene with its haptic graph over it, seen from the scene's camera, without a window."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.types import Scene
+from mathutils import Matrix
+from numpy.typing import NDArray
+
+from ....core.render.frame_result import FrameResult
+from ...blender import compatibility
+from ...scene_reader import reader
+from . import draw
+from .annotations import Furniture, moved, plate_of
+from .png import write_png
+from .render_data import Options
+
+SMOOTHING = 2
+"""Pictures are drawn this much larger and averaged down, which smooths edges."""
+
+
+def draw_picture(scene: Scene, result: FrameResult, path: str | Path, size: tuple[int, int] = (1280, 720), *, meters: bool = False) -> None:
+    """Write a PNG of ``size`` pixels: the viewport with the graph over it where the GPU can draw off-screen, else both rendered by Cycles.
+    ``meters``: how much each listener feels, at the upper left.
+
+    Raises ValueError where the scene has no camera.
+    """
+    if scene.camera is None:
+        raise ValueError(f"scene {scene.name!r} has no camera to draw a picture from")
+    if starts_gpu():
+        pixels = viewport_picture(scene, result, size, meters=meters)
+    else:
+        from .rendering import rendered_picture
+
+        pixels = rendered_picture(scene, result, size, meters=meters)
+    write_png(path, pixels)
+
+
+def starts_gpu() -> bool:
+    """True where things can be drawn off-screen: in a window, and from Blender 5.2 on without one where OpenGL or Vulkan is there."""
+    if not bpy.app.background:
+        return True
+    if not compatibility.can_draw_off_screen() or (sys.platform == "linux" and not _has_surfaceless_egl()):
+        return False
+    import gpu
+
+    try:
+        gpu.init()
+    except (RuntimeError, SystemError):
+        return False
+    return True
+
+
+@cache
+def _has_surfaceless_egl() -> bool:
+    """True where EGL can be had without a screen. Blender 5.2 ends with a segmentation fault where it can't."""
+    surfaceless = 0x31DD  # EGL_PLATFORM_SURFACELESS_MESA
+    try:
+        egl = ctypes.CDLL("libEGL.so.1")
+        egl.eglGetPlatformDisplay.restype = ctypes.c_void_p
+        egl.eglGetPlatformDisplay.argtypes = [ctypes.c_uint, ctypes.c_void_p, ctypes.c_void_p]
+        egl.eglInitialize.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]
+    except (OSError, AttributeError):
+        return False
+    display = egl.eglGetPlatformDisplay(surfaceless, None, None)
+    return bool(display) and bool(egl.eglInitialize(display, None, None))
+
+
+def viewport_picture(
+    scene: Scene, result: FrameResult, size: tuple[int, int], options: Options | None = None, *, meters: bool = False
+) -> NDArray[np.uint8]:
+    """Pixels (height, width, 3), top row first: the 3D viewport from the scene's camera with the graph over it."""
+    import gpu
+    from gpu.types import GPUOffScreen
+
+    drawing = draw.drawing_of(scene.session_uid, result, reader.read_settings(scene), options or shown_options(scene))
+    width, height = (SMOOTHING * side for side in size)
+    scale = SMOOTHING * picture_scale(size)
+    view, projection = camera_view(scene, (width, height))
+    off_screen = GPUOffScreen(width, height)
+    try:
+        with _plain_viewport(scene) as (space, region):
+            off_screen.draw_view3d(scene, scene.view_layers[0], space, region, view, projection, do_color_management=True)
+        with off_screen.bind():
+            draw.draw_graph(drawing, projection, view, (width, height), scale, xray=scene.haptics.xray, flow=None)
+            board = meters_above(scene, result, (width, height), scale) if meters else None
+            perspective, free = np.array(projection @ view, dtype=np.float64), (0.0, 0.0, float(width), float(height))
+            draw.draw_furniture(drawing, perspective, (width, height), scale, free, plate_of(board))
+            if board is not None:
+                draw.draw_board(board, (width, height), scale)
+            buffer = gpu.state.active_framebuffer_get().read_color(0, 0, width, height, 4, 0, "UBYTE")
+    finally:
+        off_screen.free()
+        draw.forget()
+    buffer.dimensions = width * height * 4
+    pixels = np.array(buffer, dtype=np.uint8).reshape(height, width, 4)[::-1, :, :3]
+    return averaged(pixels, SMOOTHING)
+
+
+def camera_view(scene: Scene, size: tuple[int, int]) -> tuple[Matrix, Matrix]:
+    """World to camera, and camera to clip space, of the scene's camera as it stands now, for a picture of ``size`` pixels."""
+    view_layer = scene.view_layers[0]
+    view_layer.update()
+    camera = scene.camera.evaluated_get(view_layer.depsgraph)
+    view = camera.matrix_world.normalized().inverted()
+    return view, camera.calc_matrix_camera(view_layer.depsgraph, x=size[0], y=size[1])
+
+
+def meters_above(scene: Scene, result: FrameResult, size: tuple[int, int], scale: float) -> Furniture:
+    """The meters at the upper left of a picture."""
+    from ....core.render.history import History
+    from ..meters.board import meters
+    from ..meters.levels import levels
+
+    shown, margin = levels(result, History()), 12 * scale
+    room = (0.35 * size[0], 0.5 * size[1])
+    items = meters(shown, None, (0.0, 0.0), room, scale, draw.text_width, title=iface_("Mode {}").format(scene.haptics.mode))
+    high = max((plate[3] for plate in plate_of(items)), default=0.0)
+    return moved(items, round(margin), round(size[1] - margin - high))
+
+
+def shown_options(scene: Scene) -> Options:
+    """The scene's choices, with nothing selected: a picture shows everything."""
+    haptics = scene.haptics
+    return Options(haptics.show_intra, haptics.show_best_paths, haptics.show_labels)
+
+
+def picture_scale(size: tuple[int, int]) -> float:
+    """Pixels per point of a picture: 1 at a height of 700, so that labels can be read where it is shown smaller."""
+    return max(0.75, size[1] / 700)
+
+
+def averaged(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
+    """Every ``factor`` x ``factor`` pixels as one."""
+    height, width, channels = pixels.shape
+    parts = pixels.reshape(height // factor, factor, width // factor, factor, channels)
+    return np.rint(parts.mean(axis=(1, 3))).astype(np.uint8)
+
+
+@contextmanager
+def _plain_viewport(scene: Scene) -> Iterator[tuple[Any, Any]]:
+    """A 3D viewport and its region, set for a picture: solid shading with shadows and cavities, nothing of the user interface."""
+    area = next(area for area in bpy.context.window.screen.areas if area.type == "VIEW_3D")
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    space = area.spaces.active
+    wanted = {
+        space.shading: {
+            "type": "SOLID",
+            "light": "STUDIO",
+            "studio_light": "paint.sl",
+            "color_type": "MATERIAL",
+            "background_type": "VIEWPORT",
+            "background_color": (0.035, 0.036, 0.04),
+            "show_shadows": True,
+            "shadow_intensity": 0.5,
+            "show_cavity": True,
+            "cavity_type": "BOTH",
+            "show_object_outline": True,
+            "object_outline_color": (0.0, 0.0, 0.0),
+            "show_xray": False,
+        },
+        space.overlay: {"show_overlays": False},
+        space: {"show_gizmo": False},
+    }
+    system = bpy.context.preferences.system
+    wanted[system] = {"viewport_aa": "OFF"}  # averaging down smooths as well, in a fraction of the time
+    before = {owner: {key: _value(getattr(owner, key)) for key in values} for owner, values in wanted.items()}
+    try:
+        _set(wanted)
+        yield space, region
+    finally:
+        _set(before)
+
+
+def _value(value: Any) -> Any:
+    return value if isinstance(value, (bool, float, int, str)) else tuple(value)
+
+
+def _set(values: dict[Any, dict[str, Any]]) -> None:
+    for owner, items in values.items():
+        for key, value in items.items():
+            setattr(owner, key, value)

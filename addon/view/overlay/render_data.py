@@ -1,0 +1,362 @@
+"""What is drawn of a traced frame, as plain arrays: points, lines and labels in world space. No GPU."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....core.graph.haptic_graph import HapticGraph, distances
+from ....core.propagation.modes import distance_only
+from ....core.propagation.spread import Spread, spread
+from ....core.render.frame_result import FrameResult
+from ....core.scene.values import Mode, Settings, SourceKind
+from .colour_map import FloatArray, GainScale, decibel_text, hex_colour
+
+Drawn = NDArray[np.float32]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+class Shape(IntEnum):
+    """How a point or line is drawn, see `shader`."""
+
+    LINE = 0
+    CONTACT = 1
+    SOURCE = 2
+    LISTENER = 3
+    IMPACT = 4
+    PLATE = 5
+    TEXT = 6
+
+
+SOURCE_COLOUR = hex_colour("#f2673c")
+IMPACT_COLOUR = hex_colour("#ffab2e")
+SILENT_COLOUR = hex_colour("#9a9a9a")
+HALO_COLOUR = hex_colour("#101012")
+
+POINT_SIZE = {Shape.CONTACT: 9.0, Shape.SOURCE: 26.0, Shape.LISTENER: 21.0, Shape.IMPACT: 22.0}
+"""Diameters in pixels at a user interface scale of 1."""
+THIN_LINE = (1.2, 2.6)  # pixels, from the floor of the scale to 0 dB
+PATH_LINE = (3.0, 5.0)
+HALO = 3.0  # pixels that a halo shows on either side of a path
+
+DIMMED = 0.3
+"""Opacity of contacts that no signal reaches."""
+SILENT = 0.8
+"""Opacity of sources and listeners that are silent: grey, but not to be overlooked."""
+UNSELECTED = 0.35
+"""Opacity of what has nothing to do with the selection."""
+PARTED = 0.05
+"""Metres from which on an impact is drawn on both of its objects."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What to draw. ``sources`` and ``listeners``: selected names; where both are empty nothing is dimmed for not being selected."""
+
+    show_intra: bool = True
+    show_best_paths: bool = True
+    show_labels: bool = True
+    sources: frozenset[str] = frozenset()
+    listeners: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """``position`` (n, 3) [m], ``colour`` (n, 4) display values with opacity, ``size`` (n,) diameter [pixels], ``shape`` (n,)."""
+
+    position: Drawn
+    colour: Drawn
+    size: Drawn
+    shape: Drawn
+
+
+@dataclass(frozen=True, slots=True)
+class Lines:
+    """``position`` (n, 2, 3) [m], ``colour`` (n, 2, 4) at either end, ``width`` (n,) [pixels], ``way`` (n, 2) metres from the source
+    along a best path at either end, -1 for lines that show no flow, ``shape`` (n,). Later lines are drawn over earlier ones."""
+
+    position: Drawn
+    colour: Drawn
+    width: Drawn
+    way: Drawn
+    shape: Drawn
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """Words at a place: ``name``, then ``value`` in ``colour`` (3,). ``clearance`` [pixels] around the place is kept free. Labels of
+    higher ``priority`` are placed first."""
+
+    name: str
+    value: str
+    position: tuple[float, float, float]
+    colour: tuple[float, float, float]
+    clearance: float
+    priority: float
+
+
+@dataclass(frozen=True, slots=True)
+class RenderData:
+    """One frame as drawn: ``tree``, how the signal spreads; over it ``paths``, the best ones; over them ``points``."""
+
+    tree: Lines
+    paths: Lines
+    points: Points
+    labels: tuple[Label, ...]
+    scale: GainScale
+
+
+def render_data(result: FrameResult, settings: Settings, options: Options) -> RenderData:
+    """What to draw of ``result``, which was traced with ``settings``."""
+    graph = distance_only(result.graph) if settings.mode is Mode.SD else result.graph
+    scale = GainScale.of_threshold(settings.threshold)
+    spreading = _spread(result, graph, settings, options)
+    pairs = _shown_pairs(result, options)
+    on_graph = settings.mode in (Mode.HT, Mode.SD)
+    tree = _tree_lines(graph, spreading, scale, UNSELECTED if options.listeners else 1.0)
+    paths = _path_lines(result, graph, settings.mode, pairs, scale)
+    return RenderData(
+        tree=tree if options.show_intra and on_graph else no_lines(),
+        paths=paths if options.show_best_paths or not on_graph else no_lines(),
+        points=_points(result, spreading, scale, options, pairs),
+        labels=_labels(result, scale, options) if options.show_labels else (),
+        scale=scale,
+    )
+
+
+def _spread(result: FrameResult, graph: HapticGraph, settings: Settings, options: Options) -> Spread:
+    if settings.mode in (Mode.HT, Mode.SD):
+        return spread(graph, settings, options.sources or None)
+    nothing = Spread(np.zeros(graph.node_count), np.full(graph.node_count, -1, dtype=np.int64))
+    for source in graph.sources:
+        nothing.gain[list(source.nodes)] = source.amplitude
+    return nothing
+
+
+def _shown_pairs(result: FrameResult, options: Options) -> BoolArray:
+    """(s, l) True for the pairs whose paths are drawn: all, or those of the selected sources and listeners."""
+    wanted_sources = np.array([not options.sources or s.name in options.sources for s in result.sources], dtype=np.bool_)
+    wanted_listeners = np.array([not options.listeners or li.name in options.listeners for li in result.listeners], dtype=np.bool_)
+    return np.outer(wanted_sources, wanted_listeners)
+
+
+def _tree_lines(graph: HapticGraph, spreading: Spread, scale: GainScale, opacity: float) -> Lines:
+    """How the signal spreads: every node joined to the one that its strongest arrival came from, weak ones first."""
+    ends = np.flatnonzero(spreading.predecessor >= 0)
+    # Where two objects touch in one point there is nothing to draw but the contact itself.
+    ends = ends[(graph.node_position[ends] != graph.node_position[spreading.predecessor[ends]]).any(axis=1)]
+    ends = ends[np.argsort(spreading.gain[ends], kind="stable")]
+    nodes = np.stack([spreading.predecessor[ends], ends], axis=1)
+    gain = spreading.gain[nodes]
+    place = scale.place(gain[:, 1])
+    colour = np.concatenate(
+        [scale.colour(gain), np.broadcast_to((opacity * (0.35 + 0.5 * place))[:, None, None], (len(ends), 2, 1))], axis=2
+    )
+    return _lines(graph.node_position[nodes], colour, _between(THIN_LINE, place), None)
+
+
+def _path_lines(result: FrameResult, graph: HapticGraph, mode: Mode, pairs: BoolArray, scale: GainScale) -> Lines:
+    """The best paths of the shown pairs, each connection once, as strong as its strongest use; weak ones first."""
+    paths = {pair: nodes for pair, nodes in result.propagation.best_path.items() if pairs[pair] and result.sources[pair[0]].amplitude > 0}
+    if not paths:
+        return no_lines()
+    steps, gain, way = path_steps(result, graph, mode, paths)
+    strongest = np.argsort(-gain[:, 1], kind="stable")
+    _, first = np.unique(np.sort(steps[strongest], axis=1) @ (graph.node_count, 1), return_index=True)
+    kept = strongest[np.sort(first)[::-1]]
+    steps, gain, way = steps[kept], gain[kept], way[kept]
+    colour = np.concatenate([scale.colour(gain), np.ones((len(steps), 2, 1))], axis=2)
+    return _lines(graph.node_position[steps], colour, _between(PATH_LINE, scale.place(gain[:, 1])), way)
+
+
+def halos(lines: Lines) -> Lines:
+    """A dark rim around lines, to be drawn under them."""
+    colour = np.broadcast_to(np.array([*HALO_COLOUR, 0.85]), (len(lines.width), 2, 4))
+    return _lines(lines.position, colour, lines.width + 2 * HALO, None)
+
+
+_LEAST = 1e-300
+"""Gain that stands for none: nothing of it is left after it."""
+
+
+def path_steps(
+    result: FrameResult, graph: HapticGraph, mode: Mode, paths: Mapping[tuple[int, int], Sequence[int]]
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """The connections of paths: their nodes (m, 2), the signal at either end (m, 2), amplitude included, and the metres from the source
+    at either end (m, 2)."""
+    steps = np.array([step for nodes in paths.values() for step in itertools.pairwise(nodes)], dtype=np.int64).reshape(-1, 2)
+    counts = np.array([len(nodes) - 1 for nodes in paths.values()], dtype=np.int64)
+    length = distances(graph.node_position[steps[:, 0]], graph.node_position[steps[:, 1]])
+    if mode in (Mode.MD, Mode.MN):
+        factor = np.array([result.propagation.gain[pair] for pair in paths], dtype=np.float64)
+    else:
+        factor = _connection_gains(graph, steps, length)
+    amplitude = np.array([result.sources[source].amplitude for source, _ in paths])
+    cost = -np.log(np.maximum(factor, _LEAST))
+    after = _running_sums(cost, counts)
+    before = np.concatenate([[0.0], after])[:-1]
+    before[_starts(counts)] = 0.0
+    gain = np.repeat(amplitude, counts)[:, None] * np.exp(-np.stack([before, after], axis=1))
+    end = _running_sums(length, counts)
+    return steps, gain, np.stack([end - length, end], axis=1)
+
+
+def _connection_gains(graph: HapticGraph, steps: IntArray, length: FloatArray) -> FloatArray:
+    """Gain of each connection (m,) between nodes (m, 2) that are ``length`` (m,) apart."""
+    inter = (graph.partner[steps[:, 0]] == steps[:, 1]) & (graph.contact[steps[:, 0]] >= 0)
+    index = graph.node_object[steps[:, 0]]
+    with np.errstate(invalid="ignore"):
+        gain = graph.table.factor[index] * np.exp(-graph.table.decay[index] * length)
+    gain[inter] = graph.transmission[graph.contact[steps[inter, 0]]]
+    for special in set(index[~inter].tolist()) & graph.table.special:
+        chosen = ~inter & (index == special)
+        gain[chosen] = graph.table.gain(special, length[chosen])
+    return gain
+
+
+def _starts(counts: IntArray) -> IntArray:
+    return np.cumsum(counts) - counts
+
+
+def _running_sums(values: FloatArray, counts: IntArray) -> FloatArray:
+    """Cumulative sums of finite values that start anew with every run of ``counts``."""
+    sums = np.cumsum(values)
+    return sums - np.repeat((sums - values)[_starts(counts)], counts)
+
+
+def _points(result: FrameResult, spreading: Spread, scale: GainScale, options: Options, pairs: BoolArray) -> Points:
+    """Contacts, over them listeners, over them sources. Of selected listeners only the contacts on their best paths stand out."""
+    shown = np.ones(result.graph.node_count, dtype=np.bool_)
+    if options.listeners:
+        shown[:] = False
+        shown[[node for pair, nodes in result.propagation.best_path.items() if pairs[pair] for node in nodes]] = True
+    parts = (
+        _contact_points(result.graph, spreading, scale, shown),
+        _listener_points(result, scale, options),
+        _source_points(result, options),
+    )
+    return Points(*(np.concatenate([getattr(part, key) for part in parts]) for key in ("position", "colour", "size", "shape")))
+
+
+def _contact_points(graph: HapticGraph, spreading: Spread, scale: GainScale, shown: BoolArray) -> Points:
+    """Each contact once, in the middle between its two nodes, the strongest on top. Smaller where there are many. Those whose nodes are not
+    ``shown`` (n,) are dimmed."""
+    first = np.flatnonzero(graph.partner > np.arange(graph.node_count))
+    second = graph.partner[first]
+    gain = np.maximum(spreading.gain[first], spreading.gain[second])
+    order = np.argsort(gain, kind="stable")
+    first, second, gain = first[order], second[order], gain[order]
+    reached = gain > 0
+    opacity = np.where(reached, np.where(shown[first] & shown[second], 1.0, UNSELECTED), DIMMED)
+    size = POINT_SIZE[Shape.CONTACT] * min(1.0, max(0.5, (400 / max(len(first), 1)) ** 0.25)) * np.where(reached, 1.0, 0.7)
+    position = (graph.node_position[first] + graph.node_position[second]) / 2
+    return _point_array(position, _gain_colour(scale, gain), opacity, size, Shape.CONTACT)
+
+
+def _listener_points(result: FrameResult, scale: GainScale, options: Options) -> Points:
+    gain = listener_gains(result, options)
+    unselected = np.array([bool(options.listeners) and li.name not in options.listeners for li in result.listeners], dtype=np.bool_)
+    opacity = np.where(unselected, UNSELECTED, np.where(gain > 0, 1.0, SILENT))
+    position = result.graph.node_position[result.graph.listener_nodes]
+    return _point_array(position, _gain_colour(scale, gain), opacity, POINT_SIZE[Shape.LISTENER], Shape.LISTENER)
+
+
+def _source_points(result: FrameResult, options: Options) -> Points:
+    """Each source once; an impact on both of its objects where they have parted."""
+    graph = result.graph
+    places = []
+    for source in graph.sources:
+        at = graph.node_position[list(source.nodes)]
+        parted = len(at) > 1 and float(distances(at[0], at[1])) > PARTED
+        places.extend((source, position) for position in (at if parted else at[:1]))
+    impact = np.array([source.kind is SourceKind.TEMPORARY for source, _ in places], dtype=np.bool_)
+    silent = np.array([source.amplitude <= 0 for source, _ in places], dtype=np.bool_)
+    unselected = np.array([bool(options.sources) and source.name not in options.sources for source, _ in places], dtype=np.bool_)
+    return _point_array(
+        np.array([position for _, position in places]).reshape(-1, 3),
+        np.where(silent[:, None], SILENT_COLOUR, np.where(impact[:, None], IMPACT_COLOUR, SOURCE_COLOUR)),
+        np.where(unselected, UNSELECTED, np.where(silent, SILENT, 1.0)),
+        np.where(impact, POINT_SIZE[Shape.IMPACT], POINT_SIZE[Shape.SOURCE]),
+        np.where(impact, Shape.IMPACT, Shape.SOURCE),
+    )
+
+
+def _point_array(
+    position: FloatArray, colour: FloatArray, opacity: FloatArray, size: FloatArray | float, shape: IntArray | Shape
+) -> Points:
+    count = len(position)
+    return Points(
+        position.astype(np.float32),
+        np.column_stack([colour, opacity]).astype(np.float32),
+        np.broadcast_to(np.asarray(size, dtype=np.float32), count),
+        np.broadcast_to(np.asarray(shape, dtype=np.float32), count),
+    )
+
+
+def listener_gains(result: FrameResult, options: Options) -> FloatArray:
+    """(l,) the strongest gain at each listener from any shown source, amplitude included."""
+    wanted = [k for k, source in enumerate(result.sources) if not options.sources or source.name in options.sources]
+    return np.asarray(result.gains[wanted].max(axis=0, initial=0.0))
+
+
+def _gain_colour(scale: GainScale, gain: FloatArray) -> FloatArray:
+    """(n, 3): by gain, grey where nothing arrives."""
+    return np.where((gain > 0)[:, None], scale.colour(gain), SILENT_COLOUR)
+
+
+def _labels(result: FrameResult, scale: GainScale, options: Options) -> tuple[Label, ...]:
+    received = listener_gains(result, options)
+    colours = _gain_colour(scale, received)
+    labels = []
+    for source in result.sources:
+        chosen = source.name in options.sources
+        if source.kind is SourceKind.TEMPORARY and not chosen:
+            continue
+        colour = SOURCE_COLOUR if source.amplitude > 0 else SILENT_COLOUR
+        labels.append(
+            Label(
+                source.name,
+                decibel_text(source.amplitude),
+                source.position,
+                tuple(colour.tolist()),
+                POINT_SIZE[Shape.SOURCE] / 2,
+                20.0 + 4 * chosen,
+            )
+        )
+    for k, listener in enumerate(result.listeners):
+        chosen = listener.name in options.listeners
+        if options.listeners and not chosen:
+            continue
+        gain = float(received[k])
+        labels.append(
+            Label(
+                listener.name,
+                decibel_text(gain),
+                listener.position,
+                tuple(colours[k].tolist()),
+                POINT_SIZE[Shape.LISTENER] / 2,
+                10.0 * chosen + float(scale.place(np.array(gain))),
+            )
+        )
+    return tuple(labels)
+
+
+def _between(ends: tuple[float, float], place: FloatArray) -> FloatArray:
+    return ends[0] + (ends[1] - ends[0]) * place
+
+
+def _lines(position: FloatArray, colour: FloatArray, width: FloatArray, way: FloatArray | None) -> Lines:
+    way = np.full((len(position), 2), -1.0) if way is None else way
+    shape = np.full(len(position), Shape.LINE)
+    return Lines(*(values.astype(np.float32) for values in (position, colour, width, way, shape)))
+
+
+def no_lines() -> Lines:
+    """Nothing to draw."""
+    return _lines(np.zeros((0, 2, 3)), np.zeros((0, 2, 4)), np.zeros(0), None)

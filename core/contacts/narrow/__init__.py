@@ -1,0 +1,1 @@
+"""Narrow phase: signed distances and contact manifolds of pairs of bodies."""

@@ -1,0 +1,298 @@
+"""Distances between convex cores by FCL (GJK), one pair at a time, and how deep they overlap."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..hull import Hull
+from ..motion import rotations
+from .closed_forms import Separation
+from .cores import Core, CoreTable, Kind
+
+FloatArray = NDArray[np.float64]
+
+_POINT_RADIUS = 1e-9
+"""FCL has no points and segments: spheres and capsules of that radius in metres stand in."""
+
+_CONFIRMED = 2e-5
+"""Metres by which bounds on a distance may differ."""
+
+_TOUCHING = 1e-7
+"""Metres of distance below which nearest points say nothing about the normal."""
+
+_STARTS = 4
+_MOST_STEPS = 8
+_MOST_AXES = 64
+_MOST_TRIANGLES = 100_000
+
+
+def _ways(count: int) -> FloatArray:
+    """Directions over half a sphere."""
+    k = np.arange(count) + 0.5
+    z = k / count
+    angle = np.pi * (1 + 5**0.5) * k
+    ring = np.sqrt(1 - z * z)
+    return np.stack([ring * np.cos(angle), ring * np.sin(angle), z], axis=1)
+
+
+_ALL_WAYS = _ways(40)
+
+_TURNS = (None, *rotations(np.array([[1.0, -2.0, 0.7], [0.4, 0.9, -2.2], [-1.3, 0.3, 1.9]])).transpose(2, 0, 1))
+"""Ways to turn a question round."""
+
+_UPRIGHT = np.eye(3)
+
+
+class Size(Enum):
+    """Which of its sizes a box is taken in."""
+
+    CORE = "core"
+    SHARP = "sharp"
+    THICK = "thick"
+
+
+@dataclass(frozen=True, slots=True)
+class Convex:
+    """A convex body for queries, around its own origin. ``first`` and ``second``: FCL's objects for the first body of a pair, which stays
+    where it is, and for the second. ``axes`` (k, 3): unit directions square to its faces, each in one sense. ``support``: the greatest
+    height of the body along unit directions (m, 3). ``curved``: not a polytope."""
+
+    first: Any
+    second: Any
+    axes: FloatArray
+    support: Callable[[FloatArray], FloatArray]
+    curved: bool
+
+
+class ConvexDistances:
+    """The bodies of a table's cores, and of single triangles of its meshes, made on first use."""
+
+    def __init__(self, table: CoreTable) -> None:
+        self._table = table
+        self._shared: dict[tuple[int, Size], Convex] = {}  # by the id of the core: equal bodies share theirs
+        self._cores: dict[Size, list[Convex | None]] = {size: [None] * len(table.cores) for size in Size}
+        self._triangles: dict[tuple[int, int], Convex] = {}
+
+    def core(self, number: int, size: Size = Size.CORE) -> Convex:
+        """Of a core. ``size`` chooses among those of a box."""
+        return self.cores([number], size)[0]
+
+    def cores(self, numbers: Sequence[int], size: Size) -> list[Convex]:
+        """Of several cores."""
+        known = self._cores[size]
+        made = []
+        for number in numbers:
+            convex = known[number]
+            if convex is None:
+                core = self._table.cores[number]
+                key = id(core), size
+                if key not in self._shared:
+                    self._shared[key] = convex_of(core, size)
+                convex = known[number] = self._shared[key]
+            made.append(convex)
+        return made
+
+    def triangle(self, core: int, number: int, corners: FloatArray) -> Convex:
+        """Of triangle ``number`` of the mesh ``core``, with its ``corners`` (3, 3)."""
+        made = self._triangles.get((core, number))
+        if made is None:
+            if len(self._triangles) >= _MOST_TRIANGLES:
+                self._triangles.clear()
+            made = self._triangles[core, number] = _polytope(Hull(corners, np.array([[0, 1, 2], [0, 2, 1]])))
+        return made
+
+
+def convex_of(core: Core, size: Size = Size.CORE) -> Convex:
+    """The body of a core that is not a mesh."""
+    import fcl
+
+    if core.kind is Kind.HULL:
+        assert core.hull is not None
+        return _polytope(core.hull)
+    half = {Size.CORE: core.half, Size.SHARP: core.sharp_half, Size.THICK: core.thick_half}[size]
+    x, _, z = (2 * half).tolist()
+    geometry = {
+        Kind.POINT: lambda: fcl.Sphere(_POINT_RADIUS),
+        Kind.SEGMENT: lambda: fcl.Capsule(_POINT_RADIUS, z),
+        Kind.BOX: lambda: fcl.Box(*(2 * half).tolist()),
+        Kind.CYLINDER: lambda: fcl.Cylinder(x / 2, z),
+        Kind.CONE: lambda: fcl.Cone(x / 2, z),
+    }[core.kind]()
+    axes = np.eye(3) if core.kind is Kind.BOX else np.eye(3)[2:]
+    curved = core.kind in (Kind.CYLINDER, Kind.CONE)
+    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), axes, partial(_SUPPORT[core.kind], half), curved)
+
+
+def _polytope(hull: Hull) -> Convex:
+    import fcl
+
+    faces = np.concatenate([np.full((len(hull.triangles), 1), 3), hull.triangles], axis=1).ravel()
+    geometry = fcl.Convex(hull.points, len(hull.triangles), faces)
+    normals, _ = hull.planes()
+    support = partial(_support_of_points, hull.points)
+    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), normals[:_MOST_AXES], support, False)
+
+
+def _support_of_box(half: FloatArray, directions: FloatArray) -> FloatArray:
+    return np.asarray(np.abs(directions) @ half)
+
+
+def _support_of_cylinder(half: FloatArray, directions: FloatArray) -> FloatArray:
+    return np.asarray(np.hypot(directions[:, 0], directions[:, 1]) * half[0] + np.abs(directions[:, 2]) * half[2])
+
+
+def _support_of_cone(half: FloatArray, directions: FloatArray) -> FloatArray:
+    rim = np.hypot(directions[:, 0], directions[:, 1]) * half[0] - directions[:, 2] * half[2]
+    return np.asarray(np.maximum(directions[:, 2] * half[2], rim))
+
+
+def _support_of_points(points: FloatArray, directions: FloatArray) -> FloatArray:
+    return np.asarray((directions @ points.T).max(axis=1))
+
+
+_SUPPORT: dict[Kind, Callable[[FloatArray, FloatArray], FloatArray]] = {
+    Kind.POINT: _support_of_box,
+    Kind.SEGMENT: _support_of_box,
+    Kind.BOX: _support_of_box,
+    Kind.CYLINDER: _support_of_cylinder,
+    Kind.CONE: _support_of_cone,
+}
+
+
+def separations(
+    first: Sequence[Convex], second: Sequence[Convex], rotation: FloatArray, offset: FloatArray, depths: bool = True
+) -> Separation:
+    """Between pairs of bodies, the second placed by ``rotation`` (n, 3, 3) and ``offset`` (n, 3) in the frame of the first, in which the
+    result is, too. Without ``depths``, those that overlap are said to be 0 apart."""
+    import fcl
+
+    request = fcl.DistanceRequest(enable_nearest_points=True)
+    count = len(first)
+    distance = np.empty(count)
+    nearest = np.empty((count, 2, 3))
+    for k, (a, b, turn, shift) in enumerate(zip(first, second, rotation, offset, strict=True)):
+        moved = b.second
+        moved.setRotation(turn)
+        moved.setTranslation(shift)
+        result = fcl.DistanceResult()
+        distance[k] = fcl.distance(a.first, moved, request, result)
+        nearest[k] = result.nearest_points
+    apart = distance > _TOUCHING
+    normal = (nearest[:, 1] - nearest[:, 0]) / np.where(apart, distance, 1.0)[:, None]
+    if depths:
+        for k in np.flatnonzero(~apart).tolist():
+            distance[k], normal[k], nearest[k] = _penetration(first[k], second[k], rotation[k], offset[k])
+    else:
+        distance[~apart] = 0.0
+    curved = np.flatnonzero(apart & np.array([a.curved or b.curved for a, b in zip(first, second, strict=True)], dtype=np.bool_))
+    if len(curved):
+        # Between the nearest points lies no less than the distance; between the supporting planes square to their line, no more.
+        way = normal[curved]
+        back = -np.einsum("nji,nj->ni", rotation[curved], way)
+        between = (way * offset[curved]).sum(axis=1)
+        between -= _supports([first[k] for k in curved.tolist()], way) + _supports([second[k] for k in curved.tolist()], back)
+        length = np.sqrt(((nearest[curved, 1] - nearest[curved, 0]) ** 2).sum(axis=1))
+        distance[curved] = length
+        normal[curved] = (nearest[curved, 1] - nearest[curved, 0]) / np.where(length > 0, length, 1.0)[:, None]
+        for k in curved[length - between > _CONFIRMED].tolist():
+            distance[k], normal[k], nearest[k] = _confirmed(first[k], second[k], rotation[k], offset[k], nearest[k])
+    return Separation(distance, normal, nearest[:, 0].copy(), nearest[:, 1].copy())
+
+
+def _supports(bodies: Sequence[Convex], directions: FloatArray) -> FloatArray:
+    """Heights (n,) of bodies along a direction (n, 3) each."""
+    rows: dict[int, list[int]] = {}
+    for row, body in enumerate(bodies):
+        rows.setdefault(id(body), []).append(row)
+    heights = np.empty(len(bodies))
+    for chosen in rows.values():
+        heights[chosen] = bodies[chosen[0]].support(directions[chosen])
+    return heights
+
+
+def _confirmed(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, nearest: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+    """Distance, normal and nearest points (2, 3) of two that are apart, of which one is curved.
+
+    Now and then the points that FCL finds are millimetres further apart than the supporting planes square to their line: then it is asked
+    again with everything turned, until the two agree.
+    """
+    import fcl
+
+    best = (np.inf, 0.0, nearest[0], nearest)
+    for turn in _TURNS:
+        if turn is not None:
+            a.first.setRotation(turn)
+            b.second.setRotation(turn @ rotation)
+            b.second.setTranslation(turn @ offset)
+            result = fcl.DistanceResult()
+            fcl.distance(a.first, b.second, fcl.DistanceRequest(enable_nearest_points=True), result)
+            nearest = np.array(result.nearest_points) @ turn
+        distance = float(np.linalg.norm(nearest[1] - nearest[0]))
+        if distance <= _TOUCHING:
+            continue
+        normal = (nearest[1] - nearest[0]) / distance
+        way = normal[None]
+        between = normal @ offset - a.support(way)[0] - b.support(-way @ rotation)[0]
+        if distance - between < best[0]:
+            best = (distance - between, distance, normal, nearest)
+        if best[0] <= _CONFIRMED:
+            break
+    a.first.setRotation(_UPRIGHT)
+    return best[1:]
+
+
+def _penetration(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+    """Signed distance, normal and nearest points (2, 3) of two that overlap: the least way to move the second out.
+
+    The overlap along any direction is what their supports say. From the best of many directions, those of their faces, axes and centres
+    among them, the second is moved clear; the nearest points then show a better direction, until there is none. (FCL's own penetration
+    depth depends on where in memory its faces happen to lie, and is off by any amount where two just touch.)
+    """
+    import fcl
+
+    length = float(np.linalg.norm(offset))
+    b.second.setRotation(rotation)
+    directions = np.concatenate(
+        [
+            a.axes,
+            b.axes @ rotation.T,
+            offset[None] / length if length > 1e-9 else np.zeros((0, 3)),
+            _ALL_WAYS,
+        ]
+    )
+    directions = np.concatenate([directions, -directions])
+
+    def overlap(ways: FloatArray) -> FloatArray:
+        return a.support(ways) + b.support(-ways @ rotation) - ways @ offset
+
+    overlaps = overlap(directions)
+    request = fcl.DistanceRequest(enable_nearest_points=True)
+    depth, normal, nearest = np.inf, directions[0], np.stack([np.zeros(3), offset])
+    for start in np.argsort(overlaps, kind="stable")[:_STARTS].tolist():
+        here, way = float(overlaps[start]), directions[start]
+        for _ in range(_MOST_STEPS):
+            if here < depth:
+                depth, normal = here, way
+            shift = way * (here + max(1e-3, 0.2 * here))
+            b.second.setTranslation(offset + shift)
+            result = fcl.DistanceResult()
+            apart = float(fcl.distance(a.first, b.second, request, result))
+            if apart <= _TOUCHING:
+                break
+            points = np.array(result.nearest_points, dtype=np.float64)
+            if here <= depth:
+                nearest = points - np.stack([np.zeros(3), shift])
+            way = (points[1] - points[0]) / apart
+            less = float(overlap(way[None])[0])
+            if less >= here - 1e-9:
+                break
+            here = less
+    middle = nearest.mean(axis=0)
+    return -depth, normal, np.stack([middle + normal * depth / 2, middle - normal * depth / 2])

@@ -1,0 +1,267 @@
+"""Shapes reduced to cores: what the narrow phase computes with.
+
+Every primitive is a core (a point, a segment, a box, a cylinder, a cone, a hull, a triangle) and all points within ``radius`` of it: a
+sphere is a point, a capsule a segment, a box with rounded edges a smaller box. Distances are between cores, less the two radii.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from itertools import permutations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..hull import Hull, convex_hull, shrunk_hull
+from ..shapes import Box, Capsule, Cone, ConvexHull, Cylinder, Mesh, Part, Shape, Sphere, parts_of
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+class Kind(IntEnum):
+    """Kinds of cores, simple ones first."""
+
+    POINT = 0
+    SEGMENT = 1
+    BOX = 2
+    CYLINDER = 3
+    CONE = 4
+    HULL = 5
+    MESH = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Core:
+    """One primitive. ``half`` (3,): half extents of a box; (radius, radius, half height) of a round core; (0, 0, half length) of a segment.
+    ``matrix`` (4, 4): from core to body. ``radius`` by which it is grown. ``sharp_half`` and ``sharp_radius``: the same where two boxes
+    meet. ``thick_half`` and ``thick_radius``: where a box meets a mesh. ``outline`` (3,) half extents of its flat faces. ``is_box``:
+    authored as a box. ``hull``: of a HULL; ``sharp_hull``: whose faces are flat as far as those."""
+
+    kind: Kind
+    matrix: FloatArray
+    radius: float
+    half: FloatArray
+    sharp_half: FloatArray
+    sharp_radius: float
+    thick_half: FloatArray
+    thick_radius: float
+    outline: FloatArray
+    is_box: bool = False
+    hull: Hull | None = None
+    sharp_hull: Hull | None = None
+    mesh: Mesh | None = None
+    mesh_radius_to_points: float = 0.0
+
+    def bounds(self) -> FloatArray:
+        """(2, 3) lowest and highest corner of the core in its own frame."""
+        if self.mesh is not None:
+            return self.mesh.core_bounds()
+        if self.hull is not None:
+            return np.array([self.hull.points.min(axis=0), self.hull.points.max(axis=0)])
+        half = np.maximum(self.half, np.maximum(self.sharp_half, self.thick_half))
+        return np.array([-half, half])
+
+
+def cores_of(shape: Shape, solid: bool = False) -> tuple[Core, ...]:
+    """The cores of a shape, compounds resolved. ``solid``: a mesh counts as the volume of its convex hull."""
+    return tuple(_core(part, solid) for part in parts_of(shape))
+
+
+def _simple(kind: Kind, part: Part, half: Sequence[float], rounding: float = 0.0) -> Core:
+    size = np.array(half, dtype=np.float64)
+    inner = np.maximum(size - rounding, 0.0) if rounding else size
+    radius = part.radius + rounding
+    return Core(kind, part.matrix, radius, inner, inner, radius, inner, radius, size)
+
+
+def _core(part: Part, solid: bool) -> Core:
+    match part.shape:
+        case Sphere(radius=radius):
+            return _simple(Kind.POINT, Part(part.shape, part.matrix, part.radius + radius), (0, 0, 0))
+        case Capsule(radius=radius, height=height):
+            return _simple(Kind.SEGMENT, Part(part.shape, part.matrix, part.radius + radius), (0, 0, height / 2))
+        case Box(size=size, rounding=rounding):
+            return _box(part.matrix, part.radius, np.array(size) / 2, rounding)
+        case Cylinder(radius=radius, height=height, rounding=rounding):
+            # A core of no height or radius is one that nothing lies inside of: leave it a thousandth.
+            limited = min(rounding, 0.999 * radius, 0.999 * height / 2)
+            return _simple(Kind.CYLINDER, part, (radius, radius, height / 2), limited)
+        case Cone(radius=radius, height=height):
+            return _simple(Kind.CONE, part, (radius, radius, height / 2))
+        case ConvexHull(points=points, rounding=rounding):
+            return _hull(part, points, rounding)
+        case Mesh() as mesh:
+            if solid:
+                return _hull(part, mesh.points[np.unique(mesh.triangles)], 0.0)
+            to_points = part.radius if mesh.sphere_margin is None else part.radius - mesh.margin + mesh.sphere_margin
+            empty = np.zeros(3)
+            return Core(
+                Kind.MESH,
+                part.matrix,
+                part.radius,
+                empty,
+                empty,
+                part.radius,
+                empty,
+                part.radius,
+                empty,
+                False,
+                None,
+                None,
+                mesh,
+                to_points,
+            )
+    raise TypeError(f"no core for {part.shape!r}")
+
+
+def _box(matrix: FloatArray, radius: float, half: FloatArray, rounding: float, sharp_to_boxes: bool = True) -> Core:
+    inner = min(rounding, float(np.min(half)))
+    core = half - inner
+    return Core(
+        Kind.BOX,
+        matrix,
+        radius + inner,
+        core,
+        half if sharp_to_boxes else core,
+        radius if sharp_to_boxes else radius + inner,
+        np.maximum(half - rounding, 0.0) if sharp_to_boxes else core,
+        radius + rounding if sharp_to_boxes else radius + inner,
+        half,
+        sharp_to_boxes,
+    )
+
+
+def _hull(part: Part, points: FloatArray, rounding: float) -> Core:
+    sharp = convex_hull(points)
+    inner = shrunk_hull(sharp, rounding)
+    if inner is None:
+        inner, rounding = sharp, 0.0
+    box = _as_box(sharp.points) if len(sharp.points) == 8 else None
+    if box is not None:
+        matrix, half = box
+        return _box(part.matrix @ matrix, part.radius, half, rounding, sharp_to_boxes=False)
+    radius = part.radius + rounding
+    if len(inner.points) == 2:
+        return _between(part.matrix, inner.points, radius)
+    empty = np.zeros(3)
+    return Core(Kind.HULL, part.matrix, radius, empty, empty, radius, empty, radius, empty, False, inner, sharp)
+
+
+def _between(matrix: FloatArray, ends: FloatArray, radius: float) -> Core:
+    """A segment between two points."""
+    along = ends[1] - ends[0]
+    length = float(np.linalg.norm(along))
+    local = np.eye(4)
+    local[:3, :3] = _basis(along / length)
+    local[:3, 3] = ends.mean(axis=0)
+    half = np.array([0.0, 0.0, length / 2])
+    return Core(Kind.SEGMENT, matrix @ local, radius, half, half, radius, half, radius, half)
+
+
+def _basis(z: FloatArray) -> FloatArray:
+    """A rotation whose third column is the unit vector ``z``."""
+    x = np.cross(z, [1.0, 0.0, 0.0] if abs(z[0]) < 0.7 else [0.0, 1.0, 0.0])
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+def _as_box(corners: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+    """Matrix and half extents of the box whose eight corners these are, or None."""
+    centre = corners.mean(axis=0)
+    offsets = corners - centre
+    size = float(np.linalg.norm(offsets[0]))
+    spread = np.linalg.norm(offsets, axis=1)
+    if np.ptp(spread) > 1e-6 * size:
+        return None
+    edges = corners - corners[0]
+    order = np.argsort(np.linalg.norm(edges, axis=1), kind="stable")
+    # The three shortest ways from a corner of a box need not be its edges: take those that are square to each other.
+    for first in order[1:4].tolist():
+        for second in order[2:].tolist():
+            for third in order[3:].tolist():
+                axes = edges[[first, second, third]]
+                lengths = np.linalg.norm(axes, axis=1)
+                unit = axes / lengths[:, None]
+                if np.abs(unit @ unit.T - np.eye(3)).max() > 1e-6:
+                    continue
+                unit, lengths = _upright(unit, lengths)
+                local = np.abs(offsets @ unit.T)
+                if np.abs(local - lengths / 2).max() > 1e-6 * size:
+                    return None
+                matrix = np.eye(4)
+                matrix[:3, :3] = unit.T
+                matrix[:3, 3] = centre
+                return matrix, lengths / 2
+    return None
+
+
+def _upright(unit: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Three axes (rows) in the order and senses that are nearest to x, y, z and right-handed, with their lengths."""
+    order = max(permutations(range(3)), key=lambda o: sum(abs(unit[o[k], k]) for k in range(3)))
+    unit, lengths = unit[list(order)], lengths[list(order)]
+    unit = unit * np.where(np.diag(unit) < 0, -1.0, 1.0)[:, None]
+    if np.linalg.det(unit) < 0:
+        unit[2] = -unit[2]
+    return unit, lengths
+
+
+@dataclass(frozen=True, slots=True)
+class CoreTable:
+    """The cores of all bodies as arrays: those of body b are ``start[b] : start[b + 1]``. ``rotation`` (c, 3, 3) and ``offset`` (c, 3)
+    place a core in its body; ``placed`` is False where all of them are the identity. ``bound_centre`` and ``bound_half`` (c, 3): box around
+    the core in its own frame. The rest are the fields of `Core`."""
+
+    cores: tuple[Core, ...]
+    start: IntArray
+    kind: IntArray
+    rotation: FloatArray
+    offset: FloatArray
+    placed: bool
+    radius: FloatArray
+    half: FloatArray
+    sharp_half: FloatArray
+    sharp_radius: FloatArray
+    thick_half: FloatArray
+    thick_radius: FloatArray
+    outline: FloatArray
+    is_box: BoolArray
+    bound_centre: FloatArray
+    bound_half: FloatArray
+
+    @classmethod
+    def of(cls, shapes: Sequence[Shape], solid: Sequence[bool]) -> CoreTable:
+        """Tabulate the cores of ``shapes``; ``solid`` says which meshes are volumes. Equal shapes are reduced once."""
+        known: dict[tuple[Shape, bool], tuple[Core, ...]] = {}
+        per_body = []
+        for key in zip(shapes, solid, strict=True):
+            if key not in known:
+                known[key] = cores_of(*key)
+            per_body.append(known[key])
+        cores = tuple(core for body in per_body for core in body)
+        matrices = np.array([core.matrix for core in cores], dtype=np.float64).reshape(-1, 4, 4)
+        return cls(
+            cores=cores,
+            start=np.concatenate([[0], np.cumsum([len(body) for body in per_body])]).astype(np.int64),
+            kind=np.array([core.kind for core in cores], dtype=np.int64),
+            rotation=matrices[:, :3, :3].copy(),
+            offset=matrices[:, :3, 3].copy(),
+            placed=not np.array_equal(matrices, np.broadcast_to(np.eye(4), matrices.shape)),
+            radius=np.array([core.radius for core in cores], dtype=np.float64),
+            half=_rows([core.half for core in cores]),
+            sharp_half=_rows([core.sharp_half for core in cores]),
+            sharp_radius=np.array([core.sharp_radius for core in cores], dtype=np.float64),
+            thick_half=_rows([core.thick_half for core in cores]),
+            thick_radius=np.array([core.thick_radius for core in cores], dtype=np.float64),
+            outline=_rows([core.outline for core in cores]),
+            is_box=np.array([core.is_box for core in cores], dtype=np.bool_),
+            bound_centre=_rows([core.bounds().mean(axis=0) for core in cores]),
+            bound_half=_rows([np.ptp(core.bounds(), axis=0) / 2 for core in cores]),
+        )
+
+
+def _rows(vectors: Sequence[FloatArray]) -> FloatArray:
+    return np.array(vectors, dtype=np.float64).reshape(-1, 3)

@@ -1,0 +1,179 @@
+"""The feature that a core shows in a direction, as a convex polygon: what lies flat against another body there."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..hull import Hull
+from .closed_forms import dot, turned, turned_back
+from .cores import CoreTable, Kind
+from .manifold import PATCH_GAP, contact_plane
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+FEW = 4
+MANY = 16
+"""Corners of a polygon: few for boxes, lines and triangles, many for the ends of round cores and larger faces."""
+
+_WIDTH = 1e-6
+"""Half the width in metres of the strip that stands for a line."""
+
+_ANGLES = 2 * np.pi * np.arange(MANY) / MANY
+_WIDER = np.sqrt(2 * np.pi / (MANY * np.sin(2 * np.pi / MANY)))
+"""Radius of a polygon of ``MANY`` corners that has the area of a circle of radius 1."""
+
+_SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+
+
+class Features:
+    """Polygons of the cores of a table."""
+
+    def __init__(self, table: CoreTable) -> None:
+        self._table = table
+        self._faces: list[tuple[FloatArray, FloatArray]] = []
+        self._hulls: dict[int, int] = {}  # number of the faces by core
+        self._numbers: dict[int, int] = {}  # and by the id of the hull: equal bodies share theirs
+
+    def polygons(
+        self, core: IntArray, rotation: FloatArray, centre: FloatArray, direction: FloatArray
+    ) -> tuple[FloatArray, BoolArray, BoolArray]:
+        """The features of cores (n,) placed in the world in ``direction`` (n, 3): corners (n, ``MANY``, 3), the
+        last one repeated; which have more than ``FEW`` (n,); which are wider than a line (n,)."""
+        count = len(core)
+        corners = np.empty((count, MANY, 3))
+        many = np.zeros(count, dtype=np.bool_)
+        wide = np.ones(count, dtype=np.bool_)
+        kind = self._table.kind[core]
+        local = turned_back(rotation, direction)
+        for value in np.unique(kind).tolist():
+            rows = np.flatnonzero(kind == value)
+            towards, outline = local[rows], self._table.outline[core[rows]]
+            match Kind(value):
+                case Kind.BOX:
+                    corners[rows, :FEW] = _box_face(towards, outline)
+                case Kind.SEGMENT:
+                    corners[rows, :FEW] = _line(np.zeros_like(towards), _up(len(rows)) * outline[:, 2:], towards)
+                    wide[rows] = False
+                case Kind.CYLINDER:
+                    flat = np.abs(towards[:, 2]) >= np.hypot(towards[:, 0], towards[:, 1])
+                    corners[rows] = _end(outline, np.where(towards[:, 2] < 0, -1.0, 1.0) * outline[:, 2], towards)
+                    side = _radial(towards) * outline[:, :1]
+                    corners[rows[~flat], :FEW] = _line(side, _up(len(rows)) * outline[:, 2:], towards)[~flat]
+                    many[rows] = wide[rows] = flat
+                case Kind.CONE:
+                    flat, line = _cone(towards, outline)
+                    corners[rows] = _end(outline, -outline[:, 2], towards)
+                    corners[rows[~flat], :FEW] = line[~flat]
+                    many[rows] = wide[rows] = flat
+                case Kind.HULL:
+                    for alike, (normals, faces) in self._by_hull(core[rows]):
+                        face = faces[(towards[alike] @ normals.T).argmax(axis=1)]
+                        corners[rows[alike], : face.shape[1]] = face
+                        many[rows[alike]] = face.shape[1] > FEW
+                case _:
+                    wide[rows] = False
+                    corners[rows] = 0.0
+        corners[~many, FEW:] = corners[~many, FEW - 1 : FEW]
+        return turned(rotation[:, None], corners) + centre[:, None], many, wide
+
+    def _by_hull(self, cores: IntArray) -> list[tuple[IntArray, tuple[FloatArray, FloatArray]]]:
+        """Rows of hulls that are the same, and normals and corners of their faces."""
+        numbers = []
+        for core in cores.tolist():
+            number = self._hulls.get(core)
+            if number is None:
+                hull = self._table.cores[core].sharp_hull
+                assert hull is not None
+                number = self._hulls[core] = self._numbers.setdefault(id(hull), len(self._faces))
+                if number == len(self._faces):
+                    self._faces.append(merged_faces(hull))
+            numbers.append(number)
+        kept = np.array(numbers, dtype=np.int64)
+        return [(np.flatnonzero(kept == number), self._faces[number]) for number in np.unique(kept).tolist()]
+
+
+def merged_faces(hull: Hull) -> tuple[FloatArray, FloatArray]:
+    """Outward normals (f, 3) and corners in order (f, k, 3) of a hull's faces, triangles of one plane merged; short ones repeat their last
+    corner, and k is ``FEW`` or ``MANY``."""
+    normals, offsets = hull.planes()
+    extent = float(np.max(np.ptp(hull.points, axis=0)))
+    polygons = []
+    for normal, offset in zip(normals, offsets, strict=True):
+        on = hull.points[np.abs(hull.points @ normal - offset) <= 1e-5 * extent]
+        middle = on.mean(axis=0)
+        u = np.cross(normal, [1.0, 0.0, 0.0] if abs(normal[0]) < 0.7 else [0.0, 1.0, 0.0])
+        v = np.cross(normal, u)
+        polygon = on[np.argsort(np.arctan2((on - middle) @ v, (on - middle) @ u), kind="stable")]
+        if len(polygon) > MANY:
+            polygon = polygon[np.linspace(0, len(polygon), MANY, endpoint=False).astype(int)]
+        polygons.append(polygon)
+    width = FEW if max(len(p) for p in polygons) <= FEW else MANY
+    return normals, np.array([np.concatenate([p, np.repeat(p[-1:], width - len(p), axis=0)]) for p in polygons])
+
+
+def triangle_polygons(corners: FloatArray) -> FloatArray:
+    """Triangles (n, 3, 3) as polygons (n, ``MANY``, 3) that repeat the last corner."""
+    return corners[:, np.minimum(np.arange(MANY), 2)]
+
+
+def _up(count: int) -> FloatArray:
+    return np.broadcast_to(np.array([0.0, 0.0, 1.0]), (count, 3))
+
+
+def _box_face(direction: FloatArray, half: FloatArray) -> FloatArray:
+    row = np.arange(len(direction))[:, None]
+    axis = np.abs(direction).argmax(axis=1)
+    corners = np.empty((len(direction), FEW, 3))
+    side = np.where(direction[row[:, 0], axis] < 0, -1.0, 1.0) * half[row[:, 0], axis]
+    corners[row, np.arange(FEW), axis[:, None]] = side[:, None]
+    for k in (1, 2):
+        other = (axis + k) % 3
+        corners[row, np.arange(FEW), other[:, None]] = half[row[:, 0], other][:, None] * _SQUARE[:, k - 1]
+    return corners
+
+
+def _line(middle: FloatArray, along: FloatArray, direction: FloatArray) -> FloatArray:
+    """A narrow strip from ``middle - along`` to ``middle + along`` that faces ``direction``; a dot at the end of one that points there."""
+    across = np.cross(along, direction)
+    length = np.sqrt(dot(across, across))
+    pointing = length < 1e-3 * np.sqrt(dot(along, along))
+    if pointing.any():
+        tip = along * np.where(dot(along, direction) < 0, -1.0, 1.0)[:, None]
+        u, v = contact_plane(direction)
+        middle = np.where(pointing[:, None], middle + tip, middle)
+        along, across = np.where(pointing[:, None], u * _WIDTH, along), np.where(pointing[:, None], v, across)
+        length = np.where(pointing, 1.0, length)
+    across = across * (_WIDTH / np.where(length > 0, length, 1.0))[:, None]
+    return np.stack([middle - along - across, middle + along - across, middle + along + across, middle - along + across], axis=1)
+
+
+def _radial(direction: FloatArray) -> FloatArray:
+    flat = direction * np.array([1.0, 1.0, 0.0])
+    length = np.sqrt(dot(flat, flat))
+    return np.where(length[:, None] > 0, flat / np.where(length > 0, length, 1.0)[:, None], [[1.0, 0.0, 0.0]])
+
+
+def _end(half: FloatArray, height: FloatArray, direction: FloatArray) -> FloatArray:
+    """The disc at a height: a polygon with a corner where the disc reaches farthest along ``direction``, or of the disc's area if it does
+    so all over."""
+    out = _radial(direction)
+    tipped = np.hypot(direction[:, 0], direction[:, 1]) * half[:, 0] > PATCH_GAP
+    radius = half[:, 0] * np.where(tipped, 1.0, _WIDER)
+    corners = np.empty((len(half), MANY, 3))
+    corners[:, :, 0] = radius[:, None] * (out[:, :1] * np.cos(_ANGLES) - out[:, 1:2] * np.sin(_ANGLES))
+    corners[:, :, 1] = radius[:, None] * (out[:, 1:2] * np.cos(_ANGLES) + out[:, :1] * np.sin(_ANGLES))
+    corners[:, :, 2] = height[:, None]
+    return corners
+
+
+def _cone(direction: FloatArray, half: FloatArray) -> tuple[BoolArray, FloatArray]:
+    """Whether the base faces ``direction``, and the line from rim to tip that faces it otherwise."""
+    out = _radial(direction)
+    slant = np.hypot(half[:, 0], 2 * half[:, 2])
+    by_slant = (np.hypot(direction[:, 0], direction[:, 1]) * 2 * half[:, 2] + direction[:, 2] * half[:, 0]) / slant
+    rim = out * half[:, :1] - _up(len(half)) * half[:, 2:]
+    tip = _up(len(half)) * half[:, 2:]
+    return -direction[:, 2] >= by_slant, _line((rim + tip) / 2, (tip - rim) / 2, direction)

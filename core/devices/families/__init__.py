@@ -1,0 +1,1 @@
+"""Device families: how each kind of device is recognised, commanded, stopped and released."""

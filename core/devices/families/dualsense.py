@@ -1,0 +1,77 @@
+"""DualSense and DualSense Edge: rumble emulated by the pad's firmware on two voice coils.
+
+Layout: Linux ``hid-playstation.c`` and SDL's PS5 driver agree on it; the drivers' common block of 47 bytes starts at byte 1 (USB) or 3
+(Bluetooth). Only the flags of the vibration are set, so lights and triggers stay as the game or the system left them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..report import Report, Tones, Transport, levels, unsigned8, with_crc
+from .family import HidDevice, Interface, RumbleFamily
+
+SONY = 0x054C
+PRODUCT, EDGE = 0x0CE6, 0x0DF2
+
+_COMPATIBLE_VIBRATION = 0x01
+_HAPTICS_SELECT = 0x02
+_COMPATIBLE_VIBRATION_2 = 0x04
+
+_FIRMWARE_INFO = 0x20
+# SDL's threshold; the kernel's is lower (0x0215), and pads between the two still understand the old flags.
+_SECOND_GENERATION = 0x0224
+
+
+def _report(transport: Transport, sequence: int, flag0: int, flag2: int, left: int, right: int) -> Report:
+    block = bytearray(47)
+    block[0], block[2], block[3], block[38] = flag0, right, left, flag2
+    if transport == "usb":
+        return Report(bytes([0x02]) + block)
+    body = bytes([0x31, (sequence & 0x0F) << 4, 0x10]) + block
+    return Report(with_crc(body.ljust(74, b"\0")))
+
+
+def _encode(drive: Tones, transport: Transport, sequence: int) -> Report:
+    left, right = map(unsigned8, drive.amplitudes)
+    return _report(transport, sequence, _HAPTICS_SELECT, _COMPATIBLE_VIBRATION_2, left, right)
+
+
+def _encode_first_generation(drive: Tones, transport: Transport, sequence: int) -> Report:
+    left, right = map(unsigned8, drive.amplitudes)
+    return _report(transport, sequence, _COMPATIBLE_VIBRATION | _HAPTICS_SELECT, 0, left, right)
+
+
+def release(transport: Transport, sequence: int) -> tuple[Report, ...]:
+    """All flags 0: gives the voice coils back to the audio path."""
+    return (_report(transport, sequence, 0, 0, 0, 0),)
+
+
+def _variant(device: HidDevice, interface: Interface) -> RumbleFamily | None:
+    """The first generation's reports for an old firmware; a version that can't be read counts as new, as in SDL."""
+    if interface.product == EDGE:
+        return None
+    try:
+        info = bytes(device.get_feature_report(_FIRMWARE_INFO, 64))
+    except OSError:
+        return None
+    known = len(info) >= 46
+    return DUALSENSE_FIRST_GENERATION if known and int.from_bytes(info[44:46], "little") < _SECOND_GENERATION else None
+
+
+DUALSENSE = RumbleFamily(
+    name="dualsense",
+    title="DualSense",
+    ids=frozenset({(SONY, PRODUCT), (SONY, EDGE)}),
+    transports=("usb", "bt"),
+    channels=("left", "right"),
+    minimum_interval={"usb": 0.010, "bt": 0.010},
+    ends_by_itself=False,
+    after_kill="goes on at the last level until another program writes to it, it is unplugged, or it is switched off (hold the PS button)",
+    release=release,
+    encode=_encode,
+    rumble=levels,
+    variant=_variant,
+)
+
+DUALSENSE_FIRST_GENERATION = replace(DUALSENSE, encode=_encode_first_generation, variant=None)

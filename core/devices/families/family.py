@@ -1,0 +1,157 @@
+"""What a device family is: how its devices are recognised, commanded, stopped and let go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..report import Report, Tones, Transport
+
+BUS_USB = 1
+BUS_BLUETOOTH = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """One entry of hidapi's ``enumerate``.
+
+    path: for ``open_path``. number: USB interface, -1 if none. serial: may be empty; the MAC address over Bluetooth.
+    """
+
+    path: bytes
+    vendor: int
+    product: int
+    serial: str
+    title: str
+    usage_page: int
+    usage: int
+    number: int
+    transport: Transport
+
+    @classmethod
+    def of(cls, entry: Mapping[str, Any]) -> Interface:
+        """From hidapi's dictionary. Where it does not know the bus, USB interfaces are those with a number."""
+        bus, number = int(entry.get("bus_type") or 0), int(entry["interface_number"])
+        usb = bus == BUS_USB or (bus != BUS_BLUETOOTH and number >= 0)
+        return cls(
+            path=entry["path"],
+            vendor=entry["vendor_id"],
+            product=entry["product_id"],
+            serial=entry.get("serial_number") or "",
+            title=entry.get("product_string") or "",
+            usage_page=entry["usage_page"],
+            usage=entry["usage"],
+            number=number,
+            transport="usb" if usb else "bt",
+        )
+
+
+class HidDevice(Protocol):
+    """The part of hidapi's ``device`` that is used."""
+
+    def open_path(self, path: bytes) -> None: ...
+    def write(self, data: bytes) -> int: ...
+    def send_feature_report(self, data: bytes) -> int: ...
+    def get_feature_report(self, report: int, length: int) -> list[int]: ...
+    def read(self, length: int, timeout_ms: int) -> list[int]: ...
+    def error(self) -> str: ...
+    def close(self) -> None: ...
+
+
+def is_gamepad(interface: Interface) -> bool:
+    """The top-level collection of a joystick or gamepad (generic desktop page)."""
+    return interface.usage_page == 0x01 and interface.usage in (0x04, 0x05)
+
+
+def is_vendor_defined(interface: Interface) -> bool:
+    """A top-level collection on a vendor's own usage page."""
+    return interface.usage_page >= 0xFF00
+
+
+def nothing(transport: Transport, sequence: int) -> tuple[Report, ...]:
+    """No reports: for families that need no start-up or release."""
+    return ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Family:
+    """What rumble and stream families have in common.
+
+    name: key in the registry and on the command line.
+    ids: (vendor, product) numbers.
+    transports: those it can be driven over, the default first.
+    channels: names of what a drive has one value for, in order.
+    minimum_interval: seconds between two reports, per transport: never faster.
+    refresh_interval: seconds after which an unchanged non-zero drive is sent again; None where the device holds it.
+    ends_by_itself: the device stops without further reports.
+    after_kill: what it does when the program is killed, for people.
+    picks: whether an interface is the one to open.
+    probe_input: of several such interfaces, the right one is that which emits input within 16 ms.
+    startup, release: reports, in order, after opening and before closing; (transport, sequence of the first) -> reports.
+    zero_repeats: how many times zero is sent before falling silent.
+    variant: looks at the opened device and returns the family to go on with (an older firmware); called in the writer's thread.
+    """
+
+    name: str
+    title: str
+    ids: frozenset[tuple[int, int]]
+    transports: tuple[Transport, ...]
+    channels: tuple[str, ...]
+    minimum_interval: Mapping[Transport, float]
+    ends_by_itself: bool
+    after_kill: str
+    refresh_interval: float | None = None
+    picks: Callable[[Interface], bool] = is_gamepad
+    probe_input: bool = False
+    startup: Callable[[Transport, int], tuple[Report, ...]] = nothing
+    release: Callable[[Transport, int], tuple[Report, ...]] = nothing
+    zero_repeats: int = 1
+
+    def matches(self, interface: Interface) -> bool:
+        """Whether this is a device of the family, on a transport and interface it is driven through."""
+        known = (interface.vendor, interface.product) in self.ids
+        return known and interface.transport in self.transports and self.picks(interface)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RumbleFamily(Family):
+    """Devices commanded by amplitude, with or without a frequency.
+
+    encode: (drive, transport, sequence) -> report; raises ValueError for an amplitude outside [0, 1].
+    rumble: the drive for a classic pair (left or low-frequency, right or high-frequency motor).
+    has_tones: channels take a frequency.
+    """
+
+    encode: Callable[[Tones, Transport, int], Report]
+    rumble: Callable[[float, float], Tones]
+    has_tones: bool = False
+    variant: Callable[[HidDevice, Interface], RumbleFamily | None] | None = None
+
+    def silence(self) -> Tones:
+        """The drive of all channels at rest."""
+        return self.rumble(0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StreamFamily(Family):
+    """Devices that take samples.
+
+    rate: frames per second. frames: frames in one report.
+    encode: (samples int8 of shape (channels, frames), sequence) -> report.
+    """
+
+    rate: int
+    frames: int
+    encode: Callable[[NDArray[np.int8], int], Report]
+
+    @property
+    def period(self) -> float:
+        """Seconds that one report lasts."""
+        return self.frames / self.rate
+
+
+AnyFamily = RumbleFamily | StreamFamily

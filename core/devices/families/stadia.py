@@ -1,0 +1,28 @@
+"""Stadia Controller: two motors with 16-bit levels (Linux ``hid-google-stadiaff.c`` and SDL).
+
+Over Bluetooth on Windows the report is not in the pad's descriptor and writes fail.
+"""
+
+from __future__ import annotations
+
+from ..report import Report, Tones, Transport, levels, unsigned16
+from .family import RumbleFamily
+
+
+def _encode(drive: Tones, transport: Transport, sequence: int) -> Report:
+    left, right = drive.amplitudes
+    return Report(b"\x05" + unsigned16(left).to_bytes(2, "little") + unsigned16(right).to_bytes(2, "little"))
+
+
+STADIA = RumbleFamily(
+    name="stadia",
+    title="Stadia Controller",
+    ids=frozenset({(0x18D1, 0x9400)}),
+    transports=("usb", "bt"),
+    channels=("left", "right"),
+    minimum_interval={"usb": 0.010, "bt": 0.020},
+    ends_by_itself=False,
+    after_kill="goes on at the last level until it is unplugged or switched off",
+    encode=_encode,
+    rumble=levels,
+)

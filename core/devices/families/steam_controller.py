@@ -1,0 +1,82 @@
+"""Steam Controller of 2026: rumble, or 8-bit samples at 8 kHz to its two internal actuators.
+
+Layout: SDL's driver, Linux ``hid-steam.c`` and the notes of the steam-controller-stuff and TritonLib projects. Steam itself writes to
+the pad: drive it only while Steam is closed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..report import Report, Tones, Transport, levels, unsigned16
+from .family import Interface, RumbleFamily, StreamFamily, is_vendor_defined
+from .steam_deck import VALVE
+
+WIRED, BLE, DONGLES = 0x1302, 0x1303, (0x1304, 0x1305)
+
+FRAMES = 31
+RATE = 8000
+
+_BOTH_INTERNAL = 2
+_SETUP, _CANCEL = 2, 1
+_SIGNED_8_BIT_8_KHZ = 4
+
+
+def _encode_rumble(drive: Tones, transport: Transport, sequence: int) -> Report:
+    left, right = (unsigned16(amplitude).to_bytes(2, "little") for amplitude in drive.amplitudes)
+    return Report(bytes([0x80, 0, 0, 0]) + left + b"\0" + right + b"\0")
+
+
+def _encode_samples(samples: NDArray[np.int8], sequence: int) -> Report:
+    if samples.shape != (2, FRAMES):
+        raise ValueError(f"samples has the shape {samples.shape}, not (2, {FRAMES})")
+    return Report(bytes([0x88, FRAMES]) + samples.tobytes())
+
+
+def _start_stream(transport: Transport, sequence: int) -> tuple[Report, ...]:
+    return (Report(bytes([0x86, _SETUP, _BOTH_INTERNAL, _SIGNED_8_BIT_8_KHZ])),)
+
+
+def _cancel_stream(transport: Transport, sequence: int) -> tuple[Report, ...]:
+    return (Report(bytes([0x86, _CANCEL, _BOTH_INTERNAL, 0])),)
+
+
+def _carries_a_controller(interface: Interface) -> bool:
+    """On the wireless adaptor, interfaces 2 to 5 are the controllers paired with it."""
+    return is_vendor_defined(interface) and (interface.product not in DONGLES or 2 <= interface.number <= 5)
+
+
+STEAM_CONTROLLER = RumbleFamily(
+    name="steam-controller",
+    title="Steam Controller (2026)",
+    ids=frozenset((VALVE, product) for product in (WIRED, BLE, *DONGLES)),
+    transports=("usb", "bt"),
+    channels=("left", "right"),
+    minimum_interval={"usb": 0.010, "bt": 0.020},
+    refresh_interval=0.040,
+    ends_by_itself=True,
+    after_kill="stops by itself after about 50 ms",
+    picks=_carries_a_controller,
+    probe_input=True,
+    encode=_encode_rumble,
+    rumble=levels,
+)
+
+STEAM_CONTROLLER_PCM = StreamFamily(
+    name="steam-controller-pcm",
+    title="Steam Controller (2026, samples)",
+    ids=frozenset((VALVE, product) for product in (WIRED, *DONGLES)),
+    transports=("usb",),
+    channels=("left", "right"),
+    minimum_interval={"usb": FRAMES / RATE},
+    ends_by_itself=True,
+    after_kill="falls silent: it has no samples left after 4 ms",
+    picks=_carries_a_controller,
+    probe_input=True,
+    startup=_start_stream,
+    release=_cancel_stream,
+    rate=RATE,
+    frames=FRAMES,
+    encode=_encode_samples,
+)

@@ -1,0 +1,122 @@
+"""Switch Pro Controller and Joy-Con: linear resonant actuators, each driven by two tones.
+
+Formulas: dekuNukem's notes and Linux ``hid-nintendo.c``; lengths and pace: SDL. The published tables are steps of 1/32 octave, and for
+amplitudes of 1/32, 1/16 and 1/4 octave.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from ..report import Report, Tones, Transport, checked_amplitude
+from .family import Interface, RumbleFamily, is_gamepad
+
+NINTENDO = 0x057E
+PRO, LEFT, RIGHT, GRIP = 0x2009, 0x2006, 0x2007, 0x200E
+
+LOW_HZ, HIGH_HZ = 160.0, 320.0
+"""The two tones at rest, near the actuators' two resonances."""
+
+# Table index of amplitude 1.0; what lies above can damage the actuators.
+SAFE_INDEX = 100
+
+_LENGTH: dict[Transport, int] = {"usb": 64, "bt": 49}
+_VIBRATION_ON = bytes([0x48, 0x01])
+
+
+def frequency_code(frequency: float) -> int:
+    """Steps of 1/32 octave above 10 Hz, rounded. Raises ValueError unless frequency is positive and finite."""
+    if not (math.isfinite(frequency) and frequency > 0.0):
+        raise ValueError(f"frequency {frequency} is not a positive number of Hz")
+    return round(32.0 * math.log2(frequency / 10.0))
+
+
+def amplitude_index(amplitude: float) -> int:
+    """Row 0..100 of the published amplitude table nearest on its logarithmic scale. amplitude: in [0, 1]."""
+    if checked_amplitude(amplitude) < 0.0039:
+        return 0
+    # Each formula only in its own part of the table: below it, it turns negative and would wrap to a strong vibration.
+    if amplitude >= 0.2299:
+        index = round(32.0 * math.log2(8.7 * amplitude))
+    elif amplitude >= 0.11747:
+        index = round(16.0 * math.log2(17.0 * amplitude))
+    else:
+        index = max(1, round(4.0 * math.log2(119.6 * amplitude)))
+    return min(index, SAFE_INDEX)
+
+
+def actuator_word(low_hz: float, low: float, high_hz: float, high: float) -> bytes:
+    """Four bytes for one actuator. Frequencies in Hz are held to 40.9..626.3 (low) and 81.8..1252.6 (high); amplitudes in [0, 1]."""
+    high_code = 4 * (min(max(frequency_code(high_hz), 0x61), 0xDF) - 0x60)
+    low_code = min(max(frequency_code(low_hz), 0x41), 0xBF) - 0x40
+    high_index, low_index = amplitude_index(high), amplitude_index(low)
+    return bytes([high_code & 0xFF, 2 * high_index | high_code >> 8, low_code | (low_index & 1) << 7, 0x40 + low_index // 2])
+
+
+_NEUTRAL = 2 * actuator_word(LOW_HZ, 0.0, HIGH_HZ, 0.0)
+
+
+def _words(drive: Tones) -> bytes:
+    (low_l, high_l, low_r, high_r), (low_hz_l, high_hz_l, low_hz_r, high_hz_r) = drive.amplitudes, drive.frequencies
+    return actuator_word(low_hz_l, low_l, high_hz_l, high_l) + actuator_word(low_hz_r, low_r, high_hz_r, high_r)
+
+
+def _encode(drive: Tones, transport: Transport, sequence: int) -> Report:
+    return Report((bytes([0x10, sequence & 0x0F]) + _words(drive)).ljust(_LENGTH[transport], b"\0"))
+
+
+def _rumble(left: float, right: float) -> Tones:
+    """The kernel's rule for a classic pair: both tones of a side at the same amplitude, strong on the left."""
+    return Tones((left, left, right, right), (LOW_HZ, HIGH_HZ, LOW_HZ, HIGH_HZ))
+
+
+def usb_command(command: int) -> Report:
+    """A command to the USB bridge: 1 status, 2 handshake, 3 fast serial line, 4 keep USB, 5 let go of USB."""
+    return Report(bytes([0x80, command]).ljust(_LENGTH["usb"], b"\0"))
+
+
+def enable_vibration(transport: Transport, sequence: int) -> Report:
+    """Subcommand 0x48: vibration on, with both actuators at rest."""
+    return Report((bytes([0x01, sequence & 0x0F]) + _NEUTRAL + _VIBRATION_ON).ljust(_LENGTH[transport], b"\0"))
+
+
+def _startup(transport: Transport, sequence: int) -> tuple[Report, ...]:
+    handshake = tuple(usb_command(command) for command in (2, 3, 2, 4)) if transport == "usb" else ()
+    return (*handshake, enable_vibration(transport, sequence + len(handshake)))
+
+
+def _release(transport: Transport, sequence: int) -> tuple[Report, ...]:
+    return (usb_command(5),) if transport == "usb" else ()
+
+
+def _in_grip(number: int) -> Callable[[Interface], bool]:
+    """A Joy-Con by itself, or the one behind this interface of the charging grip."""
+    return lambda interface: is_gamepad(interface) and (interface.product != GRIP or interface.number == number)
+
+
+def _family(name: str, title: str, products: tuple[int, ...], picks: Callable[[Interface], bool]) -> RumbleFamily:
+    return RumbleFamily(
+        name=name,
+        title=title,
+        ids=frozenset((NINTENDO, product) for product in products),
+        transports=("usb", "bt") if PRO in products else ("bt", "usb"),
+        channels=("left.low", "left.high", "right.low", "right.high"),
+        # Faster than 30 ms SDL saw controllers switch off; over Bluetooth the kernel keeps 60 ms.
+        minimum_interval={"usb": 0.030, "bt": 0.060},
+        refresh_interval=0.050,
+        ends_by_itself=True,
+        after_kill="stops by itself when it is no longer refreshed",
+        picks=picks,
+        startup=_startup,
+        release=_release,
+        zero_repeats=5,
+        encode=_encode,
+        rumble=_rumble,
+        has_tones=True,
+    )
+
+
+SWITCH_PRO = _family("switch-pro", "Switch Pro Controller", (PRO,), is_gamepad)
+JOYCON_LEFT = _family("joycon-left", "Joy-Con (L)", (LEFT, GRIP), _in_grip(1))
+JOYCON_RIGHT = _family("joycon-right", "Joy-Con (R)", (RIGHT, GRIP), _in_grip(0))

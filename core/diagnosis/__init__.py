@@ -1,0 +1,1 @@
+"""Why a listener feels nothing."""

@@ -1,0 +1,1 @@
+"""Reading and writing files: bounded JSON, schemas, atomic writes, errors that name file and place."""

@@ -1,0 +1,1 @@
+"""The haptic scene file."""

@@ -1,0 +1,93 @@
+"""The haptic scene file with all that it can hold: scene, materials, devices, modalities, frames and tracks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..export import Export, scene_file
+from ..io.options import Option
+from ..io.strict_json import read_json
+from ..tracks import wav
+from .materials_json import material_to_dict, materials_from_dict
+from .modalities_json import modalities_from_dict, modalities_to_dict
+from .motion import packed
+from .scene_json import current_document, scene_from_dict, scene_to_dict, write_document
+from .timeline_json import device_to_dict, devices_from_dict, frame_to_dict, recording_from_dict, tracks_from_dict, tracks_to_dict
+
+LABEL = "Haptic scene (JSON)"
+SUFFIX = ".json"
+OPTIONS = (
+    Option("frames", True, "Frames", "What changes over time"),
+    Option("tracks", "none", "Tracks", "Rendered tracks: not written, in the file itself, or in a WAV file", ("none", "inline", "wav")),
+    Option("encoding", "pcm16", "Encoding", "Of the tracks: 16 bit, or float", ("pcm16", "float32")),
+    Option("compressed", False, "Compressed", "As .json.gz"),
+)
+
+
+def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+    """What the file leaves out, in words."""
+    export.need_scene()
+    losses = []
+    if export.recording is not None and not options["frames"]:
+        losses.append("what changes over time")
+    elif export.recording is not None:
+        losses += [f"how {part.modality.title.lower()} changes over time" for part in export.modalities if part.enabled]
+    if export.tracks is not None and options["tracks"] == "none":
+        losses.append("the rendered tracks, which can be rendered again")
+    if export.tracks is not None and options["tracks"] != "none" and options["encoding"] == "pcm16":
+        losses.append("what lies below 1/65,536 of full scale in the tracks")
+    return tuple(losses)
+
+
+def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+    """Write ``<scene>.json`` or ``.json.gz``, and ``<scene>.tracks.wav`` if asked to."""
+    path = scene_file(export, folder, SUFFIX + (".gz" if options["compressed"] else ""))
+    return write_export(export, path, frames=options["frames"], tracks=options["tracks"], encoding=options["encoding"])
+
+
+def write_export(export: Export, path: Path, frames: bool = True, tracks: str = "none", encoding: str = "pcm16") -> list[Path]:
+    """Write to ``path``, packed if it ends in ``.gz``. Raises ValueError or OSError."""
+    scene = scene_to_dict(export.need_scene())
+    extras = {"extras": scene.pop("extras")} if "extras" in scene else {}
+    files = [path]
+    document: dict[str, Any] = {**scene}
+    if export.materials:
+        document["materials"] = [material_to_dict(material) for material in export.materials]
+    if export.devices:
+        document["devices"] = [device_to_dict(device) for device in export.devices]
+    modalities = modalities_to_dict(export.modalities)
+    if modalities:
+        document["modalities"] = modalities
+    if export.recording is not None and frames:
+        document["frame_rate"] = export.recording.frame_rate
+        document["frame_start"] = export.recording.frame_start
+        motions, recorded = packed(export.recording.frames)
+        if motions:
+            document["motions"] = motions
+        document["frames"] = (frame_to_dict(frame) for frame in recorded)
+    if export.tracks is not None and tracks != "none":
+        sidecar = path.with_name(path.name.removesuffix(".gz").removesuffix(SUFFIX) + ".tracks.wav")
+        if tracks == "wav":
+            wav.write_wav(export.tracks, sidecar, encoding)
+            files.insert(0, sidecar)
+        document["tracks"] = tracks_to_dict(export.tracks, encoding, sidecar.name if tracks == "wav" else None)
+    write_document({**document, **extras}, path)
+    return files
+
+
+def read_export(path: str | Path) -> Export:
+    """All that a ``.json`` or ``.json.gz`` file holds. Raises FormatError or OSError."""
+    path = Path(path)
+    document = current_document(read_json(path), path)
+    scene = scene_from_dict(document, path)
+    return Export(
+        name=path.name.removesuffix(".gz").removesuffix(SUFFIX),
+        scene=scene,
+        devices=devices_from_dict(document, scene, path),
+        modalities=modalities_from_dict(document, scene, path),
+        materials=materials_from_dict(document, path),
+        recording=recording_from_dict(document, scene, path),
+        tracks=tracks_from_dict(document, path),
+    )

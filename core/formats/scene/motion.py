@@ -1,0 +1,142 @@
+"""Poses over time in few bytes: of an object that moves from frame to frame, what its path does beyond going straight on.
+
+In a file a motion is ``{"object", "frame", "count", "poses"}``: the poses of ``count`` frames in a row, the first of them ``frame``. They
+are whole numbers of 1e-5 (position x, y, z in metres, rotation w, x, y, z), a table of ``count`` rows. Each column is replaced by its
+second difference (the first row stays, the second is the difference, from then on a[n] - 2 a[n - 1] + a[n - 2]), the table is read column
+by column, negative numbers are folded in (n to 2 n, -n to 2 n - 1), and the numbers' bytes, 64 bits of which the lowest byte is first, are
+put plane by plane: the first byte of each, then the second of each. That is packed by zlib (RFC 1950) and stands in base64.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..io.error import FormatError
+from .poses import PER_UNIT, PoseRow, Poses, pose_row
+from .recording import RecordedFrame
+
+IntArray = NDArray[np.int64]
+
+FEWEST = 8
+"""Frames in a row that are worth a motion; fewer stand in the frames themselves."""
+MANY = 20_000
+"""Poses of a recording that are packed; fewer stand in the frames, where people can read them."""
+MOST = 4_500_000
+"""Poses that are read."""
+
+_FARTHEST = 10**9 * PER_UNIT
+_LEVEL = 6
+
+
+def packed(frames: Sequence[RecordedFrame]) -> tuple[list[dict[str, Any]], Sequence[RecordedFrame]]:
+    """Motions in the order of the objects' names, and the frames without what is in them. Where there are few poses, or finer ones than
+    motions keep, all stay in the frames."""
+    if sum(len(frame.poses) for frame in frames) < MANY or not all(_is_rounded(frame.poses) for frame in frames):
+        return [], frames
+    names = sorted({name for frame in frames for name in frame.poses})
+    number = {name: k for k, name in enumerate(names)}
+    every = [Poses.of(frame.poses) for frame in frames]
+    objects = np.array([number[name] for poses in every for name in poses.names], dtype=np.int64)
+    rows = np.repeat(np.arange(len(frames)), [len(poses) for poses in every])
+    times = np.array([frame.number for frame in frames], dtype=np.int64)[rows]
+    ticks = np.concatenate([poses.ticks for poses in every])
+    order = np.lexsort((times, objects))
+    objects, rows, times = objects[order], rows[order], times[order]
+    starts = np.flatnonzero(np.concatenate([[True], (np.diff(objects) != 0) | (np.diff(times) != 1)]))
+    motions: list[dict[str, Any]] = []
+    left: dict[int, dict[str, PoseRow]] = {}
+    for first, last in zip(starts.tolist(), [*starts[1:].tolist(), len(objects)], strict=True):
+        name = names[objects[first]]
+        run = ticks[order[first:last]]
+        if last - first >= FEWEST:
+            motions.append({"object": name, "frame": int(times[first]), "count": last - first, "poses": encoded(run)})
+            continue
+        for row, pose in zip(rows[first:last].tolist(), run, strict=True):
+            left.setdefault(row, {})[name] = pose_row(pose)
+    return motions, [replace(frame, poses=left.get(row, {})) for row, frame in enumerate(frames)]
+
+
+def _is_rounded(poses: Mapping[str, PoseRow]) -> bool:
+    """Whether nothing is lost when poses become whole numbers."""
+    if isinstance(poses, Poses) or not poses:
+        return True
+    values = np.array(list(poses.values()), dtype=np.float64)
+    return bool((np.abs(values) < 10**9).all() and (np.rint(values * PER_UNIT) / PER_UNIT == values).all())
+
+
+def unpacked(forms: Sequence[Mapping[str, Any]], objects: set[str], file: str | Path) -> dict[int, Poses]:
+    """The poses of validated motions by frame. Raises FormatError."""
+    total = 0
+    tables = []
+    for i, form in enumerate(forms):
+        place = f"/motions/{i}"
+        if form["object"] not in objects:
+            raise FormatError(file, f"{place}/object", f"there is no object {form['object']!r}")
+        total += form["count"]
+        if total > MOST:
+            raise FormatError(file, f"{place}/count", f"more than {MOST} poses")
+        try:
+            table = decoded(form["poses"], form["count"])
+        except ValueError as error:
+            raise FormatError(file, f"{place}/poses", str(error)) from None
+        if (np.abs(table) > _FARTHEST).any():
+            raise FormatError(file, f"{place}/poses", "beyond 1e9 metres")
+        if not table[:, 3:].any(axis=1).all():
+            raise FormatError(file, f"{place}/poses", "a quaternion of length 0 is no rotation")
+        tables.append(table)
+    if not tables:
+        return {}
+    names = [form["object"] for form in forms]
+    counts = [form["count"] for form in forms]
+    times = np.concatenate([np.arange(form["frame"], form["frame"] + form["count"]) for form in forms])
+    motions = np.repeat(np.arange(len(forms)), counts)
+    ticks = np.concatenate(tables)
+    order = np.argsort(times, kind="stable")
+    numbers, starts = np.unique(times[order], return_index=True)
+    result = {}
+    for number, rows in zip(numbers.tolist(), np.split(order, starts[1:]), strict=True):
+        moving = tuple(names[k] for k in motions[rows].tolist())
+        if len(set(moving)) < len(moving):
+            twice = next(name for name in moving if moving.count(name) > 1)
+            raise FormatError(file, "/motions", f"{twice!r} has two poses in frame {number}")
+        result[number] = Poses(moving, ticks[rows])
+    return result
+
+
+def encoded(ticks: IntArray) -> str:
+    """A table (n, 7) of whole numbers as text."""
+    table = ticks.copy()
+    table[1:] -= ticks[:-1]
+    table[2:] -= ticks[1:-1] - ticks[:-2]
+    column = table.T.ravel()
+    folded = ((column << 1) ^ (column >> 63)).astype("<i8")
+    planes = folded.view(np.uint8).reshape(-1, 8).T
+    return base64.b64encode(zlib.compress(planes.tobytes(), _LEVEL)).decode("ascii")
+
+
+def decoded(text: str, count: int) -> IntArray:
+    """The table (count, 7) of a text. Raises ValueError in words."""
+    try:
+        data = base64.b64decode(text, validate=True)
+    except (binascii.Error, ValueError):
+        raise ValueError("is not base64") from None
+    size = 7 * 8 * count
+    unpacker = zlib.decompressobj()
+    try:
+        planes = unpacker.decompress(data, size + 1)
+    except zlib.error as error:
+        raise ValueError(f"is not packed by zlib: {error}") from None
+    if len(planes) != size or not unpacker.eof or unpacker.unused_data:
+        raise ValueError(f"does not hold {count} poses")
+    folded = np.frombuffer(planes, dtype=np.uint8).reshape(8, -1).T.copy().view("<u8").ravel()
+    column = (folded >> np.uint64(1)).astype(np.int64) ^ -(folded & np.uint64(1)).astype(np.int64)
+    return np.cumsum(np.concatenate([column.reshape(7, count).T[:1], np.cumsum(column.reshape(7, count).T[1:], axis=0)]), axis=0)

@@ -1,0 +1,338 @@
+"""A scene over time: what changes from frame to frame, and how to trace it again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...contacts.contact_set import ContactSet
+from ...contacts.shapes import pose_matrix
+from ...contacts.tracker import Body
+from ...render.frame_result import FrameResult
+from ...render.renderer import SAMPLE_RATE
+from ...scene.functions import ModulationFunction
+from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, SourceKind, Vector
+from ...signals import DEFAULT_IMPACT
+from ...tracer import Frame, Tracer
+from .poses import POSE_DIGITS, PoseRow, Poses
+
+FloatArray = NDArray[np.float64]
+Pair = tuple[str, str]
+
+DIGITS = 6
+"""Decimals that are kept of what gains depend on: a micrometre changes none that anyone could measure."""
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedFrame:
+    """What differs from the frame before; the first one differs from the scene itself.
+
+    poses: by object, position x, y, z and rotation w, x, y, z. properties: (kappa, rho) by object, functions: what it passes on.
+    amplitudes and source_positions: by source; a source of two objects has a position on each. listener_positions and gains: by listener.
+    contacts: all those of every pair of objects
+    that began to touch, or touch otherwise than before. parted: pairs that touch no longer. sources: those that begin; a temporary one ends
+    by itself when its signal is over.
+    """
+
+    number: int
+    poses: Mapping[str, PoseRow] = field(default_factory=dict)
+    properties: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    functions: Mapping[str, ModulationFunction] = field(default_factory=dict)
+    amplitudes: Mapping[str, float] = field(default_factory=dict)
+    source_positions: Mapping[str, tuple[Vector, ...]] = field(default_factory=dict)
+    listener_positions: Mapping[str, Vector] = field(default_factory=dict)
+    gains: Mapping[str, float] = field(default_factory=dict)
+    contacts: tuple[Contact, ...] = ()
+    parted: tuple[Pair, ...] = ()
+    sources: tuple[Source, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """``frames`` in ascending order, each the one after the last unless numbers are missing: those changed nothing. Frame ``frame_start``
+    is at 0 seconds."""
+
+    frame_rate: float
+    frame_start: int
+    frames: tuple[RecordedFrame, ...]
+
+    def time_of(self, frame: int) -> float:
+        """Seconds."""
+        return (frame - self.frame_start) / self.frame_rate
+
+
+def pair_of(contact: Contact) -> Pair:
+    """The two objects in alphabetical order."""
+    return _sorted_pair(*contact.objects)
+
+
+def states(scene: HapticScene, recording: Recording) -> Iterator[tuple[int, HapticScene]]:
+    """Every frame from the first recorded to the last, with the scene as it is then: the sources that sound, the contacts there are."""
+    objects = {item.name: item for item in scene.objects}
+    sources = {item.name: item for item in scene.sources}
+    listeners = {item.name: item for item in scene.listeners}
+    contacts: dict[Pair, tuple[Contact, ...]] = _by_pair(scene.contacts)
+    frames = iter(recording.frames)
+    change = next(frames, None)
+    number = change.number if change else 0
+    while change is not None:
+        if change.number == number:
+            _apply(change, objects, sources, listeners, contacts)
+            change = next(frames, None)
+        time = recording.time_of(number)
+        for name in [name for name, item in sources.items() if _is_over(item, time - 1 / recording.frame_rate)]:
+            del sources[name]
+        yield (
+            number,
+            replace(
+                scene,
+                objects=tuple(objects.values()),
+                sources=tuple(sources.values()),
+                listeners=tuple(listeners.values()),
+                contacts=tuple(contact for touching in contacts.values() for contact in touching),
+            ),
+        )
+        number += 1
+
+
+def _is_over(source: Source, time: float) -> bool:
+    """Whether nothing of a temporary source is left to be heard after ``time``, but for a rounding error."""
+    return source.kind is SourceKind.TEMPORARY and source.onset + (source.signal or DEFAULT_IMPACT).duration <= time + 1e-9
+
+
+def _by_pair(contacts: Sequence[Contact]) -> dict[Pair, tuple[Contact, ...]]:
+    result: dict[Pair, tuple[Contact, ...]] = {}
+    for contact in contacts:
+        result[pair_of(contact)] = (*result.get(pair_of(contact), ()), contact)
+    return result
+
+
+def _apply(
+    change: RecordedFrame,
+    objects: dict[str, HapticObject],
+    sources: dict[str, Source],
+    listeners: dict[str, Listener],
+    contacts: dict[Pair, tuple[Contact, ...]],
+) -> None:
+    for name, (x, y, z, qw, qx, qy, qz) in change.poses.items():
+        objects[name] = replace(objects[name], pose=Pose((x, y, z), (qw, qx, qy, qz)))
+    for name, (kappa, rho) in change.properties.items():
+        objects[name] = replace(objects[name], kappa=kappa, rho=rho)
+    for name, function in change.functions.items():
+        objects[name] = replace(objects[name], propagation=function)
+    sources.update((source.name, source) for source in change.sources)
+    for name, amplitude in change.amplitudes.items():
+        sources[name] = replace(sources[name], amplitude=amplitude)
+    for name, positions in change.source_positions.items():
+        second = positions[1] if len(positions) > 1 else sources[name].second_position
+        sources[name] = replace(sources[name], position=positions[0], second_position=second)
+    for name, position in change.listener_positions.items():
+        listeners[name] = replace(listeners[name], position=position)
+    for name, gain in change.gains.items():
+        listeners[name] = replace(listeners[name], gain=gain)
+    for pair in change.parted:
+        contacts.pop(pair, None)
+    contacts.update(_by_pair(change.contacts))
+
+
+def traced(scene: HapticScene, recording: Recording, sample_rate: float = SAMPLE_RATE) -> Iterator[FrameResult]:
+    """Trace every frame. Contacts are those recorded; where there are none at all, they are found from shapes and poses."""
+    tracer = Tracer(sample_rate=sample_rate)
+    detect = not scene.contacts and not any(frame.contacts or frame.parted for frame in recording.frames)
+    for number, state in states(scene, recording):
+        yield tracer.step(frame_of(state, number, recording.time_of(number), detect))
+
+
+def frame_of(scene: HapticScene, number: int, time: float, detect: bool) -> Frame:
+    """What the tracer is told of a scene as it is at ``time``; ``detect``: to find the contacts from shapes and poses."""
+    frame = Frame(number, time, scene.objects, scene.sources, scene.listeners, scene.settings)
+    if detect:
+        shaped = [item for item in scene.objects if item.shape is not None]
+        bodies = tuple(Body(item.name, item.shape, item.mass, medium=item.medium) for item in shaped)
+        transforms = np.array([pose_matrix(item.pose or Pose()) for item in shaped], dtype=np.float64).reshape(-1, 4, 4)
+        return replace(frame, bodies=bodies, transforms=transforms)
+    index = {name: i for i, name in enumerate(sorted(item.name for item in scene.objects))}
+    return replace(frame, contacts=ContactSet.from_contacts(scene.contacts, index))
+
+
+class Recorder:
+    """Takes a scene frame by frame and keeps what changes.
+
+    An object, source or listener belongs to the scene from the frame in which it is first seen. A persistent source that is gone has the
+    amplitude 0 until it is back; objects and listeners stay.
+    """
+
+    def __init__(self, frame_rate: float, frame_start: int, settings: Settings | None = None) -> None:
+        self._rate, self._start = frame_rate, frame_start
+        self._settings = settings or Settings()
+        self._first_objects: dict[str, HapticObject] = {}
+        self._objects: dict[str, tuple[float, float, PoseRow | None, ModulationFunction]] = {}
+        self._sources: dict[str, Source] = {}
+        self._first_sources: tuple[Source, ...] = ()
+        self._first_listeners: dict[str, Listener] = {}
+        self._listeners: dict[str, Listener] = {}
+        self._contacts: dict[Pair, bytes] = {}
+        self._functions: dict[ModulationFunction, int] = {}
+        self._first_contacts: tuple[Contact, ...] = ()
+        self._frames: list[RecordedFrame] = []
+
+    def add_result(self, result: FrameResult, objects: Sequence[HapticObject]) -> None:
+        """A traced frame; ``objects`` with the poses that they had in it. Raises ValueError unless its number is above that of the last."""
+        self.add(result.number, objects, result.sources, result.listeners, result.contacts, result.objects)
+
+    def add(
+        self,
+        number: int,
+        objects: Sequence[HapticObject],
+        sources: Sequence[Source],
+        listeners: Sequence[Listener],
+        contacts: ContactSet,
+        names: Sequence[str],
+    ) -> None:
+        """A frame; ``names`` are those of the objects that ``contacts`` numbers. Raises ValueError unless ``number`` ascends."""
+        if self._frames and number <= self._frames[-1].number:
+            raise ValueError(f"number: frame {number} does not come after frame {self._frames[-1].number}")
+        begun = not self._frames
+        numbers = [self._functions.setdefault(function, len(self._functions)) for function in contacts.transmissions]
+        rows = _rows(contacts, np.array(numbers, dtype=np.float64))
+        touching = _touching(contacts, rows, names)
+        changed = [pair for pair, rows in touching.items() if self._contacts.get(pair) != rows]
+        parted = tuple(pair for pair in self._contacts if pair not in touching)
+        moved = _contacts_of(contacts, rows, names, set(changed))
+        self._contacts = touching
+        poses, properties, functions = self._changed_objects(objects)
+        new, amplitudes, source_positions = self._changed_sources(sources)
+        listener_positions, gains = self._changed_listeners(listeners)
+        if begun:
+            self._first_contacts, self._first_sources = moved, new
+            self._frames.append(RecordedFrame(number))
+        else:
+            self._frames.append(
+                RecordedFrame(
+                    number, poses, properties, functions, amplitudes, source_positions, listener_positions, gains, moved, parted, new
+                )
+            )
+
+    def scene(self) -> HapticScene:
+        """The scene as the recording begins with it."""
+        return HapticScene(
+            objects=tuple(self._first_objects.values()),
+            contacts=self._first_contacts,
+            sources=self._first_sources,
+            listeners=tuple(self._first_listeners.values()),
+            settings=self._settings,
+        )
+
+    def recording(self) -> Recording:
+        """What has changed since."""
+        return Recording(self._rate, self._start, tuple(self._frames))
+
+    def _changed_objects(
+        self, objects: Sequence[HapticObject]
+    ) -> tuple[Mapping[str, PoseRow], dict[str, tuple[float, float]], dict[str, ModulationFunction]]:
+        poses: dict[str, PoseRow] = {}
+        properties: dict[str, tuple[float, float]] = {}
+        functions: dict[str, ModulationFunction] = {}
+        for item in objects:
+            row = None if item.pose is None else _pose_row(item.pose)
+            before = self._objects.get(item.name)
+            self._objects[item.name] = (item.kappa, item.rho, row, item.propagation)
+            if before is None:
+                self._first_objects[item.name] = item
+                continue
+            if row is not None and row != before[2]:
+                poses[item.name] = row
+            if (item.kappa, item.rho) != before[:2]:
+                properties[item.name] = (item.kappa, item.rho)
+            if item.propagation != before[3]:
+                functions[item.name] = item.propagation
+        return Poses.of(poses), properties, functions
+
+    def _changed_sources(self, sources: Sequence[Source]) -> tuple[tuple[Source, ...], dict[str, float], dict[str, tuple[Vector, ...]]]:
+        new: list[Source] = []
+        amplitudes: dict[str, float] = {}
+        positions: dict[str, tuple[Vector, ...]] = {}
+        for item in sources:
+            second = None if item.second_position is None else _rounded(item.second_position)
+            rounded = replace(item, position=_rounded(item.position), second_position=second)
+            before = self._sources.get(item.name)
+            self._sources[item.name] = rounded
+            if before is None:
+                new.append(rounded)
+                continue
+            if rounded.amplitude != before.amplitude:
+                amplitudes[item.name] = rounded.amplitude
+            if (rounded.position, rounded.second_position) != (before.position, before.second_position):
+                positions[item.name] = (rounded.position,) if second is None else (rounded.position, second)
+        for name in self._sources.keys() - {item.name for item in sources}:
+            gone = self._sources[name]
+            if gone.kind is SourceKind.PERSISTENT and gone.amplitude:
+                amplitudes[name] = 0.0
+                self._sources[name] = replace(gone, amplitude=0.0)
+        return tuple(new), dict(sorted(amplitudes.items())), positions
+
+    def _changed_listeners(self, listeners: Sequence[Listener]) -> tuple[dict[str, Vector], dict[str, float]]:
+        positions: dict[str, Vector] = {}
+        gains: dict[str, float] = {}
+        for item in listeners:
+            rounded = replace(item, position=_rounded(item.position))
+            before = self._listeners.get(item.name)
+            self._listeners[item.name] = rounded
+            if before is None:
+                self._first_listeners[item.name] = rounded
+                continue
+            if rounded.position != before.position:
+                positions[item.name] = rounded.position
+            if rounded.gain != before.gain:
+                gains[item.name] = rounded.gain
+        return positions, gains
+
+
+def _rounded(vector: Sequence[float]) -> Vector:
+    x, y, z = (round(component, DIGITS) for component in vector)
+    return x, y, z
+
+
+def _pose_row(pose: Pose) -> PoseRow:
+    a, b, c, d, e, f, g = (round(component, POSE_DIGITS) for component in (*pose.position, *pose.rotation))
+    return a, b, c, d, e, f, g
+
+
+def _rows(contacts: ContactSet, numbers: FloatArray) -> FloatArray:
+    """One row per contact: positions, normal, distance, area, share, all rounded, and the number of its transmission function."""
+    parts = (contacts.positions.reshape(-1, 6), contacts.normal, contacts.distance, contacts.area, contacts.share)
+    # Adding 0 turns -0 into 0.
+    return np.column_stack([np.round(np.column_stack(parts), DIGITS) + 0.0, numbers[contacts.transmission]])
+
+
+def _touching(contacts: ContactSet, rows: FloatArray, names: Sequence[str]) -> dict[Pair, bytes]:
+    """What there is between each two objects, in a form that is quick to compare."""
+    result: dict[Pair, bytes] = {}
+    for (first, second), row in zip(contacts.pairs.tolist(), rows, strict=True):
+        pair = _sorted_pair(names[first], names[second])
+        result[pair] = result.get(pair, b"") + row.tobytes()
+    return result
+
+
+def _contacts_of(contacts: ContactSet, every_row: FloatArray, names: Sequence[str], pairs: set[Pair]) -> tuple[Contact, ...]:
+    chosen = [i for i, (a, b) in enumerate(contacts.pairs.tolist()) if _sorted_pair(names[a], names[b]) in pairs]
+    rows = every_row[chosen]
+    part = ContactSet(
+        pairs=contacts.pairs[chosen],
+        positions=rows[:, :6].reshape(-1, 2, 3),
+        normal=rows[:, 6:9],
+        depth=np.maximum(-rows[:, 9], 0.0),
+        distance=rows[:, 9],
+        area=rows[:, 10],
+        share=rows[:, 11],
+        transmission=contacts.transmission[chosen],
+        transmissions=contacts.transmissions,
+    )
+    return part.to_contacts(names)
+
+
+def _sorted_pair(first: str, second: str) -> Pair:
+    return (first, second) if first <= second else (second, first)

@@ -1,0 +1,1 @@
+"""Tracks: what listeners feel, in the formats of players and SDKs."""

@@ -1,0 +1,71 @@
+"""CSV: a line per sample, the time and what each listener feels."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..export import Export, common_losses, scene_file
+from ..io.atomic import atomic_file
+from ..io.options import Option
+from .tracks import Tracks
+from .wav import encoded
+
+LABEL = "Table (CSV)"
+SUFFIX = ".csv"
+OPTIONS: tuple[Option, ...] = ()
+
+_WIDTH = 8
+_LINES = 2**15
+
+
+def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+    """What the file leaves out, in words."""
+    return (*common_losses(export.need_tracks(), body=False), "what lies below 1/65,536 of full scale", "impacts as such")
+
+
+def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+    """Write ``<scene>.csv``: seconds with six decimals, values with five."""
+    tracks = export.need_tracks()
+    path = scene_file(export, folder, SUFFIX)
+    head = io.StringIO()
+    csv.writer(head, lineterminator="\n").writerow(["time", *(listener.name for listener in tracks.listeners)])
+    with atomic_file(path) as file:
+        file.write(head.getvalue().encode())
+        first = 0
+        for block in encoded(tracks, "pcm16"):
+            for begin in range(0, block.shape[1], _LINES):
+                file.write(_lines(tracks, first + begin, block[:, begin : begin + _LINES]))
+            first += block.shape[1]
+    return [path]
+
+
+def _lines(tracks: Tracks, first: int, block: NDArray[np.int16]) -> bytes:
+    """Lines of one width each: every number is looked up as text."""
+    listeners, count = block.shape
+    microseconds = np.rint(np.arange(first, first + count) * (1e6 / tracks.sample_rate)).astype(np.int64)
+    digits = max(len(str(int(microseconds[-1]))), 7)
+    times = microseconds[:, None] // 10 ** np.arange(digits - 1, -1, -1) % 10 + ord("0")
+    text = np.empty((count, digits + 1 + listeners * (1 + _WIDTH) + 1), dtype=np.uint8)
+    text[:, : digits - 6] = times[:, :-6]
+    text[:, digits - 6] = ord(".")
+    text[:, digits - 5 : digits + 1] = times[:, -6:]
+    cells = text[:, digits + 1 : -1].reshape(count, listeners, 1 + _WIDTH)
+    cells[:, :, 0] = ord(",")
+    cells[:, :, 1:] = _texts()[block.T.astype(np.int64) + 32768]
+    text[:, -1] = ord("\n")
+    return text.tobytes()
+
+
+@cache
+def _texts() -> NDArray[np.uint8]:
+    """The text of each 16 bit value, in one width."""
+    text = "".join(f"{value / 32768:{_WIDTH}.5f}" for value in range(-32768, 32768))
+    return np.frombuffer(text.encode(), dtype=np.uint8).reshape(-1, _WIDTH)

@@ -1,0 +1,193 @@
+"""``.haptic`` 1.0 (Meta Haptics Studio): a file per listener, with the actuator configuration (ACF) that its numbers refer to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..export import EDITOR, Export, clipped, common_losses, compact, listener_files, table, write_json, write_text
+from ..io.error import FormatError
+from ..io.options import Option
+from ..io.schema import validate
+from ..io.strict_json import read_json
+from .carrier import Carrier
+from .envelopes import single_carrier
+from .fitting import Fit
+from .reading import Channel, Reading
+from .tracks import ListenerTrack
+
+FloatArray = NDArray[np.float64]
+
+LABEL = "Meta Haptics (.haptic)"
+SUFFIX = ".haptic"
+OPTIONS = (
+    Option("error", 0.05, "Error", "Power of the error in relation to the signal's that a breakpoint may be left out for", (), 0.001, 0.5),
+    Option("frequency_min", 5.0, "Lowest frequency", "Hertz that the actuator plays for 0", (), 1.0, 500.0),
+    Option("frequency_max", 500.0, "Highest frequency", "Hertz that the actuator plays for 1", (), 2.0, 1000.0),
+    Option("emphasis", True, "Emphasis", "Impacts as emphasised breakpoints"),
+)
+
+ATTACK = 0.03
+"""Seconds after an impact within which its vibration peaks."""
+_EMPHASIS = {"frequency_min": (55.0, 36.4, "sine"), "frequency_max": (165.0, 12.1, "square")}
+_QUEST = {"continuous": {"frequency_min": 55.0, "frequency_max": 200.0}}
+
+
+def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+    """What the files leave out, in words."""
+    low, high = _range(options)
+    return (
+        *common_losses(export.need_tracks(), body=False),
+        "the place on the body: the format has none, the file name says whose it is",
+        f"all but one oscillation at a time, between {low:g} and {high:g} Hz",
+        "the strength of players: amplitude and frequency are shares of what an actuator can do",
+    )
+
+
+def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+    """Write ``<scene>.<listener>.haptic`` and ``.acf`` for each listener."""
+    tracks = export.need_tracks()
+    low, high = _range(options)
+    fit = Fit(error=options["error"], lowest=low, highest=high)
+    files = []
+    for listener, samples, path in zip(tracks.listeners, tracks.samples, listener_files(export, folder, SUFFIX), strict=True):
+        carrier = single_carrier(clipped(samples), tracks.sample_rate, fit)
+        files.append(write_text(path, _document(export, listener, carrier, low, high, options["emphasis"])))
+        files.append(write_json(path.with_suffix(".acf"), _configuration(export, listener, low, high)))
+    return files
+
+
+def _range(options: Mapping[str, Any]) -> tuple[float, float]:
+    low, high = options["frequency_min"], options["frequency_max"]
+    if low >= high:
+        raise ValueError(f"frequency_max: must be above frequency_min ({low:g}), not {high:g}")
+    return low, high
+
+
+def _document(export: Export, listener: ListenerTrack, carrier: Carrier, low: float, high: float, emphasis: bool) -> Iterator[str]:
+    metadata = {
+        "editor": EDITOR,
+        "source": export.name,
+        "project": export.name,
+        "tags": [listener.body_part] if listener.body_part else [],
+        "description": listener.name,
+    }
+    yield compact({"version": {"major": 1, "minor": 0, "patch": 0}, "metadata": metadata})[:-1]
+    yield ',"signals":{"continuous":{"envelopes":{"amplitude":'
+    yield _amplitude_points(listener, carrier, low, high, emphasis)
+    shares = np.clip((carrier.frequencies - low) / (high - low), 0.0, 1.0)
+    yield ',"frequency":'
+    yield table(("time", "frequency"), carrier.frequency_times.round(6).tolist(), shares.round(6).tolist())
+    yield "}}}}\n"
+
+
+def _amplitude_points(listener: ListenerTrack, carrier: Carrier, low: float, high: float, emphasis: bool) -> str:
+    times, levels = carrier.amplitude_times, carrier.amplitudes
+    if len(times) < 2:
+        times, levels = np.array([0.0, max(carrier.end, 1e-3)]), np.zeros(2)
+    emphases = _emphases(listener, carrier) if emphasis else {}
+    extra = np.array(sorted(emphases))
+    every = np.unique(np.concatenate([times, extra]))
+    every_level = np.interp(every, times, levels).round(5)
+    keys = ("time", "amplitude")
+    pieces = []
+    done = 0
+    for time, number in zip(extra.tolist(), np.searchsorted(every, extra).tolist(), strict=True):
+        pieces.append(table(keys, every[done:number].round(6).tolist(), every_level[done:number].tolist())[1:-1])
+        strength, frequency = emphases[time]
+        sharpness = min(max((frequency - low) / (high - low), 0.0), 1.0)
+        level = float(every_level[number])
+        emphasised = {"amplitude": max(round(strength, 5), level), "frequency": round(sharpness, 4)}
+        pieces.append(compact({"time": round(time, 6), "amplitude": level, "emphasis": emphasised}))
+        done = number + 1
+    pieces.append(table(keys, every[done:].round(6).tolist(), every_level[done:].tolist())[1:-1])
+    return "[" + ",".join(piece for piece in pieces if piece) + "]"
+
+
+def _emphases(listener: ListenerTrack, carrier: Carrier) -> dict[float, tuple[float, float]]:
+    """Strength and frequency (hertz) of each impact at the moment its vibration peaks: an emphasis is never weaker than the envelope."""
+    result: dict[float, tuple[float, float]] = {}
+    for time, strength in listener.impacts.tolist():
+        first, last = np.searchsorted(carrier.amplitude_times, [time, time + ATTACK])
+        peak = float(carrier.amplitude_times[first + np.argmax(carrier.amplitudes[first:last])]) if last > first else time
+        if peak <= carrier.end:
+            frequency = float(np.interp(peak, carrier.frequency_times, carrier.frequencies))
+            result[peak] = (max(strength, result.get(peak, (0.0, 0.0))[0]), frequency)
+    return result
+
+
+def _configuration(export: Export, listener: ListenerTrack, low: float, high: float) -> dict[str, Any]:
+    emphasis = {
+        key: {"output_frequency": frequency, "duration_ms": milliseconds, "shape": shape}
+        for key, (frequency, milliseconds, shape) in _EMPHASIS.items()
+    }
+    return {
+        "metadata": {"version": "1.0.0", "device": f"{export.name}, {listener.name}", "date": export.date, "author": EDITOR},
+        "continuous": {"gain": 1.0, "emphasis_ducking": 0.5, "frequency_min": low, "frequency_max": high},
+        "emphasis": {"gain": 1.0, "fade_out_percent": 0.0, **emphasis},
+    }
+
+
+def read(path: Path) -> Reading:
+    """The vibration, with the frequency range of the ``.acf`` beside the file, or of Quest controllers where there is none.
+    Raises FormatError or OSError."""
+    document = read_json(path)
+    validate(document, "haptic_v1", path)
+    losses: list[str] = []
+    low, high = _range_beside(path, losses)
+    envelopes = document["signals"]["continuous"]["envelopes"]
+    place = "/signals/continuous/envelopes"
+    times, amplitudes = _points(path, envelopes["amplitude"], f"{place}/amplitude", "amplitude")
+    if times[-1] <= 0:
+        raise FormatError(path, f"{place}/amplitude", "the last breakpoint must be after time 0")
+    if envelopes.get("frequency"):
+        key_times, shares = _points(path, envelopes["frequency"], f"{place}/frequency", "frequency")
+    else:
+        key_times, shares = np.zeros(1), np.full(1, 0.5)
+    carriers = [Carrier(0.0, float(times[-1]), 0.0, times, amplitudes, key_times, low + shares * (high - low))]
+    for point in envelopes["amplitude"]:
+        excess = point.get("emphasis", {}).get("amplitude", 0.0) - point["amplitude"]
+        if excess > 0:
+            carriers.append(_emphasis(point["time"], excess, point["emphasis"]["frequency"]))
+    name = document.get("metadata", {}).get("description") or path.stem
+    return Reading((Channel(name, max(carrier.end for carrier in carriers), tuple(carriers)),), tuple(losses))
+
+
+def _points(path: Path, points: list[Mapping[str, Any]], place: str, key: str) -> tuple[FloatArray, FloatArray]:
+    times = np.array([point["time"] for point in points], dtype=np.float64)
+    backwards = np.flatnonzero(np.diff(times) < 0)
+    if len(backwards):
+        raise FormatError(path, f"{place}/{backwards[0] + 1}/time", "times must not decrease")
+    return times, np.array([point[key] for point in points], dtype=np.float64)
+
+
+def _range_beside(path: Path, losses: list[str]) -> tuple[float, float]:
+    configuration: Any = _QUEST
+    beside = path.with_suffix(".acf")
+    if beside.is_file():
+        try:
+            configuration = read_json(beside)
+        except FormatError as error:
+            losses.append(f"{beside.name} is not used: {error.reason}")
+    else:
+        losses.append("there is no .acf beside the file: frequencies are those of Quest controllers")
+    continuous = configuration.get("continuous") if isinstance(configuration, dict) else None
+    if isinstance(continuous, dict):
+        low, high = continuous.get("frequency_min"), continuous.get("frequency_max")
+        if isinstance(low, int | float) and isinstance(high, int | float) and 0 < low < high <= 20_000:
+            return float(low), float(high)
+    losses.append(f"{beside.name} gives no range of frequencies: they are those of Quest controllers")
+    return _QUEST["continuous"]["frequency_min"], _QUEST["continuous"]["frequency_max"]
+
+
+def _emphasis(time: float, strength: float, sharpness: float) -> Carrier:
+    """What an emphasis adds to the envelope: the burst of the configuration, which lies between its two extremes."""
+    (low, long, _), (high, short, _) = _EMPHASIS.values()
+    seconds = (long + (short - long) * sharpness) / 1000
+    zero = np.zeros(1)
+    wave = "sine" if sharpness < 0.5 else "square"
+    return Carrier(time, time + seconds, 0.0, zero, np.full(1, strength), zero, np.full(1, low + (high - low) * sharpness), wave)

@@ -1,0 +1,50 @@
+"""HLA (Hapticlabs, Android): a file per listener, amplitudes in steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..export import Export, clipped, common_losses, compact, listener_files, write_text
+from ..io.options import Option
+from .envelopes import coarse_envelope
+
+LABEL = "Android vibration (HLA)"
+SUFFIX = ".hla"
+OPTIONS = (Option("step", 20, "Step", "Milliseconds between changes", (), 5, 1000),)
+
+
+def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+    """What the files leave out, in words."""
+    return (
+        *common_losses(export.need_tracks(), body=False),
+        "the place on the body: a phone has one actuator, the file name says whose it is",
+        f"frequencies: the strength every {options['step']} ms remains, in 255 steps",
+        "impacts between two steps",
+    )
+
+
+def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+    """Write ``<scene>.<listener>.hla``."""
+    tracks = export.need_tracks()
+    files = []
+    for listener, samples, path in zip(tracks.listeners, tracks.samples, listener_files(export, folder, SUFFIX), strict=True):
+        amplitude, _ = coarse_envelope(clipped(samples), tracks.sample_rate, options["step"] / 1000)
+        levels = np.rint(np.clip(amplitude, 0.0, 1.0) * 255).astype(np.int64)
+        first = np.flatnonzero(np.diff(levels, prepend=-1))
+        lengths = np.diff(first, append=len(levels)) * options["step"]
+        document = {
+            "ProjectName": export.name,
+            "TrackName": listener.name,
+            "Duration": int(lengths.sum()),
+            "Timings": lengths.tolist(),
+            "Amplitudes": levels[first].tolist(),
+            "Repeat": -1,
+            "RequiredAudioFiles": [],
+            "Audios": [],
+        }
+        files.append(write_text(path, [compact(document), "\n"]))
+    return files

@@ -1,0 +1,59 @@
+"""NPZ: the tracks as NumPy arrays."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..export import Export, common_losses, scene_file
+from ..io.atomic import atomic_file
+from ..io.options import Option
+from .tracks import Tracks
+
+LABEL = "NumPy arrays (NPZ)"
+SUFFIX = ".npz"
+OPTIONS = (Option("compressed", False, "Compressed", "Smaller, but slower to write"),)
+
+
+def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+    """What the file leaves out, in words."""
+    return tuple(text for text in common_losses(export.need_tracks(), body=False) if "full scale" not in text)
+
+
+def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+    """Write ``<scene>.npz``: ``samples`` (n_listeners, n) of float32, ``sample_rate``, ``start``, ``names``, ``body_parts`` and ``impacts``
+    (k, 3) of listener number, time and strength."""
+    tracks = export.need_tracks()
+    path = scene_file(export, folder, SUFFIX)
+    method = zipfile.ZIP_DEFLATED if options["compressed"] else zipfile.ZIP_STORED
+    with atomic_file(path) as file, zipfile.ZipFile(file, "w", method) as archive:
+        _write_samples(archive, tracks)
+        for name, array in _small_arrays(tracks).items():
+            with archive.open(f"{name}.npy", "w") as entry:
+                np.lib.format.write_array(entry, array, allow_pickle=False)
+    return [path]
+
+
+def _small_arrays(tracks: Tracks) -> dict[str, NDArray[Any]]:
+    impacts = [np.insert(listener.impacts, 0, number, axis=1) for number, listener in enumerate(tracks.listeners)]
+    return {
+        "sample_rate": np.array(tracks.sample_rate),
+        "start": np.array(tracks.start),
+        "names": np.array([listener.name for listener in tracks.listeners]),
+        "body_parts": np.array([listener.body_part for listener in tracks.listeners]),
+        "impacts": np.concatenate(impacts),
+    }
+
+
+def _write_samples(archive: zipfile.ZipFile, tracks: Tracks) -> None:
+    shape = (len(tracks.listeners), tracks.count)
+    with archive.open("samples.npy", "w", force_zip64=True) as entry:
+        np.lib.format.write_array_header_1_0(entry, {"descr": "<f4", "fortran_order": False, "shape": shape})
+        for row in tracks.samples:
+            for first in range(0, tracks.count, 2**18):
+                entry.write(row[first : first + 2**18].astype("<f4").tobytes())

@@ -1,0 +1,51 @@
+"""OHM: what the reference encoder of MPEG haptics wants to know of a WAV file's channels. The WAV file is written along."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from ..export import Export, body_part_of, scene_file
+from ..io.atomic import write_bytes
+from ..io.options import Option
+from . import wav
+from .tracks import ListenerTrack
+
+LABEL = "OHM and WAV, for the MPEG reference encoder"
+SUFFIX = ".ohm"
+OPTIONS: tuple[Option, ...] = ()
+
+_ENCODING = "pcm16"
+
+
+def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+    """What the files leave out, in words."""
+    long = [listener.name for listener in export.need_tracks().listeners if len(listener.name.encode()) > 32]
+    return (*wav.loss(export, {"encoding": _ENCODING, "sample_rate": 0}), *([f"names beyond 32 bytes: {', '.join(long)}"] if long else []))
+
+
+def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+    """Write ``<scene>.ohm`` and ``<scene>.wav``."""
+    tracks = export.need_tracks()
+    path, recording = scene_file(export, folder, SUFFIX), scene_file(export, folder, wav.SUFFIX)
+    if len(tracks.listeners) > 32767 or len(recording.name.encode()) > 64:
+        raise ValueError(f"{path}: more listeners, or a longer name, than an OHM file can hold")
+    wav.write_wav(tracks, recording, _ENCODING)
+    head = b"OHM " + struct.pack(">hh", 1, 1) + _text(export.name, 32)
+    element = _text(recording.name, 64) + _text(export.name, 32) + struct.pack(">h", len(tracks.listeners))
+    write_bytes(path, head + element + b"".join(_channels(tracks.listeners)))
+    return [recording, path]
+
+
+def _channels(listeners: tuple[ListenerTrack, ...]) -> Iterator[bytes]:
+    for listener in listeners:
+        part = body_part_of(listener)
+        # The gain is little-endian, unlike all the rest: that is how the reference software has it.
+        yield _text(listener.name, 32) + struct.pack("<f", 1.0) + struct.pack(">I", 0 if part is None else part.mpeg_mask)
+
+
+def _text(text: str, size: int) -> bytes:
+    """UTF-8 cut at ``size`` bytes, never within a character, and filled up with zeros."""
+    return text.encode()[:size].decode(errors="ignore").encode().ljust(size, b"\0")

@@ -1,0 +1,68 @@
+"""Traced frames gathered into tracks."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable
+from typing import IO
+
+import numpy as np
+
+from ...render.frame_result import FrameResult
+from ...scene.values import Listener, SourceKind
+from .tracks import ListenerTrack, Tracks, sorted_impacts, strengths
+
+
+class Take:
+    """Takes one traced frame after the other. Samples go to a file that vanishes with the tracks, so that length costs no memory."""
+
+    def __init__(self) -> None:
+        self._file: IO[bytes] = tempfile.TemporaryFile(prefix="haptic-tracks-")  # noqa: SIM115
+        self._listeners: tuple[Listener, ...] = ()
+        self._sample_rate = 0
+        self._first = 0
+        self._count = 0
+        self._impacts: dict[str, tuple[float, list[float]]] = {}
+
+    def add(self, result: FrameResult) -> None:
+        """A frame. Raises ValueError where it does not follow the one before, or where the listeners have changed."""
+        if not self._sample_rate:
+            self._listeners, self._sample_rate = result.listeners, round(result.sample_rate)
+        if [item.name for item in result.listeners] != [item.name for item in self._listeners]:
+            raise ValueError(f"listeners: they change in frame {result.number}")
+        for row, source in enumerate(result.sources):
+            if source.kind is SourceKind.TEMPORARY and source.name not in self._impacts:
+                self._impacts[source.name] = (source.onset, strengths(source, result.gains[row]))
+        if result.block is None or not result.block.shape[1]:
+            return
+        if not self._count:
+            self._first = result.first_sample
+        elif result.first_sample != self._first + self._count:
+            raise ValueError(f"number: frame {result.number} does not follow the one before")
+        self._file.write(result.block.T.astype("<f4").tobytes())
+        self._count += result.block.shape[1]
+
+    def tracks(self) -> Tracks:
+        """All that was taken."""
+        start = self._first / (self._sample_rate or 1)
+        felt = tuple(self._impacts.values())
+        shape = (self._count, len(self._listeners))
+        self._file.flush()
+        samples = np.memmap(self._file, dtype="<f4", mode="r", shape=shape) if self._count and shape[1] else np.zeros(shape, dtype="<f4")
+        return Tracks(
+            listeners=tuple(
+                ListenerTrack(item.name, item.body_part, sorted_impacts((time - start, row[number]) for time, row in felt))
+                for number, item in enumerate(self._listeners)
+            ),
+            sample_rate=self._sample_rate or 1,
+            samples=samples.T,
+            start=start,
+        )
+
+
+def tracks_of(results: Iterable[FrameResult]) -> Tracks:
+    """The tracks of consecutive frames. Raises ValueError as `Take.add` does."""
+    take = Take()
+    for result in results:
+        take.add(result)
+    return take.tracks()

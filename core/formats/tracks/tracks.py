@@ -1,0 +1,137 @@
+"""What the listeners feel: rendered samples with the impacts among them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.values import Source
+from ...signals import DEFAULT_IMPACT
+
+FloatArray = NDArray[np.float64]
+
+CHUNK = 2**18
+"""Samples of a listener that are handled at once."""
+MAX_SAMPLE_RATE = 192_000
+
+
+def _no_impacts() -> FloatArray:
+    return np.zeros((0, 2))
+
+
+class Felt(Protocol):
+    """An impact, and the gains of its source at the listeners, amplitude included."""
+
+    @property
+    def source(self) -> Source: ...
+    @property
+    def gains(self) -> FloatArray: ...
+
+
+class Played(Protocol):
+    """What playing a range of frames gave."""
+
+    @property
+    def listeners(self) -> Sequence[str]: ...
+    @property
+    def body_parts(self) -> Sequence[str]: ...
+    @property
+    def samples(self) -> NDArray[np.floating]: ...
+    @property
+    def sample_rate(self) -> float: ...
+    @property
+    def start(self) -> float: ...
+    @property
+    def impacts(self) -> Sequence[Felt]: ...
+
+
+def strengths(source: Source, gains: FloatArray) -> list[float]:
+    """The peak that an impact's vibration reaches at each listener, at most 1."""
+    peak = min((source.signal or DEFAULT_IMPACT).peak, 1.0)
+    result: list[float] = np.minimum(gains * peak, 1.0).tolist()
+    return result
+
+
+def sorted_impacts(impacts: Iterable[tuple[float, float]]) -> FloatArray:
+    """Those that are felt, (k, 2), in the order of time; one from before the first sample is left out."""
+    return np.array(sorted((time, strength) for time, strength in impacts if time >= 0 and strength > 0), dtype=np.float64).reshape(-1, 2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ListenerTrack:
+    """Whose track it is. ``impacts`` (k, 2): time in seconds from the tracks' beginning, ascending, and strength, the peak that the
+    impact's signal reaches at this listener, in [0, 1]. Their vibration is part of the samples."""
+
+    name: str
+    body_part: str = ""
+    impacts: FloatArray = field(default_factory=_no_impacts)
+
+    def __post_init__(self) -> None:
+        impacts = np.asarray(self.impacts, dtype=np.float64).reshape(-1, 2)
+        if not (np.isfinite(impacts).all() and (impacts >= 0).all() and (impacts[:, 1] <= 1).all()):
+            raise ValueError("impacts: times must be finite and not negative, strengths from 0 to 1")
+        if (np.diff(impacts[:, 0]) < 0).any():
+            raise ValueError("impacts: times must ascend")
+        object.__setattr__(self, "impacts", impacts)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tracks:
+    """``samples`` (n_listeners, n) at ``sample_rate`` a second; the first is at ``start`` seconds of the scene.
+
+    Nominal range [-1, 1]. Any array will do, one on disk (`numpy.memmap`) too: it is only ever looked at in pieces.
+    """
+
+    listeners: tuple[ListenerTrack, ...]
+    sample_rate: int
+    samples: NDArray[np.floating]
+    start: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.samples.ndim != 2 or len(self.samples) != len(self.listeners):
+            raise ValueError(f"samples: expected shape ({len(self.listeners)}, n), got {self.samples.shape}")
+        if self.sample_rate != int(self.sample_rate) or not 1 <= self.sample_rate <= MAX_SAMPLE_RATE:
+            raise ValueError(f"sample_rate: must be a whole number from 1 to {MAX_SAMPLE_RATE}, got {self.sample_rate!r}")
+        object.__setattr__(self, "sample_rate", int(self.sample_rate))
+        names = [listener.name for listener in self.listeners]
+        if len(set(names)) < len(names):
+            raise ValueError("listeners: names must differ")
+        if not np.isfinite(self.start):
+            raise ValueError(f"start: must be finite, got {self.start!r}")
+        for _, block in self.blocks():
+            if not np.isfinite(block).all():
+                raise ValueError("samples: must be finite")
+
+    @classmethod
+    def of(cls, played: Played) -> Tracks:
+        """The tracks of what was played."""
+        felt = [(impact.source.onset - played.start, strengths(impact.source, impact.gains)) for impact in played.impacts]
+        listeners = (
+            ListenerTrack(name, body_part, sorted_impacts((time, row[number]) for time, row in felt))
+            for number, (name, body_part) in enumerate(zip(played.listeners, played.body_parts, strict=True))
+        )
+        return cls(tuple(listeners), round(played.sample_rate), played.samples, played.start)
+
+    @property
+    def count(self) -> int:
+        """Samples of each listener."""
+        return int(self.samples.shape[1])
+
+    @property
+    def duration(self) -> float:
+        """Seconds."""
+        return self.count / self.sample_rate
+
+    def blocks(self) -> Iterator[tuple[int, NDArray[np.floating]]]:
+        """The samples in pieces (n_listeners, k) that fit in memory, each with the number of its first sample."""
+        size = max(CHUNK // max(len(self.listeners), 1), 1)
+        for first in range(0, self.count, size):
+            yield first, self.samples[:, first : first + size]
+
+    def clipped(self) -> int:
+        """How many samples lie beyond ±1: a target of fixed range cuts them."""
+        return sum(int(np.count_nonzero(np.abs(block) > 1)) for _, block in self.blocks())

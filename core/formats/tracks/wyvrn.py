@@ -1,0 +1,187 @@
+"""The folder that WYVRN's players load: ``haptic.config`` and a ``.haps`` clip (version 5) per listener, all played by one event."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..export import Export, body_part_of, clipped, common_losses, compact, table, write_json, write_text
+from ..io.error import FormatError
+from ..io.file_names import file_stem, file_stems
+from ..io.options import Option
+from ..io.schema import validate
+from ..io.strict_json import read_json
+from .bands import wide_bands
+from .carrier import Carrier, ramp_integral
+from .fitting import Fit, fit_bands
+from .hjif import part_of, transient
+from .reading import Channel, Reading
+from .tracks import ListenerTrack
+from .transients import TRANSIENT_SECONDS, without_transients
+
+FloatArray = NDArray[np.float64]
+
+LABEL = "Razer Sensa / WYVRN (folder)"
+SUFFIX = ".haps"
+OPTIONS = (
+    Option("error", 0.1, "Error", "Power of the error in relation to the signal's that a keyframe may be left out for", (), 0.001, 0.5),
+    Option("transients", True, "Transients", "Impacts as transients"),
+)
+
+BANDS = wide_bands((5, 90, 430))
+"""As melodies: the published clips have at most three, and frequencies up to 366 Hz."""
+SHORTEST = 0.01
+"""Seconds between keys: the densest of the published clips has 169 a second."""
+CONFIGURATION = "haptic.config"
+
+
+def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+    """What the folder leaves out, in words."""
+    tracks = export.need_tracks()
+    shared: dict[tuple[str, str], list[str]] = {}
+    for listener in tracks.listeners:
+        shared.setdefault(_target(listener), []).append(listener.name)
+    return (
+        *common_losses(tracks, body=True),
+        f"what lies below {BANDS[0].low:.0f} and above {BANDS[-1].high:.0f} Hz, and more than two oscillations at a time",
+        f"changes within {SHORTEST * 1000:g} ms",
+        *(
+            f"that {', '.join(names)} are different places: {target}, {side} is one target"
+            for (target, side), names in shared.items()
+            if len(names) > 1
+        ),
+    )
+
+
+def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+    """Write ``<scene>/haptic.config`` and ``<scene>/<scene>.<listener>.haps``."""
+    tracks = export.need_tracks()
+    inside = folder / file_stem(export.name)
+    inside.mkdir(parents=True, exist_ok=True)
+    stems = file_stems(f"{export.name}.{listener.name}" for listener in tracks.listeners)
+    files = []
+    for listener, samples, stem in zip(tracks.listeners, tracks.samples, stems, strict=True):
+        clip = _clip(clipped(samples).astype(np.float64), tracks.sample_rate, listener, options)
+        files.append(write_text(inside / f"{stem}{SUFFIX}", clip))
+    events = [
+        {
+            "Haptic_Effect": stem,
+            "Loop": 1,
+            "Mixing": "Merge",
+            "Targeting": [dict(zip(("Target", "Spatialization", "Gain"), (*_target(listener), 1.0), strict=True))],
+        }
+        for listener, stem in zip(tracks.listeners, stems, strict=True)
+    ]
+    configuration = {"ExternalCommands": [{"External_Command_ID": file_stem(export.name), "Haptic_Events": events}]}
+    return [*files, write_json(inside / CONFIGURATION, configuration)]
+
+
+def _target(listener: ListenerTrack) -> tuple[str, str]:
+    part = body_part_of(listener)
+    return ("All", "Global") if part is None else (part.wyvrn_target, part.wyvrn_side)
+
+
+def _clip(samples: FloatArray, sample_rate: int, listener: ListenerTrack, options: Mapping[str, Any]) -> Iterator[str]:
+    transients = np.zeros((0, 2))
+    if options["transients"]:
+        samples, transients = without_transients(samples, sample_rate, listener.impacts, 1e-6)
+    fit = Fit(error=options["error"], lowest=BANDS[0].low, highest=BANDS[-1].high, shortest=SHORTEST)
+    melodies = [[_burst(time, strength) for time, strength in transients.tolist()]]
+    melodies += [_notes(carriers) for carriers in fit_bands(samples, sample_rate, BANDS, fit)]
+    head = {
+        "m_version": "5",
+        "m_description": listener.name,
+        "m_HDFlag": 0,
+        "m_time_unit": 0,
+        "m_length_unit": 7,
+        "m_gain": 1.0,
+        "m_stiffness": {**_MELODIES, "m_melodies": []},
+        "m_texture": {**_MELODIES, "m_melodies": []},
+    }
+    yield compact(head)[:-1] + ',"m_vibration":' + compact(_MELODIES)[:-1] + ',"m_melodies":['
+    for number, notes in enumerate(melodies):
+        yield ("," if number else "") + '{"m_mute":0,"m_gain":1.0,"m_notes":['
+        yield ",".join(notes)
+        yield "]}"
+    yield "]}}\n"
+
+
+_MELODIES = {"m_loop": 0, "m_maximum": 1.0, "m_gain": 1.0, "m_signalEvaluationMethod": 3}
+
+
+def _burst(time: float, strength: float) -> str:
+    note = {"m_startingPoint": round(time, 6), "m_length": TRANSIENT_SECONDS, "m_priority": 0, "m_gain": strength}
+    return compact({**note, "m_hapticEffect": {"m_type": 0}})
+
+
+def _notes(carriers: Sequence[Carrier]) -> list[str]:
+    return [_note(note) for carrier in carriers if (note := from_zero_phase(carrier))]
+
+
+def from_zero_phase(carrier: Carrier) -> Carrier | None:
+    """The carrier without what comes before it first begins a cycle, or None if nothing remains: notes have no phase."""
+    missing = (-carrier.phase / (2 * math.pi)) % 1.0
+    if missing < 1e-6:
+        return carrier
+    times = np.linspace(0.0, carrier.end - carrier.start, 4001)[: 2 + int(4000 * min(1.0, 1.0 / (carrier.end - carrier.start)))]
+    cycles = ramp_integral(times, carrier.frequency_times, carrier.frequencies)
+    begin = float(np.interp(missing, cycles, times))
+    return part_of(carrier, begin, carrier.end - carrier.start) if cycles[-1] > missing else None
+
+
+def _note(carrier: Carrier) -> str:
+    length = round(carrier.end - carrier.start, 6)
+
+    def modulation(times: FloatArray, values: FloatArray, digits: int) -> str:
+        inside = times < length
+        first = times[:1] > 0
+        every = np.concatenate([np.zeros(1)[first], times[inside], [length]])
+        levels = np.concatenate([values[:1][first], values[inside], [np.interp(length, times, values)]])
+        keys = table(("m_time", "m_value"), every.round(6).tolist(), levels.round(digits).tolist())
+        return '{"m_extrapolationStrategy":0,"m_keyframes":' + keys + "}"
+
+    head = compact({"m_startingPoint": round(carrier.start, 6), "m_length": length, "m_priority": 1, "m_gain": 1.0})[:-1]
+    amplitude = modulation(carrier.amplitude_times, carrier.amplitudes, 5)
+    frequency = modulation(carrier.frequency_times, carrier.frequencies, 3)
+    return f'{head},"m_hapticEffect":{{"m_amplitudeModulation":{amplitude},"m_frequencyModulation":{frequency}}}}}'
+
+
+def read(path: Path) -> Reading:
+    """The vibration of a ``.haps`` clip of version 5. Raises FormatError or OSError."""
+    document = read_json(path)
+    validate(document, "haps_v5", path)
+    gain = document["m_gain"] * document["m_vibration"]["m_gain"]
+    carriers = [
+        carrier
+        for m, melody in enumerate(document["m_vibration"]["m_melodies"])
+        if not melody["m_mute"]
+        for n, note in enumerate(melody["m_notes"])
+        for carrier in _carriers(path, note, gain * melody["m_gain"] * note["m_gain"], f"/m_vibration/m_melodies/{m}/m_notes/{n}")
+    ]
+    losses = tuple(f"{part} is not taken over" for part in ("texture", "stiffness") if document[f"m_{part}"]["m_melodies"])
+    end = max((carrier.end for carrier in carriers), default=0.0)
+    return Reading((Channel(document.get("m_description") or path.stem, end, tuple(carriers)),), losses)
+
+
+def _carriers(path: Path, note: Mapping[str, Any], gain: float, place: str) -> Iterator[Carrier]:
+    start, effect = note["m_startingPoint"], note["m_hapticEffect"]
+    if "m_type" in effect:
+        yield transient(start, gain)
+        return
+    keys = []
+    for name in ("m_amplitudeModulation", "m_frequencyModulation"):
+        keyframes: Sequence[Mapping[str, float]] = effect[name]["m_keyframes"]
+        if not keyframes:
+            return
+        times, values = np.array([[key["m_time"], key["m_value"]] for key in keyframes], dtype=np.float64).T
+        if (np.diff(times) < 0).any():
+            raise FormatError(path, f"{place}/m_hapticEffect/{name}/m_keyframes", "times must not decrease")
+        keys.append((times, values))
+    if note["m_length"] > 0:
+        (times, values), frequencies = keys
+        yield Carrier(start, start + note["m_length"], 0.0, times, values * gain, *frequencies)

@@ -1,0 +1,1 @@
+"""The haptic graph, built from a scene and its contacts."""

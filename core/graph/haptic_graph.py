@@ -1,0 +1,424 @@
+"""The haptic graph: nodes as arrays sorted by object, inter-connections stored, intra-connections implied by the object.
+
+All nodes of one object are connected to each other, so storing those connections would take the square of their number; here an object's
+nodes are one slice, and the gain between any two of them is its propagation function at their distance.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..contacts.contact_set import ContactSet
+from ..scene.bands import BAND_COUNT
+from ..scene.functions import ModulationFunction, Spectrum
+from ..scene.values import HapticObject, HapticScene, Listener, Source, SourceKind
+
+if TYPE_CHECKING:
+    import networkx
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class NodeKind(IntEnum):
+    CONTACT = 0
+    SOURCE = 1
+    LISTENER = 2
+
+
+class NoGain(ValueError):
+    """A designer's expression gives no gain where it is needed; ``objects`` names the object, or the two of the contact, that it is of."""
+
+    def __init__(self, message: str, objects: tuple[str, ...]) -> None:
+        super().__init__(message)
+        self.objects = objects
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectTable:
+    """The propagation functions of all objects as arrays, in the order of their sorted names.
+
+    ``factor`` and ``decay`` (n,): the gain over d metres is ``factor * exp(-decay * d)``; NaN for the objects in ``special``, whose
+    function has another form. ``loss`` (n,) is ``-log(factor)``, precise also for a factor close to 1. ``band_gains`` (n, bands),
+    ``band_decays`` (n, bands) [1/m] and ``slowness`` (n,) [s/m] are None where no object uses them.
+    """
+
+    names: tuple[str, ...]
+    objects: tuple[HapticObject, ...]
+    factor: FloatArray
+    decay: FloatArray
+    loss: FloatArray
+    special: frozenset[int]
+    epsilon: float
+    band_gains: FloatArray | None
+    band_decays: FloatArray | None
+    slowness: FloatArray | None
+    _index: dict[str, int] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_index", {name: i for i, name in enumerate(self.names)})
+
+    @classmethod
+    def of(cls, objects: Sequence[HapticObject], epsilon: float) -> ObjectTable:
+        """Tabulate the objects (each name once). Sorting by name makes every result independent of their order."""
+        ordered = tuple(sorted(objects, key=lambda o: o.name))
+        pairs = [o.propagation.log_linear(o.kappa, o.rho, epsilon) for o in ordered]
+        forms = np.array([(math.nan, math.nan) if pair is None else pair for pair in pairs], dtype=np.float64).reshape(-1, 2)
+        bands, decays, slowness = _spectrum_arrays([o.propagation for o in ordered])
+        return cls(
+            names=tuple(o.name for o in ordered),
+            objects=ordered,
+            factor=forms[:, 0].copy(),
+            decay=forms[:, 1].copy(),
+            loss=np.array(
+                [math.nan if p is None else o.propagation.loss(o.kappa, o.rho, epsilon) for o, p in zip(ordered, pairs, strict=True)]
+            ),
+            special=frozenset(i for i, pair in enumerate(pairs) if pair is None),
+            epsilon=epsilon,
+            band_gains=bands,
+            band_decays=decays,
+            slowness=slowness,
+        )
+
+    def index(self) -> Mapping[str, int]:
+        """Number of each object by name."""
+        return self._index
+
+    def gain(self, index: int, distance: FloatArray) -> FloatArray:
+        """Gains of object ``index`` over ``distance`` (metres, any shape). Raises NoGain where its expression gives none, and ValueError
+        for a distance that is negative or not finite."""
+        if not np.all((distance >= 0) & (distance < math.inf)):
+            raise ValueError("distance: must be finite and at least 0 m")
+        if index not in self.special:
+            return np.asarray(self.factor[index] * np.exp(-self.decay[index] * distance))
+        haptic_object = self.objects[index]
+        try:
+            return haptic_object.propagation.gain(distance, haptic_object.kappa, haptic_object.rho, self.epsilon)
+        except ValueError as error:
+            raise NoGain(f"object {haptic_object.name!r}: {error}", (haptic_object.name,)) from None
+
+    def gain_bounds(self, index: int, max_distance: float) -> tuple[float, float]:
+        """Guaranteed (lowest, highest) gain of object ``index`` over any distance up to ``max_distance`` metres."""
+        haptic_object = self.objects[index]
+        return haptic_object.propagation.bounds(max_distance, haptic_object.kappa, haptic_object.rho, self.epsilon)
+
+
+def _spectrum_arrays(functions: Sequence[ModulationFunction]) -> tuple[FloatArray | None, FloatArray | None, FloatArray | None]:
+    """Band gains (n, bands), band decays (n, bands) and slowness (n,) of functions; each None where none of them uses it."""
+    spectra: list[Spectrum] = [f.spectrum for f in functions]
+    gains = decays = slowness = None
+    if any(s.band_gains for s in spectra):
+        gains = np.array([s.band_gains or (1.0,) * BAND_COUNT for s in spectra], dtype=np.float64)
+    if any(s.band_decays for s in spectra):
+        decays = np.array([s.band_decays or (0.0,) * BAND_COUNT for s in spectra], dtype=np.float64)
+    if any(s.wave_speed for s in spectra):
+        slowness = np.array([1.0 / s.wave_speed if s.wave_speed else 0.0 for s in spectra], dtype=np.float64)
+    return gains, decays, slowness
+
+
+@dataclass(frozen=True, slots=True)
+class SourceNodes:
+    """A source in the graph: one node, or one on each side of the contact for an impact."""
+
+    name: str
+    nodes: tuple[int, ...]
+    amplitude: float
+    kind: SourceKind
+
+
+@dataclass(frozen=True, slots=True)
+class HapticGraph:
+    """``G = (V, {P, T})`` with the intra-connections P implied.
+
+    Nodes are sorted by object: those of object o are ``start[o] : start[o + 1]``. Per node: ``node_object`` (n,), ``node_kind`` (n,),
+    ``node_position`` (n, 3) [m], ``partner`` (n,) the node at the other end of its inter-connection or -1, ``contact`` (n,) the number of
+    its contact or -1. Per contact: ``transmission`` (c,) gain of the inter-connection and ``transmission_loss`` (c,) its ``-log``,
+    ``share`` (c,) of its patch (weights sums over paths, not the best path), ``contact_band_gains`` (c, bands) and ``contact_delay`` (c,)
+    [s] or None.
+    """
+
+    table: ObjectTable
+    start: IntArray
+    node_object: IntArray
+    node_kind: NDArray[np.int8]
+    node_position: FloatArray
+    partner: IntArray
+    contact: IntArray
+    transmission: FloatArray
+    transmission_loss: FloatArray
+    share: FloatArray
+    contact_band_gains: FloatArray | None
+    contact_delay: FloatArray | None
+    sources: tuple[SourceNodes, ...]
+    listeners: tuple[str, ...]
+    listener_nodes: IntArray
+
+    @property
+    def node_count(self) -> int:
+        return len(self.node_object)
+
+    @property
+    def contact_count(self) -> int:
+        return len(self.transmission)
+
+    @property
+    def uses_bands(self) -> bool:
+        """True where any function has band gains or band decays."""
+        return self.table.band_gains is not None or self.table.band_decays is not None or self.contact_band_gains is not None
+
+    @property
+    def uses_delays(self) -> bool:
+        """True where any function has a wave speed."""
+        return self.table.slowness is not None or self.contact_delay is not None
+
+    def intra_connection_count(self) -> int:
+        """Number of implied intra-connections: n (n - 1) / 2 of each object's n nodes."""
+        sizes = np.diff(self.start)
+        return int((sizes * (sizes - 1) // 2).sum())
+
+    def nodes_of(self, index: int) -> slice:
+        """The nodes of object ``index``."""
+        return slice(int(self.start[index]), int(self.start[index + 1]))
+
+    def node_distances(self, a: IntArray, b: IntArray) -> FloatArray:
+        """Distances in metres between nodes ``a[i]`` and ``b[i]``."""
+        x, y, z = self.node_position.T
+        return _lengths(x[a] - x[b], y[a] - y[b], z[a] - z[b])
+
+    def intra_gain(self, index: int, node: int, others: slice | IntArray) -> FloatArray:
+        """Gains of the intra-connections from ``node`` to other nodes of object ``index``."""
+        return self.table.gain(index, distances(self.node_position[others], self.node_position[node]))
+
+    def to_networkx(self) -> networkx.Graph:
+        """The explicit graph, every intra-connection an edge: for small scenes and for tests.
+
+        Nodes carry ``object``, ``kind``, ``position``; edges ``connection`` ("intra" or "inter"), ``gain`` and, on an inter-connection,
+        ``share``.
+        """
+        import networkx
+
+        graph = networkx.Graph()
+        for node in range(self.node_count):
+            graph.add_node(
+                node,
+                object=self.table.names[self.node_object[node]],
+                kind=NodeKind(self.node_kind[node]).name.lower(),
+                position=tuple(self.node_position[node].tolist()),
+            )
+        for index in range(len(self.table.names)):
+            nodes = self.nodes_of(index)
+            for node in range(nodes.start, nodes.stop):
+                others = np.arange(node + 1, nodes.stop)
+                for other, gain in zip(others.tolist(), self.intra_gain(index, node, others).tolist(), strict=True):
+                    graph.add_edge(node, other, connection="intra", gain=gain)
+        for node, (partner, contact) in enumerate(zip(self.partner.tolist(), self.contact.tolist(), strict=True)):
+            if node < partner:
+                graph.add_edge(node, partner, connection="inter", gain=float(self.transmission[contact]), share=float(self.share[contact]))
+        return graph
+
+
+def distances(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Euclidean distances over the last axis, of length 3. Right also for 1e200 m and 1e-200 m, whose squares overflow or vanish. Element
+    by element: the distance of two points does not depend on what else is computed with them, nor on their order."""
+    return _lengths(a[..., 0] - b[..., 0], a[..., 1] - b[..., 1], a[..., 2] - b[..., 2])
+
+
+def _lengths(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+    with np.errstate(over="ignore", under="ignore"):
+        squared = np.asarray(x * x)
+        squared += y * y
+        squared += z * z
+        result = np.asarray(np.sqrt(squared))
+        extreme = (squared > 1e300) | (squared < 1e-280)
+        if extreme.any():
+            result[extreme] = np.hypot(np.hypot(x[extreme], y[extreme]), z[extreme])
+    return result
+
+
+def build_graph(table: ObjectTable, contacts: ContactSet, sources: Sequence[Source], listeners: Sequence[Listener]) -> HapticGraph:
+    """The haptic graph of one frame. ``contacts`` refers to objects by their number in ``table``.
+
+    Nodes are put into a canonical order (object, kind, contact by objects and position), so that the result does not depend on the order
+    in which contacts were found. Raises ValueError that names the argument for an object that is not in the table, a contact of an object
+    with itself or a number that is not finite, and the objects where a transmission expression gives no gain.
+    """
+    index = table.index()
+    _check(table, index, contacts, sources, listeners)
+    contacts = _canonical(contacts)
+    count = len(contacts)
+    source_entries = [
+        (number, name, position)
+        for number, source in enumerate(sources)
+        for name, position in ((source.object, source.position), (source.second_object, source.second_position))
+        if name is not None
+    ]
+    node_object = np.concatenate(
+        [
+            contacts.pairs.T.reshape(-1),
+            np.array([index[name] for _, name, _ in source_entries], dtype=np.int64),
+            np.array([index[listener.object] for listener in listeners], dtype=np.int64),
+        ]
+    )
+    node_kind = np.repeat(
+        np.array([NodeKind.CONTACT, NodeKind.SOURCE, NodeKind.LISTENER], dtype=np.int8), [2 * count, len(source_entries), len(listeners)]
+    )
+    node_position = np.empty((3, len(node_object)))
+    node_position[:, :count], node_position[:, count : 2 * count] = contacts.positions[:, 0].T, contacts.positions[:, 1].T
+    places = [position for _, _, position in source_entries] + [listener.position for listener in listeners]
+    node_position[:, 2 * count :] = np.array(places, dtype=np.float64).reshape(-1, 3).T
+    order = np.argsort(node_object, kind="stable")
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    partner = np.full(len(order), -1, dtype=np.int64)
+    contact = np.full(len(order), -1, dtype=np.int64)
+    numbers = np.arange(count)
+    partner[rank[:count]] = rank[count : 2 * count]
+    partner[rank[count : 2 * count]] = rank[:count]
+    contact[rank[:count]] = numbers
+    contact[rank[count : 2 * count]] = numbers
+    source_nodes: list[list[int]] = [[] for _ in sources]
+    for entry, (number, _, _) in enumerate(source_entries):
+        source_nodes[number].append(int(rank[2 * count + entry]))
+    transmission, loss, band_gains, delay = _transmissions(table, contacts)
+    return HapticGraph(
+        table=table,
+        start=np.concatenate([[0], np.cumsum(np.bincount(node_object, minlength=len(table.names)))]),
+        node_object=node_object[order],
+        node_kind=node_kind[order],
+        node_position=node_position.take(order, axis=1).T,  # each coordinate contiguous
+        partner=partner,
+        contact=contact,
+        transmission=transmission,
+        transmission_loss=loss,
+        share=contacts.share,
+        contact_band_gains=band_gains,
+        contact_delay=delay,
+        sources=tuple(SourceNodes(s.name, tuple(n), s.amplitude, s.kind) for s, n in zip(sources, source_nodes, strict=True)),
+        listeners=tuple(listener.name for listener in listeners),
+        listener_nodes=rank[2 * count + len(source_entries) :].copy(),
+    )
+
+
+def graph_of_scene(scene: HapticScene) -> HapticGraph:
+    """The haptic graph of a scene with authored contacts."""
+    table = ObjectTable.of(scene.objects, scene.settings.epsilon)
+    return build_graph(table, ContactSet.from_contacts(scene.contacts, table.index()), scene.sources, scene.listeners)
+
+
+def _check(
+    table: ObjectTable, index: Mapping[str, int], contacts: ContactSet, sources: Sequence[Source], listeners: Sequence[Listener]
+) -> None:
+    for key, items in (("sources", sources), ("listeners", listeners)):
+        for item in items:
+            for name in (item.object, getattr(item, "second_object", None)):
+                if name is not None and name not in index:
+                    raise ValueError(f"{key}: {item.name!r} is on {name!r}, but there is no such object")
+    pairs = contacts.pairs
+    if len(pairs) == 0:
+        return
+    if pairs.min() < 0 or pairs.max() >= len(table.names):
+        raise ValueError(f"contacts: pairs must be numbers of objects from 0 to {len(table.names) - 1}")
+    selves = pairs[:, 0] == pairs[:, 1]
+    if selves.any():
+        raise ValueError(f"contacts: {table.names[pairs[selves][0, 0]]!r} can't touch itself")
+    for key in ("positions", "area", "depth", "normal"):
+        if not np.isfinite(getattr(contacts, key)).all():
+            raise ValueError(f"contacts: {key} must be finite")
+    if not ((contacts.share >= 0) & (contacts.share <= 1)).all():
+        raise ValueError("contacts: share must lie in [0, 1]")
+
+
+def _canonical(contacts: ContactSet) -> ContactSet:
+    """Each pair's smaller object first, contacts sorted by objects, then by position and everything else that tells them apart."""
+    swapped = contacts.pairs[:, 0] > contacts.pairs[:, 1]
+    if not swapped.any() and _ascending(contacts.pairs):
+        return contacts
+    pairs = np.where(swapped[:, None], contacts.pairs[:, ::-1], contacts.pairs)
+    positions = np.where(swapped[:, None, None], contacts.positions[:, ::-1], contacts.positions)
+    normal = np.where(swapped[:, None], -contacts.normal, contacts.normal)
+    key = _keys(pairs)
+    order = np.argsort(key, kind="stable")
+    if np.any(key[order[1:]] == key[order[:-1]]):
+        by_name = sorted(range(len(contacts.transmissions)), key=lambda k: repr(contacts.transmissions[k]))
+        function = np.argsort(by_name)[contacts.transmission]
+        flat = positions.reshape(len(pairs), 6)
+        order = np.lexsort((function, *normal.T, contacts.depth, contacts.share, contacts.area, *flat.T[::-1], key))
+    return ContactSet(
+        pairs=pairs[order],
+        positions=positions[order],
+        normal=normal[order],
+        depth=contacts.depth[order],
+        distance=contacts.distance[order],
+        area=contacts.area[order],
+        share=contacts.share[order],
+        transmission=contacts.transmission[order],
+        transmissions=contacts.transmissions,
+    )
+
+
+def _keys(pairs: IntArray) -> IntArray:
+    """(n,) numbers in the order of the pairs."""
+    return np.asarray(pairs[:, 0] * (pairs.max(initial=0) + 1) + pairs[:, 1])
+
+
+def _ascending(pairs: IntArray) -> bool:
+    """Whether every pair comes after the one before it."""
+    key = _keys(pairs)
+    return bool((key[1:] > key[:-1]).all())
+
+
+def _transmissions(table: ObjectTable, contacts: ContactSet) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
+    """Gain, loss, band gains and delay of each inter-connection. A function of kappa and rho sees the mean of the two objects; ``angle`` is
+    the contact normal's angle to the vertical."""
+    gains = np.ones(len(contacts), dtype=np.float64)
+    losses = np.zeros(len(contacts), dtype=np.float64)
+    if all(function.name == "identity" and function.spectrum.is_plain for function in contacts.transmissions):
+        return gains, losses, None, None
+    distance = distances(contacts.positions[:, 0], contacts.positions[:, 1])
+    for number, function in enumerate(contacts.transmissions):
+        if function.name == "identity":
+            continue
+        chosen = np.flatnonzero(contacts.transmission == number)
+        gains[chosen] = _transmission_gains(table, contacts, function, chosen, distance[chosen])
+        with np.errstate(divide="ignore"):
+            losses[chosen] = -np.log(gains[chosen])
+        if function.name in ("constant", "exponential"):  # whose logarithm is known better than that of a rounded gain
+            _, decay = function.log_linear(0.0, 0.0, table.epsilon) or (0.0, 0.0)
+            losses[chosen] = function.loss(0.0, 0.0, table.epsilon) + decay * distance[chosen]
+    bands, decays, slowness = _spectrum_arrays(contacts.transmissions)
+    kind = contacts.transmission
+    band_gains = None if bands is None else bands[kind]
+    if decays is not None:
+        band_gains = np.exp(-decays[kind] * distance[:, None]) * (1.0 if band_gains is None else band_gains)
+    return gains, losses, band_gains, None if slowness is None else slowness[kind] * distance
+
+
+def _transmission_gains(
+    table: ObjectTable, contacts: ContactSet, function: ModulationFunction, chosen: IntArray, distance: FloatArray
+) -> FloatArray:
+    kappa, rho = (np.array([getattr(o, key) for o in table.objects]) for key in ("kappa", "rho"))
+    pairs = contacts.pairs[chosen]
+    parameters = {
+        "area": contacts.area[chosen],
+        "depth": contacts.depth[chosen],
+        "angle": np.arccos(np.minimum(1.0, np.abs(contacts.normal[chosen, 2]))),
+    }
+    kappa, rho = kappa[pairs].mean(axis=1), rho[pairs].mean(axis=1)
+    try:
+        return function.gain(distance, kappa, rho, table.epsilon, parameters)
+    except ValueError:
+        for i, (a, b) in enumerate(pairs.tolist()):  # which one it was
+            here = {key: values[i : i + 1] for key, values in parameters.items()}
+            try:
+                function.gain(distance[i : i + 1], kappa[i : i + 1], rho[i : i + 1], table.epsilon, here)
+            except ValueError as error:
+                names = table.names[a], table.names[b]
+                raise NoGain(f"contact of {names[0]!r} and {names[1]!r}: {error}", names) from None
+        raise

@@ -1,0 +1,1 @@
+"""Sums over all paths: exact, to a tolerance, or within limits."""

@@ -1,0 +1,276 @@
+"""The sum over all paths of one piece, exact or to a tolerance.
+
+Two methods compete: the frontier's dynamic programme, whose time grows with the width of the piece and which is exact, and the search that
+merges partial paths, which finds most of the sum where paths lose gain fast and bounds the rest. Each is tried with a small part of the
+budget first, then with more, so that the better one for this piece costs little more than it alone would.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...graph.haptic_graph import HapticGraph
+from ...scene.bands import BAND_COUNT
+from ..shortest_paths import label
+from . import simpath
+from .bridge_decomposition import Piece
+from .path_search import Found, Limits, Ranking, search
+from .search_graph import Arena, band_factors, build_arena, intra_gains
+from .walk_bounds import LARGEST, Bounds
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+STAGES = (1 / 1024, 1 / 256, 1 / 64, 1 / 16, 1 / 4, 1.0)
+"""Parts of the budget that each method is given in turn, until one of them succeeds."""
+
+NARROW = 4
+"""So many times the states that its order lets expect the frontier takes in pieces as narrow as a wall: tried before anything else."""
+
+SLOWER = 0.4
+"""A unit of the frontier's work takes so much longer than one of the search's that it gets this part of what the search gets, but of all of
+the budget in the end."""
+
+EXPECTED = 60
+"""The frontier takes from 1 to 170 times as many transitions as its order lets expect, measured on the benchmark's families: where so many
+times are within the budget, it is tried before the search."""
+
+PAIRS = 1 << 22
+"""Pairs of nodes that a search holds at most; of a larger piece it takes the strongest part, without a bound of the rest."""
+
+ROUNDING = 1e-11
+"""Relative allowance for rounding in the bound of a sum that is not exact."""
+
+
+class PieceProblem:
+    """The paths of a piece from its entrance to its exits, over at most ``crossings`` contacts. ``patch`` as of `patches_of`."""
+
+    def __init__(self, graph: HapticGraph, piece: Piece, entrance: int, exits: Sequence[int], crossings: float, patch: IntArray) -> None:
+        self.graph = graph
+        self.piece = piece
+        self.entrance = entrance
+        self.exits = exits
+        self.crossings = crossings
+        self.patch = patch
+        self.lanes = 1 + BAND_COUNT if graph.uses_bands else 1
+
+    @property
+    def limited(self) -> bool:
+        """Whether the number of contacts matters."""
+        return self.crossings < math.inf
+
+    @property
+    def steps(self) -> int:
+        """Numbers of contacts that are told apart."""
+        return int(self.crossings) + 1 if self.limited else 1
+
+    def solve(self, tolerance: float, budget: int) -> tuple[FloatArray, FloatArray, int]:
+        """Sums (exits, contacts crossed, lanes), bounds (exits,) of what is missing of them, and the work done."""
+        programme = Programme(self)
+        exact, spent = programme.sum(int(min(NARROW * programme.width, budget * STAGES[-3])))
+        if exact is not None:
+            return exact, np.zeros(len(self.exits)), spent
+        entries, whole = self._entries()
+        arena = build_arena(self.graph, entries, [self.entrance], self.exits, self.patch)
+        bounds = Bounds(arena, self.crossings, whole)
+        known, unknown = np.zeros(len(self.exits)), np.full(len(arena.nodes), math.inf)
+        best: Found | None = None
+        for part in STAGES:
+            share = int(budget * part)
+            first = part == STAGES[0] or programme.width * EXPECTED <= share
+            for method in ("frontier", "search") if first else ("search", "frontier"):
+                if method == "frontier":
+                    exact, work = programme.sum(share if part == STAGES[-1] else int(share * SLOWER))
+                    spent += work
+                    if exact is not None:
+                        return exact, np.zeros(len(self.exits)), spent
+                    continue
+                # A limited sum is asked for exactly; so is one that costs next to nothing.
+                accepted = 0.0 if self.limited and part != STAGES[-1] else tolerance
+                limits = Limits(self.crossings, 0.0, unknown, 0.0 if first else accepted, known, max(1, share // 4), share)
+                found = search(arena, np.ones((1, arena.lanes)), limits, bounds, merge=True)
+                if not whole:
+                    found.missing[:] = LARGEST
+                spent += found.work
+                known = np.maximum(known, found.sums.sum(axis=0)[:, 0])
+                if best is None or _better(found, best):
+                    best = found
+                if np.all(best.missing <= accepted * best.sums.sum(axis=0)[:, 0]):
+                    return self._by_count(best), best.missing * (1 + ROUNDING), spent
+        assert best is not None
+        if np.any(best.missing > best.sums.sum(axis=0)[:, 0]):
+            best, work = self._strongest(arena, bounds, best, budget)
+            spent += work
+        return self._by_count(best), best.missing * (1 + ROUNDING), spent
+
+    def _strongest(self, arena: Arena, bounds: Bounds, best: Found, budget: int) -> tuple[Found, int]:
+        """Where the bounds say little: the sum over the strongest paths, as far down as the budget allows, if that is more than what was
+        found. The upper bound stays."""
+        upper = best.sums.sum(axis=0)[:, 0] + best.missing
+        ahead = bounds.strongest().max(axis=1)
+        threshold = float(ahead[-1])
+        ranking = Ranking.of(arena, ahead)
+        spent = 0
+        while spent < budget and threshold > 0:
+            threshold *= 0.1
+            limits = Limits(self.crossings, threshold, ahead, 0.0, np.zeros(len(self.exits)), budget, budget - spent)
+            found = search(arena, np.ones((1, arena.lanes)), limits, bounds, False, ranking)
+            spent += found.work
+            if found.sums[..., 0].sum() > best.sums[..., 0].sum():
+                missing = np.maximum(upper - found.sums.sum(axis=0)[:, 0], 0.0)
+                best = Found(found.sums, np.where(upper >= LARGEST, LARGEST, missing), found.paths, found.work)
+        return best, spent
+
+    def _by_count(self, found: Found) -> FloatArray:
+        sums = np.zeros((len(self.exits), self.steps, self.lanes))
+        by_count = found.sums.transpose(1, 0, 2)
+        if not self.limited:
+            sums[:, 0] = by_count.sum(axis=1)
+        else:
+            count = min(self.steps, by_count.shape[1])
+            sums[:, :count] = by_count[:, :count]
+        return sums
+
+    def _entries(self) -> tuple[IntArray, bool]:
+        """The contact nodes that a search has to enter objects through, and whether these are all that there are."""
+        graph = self.graph
+        nodes = np.array([node for patch in self.piece.patches for pair in patch for node in pair], dtype=np.int64)
+        if self.limited:
+            nodes = nodes[self._contacts_needed(nodes) <= self.crossings]
+        if _pairs(graph, nodes) <= PAIRS:
+            return nodes, True
+        limits = np.array([math.inf])
+        arrival = label(graph, [(self.entrance,)], limits, complete=True).arrival[0]
+        behind = label(graph, [self.exits], limits, complete=True).arrival[0]
+        cost = arrival[graph.partner[nodes]] + graph.transmission_loss[graph.contact[nodes]] + behind[nodes]
+        order = np.lexsort((nodes, cost))
+        few, many = 0, len(nodes)
+        while many - few > 1 + len(nodes) // 64:
+            middle = (few + many) // 2
+            few, many = (middle, many) if _pairs(graph, nodes[order[:middle]]) <= PAIRS else (few, middle)
+        return nodes[order[:few]], False
+
+    def _contacts_needed(self, nodes: IntArray) -> IntArray:
+        """The fewest contacts of any walk from the entrance to an exit that enters an object through each node."""
+        objects, partner = self.graph.node_object, self.graph.partner
+        pairs = list(zip(objects[nodes].tolist(), objects[partner[nodes]].tolist(), strict=True))
+        ways: dict[int, list[int]] = {}
+        for a, b in pairs:
+            ways.setdefault(a, []).append(b)
+        before = _hops(ways, [int(objects[self.entrance])])
+        behind = _hops(ways, [int(objects[node]) for node in self.exits])
+        far = len(nodes)
+        return np.array([1 + before.get(b, far) + behind.get(a, far) for a, b in pairs], dtype=np.int64)
+
+
+def _hops(ways: dict[int, list[int]], starts: Sequence[int]) -> dict[int, int]:
+    reached = dict.fromkeys(starts, 0)
+    queue = list(reached)
+    for index in queue:
+        for other in ways.get(index, ()):
+            if other not in reached:
+                reached[other] = reached[index] + 1
+                queue.append(other)
+    return reached
+
+
+def _pairs(graph: HapticGraph, nodes: IntArray) -> int:
+    """Pairs of these nodes that are in one object."""
+    sizes = np.bincount(graph.node_object[nodes])
+    return int((sizes * sizes).sum())
+
+
+def _better(found: Found, best: Found) -> bool:
+    """Less is missing, or, where nothing is known of that, more is found."""
+    if np.max(found.missing, initial=0.0) >= LARGEST:
+        return bool(found.sums[..., 0].sum() > best.sums[..., 0].sum())
+    return bool(found.missing.sum() <= best.missing.sum())
+
+
+class Programme:
+    """The frontier dynamic programme of a piece, prepared once for several attempts."""
+
+    def __init__(self, problem: PieceProblem) -> None:
+        self.problem = problem
+        self.graph = problem.graph
+        self.lanes = problem.lanes
+        self.exits = np.array(problem.exits, dtype=np.int64)
+        piece, entrance = problem.piece, problem.entrance
+        objects, position = self.graph.node_object, self.graph.node_position
+        edges = [(int(objects[patch[0][0]]), int(objects[patch[0][1]])) for patch in piece.patches]
+        places = {index: position[a].tolist() for patch in piece.patches for a, b in patch for index in (int(objects[a]), int(objects[b]))}
+        start = int(objects[entrance])
+        order, self.expected = simpath.order_patches(edges, places, start)
+        ordered = [[(int(objects[a]), a, int(objects[b]), b) for a, b in piece.patches[number]] for number in order]
+        self.width = self.expected[-1] if self.expected else 0.0
+        try:
+            self.crossings = simpath.plan(ordered, (start, entrance))
+        except simpath.TooWide:
+            self.crossings, self.width = [], math.inf
+        self.running: simpath.SumOverPaths | None = None
+
+    def _factors(self, a: IntArray, b: IntArray) -> FloatArray:
+        """Factors (n, lanes) of intra-connections."""
+        gains, distance = intra_gains(self.graph, a, b)
+        if self.lanes == 1:
+            return gains[:, None]
+        bands = band_factors(self.graph, self.graph.node_object[a], distance)
+        return np.concatenate([gains[:, None], gains[:, None] * bands], axis=1)
+
+    def _ends(self, nodes: IntArray) -> list[FloatArray | None]:
+        """Of each node: the factors (exits, lanes) of ending at the exits, or None where there are none in its object."""
+        objects = self.graph.node_object
+        inside = (objects[nodes][:, None] == objects[self.exits]) & (nodes[:, None] != self.exits)
+        which, number = np.nonzero(inside)
+        table = np.zeros((*inside.shape, self.lanes))
+        table[which, number] = self._factors(nodes[which], self.exits[number])
+        return [row if some else None for row, some in zip(table, inside.any(axis=1).tolist(), strict=True)]
+
+    def _weigh(self) -> list[simpath.Weights]:
+        """The factors of all crossings, computed together."""
+        graph = self.graph
+        sides = [(node, waiting) for crossing in self.crossings for node, waiting in zip(crossing.nodes, crossing.waiting, strict=True)]
+        sizes = [len(waiting) for _, waiting in sides]
+        nodes = np.array([node for node, _ in sides], dtype=np.int64)
+        others = np.array([node for _, waiting in sides for node, _ in waiting], dtype=np.int64)
+        joins = self._factors(np.repeat(nodes, sizes), others)
+        ends = self._ends(nodes)
+        contact = graph.contact[nodes[::2]]
+        through = np.repeat((graph.transmission * graph.share)[contact][:, None], self.lanes, axis=1)
+        if graph.contact_band_gains is not None:
+            through[:, 1:] *= graph.contact_band_gains[contact]
+        alone = np.ones((1, self.lanes))
+        weights = []
+        place = 0
+        for number in range(len(self.crossings)):
+            size_a, size_b = sizes[2 * number : 2 * number + 2]
+            by_a = np.concatenate([joins[place : place + size_a], alone]) * through[number]
+            by_b = np.concatenate([joins[place + size_a : place + size_a + size_b], alone])
+            place += size_a + size_b
+            weights.append(simpath.Weights(by_a[:, None] * by_b, (by_a, by_b * through[number]), (ends[2 * number], ends[2 * number + 1])))
+        return weights
+
+    def sum(self, allowed: int) -> tuple[FloatArray | None, int]:
+        """(exits, k, lanes), or None where ``allowed`` altogether is not enough; and the work done this time."""
+        if self.width > allowed:
+            return None, 0
+        with np.errstate(over="ignore", invalid="ignore"):
+            if self.running is None:
+                self.running = self._begin()
+            before = self.running.work
+            total = self.running.run(allowed)
+        # What is larger than any number is no sum: the search reports it as one without bound.
+        found = total if total is not None and np.all(total <= LARGEST) else None
+        return found, int(self.running.work - before)
+
+    def _begin(self) -> simpath.SumOverPaths:
+        problem = self.problem
+        start = np.zeros((problem.steps, self.lanes))
+        start[0] = 1.0
+        (ends,) = self._ends(np.array([problem.entrance]))
+        at_start = np.zeros((len(self.exits), self.lanes)) if ends is None else ends
+        return simpath.SumOverPaths(self.crossings, self._weigh(), start, at_start, problem.limited, self.expected)

@@ -1,0 +1,355 @@
+"""Sums over paths by search: all partial paths with the same number of contacts are taken one step further at once, as arrays.
+
+Without a threshold, partial paths that have crossed the same patches in different orders and stand at the same entry are one state from
+there on: they are merged, their gains added. (A ground with m arches has m! orders of its arches but only 2^m sets of them.) With a
+threshold each keeps its own gain, because each may or may not fall below it further on; what can't meet it any more, even on the cheapest
+way to a listener, is not followed.
+
+States of little weight may be dropped: the sum over all walks onwards (`walk_sums`) bounds what is lost, so the result is an interval, the
+sum of what was found and a bound of the rest. How much is dropped follows from the tolerance wanted and from the number of states allowed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..connections import ROUNDING
+from .search_graph import Arena, Rows
+from .walk_bounds import LARGEST, Bounds
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+KeyArray = NDArray[np.uint64]
+BitArray = NDArray[np.uint8] | NDArray[np.uint64]
+
+PAIRS = 4
+"""So many steps are looked at as quickly as one unit of work elsewhere is done."""
+
+FEW = 1000
+"""Up to so many steps or paths, plain ways are faster, and precise enough."""
+
+BINS, TABLE = 64, 1 << 20
+"""The costs of steps are told apart this finely, in less detail where that would take so many numbers."""
+
+BITES = 256
+"""To copy so many bytes of crossed patches takes as long as one unit of work elsewhere."""
+
+WORD = 64
+"""Patches that one number has bits for."""
+
+BYTES = 1 << 28
+"""What the states may take together."""
+
+SPENT_ON_LEVEL = 0.5
+"""Part of the work still allowed that one level may take: something has to be left for the deeper ones."""
+
+SPENT_PER_LEVEL = 0.15
+"""Part of the error still allowed that one level may use: enough to thin the states out, and something is left for the deeper ones."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """``crossings`` contacts on a path at most; ``threshold`` of its gain; ``ahead`` (e,) the largest gain from each entry to a listener
+    (infinite where it is not known). ``tolerance`` relative error allowed; ``known`` (l,) lower bounds of the sums; ``states`` kept at most
+    at a time, and ``work`` allowed altogether."""
+
+    crossings: float
+    threshold: float
+    ahead: FloatArray
+    tolerance: float
+    known: FloatArray
+    states: int
+    work: int
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """``sums`` (k, l, lanes) over the paths with k contacts; ``missing`` (l,) a bound of all paths not in them; ``paths`` (l,) their
+    number; ``work`` that was done."""
+
+    sums: FloatArray
+    missing: FloatArray
+    paths: IntArray
+    work: int
+
+
+class Ranking:
+    """``steps`` of each entry with the most promising first, by the ``cost`` of a step and the strongest way on together."""
+
+    def __init__(self, steps: Rows, cost: FloatArray) -> None:
+        self.steps = steps
+        self._cost = cost
+        self._bins = max(1, min(BINS, TABLE // len(steps.size)))
+        self._least = 0.0
+        self._within = np.zeros(0, dtype=np.int64)
+
+    @classmethod
+    def of(cls, arena: Arena, ahead: FloatArray) -> Ranking | None:
+        """Ranked where that is worth it and it is known what is ahead, else None."""
+        steps = arena.steps
+        if len(steps.to) <= FEW or not np.all(np.isfinite(ahead)):
+            return None
+        entry = np.arange(len(arena.nodes)).repeat(steps.size)
+        with np.errstate(divide="ignore"):
+            cost = np.minimum(-np.log(steps.gain * ahead[steps.to]), 800.0)
+        order = np.argsort(entry * _SCALE + cost, kind="stable")
+        ranked = steps.to[order], steps.inside[order], steps.gain[order], steps.weight.take(order, axis=0)
+        return cls(Rows(steps.start, steps.size, *ranked), cost[order])
+
+    def promising(self, entry: IntArray, gain: FloatArray, least: float) -> IntArray:
+        """How many of the ranked steps may still meet the threshold from each state (or a few more: it is checked again exactly)."""
+        scale = self._bins / (1e-6 - math.log(least))
+        if least != self._least:
+            self._least, self._within = least, self._counted(scale)
+        allowed = np.minimum((np.log(gain / least) + 1e-6) * scale, self._bins + 1).astype(np.int64)
+        allowed += entry * (self._bins + 2)
+        return np.asarray(self._within[allowed])
+
+    def _counted(self, scale: float) -> IntArray:
+        """By entry and by cost in bins, the last one for any cost: how many steps of the entry cost as much or less."""
+        count = len(self.steps.size)
+        step = np.clip(self._cost * scale, 0, self._bins + 1).astype(np.int64)
+        step += np.arange(count).repeat(self.steps.size) * (self._bins + 2)
+        each = np.bincount(step, minlength=count * (self._bins + 2)).reshape(count, -1)
+        return np.asarray(each.cumsum(axis=1).reshape(-1))
+
+
+_SCALE = 1024.0
+"""Larger than any cost of a gain that a float can hold, and a power of two."""
+
+
+@dataclass(slots=True)
+class _States:
+    """Partial paths: the entry where each stands, its ``gain``, its ``value`` (n, lanes) with shares and bands, a bit for each of the
+    patches ``crossed`` ((n, bytes), or (n,) where they are few), and the sum of their keys where they are merged."""
+
+    entry: IntArray
+    gain: FloatArray
+    value: FloatArray
+    crossed: BitArray
+    key: KeyArray
+
+    def __len__(self) -> int:
+        return len(self.entry)
+
+    def pick(self, chosen: IntArray) -> _States:
+        key = self.key[chosen] if len(self.key) == len(self.entry) else self.key
+        crossed = self.crossed.take(chosen, axis=0)
+        return _States(self.entry[chosen], self.gain[chosen], self.value.take(chosen, axis=0), crossed, key)
+
+
+def search(arena: Arena, starts: FloatArray, limits: Limits, bounds: Bounds, merge: bool, ranking: Ranking | None = None) -> Found:
+    """Sum over all paths from the arena's roots, which have the values ``starts`` (r, lanes), to its listeners.
+
+    ``bounds`` are asked for only when something has to be dropped. ``merge`` only without a threshold.
+    ``ranking`` of the arena's steps by the same ``ahead`` as in the limits makes a search with a threshold faster where there are many.
+    """
+    count = len(arena.nodes)
+    roots = np.arange(count - len(starts), count)
+    least = limits.threshold * (1 - ROUNDING)
+    steps = arena.steps if ranking is None else ranking.steps
+    promise = limits.ahead[steps.to] if least == 0 else steps.gain * limits.ahead[steps.to]
+    growing = bool(np.max(steps.gain, initial=0.0) > 1 or np.max(arena.ends.gain, initial=0.0) > 1)
+    amplified = not np.all(np.isfinite(limits.ahead))
+    keys = _keys(arena) if merge else None
+    plain = not merge and arena.lanes == 1 and np.all(starts == 1) and np.array_equal(steps.weight[:, 0], steps.gain)
+    marks = _Marks(arena.patch)
+    each = 1 / PAIRS + marks.size / BITES
+    states = _States(roots, np.ones(len(roots)), starts, marks.none(len(roots)), np.zeros(len(roots), dtype=np.uint64))
+    room = min(limits.states, BYTES // (marks.size + 64))
+    standing: list[_States] = []
+    ended: list[tuple[IntArray, FloatArray]] = []
+    missing = np.zeros(arena.listeners)
+    total = np.zeros(arena.listeners)
+    work = 0
+    level = levels = 0
+    while len(states):
+        sizes = steps.size[states.entry] if ranking is None else ranking.promising(states.entry, states.gain, least)
+        allowed = SPENT_ON_LEVEL * (limits.work - work) if level else math.inf
+        needed = len(states) + float(sizes.sum()) * each
+        if level and (limits.tolerance > 0 or len(states) > room or needed > allowed):
+            cost = 1.0 + sizes.astype(np.float64) * each
+            kept = _kept(states, limits, bounds, level, np.maximum(total, limits.known), missing, room, cost, allowed)
+            states, sizes = states.pick(kept), sizes[kept]
+            needed = len(states) + float(sizes.sum()) * each
+        work += int(needed)
+        standing.append(states)
+        levels = level + 1
+        if limits.tolerance > 0 or sum(map(len, standing)) > FEW:
+            ended.append(_end(arena, standing, levels, least))
+            standing = []
+        if limits.tolerance > 0:
+            cell, value = ended[-1]
+            total += np.bincount(cell - level * arena.listeners, weights=value[:, 0], minlength=arena.listeners)
+        if level >= limits.crossings:
+            break
+        which, step = steps.expand(states.entry, sizes)
+        possible = promise[step] > 0 if least == 0 else states.gain[which] * promise[step] >= least
+        if amplified and least > 0:  # else the gain of the whole path says it all
+            inside, gain = states.gain[which] * steps.inside[step], states.gain[which] * steps.gain[step]
+            possible &= (gain >= least) & (inside >= least)
+        to = steps.to[step]
+        if level:
+            possible &= marks.missing(states.crossed, which, to)
+        kept = possible.nonzero()[0]
+        which, step, to = which[kept], step[kept], to[kept]
+        gain = states.gain[which] * steps.gain[step]
+        states = _States(
+            to,
+            gain,
+            gain[:, None] if plain else states.value.take(which, axis=0) * steps.weight.take(step, axis=0),
+            marks.added(states.crossed, which, to),
+            states.key if keys is None else states.key[which] + keys[0][to],
+        )
+        if keys is not None:
+            states = _merge(states, keys[1])
+        if growing and not np.all(states.value <= LARGEST):
+            np.minimum(states.value, LARGEST, out=states.value)
+            np.minimum(states.gain, LARGEST, out=states.gain)
+            missing[:] = LARGEST
+        level += 1
+    if standing:
+        ended.append(_end(arena, standing, levels, least))
+    sums, paths = _add_up(ended, levels, arena)
+    if growing:
+        missing[(sums[..., 0].sum(axis=0) > LARGEST) | (np.max(steps.gain) > LARGEST)] = LARGEST
+        np.minimum(sums, LARGEST, out=sums)
+    return Found(sums, missing, paths, work)
+
+
+class _Marks:
+    """Sets of the patches that lead into the entries, a bit for each: of up to 64 one number a set, of more a row of bytes."""
+
+    def __init__(self, patch: IntArray) -> None:
+        which, count = patch, int(patch.max()) + 1
+        if count > WORD:
+            numbers, which = np.unique(patch, return_inverse=True)
+            none = int(numbers[0] == -1)
+            which, count = which - none, len(numbers) - none
+        self.size = count // 8 + 1
+        """Bytes that a set takes."""
+        self._few = count <= WORD
+        if self._few:
+            self._bit = np.where(patch == -1, 0, np.left_shift(1, which.astype(np.uint64) & np.uint64(63), dtype=np.uint64))
+        else:
+            self._bit = np.where(patch == -1, 0, 1 << (which & 7)).astype(np.uint8)
+            self._place = np.maximum(which, 0) >> 3
+
+    def none(self, count: int) -> BitArray:
+        """So many empty sets."""
+        return np.zeros(count, dtype=np.uint64) if self._few else np.zeros((count, self.size), dtype=np.uint8)
+
+    def missing(self, crossed: BitArray, which: IntArray, entry: IntArray) -> NDArray[np.bool_]:
+        """Whether the patch that leads into ``entry[k]`` is not in the set ``crossed[which[k]]``."""
+        there = crossed[which] if self._few else crossed.reshape(-1)[which * self.size + self._place[entry]]
+        return np.asarray((there & self._bit[entry]) == 0)
+
+    def added(self, crossed: BitArray, which: IntArray, entry: IntArray) -> BitArray:
+        """Sets with the patches that lead into the entries added."""
+        sets = crossed.take(which, axis=0)
+        if self._few:
+            sets |= self._bit[entry]
+        else:
+            sets.reshape(-1)[np.arange(0, sets.size, self.size) + self._place[entry]] |= self._bit[entry]
+        return sets
+
+
+def _keys(arena: Arena) -> tuple[KeyArray, KeyArray]:
+    """Random keys of the patches that lead into the entries, and of the entries. Sets of patches are told apart by the sums of their keys,
+    and compared in full before they are merged."""
+    generator = np.random.default_rng(0)
+    count = len(arena.patch)
+    _, patch = np.unique(arena.patch, return_inverse=True)
+    of_patches: KeyArray = generator.integers(0, 1 << 63, count, dtype=np.uint64)
+    of_entries: KeyArray = generator.integers(0, 1 << 63, count, dtype=np.uint64)
+    return of_patches[patch], of_entries
+
+
+def _end(arena: Arena, standing: list[_States], levels: int, least: float) -> tuple[IntArray, FloatArray]:
+    """The paths that end at a listener from states of the last ones of ``levels``: numbers ``level * listeners + listener``, and their
+    values (n, lanes)."""
+    entry = np.concatenate([states.entry for states in standing])
+    gain = np.concatenate([states.gain for states in standing])
+    value = np.concatenate([states.value for states in standing])
+    cell = (np.arange(levels - len(standing), levels) * arena.listeners).repeat([len(states) for states in standing])
+    which, end = arena.ends.expand(entry)
+    if least > 0:
+        kept = (gain[which] * arena.ends.gain[end] >= least).nonzero()[0]
+        which, end = which[kept], end[kept]
+    return cell[which] + arena.ends.to[end], value.take(which, axis=0) * arena.ends.weight.take(end, axis=0)
+
+
+def _add_up(ended: list[tuple[IntArray, FloatArray]], levels: int, arena: Arena) -> tuple[FloatArray, IntArray]:
+    """Sums (k, l, lanes) and numbers (l,) of paths, from those that ended with 0, 1, ... contacts. Added pairwise, so that small terms are
+    not lost among many."""
+    cells = levels * arena.listeners
+    cell = np.concatenate([cell for cell, _ in ended])
+    values = np.concatenate([values for _, values in ended])
+    numbers = np.bincount(cell, minlength=cells)
+    sums = np.zeros((cells, arena.lanes))
+    if len(cell) <= FEW:
+        for lane in range(arena.lanes):
+            sums[:, lane] = np.bincount(cell, weights=values[:, lane], minlength=cells)
+    else:
+        ordered = values.take(np.argsort(cell, kind="stable"), axis=0)
+        last = 0
+        for place in np.flatnonzero(numbers).tolist():
+            first, last = last, last + int(numbers[place])
+            sums[place] = np.ascontiguousarray(ordered[first:last].T).sum(axis=1)
+    return sums.reshape(levels, arena.listeners, arena.lanes), numbers.reshape(levels, -1).sum(axis=0)
+
+
+def _merge(states: _States, entry_key: KeyArray) -> _States:
+    """One state for all that stand at the same entry with the same patches crossed."""
+    if len(states) < 2:
+        return states
+    key = states.key ^ entry_key[states.entry]
+    order = np.argsort(key, kind="stable")
+    same = key[order[1:]] == key[order[:-1]]
+    if not same.any():
+        return states
+    pairs = np.flatnonzero(same)
+    a, b = order[pairs], order[pairs + 1]
+    really = (states.entry[a] == states.entry[b]) & (states.crossed[a] == states.crossed[b]).reshape(len(a), -1).all(axis=1)
+    first = np.ones(len(order), dtype=np.bool_)
+    first[pairs[really] + 1] = False
+    begin = np.flatnonzero(first)
+    merged = states.pick(order[begin])
+    merged.value = np.add.reduceat(states.value.take(order, axis=0), begin, axis=0)
+    return merged
+
+
+def _kept(
+    states: _States,
+    limits: Limits,
+    bounds: Bounds,
+    level: int,
+    total: FloatArray,
+    missing: FloatArray,
+    most: int,
+    cost: FloatArray,
+    allowed: float,
+) -> IntArray:
+    """The states that stay. Those of least weight are left out: as many as the tolerance allows at this level, and all above the number
+    ``most`` or the work ``allowed`` (of which each takes its ``cost``). What they might have added goes to ``missing``."""
+    value = states.value[:, :1]
+    left = np.minimum(value * bounds.sums(level)[states.entry], LARGEST)
+    with np.errstate(divide="ignore", over="ignore"):
+        score = (value * (bounds.importance(level) * np.minimum(1 / total, LARGEST))[states.entry]).max(axis=1)
+    order = np.argsort(score, kind="stable")
+    affordable = int(np.searchsorted(np.cumsum(cost[order[::-1]]), allowed, side="right"))
+    cut = len(states) - min(most, affordable)
+    if limits.tolerance > 0:
+        tolerated = np.maximum(limits.tolerance / (1 + limits.tolerance) * total - missing, 0.0)
+        lost = np.cumsum(left[order], axis=0)
+        if (lost[-1] <= tolerated).all():
+            cut = len(states)
+        else:
+            cut = max(cut, int(np.searchsorted(~(lost <= SPENT_PER_LEVEL * tolerated).all(axis=1), True)))
+    missing += left[order[:cut]].sum(axis=0)
+    np.minimum(missing, LARGEST, out=missing)
+    return np.sort(order[cut:])

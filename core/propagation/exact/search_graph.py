@@ -1,0 +1,171 @@
+"""The part of a graph that a search over paths moves in, as arrays.
+
+A search is at an *entry*: a contact node through which an object has just been entered, or a root. From an entry it steps, by one
+intra-connection and one inter-connection, to other entries, or it ends, by one intra-connection, at a listener.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...graph.haptic_graph import HapticGraph
+from ...scene.bands import BAND_COUNT
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+OVERFLOWN = 2e300
+"""Products above this are given as this: above all that is taken for a sum, and still a number."""
+
+CHUNK = 1 << 18
+"""Pairs of nodes looked at in one vectorised step, a bound on memory."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Connections by the entry that they start from: those of entry e are the ``size[e]`` from ``start[e]`` on. ``to`` an entry or the
+    number of a listener; ``inside`` gain of the intra-connection; ``gain`` with that of the inter-connection; ``weight`` (n, lanes) is
+    ``gain`` times the share of the contact, in lane 0 alone and in the others with the gain of each band."""
+
+    start: IntArray
+    size: IntArray
+    to: IntArray
+    inside: FloatArray
+    gain: FloatArray
+    weight: FloatArray
+
+    def expand(self, entry: IntArray, count: IntArray | None = None) -> tuple[IntArray, IntArray]:
+        """For states at ``entry``: which state, and which connection, for all connections of each (or its first ``count``)."""
+        first = self.start[entry]
+        size = self.size[entry] if count is None else count
+        last = size.cumsum()
+        which = np.arange(len(entry)).repeat(size)
+        return which, np.arange(len(which)) + (first - last + size)[which]
+
+
+@dataclass(frozen=True, slots=True)
+class Arena:
+    """``nodes`` (e,) of the graph that are entries, the roots last; ``steps`` to other entries and ``ends`` at listeners; ``patch`` (e,)
+    number of the patch that leads into the entry, -1 for a root."""
+
+    nodes: IntArray
+    patch: IntArray
+    steps: Rows
+    ends: Rows
+    listeners: int
+
+    @property
+    def lanes(self) -> int:
+        """1, or 1 and one per band."""
+        return int(self.steps.weight.shape[1])
+
+    @property
+    def patches(self) -> int:
+        """Number of patches."""
+        return len(set(self.patch.tolist()) - {-1})
+
+
+def intra_gains(graph: HapticGraph, a: IntArray, b: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Gains of the intra-connections between nodes ``a[i]`` and ``b[i]``, and distances in metres."""
+    distance = graph.node_distances(a, b)
+    index = graph.node_object[a]
+    gains = graph.table.factor[index] * np.exp(-graph.table.decay[index] * distance)
+    for number in set(index.tolist()) & graph.table.special if graph.table.special else ():
+        chosen = np.flatnonzero(index == number)
+        gains[chosen] = graph.table.gain(number, distance[chosen])
+    return gains, distance
+
+
+def band_factors(graph: HapticGraph, index: IntArray, distance: FloatArray) -> FloatArray:
+    """Gain in each band (n, bands), relative to the plain one, of intra-connections in objects ``index``."""
+    factors = np.ones((len(index), BAND_COUNT))
+    if graph.table.band_gains is not None:
+        factors *= graph.table.band_gains[index]
+    if graph.table.band_decays is not None:
+        factors *= np.exp(-graph.table.band_decays[index] * distance[:, None])
+    return factors
+
+
+def build_arena(
+    graph: HapticGraph,
+    entries: IntArray,
+    roots: Sequence[int],
+    listeners: Sequence[int],
+    patch: IntArray,
+    reach: tuple[FloatArray, FloatArray, float] | None = None,
+) -> Arena:
+    """Arrays of the search from ``roots`` over ``entries`` (contact nodes) to ``listeners``.
+
+    ``patch`` as of `patches_of`. ``reach``: costs of getting to each node of the graph as an entry and of getting on from it to a listener,
+    and a limit: connections on no path within the limit are left out.
+    """
+    entries = np.sort(entries)
+    nodes = np.concatenate([entries, np.array(roots, dtype=np.int64)])
+    local = np.full(graph.node_count, -1, dtype=np.int64)
+    local[nodes] = np.arange(len(nodes))
+    exits = np.array(listeners, dtype=np.int64)
+    number = np.argsort(graph.node_object[exits], kind="stable")
+    steps = _rows(graph, nodes, np.sort(graph.partner[entries]), None, local, reach)
+    ends = _rows(graph, nodes, exits[number], number, local, reach)
+    entered = np.full(len(nodes), -1, dtype=np.int64)
+    entered[: len(entries)] = patch[graph.contact[entries]]
+    return Arena(nodes, entered, steps, ends, len(exits))
+
+
+def _rows(
+    graph: HapticGraph,
+    nodes: IntArray,
+    targets: IntArray,
+    number: IntArray | None,
+    local: IntArray,
+    reach: tuple[FloatArray, FloatArray, float] | None,
+) -> Rows:
+    """Connections from entries to contact nodes (and through them), or to listeners with their ``number``; ``targets`` sorted by object."""
+    index, there = graph.node_object[nodes], graph.node_object[targets]
+    first = there.searchsorted(index, side="left")
+    size = there.searchsorted(index, side="right") - first
+    before, behind, limit = (np.zeros(graph.node_count), np.zeros(graph.node_count), np.inf) if reach is None else reach
+    parts = []
+    for begin, end in _chunks(size):
+        count = size[begin:end]
+        which = np.arange(begin, end).repeat(count)
+        place = np.arange(len(which)) + (first[begin:end] - count.cumsum() + count).repeat(count)
+        a, b = nodes[which], targets[place]
+        kept = (a != b).nonzero()[0]
+        which, place, a, b = which[kept], place[kept], a[kept], b[kept]
+        inside, distance = intra_gains(graph, a, b)
+        gain = weight = inside
+        if number is None:
+            to, contact = graph.partner[b], graph.contact[b]
+            gain = np.minimum(inside * graph.transmission[contact], OVERFLOWN)
+            weight = gain * graph.share[contact]
+            onwards = behind[to]
+        else:
+            to = number[place]
+            onwards = np.zeros(len(b))
+        with np.errstate(divide="ignore"):
+            useful = ((gain > 0) & (before[a] - np.log(gain) + onwards <= limit)).nonzero()[0]
+        lanes = weight[useful, None]
+        if graph.uses_bands:
+            bands = band_factors(graph, graph.node_object[a[useful]], distance[useful])
+            if number is None and graph.contact_band_gains is not None:
+                bands *= graph.contact_band_gains[contact[useful]]
+            lanes = np.concatenate([lanes, lanes * bands], axis=1)
+        to = to[useful]
+        parts.append((which[useful], local[to] if number is None else to, inside[useful], gain[useful], lanes))
+    which, to, inside, gain, lanes = parts[0] if len(parts) == 1 else (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    size = np.bincount(which, minlength=len(nodes))
+    return Rows(np.concatenate([[0], size.cumsum()]), size, to, inside, gain, lanes)
+
+
+def _chunks(size: IntArray) -> list[tuple[int, int]]:
+    """Groups (first, last) of entries with these numbers of connections, about `CHUNK` in each."""
+    last = size.cumsum()
+    if len(size) == 0 or last[-1] < CHUNK:
+        return [(0, len(size))]
+    cuts = (np.flatnonzero(np.diff(last // CHUNK)) + 1).tolist()
+    return list(zip([0, *cuts], [*cuts, len(size)], strict=True))

@@ -1,0 +1,125 @@
+"""Upper bounds of what is left: sums over all walks to the listeners.
+
+A walk takes steps like a path but may cross a patch again (though not turn round at once), so the sum over all walks from an entry is an
+upper bound of the sum over all ways in which a path can go on from there. It solves the linear equations ``S = R + W S``, where R holds the
+gains of ending at once and W those of a step. The series converges where the spectral radius of W is below 1; then the rest after any
+number of terms is bounded by Collatz and Wielandt: if ``W d <= q d`` element by element with q < 1, the terms after d sum to at most
+``d q / (1 - q)`` (R. S. Varga, *Matrix Iterative Analysis*, Springer 2000, theorem 2.2). Where it does not converge, a path still crosses
+each patch at most once, which bounds the number of terms.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .search_graph import Arena
+
+FloatArray = NDArray[np.float64]
+
+LARGEST = 1e300
+"""Sums above this are given as this."""
+
+TERMS = 400
+"""Terms of the series summed before it is taken to diverge."""
+
+SETTLED = 8
+"""Terms after which their ratio is worth trusting."""
+
+GROWING = 20
+"""A series whose terms grow so many times in a row is taken to diverge."""
+
+MEANINGLESS = 1e4
+"""Bounds so many times above the strongest path say nothing of what matters."""
+
+FEW = 8
+"""Contacts of the walks among which the strongest is looked for."""
+
+KEPT = 64
+"""So many partial sums are kept, to bound paths that may cross only so many contacts more."""
+
+
+class Bounds:
+    """Computed when they are first asked for: upper bounds of what is left at each entry (`walk_sums`), and the strongest that is left.
+
+    ``crossings``: contacts that a path may cross; ``whole`` False where the arena is only a part, so that nothing bounds the rest.
+    """
+
+    def __init__(self, arena: Arena, crossings: float, whole: bool = True) -> None:
+        self._arena = arena
+        self._crossings = min(crossings, arena.patches)
+        self._whole = whole
+        self._sums: FloatArray | None = None
+        self._strongest: FloatArray | None = None
+
+    def sums(self, level: int) -> FloatArray:
+        """(e, l) for paths that have crossed ``level`` contacts. A path crosses each patch once, so only the others are left."""
+        if self._sums is None:
+            self._sums = walk_sums(self._arena, int(self._crossings)) if self._whole else np.full((1, *self.strongest().shape), LARGEST)
+        return np.asarray(self._sums[min(int(self._crossings) - level, len(self._sums) - 1)])
+
+    def strongest(self) -> FloatArray:
+        """(e, l) the largest gain of any walk over a few contacts from each entry to each listener."""
+        if self._strongest is None:
+            self._strongest = _ends(self._arena)
+            for _ in range(min(int(self._crossings), FEW)):
+                better = np.minimum(np.maximum(self._strongest, _step(self._arena, self._strongest, np.maximum)), LARGEST)
+                if np.array_equal(better, self._strongest):
+                    break
+                self._strongest = better
+        return self._strongest
+
+    def importance(self, level: int) -> FloatArray:
+        """(e, l) by which to rank paths that have crossed ``level`` contacts: the bounds, or where they say nothing the strongest way."""
+        sums, strongest = self.sums(level), self.strongest()
+        return strongest if np.any(sums[-1] > MEANINGLESS * strongest[-1]) else sums
+
+
+def walk_sums(arena: Arena, crossings: int) -> FloatArray:
+    """(k, e, l): bounds of the sum over all continuations from each entry to each listener with at most 0, 1, ... ``crossings`` contacts;
+    the last one holds for any number. `LARGEST` where there is no bound."""
+    term = _ends(arena)
+    sums = [term]
+    growing = 0
+    for k in range(crossings):
+        following = _step(arena, term, np.add)
+        if not following.any():
+            break
+        growing = growing + 1 if following.sum() > term.sum() else 0
+        if crossings > KEPT:
+            ratio = _ratio(term, following)
+            if ratio < 1 and k >= SETTLED and np.all(following <= 1e-4 * sums[-1] + 1e-300):
+                return np.minimum(sums[-1] + following / (1 - ratio), LARGEST)[None]
+            if k >= TERMS or growing > GROWING:
+                return np.full((1, *term.shape), LARGEST)
+        term = np.minimum(following, LARGEST)
+        total = np.minimum(sums[-1] + term, LARGEST)
+        sums = [*sums, total] if crossings <= KEPT else [total]
+    return np.stack(sums)
+
+
+def _ends(arena: Arena) -> FloatArray:
+    """(e, l) gain of ending at once."""
+    ends = np.zeros((len(arena.nodes), arena.listeners))
+    ends[np.repeat(np.arange(len(ends)), np.diff(arena.ends.start)), arena.ends.to] = np.minimum(arena.ends.weight[:, 0], LARGEST)
+    return ends
+
+
+def _step(arena: Arena, values: FloatArray, together: np.ufunc) -> FloatArray:
+    """Values (e, l) one step before, those of all steps taken together by adding or as the maximum."""
+    result = np.zeros_like(values)
+    rows = arena.steps
+    filled = np.flatnonzero(np.diff(rows.start))
+    if len(filled):
+        with np.errstate(over="ignore"):
+            products = np.minimum(rows.weight[:, :1], LARGEST) * values[rows.to]
+            result[filled] = together.reduceat(products, rows.start[:-1][filled], axis=0)
+    return result
+
+
+def _ratio(term: FloatArray, following: FloatArray) -> float:
+    """The smallest q with ``following <= q term``."""
+    if np.any((term == 0) & (following > 0)):
+        return float("inf")
+    positive = term > 0
+    return float(np.max(following[positive] / term[positive], initial=0.0)) * (1 + 1e-12)

@@ -1,0 +1,119 @@
+"""Cheapest ways by number of contacts crossed: right under a limit of connections, and for gains above 1.
+
+Layer k holds the nodes that get cheaper with k contacts than with fewer (Bellman, "On a routing problem", Quarterly of Applied Mathematics
+16, 1958). Costs may be negative. Ways are walks: with negative costs, or functions that are no metric plus a constant, the cheapest one may
+cross a contact twice; whoever needs a path checks that, and has a bound in any case.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..graph.haptic_graph import HapticGraph
+from .connections import intra_costs
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+CHUNK = 1 << 18
+"""Connections looked at in one vectorised step, a bound on memory."""
+
+
+@dataclass(frozen=True, slots=True)
+class Layers:
+    """``changes[k]``: nodes (sorted) that get cheaper with k contacts, their costs and the nodes through which their object is entered.
+    ``complete`` is False where there were more layers to come."""
+
+    changes: tuple[tuple[IntArray, FloatArray, IntArray], ...]
+    complete: bool
+    relaxed: int
+
+    def visited(self) -> int:
+        """Nodes that are reached."""
+        return len(np.unique(np.concatenate([nodes for nodes, _, _ in self.changes]))) if self.changes else 0
+
+    def costs(self, count: int) -> FloatArray:
+        """(layers, count): cheapest cost of arriving at each node with at most k contacts."""
+        table = np.full((max(1, len(self.changes)), count), math.inf)
+        for k, (nodes, cost, _) in enumerate(self.changes):
+            if k:
+                table[k] = table[k - 1]
+            table[k, nodes] = cost
+        return table
+
+    def trace(self, graph: HapticGraph, target: int, crossings: int | None = None) -> tuple[int, ...]:
+        """The nodes of the cheapest walk to ``target`` (with at most ``crossings`` contacts), () where nothing arrives."""
+        nodes: list[int] = []
+        node, k = target, len(self.changes) - 1 if crossings is None else crossings
+        while k >= 0:
+            changed, _, entry = self.changes[k]
+            place = int(np.searchsorted(changed, node))
+            if place < len(changed) and changed[place] == node:
+                nodes += [node, int(entry[place])]
+                node = int(graph.partner[nodes[-1]])
+                if node < 0:
+                    return tuple(reversed(nodes))
+            k -= 1
+        return ()
+
+
+def layers(graph: HapticGraph, roots: Sequence[int], limit: float, crossings: int, complete: bool = False) -> Layers:
+    """Cheapest walks from ``roots`` with at most ``crossings`` contacts that nowhere cost more than ``limit``. ``complete``
+    as in `label`."""
+    count = graph.node_count
+    arrival = np.full(count, math.inf)
+    crossing = np.append(graph.transmission_loss, math.inf)[graph.contact]
+    metric = graph.table.loss >= 0  # False for functions of another form, whose loss is not a number
+    node, cost = np.array(roots, dtype=np.int64), np.zeros(len(roots))
+    changes: list[tuple[IntArray, FloatArray, IntArray]] = []
+    complete = complete or bool(graph.table.special)
+    origin = np.full(count, -1, dtype=np.int64)
+    relaxed = 0
+    for _ in range(crossings + 1):
+        index = graph.node_object[node]
+        useful = ~metric[index] | (arrival[node] > cost + graph.table.loss[index])
+        best = arrival.copy()
+        entry = np.full(count, -1, dtype=np.int64)
+        if complete and not useful.all():
+            back = np.flatnonzero(~useful & (origin[node] >= 0))
+            relaxed += _relax(graph, node[back], cost[back], limit, np.arange(len(back)), origin[node[back]], best, entry)
+        node, cost, index = node[useful], cost[useful], index[useful]
+        size = np.diff(graph.start)[index]
+        for chosen in _chunks(size):
+            which = np.repeat(chosen, size[chosen])
+            other = np.arange(len(which)) + np.repeat(graph.start[index[chosen]] - np.cumsum(size[chosen]) + size[chosen], size[chosen])
+            relaxed += _relax(graph, node, cost, limit, which, other, best, entry)
+        changed = np.flatnonzero(entry >= 0)
+        if len(changed) == 0:
+            return Layers(tuple(changes), True, relaxed)
+        arrival = best
+        origin[changed] = entry[changed]
+        changes.append((changed, best[changed], entry[changed]))
+        onwards = best[changed] + crossing[changed]
+        go = (onwards <= limit) & (onwards < math.inf)
+        node, cost = graph.partner[changed[go]], onwards[go]
+    return Layers(tuple(changes), len(node) == 0, relaxed)
+
+
+def _chunks(size: IntArray) -> list[IntArray]:
+    """Numbers of entries, in groups of about `CHUNK` connections."""
+    return np.split(np.arange(len(size)), np.flatnonzero(np.diff(np.cumsum(size) // CHUNK)) + 1)
+
+
+def _relax(
+    graph: HapticGraph, node: IntArray, cost: FloatArray, limit: float, which: IntArray, other: IntArray, best: FloatArray, entry: IntArray
+) -> int:
+    candidate = cost[which] + intra_costs(graph, node[which], other)
+    better = np.flatnonzero((candidate < best[other]) & (candidate <= limit) & (other != node[which]))
+    order = better[np.lexsort((node[which[better]], candidate[better], other[better]))]
+    first = np.ones(len(order), dtype=np.bool_)
+    first[1:] = other[order[1:]] != other[order[:-1]]
+    chosen = order[first]
+    best[other[chosen]] = candidate[chosen]
+    entry[other[chosen]] = node[which[chosen]]
+    return len(other)

@@ -1,0 +1,278 @@
+"""Cheapest ways from some nodes to all others, on the graph whose intra-connections are implied.
+
+Costs are ``-log(gain)``, none of them negative. A node has two labels: the cost of *entering* its object through it, by its
+inter-connection, and the cost of *arriving* at it inside its object, by an intra-connection. What arrives leaves through the
+inter-connection only: that is the rule that no two intra-connections follow each other, whatever the objects' functions are.
+
+An object is relaxed in one vectorised step, from many entries of many roots at once, the cheapest first (label correcting in batches:
+Bertsekas, *Network Optimization*, 1998, section 2.4). Where there is only a trickle of entries, as along a chain, a heap and scalars take
+over (Dijkstra, Numerische Mathematik 1, 1959).
+
+Why a hub of n contacts costs O(n): let the cost inside an object be ``a + b d`` with a, b >= 0 and d the distance, and let x have been
+reached inside it at the cost A(x) from an entry e. Entering through x at the cost E(x) >= A(x) - a is useless: for every node y of the
+object, ``E(x) + a + b d(x, y) >= A(x) + b d(x, y) = E(e) + a + b (d(e, x) + d(x, y)) >= E(e) + a + b d(e, y)``, by the triangle
+inequality. So once a cheap entry has been relaxed, the others of the same object drop out one comparison each. Only y = e is left out
+of this, and that one connection is relaxed where it matters (`complete`): to know the way from e to a root that does not lead back through
+e's own contact, and where the object on the other side of that contact has a function of another form. Elsewhere no cheapest path goes
+back to where a cheaper one came in.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..graph.haptic_graph import HapticGraph
+from .connections import intra_costs
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+BATCH = 1 << 15
+"""Connections relaxed in one vectorised step: enough to hide its overhead, few enough that later entries profit from earlier ones."""
+
+TRICKLE_ROUNDS, TRICKLE = 32, 300
+"""After so many steps that relaxed fewer connections each on average, scalars are faster."""
+
+FEW = 400
+"""Up to so many labels scalars are faster from the beginning."""
+
+SMALL = 1024
+"""Up to so many nodes or objects, their numbers are copied into lists for the scalars."""
+
+LARGE = 48
+"""From this many nodes on, an object is relaxed as an array even when everything else is scalar."""
+
+
+@dataclass(frozen=True, slots=True)
+class Labels:
+    """Per root set (row) and node: ``arrival`` (r, n) the cost of arriving inside the object, infinite where nothing does, and ``entry``
+    (r, n) the node through which that object was entered (a root in its own object) or -1. ``relaxed`` counts the connections looked at."""
+
+    arrival: FloatArray
+    entry: IntArray
+    relaxed: int
+
+    def visited(self) -> int:
+        """The most nodes that any root set reaches."""
+        return int(np.count_nonzero(self.entry >= 0, axis=1).max(initial=0))
+
+    def trace(self, graph: HapticGraph, row: int, target: int) -> tuple[int, ...]:
+        """The nodes from a root of the row to ``target``, () where nothing arrives."""
+        entry, partner = self.entry[row].data, graph.partner.data
+        if entry[target] < 0:
+            return ()
+        nodes = [target]
+        node = target
+        while True:
+            node = entry[node]
+            nodes.append(node)
+            node = partner[node]
+            if node < 0:
+                return tuple(reversed(nodes))
+            nodes.append(node)
+
+
+class _Work:
+    """Arrays that every step needs."""
+
+    def __init__(self, graph: HapticGraph, rows: int, limits: FloatArray, complete: bool) -> None:
+        self.graph = graph
+        self.count = graph.node_count
+        self.arrival = np.full((rows, self.count), math.inf)
+        self.entry = np.full((rows, self.count), -1, dtype=np.int64)
+        self.arrivals, self.entries = self.arrival.reshape(-1), self.entry.reshape(-1)
+        self.limits = limits
+        self.complete = complete or bool(graph.table.special)
+        self.others = graph.start[1:] - graph.start[:-1] - 1  # per object: nodes besides one that it is entered through
+        self.special = np.zeros(len(self.others), dtype=np.bool_)
+        self.special[list(graph.table.special)] = True
+        self.loss = np.maximum(0.0, graph.table.loss)
+        crossing = np.maximum(0.0, np.append(graph.transmission_loss, math.inf))
+        self.crossing = crossing[graph.contact]  # per node: cost of its inter-connection; contact -1 takes the appended infinity
+        self.relaxed = 0
+
+
+def label(
+    graph: HapticGraph, roots: Sequence[Sequence[int]], limits: FloatArray, targets: IntArray | None = None, complete: bool = False
+) -> Labels:
+    """Labels of each set of roots (source or listener nodes) up to ``limits`` (r,) in cost.
+
+    With ``targets`` (nodes), a row is only as complete as they need: it stops where no target can get cheaper. With ``complete``, labels
+    are right also for the nodes through which an object is entered. Gains above 1 count as 1 here.
+    """
+    work = _Work(graph, len(roots), np.array(limits, dtype=np.float64), complete)
+    row = np.array([r for r, nodes in enumerate(roots) for _ in nodes], dtype=np.int64)
+    node = np.array([n for nodes in roots for n in nodes], dtype=np.int64)
+    pending = row, node, np.zeros(len(node))
+    rounds = 0
+    if len(roots) * graph.node_count <= FEW:
+        _finish_with_heap(work, *pending, targets)
+        return Labels(work.arrival, work.entry, work.relaxed)
+    while len(pending[0]):
+        pending = _step(work, *pending)
+        rounds += 1
+        if targets is not None and len(targets):
+            np.minimum(work.limits, work.arrival[:, targets].max(axis=1), out=work.limits)
+        if rounds >= TRICKLE_ROUNDS and work.relaxed < TRICKLE * rounds:
+            _finish_with_heap(work, *pending, targets)
+            break
+    return Labels(work.arrival, work.entry, work.relaxed)
+
+
+def _step(work: _Work, row: IntArray, node: IntArray, cost: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+    """Relax the cheapest pending entries; the pending ones afterwards."""
+    graph = work.graph
+    index = graph.node_object[node]
+    within = cost <= work.limits[row]
+    useful = within & (work.special[index] | (work.arrivals[row * work.count + node] > cost + work.loss[index]))
+    batches = []
+    if work.complete:
+        back = (within & ~useful & (work.entry[row, node] >= 0)).nonzero()[0]
+        back = back[graph.partner[work.entry[row[back], node[back]]] >= 0]
+        if len(back):
+            other = work.entry[row[back], node[back]]
+            batches.append(_improve(work, row[back], node[back], cost[back], np.arange(len(back)), other))
+    if not useful.all():
+        row, node, cost, index = row[useful], node[useful], cost[useful], index[useful]
+    if len(row):
+        size = work.others[index]
+        if size.sum() > BATCH:
+            order = np.lexsort((node, row, cost))
+            now = max(1, int(size[order].cumsum().searchsorted(BATCH, side="right")))
+            later, order = order[now:], order[:now]
+            batches.append((row[later], node[later], cost[later]))
+            row, node, cost, index, size = row[order], node[order], cost[order], index[order], size[order]
+        which = np.arange(len(row)).repeat(size)
+        other = np.arange(len(which)) + (graph.start[index] - size.cumsum() + size)[which]
+        other += other >= node[which]  # all nodes of the object but the entry itself
+        batches.append(_improve(work, row, node, cost, which, other))
+    if len(batches) == 1:
+        return batches[0]
+    if not batches:
+        return row, node, cost
+    rows, nodes, costs = zip(*batches, strict=True)
+    return np.concatenate(rows), np.concatenate(nodes), np.concatenate(costs)
+
+
+def _improve(
+    work: _Work, row: IntArray, node: IntArray, cost: FloatArray, which: IntArray, other: IntArray
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """Relax the connections from entries ``node[which]`` to nodes ``other`` of the same objects; the entries that follow from it."""
+    graph, arrivals, entries = work.graph, work.arrivals, work.entries
+    work.relaxed += len(other)
+    begin = node[which]
+    distance = graph.node_distances(begin, other)
+    index = graph.node_object[node]
+    candidate = (cost + work.loss[index])[which] + graph.table.decay[index][which] * distance
+    if graph.table.special:
+        chosen = work.special[index][which].nonzero()[0]
+        candidate[chosen] = cost[which[chosen]] + np.maximum(0.0, intra_costs(graph, begin[chosen], other[chosen]))
+    place = (row * work.count)[which] + other
+    better = ((candidate < arrivals[place]) & (candidate <= work.limits[row][which])).nonzero()[0]
+    place, candidate = place[better], candidate[better]
+    # Of several ways to one node the cheapest, of equal ones that from the first entry.
+    np.minimum.at(arrivals, place, candidate)
+    cheapest = (candidate == arrivals[place]).nonzero()[0]
+    better, place, candidate = better[cheapest], place[cheapest], candidate[cheapest]
+    begin = begin[better]
+    entries[place] = begin
+    first = entries[place] == begin
+    if not first.all():
+        np.minimum.at(entries, place, begin)
+        first = entries[place] == begin
+        better, candidate = better[first], candidate[first]
+    row, other = row[which[better]], other[better]
+    onwards = candidate + work.crossing[other]
+    go = ((onwards <= work.limits[row]) & (onwards < math.inf)).nonzero()[0]
+    return row[go], graph.partner[other[go]], onwards[go]
+
+
+def _finish_with_heap(work: _Work, row: IntArray, node: IntArray, cost: FloatArray, targets: IntArray | None) -> None:
+    scalars = _Scalars(work)
+    for number in sorted(set(row.tolist())):
+        mine = row == number
+        arrives, enters = _items(work.arrival[number]), _items(work.entry[number])
+        _heap_row(work, scalars, number, list(zip(cost[mine].tolist(), node[mine].tolist(), strict=True)), arrives, enters, targets)
+        work.arrival[number], work.entry[number] = arrives, enters
+
+
+def _items(array: FloatArray | IntArray) -> Any:
+    """Its numbers to read and write one by one: a list where that is small, because it is faster, else the memory itself."""
+    return array.tolist() if len(array) <= SMALL else array.data
+
+
+class _Scalars:
+    """What is read one by one. ``points``: positions of the nodes, in a large graph only of the objects met so far."""
+
+    def __init__(self, work: _Work) -> None:
+        graph = work.graph
+        self.objects, self.partner, self.start = _items(graph.node_object), _items(graph.partner), _items(graph.start)
+        self.crossing, self.loss, self.decay = _items(work.crossing), _items(work.loss), _items(graph.table.decay)
+        self.points: dict[int, list[float]] = {}
+        if work.count <= SMALL:
+            self.points.update(enumerate(graph.node_position.tolist()))
+
+
+def _heap_row(
+    work: _Work, scalars: _Scalars, row: int, queue: list[tuple[float, int]], arrives: Any, enters: Any, targets: IntArray | None
+) -> None:
+    """Dijkstra's algorithm from the pending entries of one row on."""
+    graph = work.graph
+    heapq.heapify(queue)
+    limit = float(work.limits[row])
+    objects, partner, crossing, start = scalars.objects, scalars.partner, scalars.crossing, scalars.start
+    loss, decay, special, points = scalars.loss, scalars.decay, graph.table.special, scalars.points
+    sought = set() if targets is None else set(targets.tolist())
+    settled: set[int] = set()
+    push, pop, distance, infinite = heapq.heappush, heapq.heappop, math.dist, math.inf
+    while queue:
+        cost, node = pop(queue)
+        if cost > limit:
+            break
+        if node in settled:
+            continue
+        settled.add(node)
+        index = objects[node]
+        first, last = start[index], start[index + 1]
+        base, rate = cost + loss[index], decay[index]
+        if base == infinite:
+            continue
+        if arrives[node] <= base and index not in special:
+            first = enters[node]
+            if not work.complete or partner[first] < 0:
+                continue
+            last = first + 1
+        work.relaxed += last - first
+        if index in special or last - first >= LARGE:
+            nodes = np.arange(first, last)
+            candidate = cost + np.maximum(0.0, intra_costs(graph, np.full(last - first, node), nodes))
+            better = ((candidate < np.asarray(arrives[first:last])) & (candidate <= limit)).nonzero()[0]
+            found = list(zip((better + first).tolist(), candidate[better].tolist(), strict=True))
+        else:
+            if node not in points:
+                whole = graph.nodes_of(index)
+                points.update(enumerate(graph.node_position[whole].tolist(), whole.start))
+            here = points[node]
+            found = [(k, base + rate * distance(here, points[k])) for k in range(first, last) if arrives[k] > base]
+        nearer = False
+        for other, value in found:
+            if value < arrives[other] and value <= limit and other != node:
+                arrives[other] = value
+                enters[other] = node
+                through = partner[other]
+                if through >= 0:
+                    total = value + crossing[other]
+                    if total <= limit and total < infinite:
+                        push(queue, (total, through))
+                elif other in sought:
+                    nearer = True
+        if nearer:  # stop where no target can get cheaper
+            limit = min(limit, max(arrives[k] for k in sought))

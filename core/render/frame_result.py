@@ -1,0 +1,57 @@
+"""What one step of the tracer hands on: plain data for panels, overlays, recordings and devices."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..contacts.contact_set import ContactSet
+from ..contacts.tracker import Impact
+from ..graph.haptic_graph import HapticGraph
+from ..propagation import Propagation, objects_on
+from ..scene.values import Listener, Source
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class FrameResult:
+    """One traced frame.
+
+    ``objects``: names in the order that ``contacts`` and ``graph`` number them. ``sources`` (s) include the temporary ones made by
+    impacts; ``gains`` (s, l) include the sources' amplitudes. ``block`` (l, n): the rendered samples of the frame's interval, the first
+    at sample number ``first_sample`` of ``sample_rate``; None where nothing was rendered. ``milliseconds`` per stage: read, broad,
+    narrow, graph, propagate, mix. ``statistics``: counts of what was done and what was skipped.
+    """
+
+    number: int
+    time: float
+    objects: tuple[str, ...]
+    contacts: ContactSet
+    graph: HapticGraph
+    propagation: Propagation
+    sources: tuple[Source, ...]
+    listeners: tuple[Listener, ...]
+    gains: FloatArray
+    impacts: tuple[Impact, ...]
+    block: FloatArray | None
+    first_sample: int
+    sample_rate: float
+    milliseconds: Mapping[str, float]
+    statistics: Mapping[str, int | float]
+    warnings: tuple[str, ...] = ()
+
+    def path_objects(self, source: int, listener: int) -> tuple[str, ...]:
+        """The objects of the best path from a source to a listener, () where there is none."""
+        return objects_on(self.graph, self.propagation.best_path.get((source, listener), ()))
+
+    def peak(self, listener: int) -> float:
+        """Largest absolute sample of the frame at a listener, 0 where nothing was rendered."""
+        return 0.0 if self.block is None or not self.block.shape[1] else float(np.abs(self.block[listener]).max())
+
+    def rms(self, listener: int) -> float:
+        """Root of the mean square of the frame's samples at a listener, 0 where nothing was rendered."""
+        return 0.0 if self.block is None or not self.block.shape[1] else float(np.sqrt(np.mean(self.block[listener] ** 2)))

@@ -1,0 +1,57 @@
+"""The last second of what every listener of a scene felt, frame after frame. No Blender."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .frame_result import FrameResult
+from .still import still_samples
+
+FloatArray = NDArray[np.float64]
+
+SECONDS = 1.0
+STILL_SECONDS = 0.25
+
+
+class History:
+    """Blocks that follow each other, as long as they do: after a jump only the new frame is kept. A frame that stands alone has no block:
+    it is rendered as if it had lasted for a while."""
+
+    def __init__(self) -> None:
+        self.sample_rate = 0.0
+        self.listeners: tuple[str, ...] = ()
+        self._samples = np.zeros((0, 0))
+        self._end: int | None = None
+
+    def feed(self, result: FrameResult) -> None:
+        """Take the block of the next frame."""
+        names = tuple(listener.name for listener in result.listeners)
+        block = still_samples(result, STILL_SECONDS) if result.block is None else result.block
+        alike = names == self.listeners and self.sample_rate == result.sample_rate
+        follows = alike and result.block is not None and self._end == result.first_sample
+        keep = round(SECONDS * result.sample_rate)
+        self._samples = (np.concatenate((self._samples, block), axis=1) if follows else block)[:, -keep:]
+        self.listeners, self.sample_rate = names, result.sample_rate
+        self._end = None if result.block is None else result.first_sample + block.shape[1]
+
+    def take(self, result: FrameResult, samples: FloatArray) -> None:
+        """Take what came before as well: ``samples`` (l, n) up to the end of the frame, from a track."""
+        self.feed(result)
+        self._samples = samples[:, -round(SECONDS * result.sample_rate) :]
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._samples, self.listeners, self._end = np.zeros((0, 0)), (), None
+
+    def samples(self, listener: str, seconds: float = SECONDS) -> FloatArray:
+        """The last ``seconds`` of a listener, (n,); fewer where there are fewer."""
+        if listener not in self.listeners:
+            return np.zeros(0)
+        samples: FloatArray = self.all(seconds)[self.listeners.index(listener)]
+        return samples
+
+    def all(self, seconds: float = SECONDS) -> FloatArray:
+        """The last ``seconds`` of every listener, (l, n)."""
+        count = min(round(seconds * self.sample_rate), self._samples.shape[1])
+        return self._samples[:, self._samples.shape[1] - count :]

@@ -1,0 +1,74 @@
+"""From propagated gains to samples: what one rendering of a scene sounds like at its listeners."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..propagation import Propagation
+from ..scene.values import Listener, Source, SourceKind
+from ..signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Signal
+from .mixing import MixingExpression, MixingMethod
+from .renderer import SAMPLE_RATE, ListenerMix, Renderer, Voice
+
+FloatArray = NDArray[np.float64]
+
+
+class Mixdown:
+    """Mixes and renders frame after frame. Temporary sources without a signal of their own play ``impact_signal``."""
+
+    def __init__(self, impact_signal: Signal = DEFAULT_IMPACT, sample_rate: float = SAMPLE_RATE) -> None:
+        self.impact_signal = impact_signal
+        self.sample_rate = sample_rate
+        self._renderer: Renderer | None = None
+
+    def reset(self) -> None:
+        """Forget sounding signals."""
+        if self._renderer is not None:
+            self._renderer.reset()
+
+    def render(
+        self, start: float | None, end: float, sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation
+    ) -> FloatArray | None:
+        """The samples (l, n) from ``start`` to ``end`` [s], gains reaching those of ``propagation`` at the end; None where there is no
+        start or nobody listens."""
+        mixes = listener_mixes(listeners)
+        if self._renderer is None or self._renderer.listeners != mixes:
+            self._renderer = Renderer(mixes, self.sample_rate) if mixes else None
+        if self._renderer is None or start is None:
+            return None
+        return self._renderer.render_frame(start, end, source_voices(sources, listeners, propagation, self.impact_signal))
+
+
+def listener_mixes(listeners: Sequence[Listener]) -> tuple[ListenerMix, ...]:
+    """How listeners mix, for a `Renderer`."""
+    return tuple(ListenerMix(item.name, mixing_method(item), item.s_max, limiter=item.limiter) for item in listeners)
+
+
+def mixing_method(listener: Listener) -> MixingMethod:
+    """How a listener mixes. Raises ValueError for a method that there is not."""
+    if listener.mixing == "custom":
+        return MixingExpression(listener.mixing_expression, listener.s_max)
+    return listener.mixing  # type: ignore[return-value]
+
+
+def source_voices(
+    sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation, impact_signal: Signal = DEFAULT_IMPACT
+) -> list[Voice]:
+    """What a `Renderer` plays of sources: a voice each, with its gains at the listeners. ``impact_signal``: of impacts without one."""
+    listener_gain = np.array([item.gain for item in listeners])
+    gains = propagation.gain if propagation.band_gain is None else propagation.band_gain
+    return [
+        Voice(
+            key=source.name,
+            signal=source.signal or (DEFAULT_PERSISTENT if source.kind is SourceKind.PERSISTENT else impact_signal),
+            gains=gains[row] * (listener_gain if gains.ndim == 2 else listener_gain[:, None]),
+            onset=source.onset,
+            amplitude=source.amplitude,
+            delays=None if propagation.delay is None else propagation.delay[row],
+            priority=source.priority,
+        )
+        for row, source in enumerate(sources)
+    ]

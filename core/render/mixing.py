@@ -1,0 +1,215 @@
+"""How the signals that reach one listener become one, and how that one keeps below what the listener may feel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.functions import Finding
+from ..scene.functions.expression import CompiledExpression, ExpressionError, compile_expression
+
+Array = NDArray[np.float64]
+
+CustomMixing = Callable[[Array, Array], Array]
+"""A designer's own method: signals, shape (n_signals, n), and their weights, shape (n_signals,), to one signal, shape (n,)."""
+
+MixingMethod = Literal["cumulative", "weighted", "strongest", "power"] | CustomMixing
+
+LOOK_AHEAD = 0.005
+"""Seconds by which the limiter sees a peak coming, its latency."""
+HOLD = 0.025
+"""Seconds for which the limiter keeps its gain after a peak: half a period of 20 Hz, so that a steady tone is turned down, not bent."""
+RELEASE = 0.15
+"""Seconds in which the limiter's gain, once let go, rises by a factor e (8.7 dB)."""
+_RUN = 4096
+
+
+MIXING_VARIABLES = ("sum", "weighted", "strongest", "power", "s_max")
+"""What a designer's formula is made of: at every sample the results of the other methods, without a limit, and the ceiling."""
+
+
+@dataclass(frozen=True, slots=True)
+class MixingExpression:
+    """A designer's formula over `MIXING_VARIABLES` as a mixing method, such as ``s_max * tanh(sum / s_max)``.
+
+    Raises ExpressionError, a ValueError, for a formula that is not accepted.
+    """
+
+    expression: str
+    s_max: float = 1.0
+
+    def __post_init__(self) -> None:
+        _compiled(self.expression)
+
+    def __call__(self, signals: Array, weights: Array) -> Array:
+        """Return the formula's value at every sample, shape (n,); 0 where it has no finite one."""
+        values: dict[str, float | Array] = {
+            "sum": cumulative(signals),
+            "weighted": weighted(signals, weights),
+            "strongest": strongest(signals),
+            "power": power(signals),
+            "s_max": self.s_max,
+        }
+        mix = _compiled(self.expression).evaluate(np.zeros(signals.shape[1]), values)
+        return np.where(np.isfinite(mix), mix, 0.0)
+
+
+@lru_cache(maxsize=256)
+def _compiled(expression: str) -> CompiledExpression:
+    return compile_expression(expression, MIXING_VARIABLES)
+
+
+def check_mixing(expression: str, s_max: float = 1.0) -> Finding | None:
+    """Return what is wrong with a mixing formula, or None. It is tried with sums of two tones, and with silence."""
+    try:
+        compiled = _compiled(expression)
+    except ExpressionError as error:
+        return Finding(error.reason, error.column)
+    tones = np.sin(2.0 * np.pi * np.outer([3.0, 7.0], np.arange(200) / 200.0)) * np.array([[1.0], [0.5]])
+    total = cumulative(tones)
+    loudest = strongest(tones)
+    values: dict[str, float | Array] = {"sum": total, "weighted": total, "strongest": loudest, "power": power(tones), "s_max": s_max}
+    bad = ~np.isfinite(compiled.evaluate(np.zeros(200), values))
+    if bad.any():
+        return Finding(f"no finite value where sum is {total[bad][0]:.3g}: nothing is felt there", usable=True)
+    silence = {**dict.fromkeys(MIXING_VARIABLES, 0.0), "s_max": s_max}
+    rest = float(compiled.evaluate(np.zeros(1), silence)[0])
+    if math.isfinite(rest) and rest != 0.0:
+        return Finding(f"{rest:.3g} where nothing sounds; 0 would be silence", usable=True)
+    return None
+
+
+def cumulative(signals: Array, s_max: float = math.inf) -> Array:
+    """Return the sum over `signals`, shape (n_signals, n), where it is within ±s_max, else s_max with the sum's sign; shape (n,)."""
+    return saturated(signals.sum(axis=0), s_max)
+
+
+def weighted(signals: Array, weights: Array, s_max: float = math.inf) -> Array:
+    """Return the sum over `signals` times their priorities `weights`, shape (n_signals,), kept within ±s_max."""
+    return saturated(weights @ signals, s_max)
+
+
+def strongest(signals: Array, s_max: float = math.inf) -> Array:
+    """Return, sample by sample, the signal of the greatest magnitude (the first of equals), kept within ±s_max; signals: (n_signals, ...).
+
+    Where another signal of the opposite sign takes over, the result jumps: made for sources of which one hides the rest.
+    """
+    if not len(signals):
+        return np.zeros(signals.shape[1:])
+    highest, lowest = signals.max(axis=0), signals.min(axis=0)
+    result = np.where(highest >= -lowest, highest, lowest)
+    tied = (highest == -lowest) & (highest > 0.0)
+    if tied.any():
+        among = signals[:, tied]
+        result[tied] = among[np.argmax(np.abs(among), axis=0), np.arange(among.shape[1])]
+    return saturated(result, s_max)
+
+
+def power(signals: Array, s_max: float = math.inf) -> Array:
+    """Return the root of the sum of squares with the sign of the sum (+ where the sum is 0), kept within ±s_max; signals: (n_signals, ...).
+
+    That is how unrelated vibrations add up in strength: never less than the strongest, never more than the sum of their magnitudes. One
+    signal alone stays as it is; where several cancel, the result changes sign at full strength.
+    """
+    return saturated(np.copysign(np.sqrt(np.einsum("i...,i...->...", signals, signals)), signals.sum(axis=0) + 0.0), s_max)
+
+
+def saturated(total: Array, s_max: float | Array) -> Array:
+    """Return `total` where its magnitude is at most s_max, else s_max with its sign."""
+    return np.clip(total, -s_max, s_max)
+
+
+def mixed(method: MixingMethod, signals: Array, weights: Array) -> Array:
+    """Return the mix of `signals`, shape (n_signals, n), by `method`, without a limit; silence if there are none.
+
+    `strongest` and `power` take further dimensions, (n_signals, ...), at once.
+
+    Raises ValueError if a custom method returns another shape or what is not finite.
+    """
+    if not len(signals):
+        return np.zeros(signals.shape[1:])
+    if method == "cumulative":
+        return cumulative(signals)
+    if method == "weighted":
+        return weighted(signals, weights)
+    if method == "strongest":
+        return strongest(signals)
+    if method == "power":
+        return power(signals)
+    if not callable(method):
+        raise ValueError(f"method: unknown mixing method {method!r}")
+    mix = np.asarray(method(signals, weights), dtype=np.float64)
+    if mix.shape != signals.shape[1:]:
+        raise ValueError(f"method: returned shape {mix.shape} for {signals.shape[1]} samples")
+    if not np.isfinite(mix).all():
+        raise ValueError("method: returned a sample that is not finite")
+    return mix
+
+
+class Limiter:
+    """A look-ahead limiter for several channels: no sample above `s_max`, a gain that changes smoothly, and no change at all below.
+
+    The gain that each sample needs is held over the look-ahead and HOLD, let go at 1/RELEASE nepers a second, and averaged over the
+    look-ahead (a Hann window): every value in the average is low enough for the sample in question, so their average is.
+
+    s_max: shape (n_channels,), positive. Output lags input by `latency` samples.
+    """
+
+    def __init__(self, s_max: Array, sample_rate: float) -> None:
+        self.latency = max(round(LOOK_AHEAD * sample_rate), 1)
+        self._s_max = np.asarray(s_max, dtype=np.float64)[:, None]
+        self._window = self.latency + 1 + round(HOLD * sample_rate)
+        self._rise = 1.0 / (RELEASE * sample_rate)
+        kernel = np.hanning(self.latency + 3)[1:-1]
+        self._kernel = kernel / kernel.sum()
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all that went through."""
+        channels = len(self._s_max)
+        self._input = np.zeros((channels, self.latency))
+        self._needed = np.ones((channels, self._window - 1))
+        self._held = np.ones((channels, self.latency))
+
+    def process(self, block: Array) -> Array:
+        """Return the next samples out for the next samples in, both of shape (n_channels, n)."""
+        pieces = [self._process(block[:, begin : begin + _RUN]) for begin in range(0, block.shape[1], _RUN)]
+        return np.concatenate(pieces, axis=1) if pieces else block.copy()
+
+    def _process(self, block: Array) -> Array:
+        count = block.shape[1]
+        delayed = np.concatenate((self._input, block), axis=1)
+        self._input = delayed[:, count:]
+        magnitude = np.abs(block)
+        if (magnitude <= self._s_max).all() and (self._needed == 1.0).all() and (self._held == 1.0).all():
+            return delayed[:, :count].copy()
+        needed = np.concatenate((self._needed, self._s_max / np.maximum(magnitude, self._s_max)), axis=1)
+        self._needed = needed[:, count:]
+        held = np.concatenate((self._held, self._released(_sliding_minimum(needed, self._window), self._held[:, -1:])), axis=1)
+        self._held = held[:, count:]
+        gain = np.stack([np.correlate(row, self._kernel, "valid") for row in held])
+        # A window of ones weighs 1 but for rounding, and must change nothing.
+        gain[np.abs(gain - 1.0) < 1e-12] = 1.0
+        return saturated(delayed[:, :count] * gain, self._s_max)
+
+    def _released(self, gain: Array, before: Array) -> Array:
+        """Return the lower of the gain and of where any earlier one has risen to meanwhile, exponentially and at most to 1."""
+        age = np.arange(1, gain.shape[1] + 1) * self._rise
+        lowest = np.minimum.accumulate(np.concatenate((before, gain * np.exp(-age)), axis=1), axis=1)[:, 1:]
+        return np.asarray(np.minimum(lowest * np.exp(age), 1.0))
+
+
+def _sliding_minimum(values: Array, width: int) -> Array:
+    """Return the minimum over each run of `width` columns, by doubling the width."""
+    span = 1
+    while 2 * span <= width:
+        values = np.minimum(values[:, span:], values[:, :-span])
+        span *= 2
+    rest = width - span
+    return np.minimum(values[:, rest:], values[:, :-rest]) if rest else values

@@ -1,0 +1,270 @@
+"""The haptic scene: what a designer authors, as plain values.
+
+Words and defaults are those of the Haptic Tracing paper. Lengths in metres, masses in kilograms, times in seconds, amplitudes in [0, 1].
+Everything is checked when it is made: a scene that exists is a valid one.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+from ..render.mixing import MixingExpression
+from ..signals import Signal
+from .functions import HapticTracing, Identity, ModulationFunction
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+
+class Mode(enum.StrEnum):
+    """The four renderings of the paper's study."""
+
+    HT = "HT"  # haptic graph, the objects' own functions
+    SD = "SD"  # haptic graph, only the listener nearest to the source, distance alone
+    MD = "MD"  # every source directly to every listener, distance alone
+    MN = "MN"  # every source directly to every listener, no attenuation
+
+
+class Strategy(enum.StrEnum):
+    """How the gain from a source to a listener is computed."""
+
+    AUTO = "auto"  # all paths for persistent sources, the best path for temporary ones
+    BEST_PATH = "best_path"
+    ALL_PATHS = "all_paths"
+    ENERGY_BALANCE = "energy_balance"
+
+
+class SourceKind(enum.StrEnum):
+    PERSISTENT = "persistent"
+    TEMPORARY = "temporary"
+
+
+def _finite_vector(key: str, value: Iterable[float], length: int = 3) -> tuple[float, ...]:
+    vector = tuple(float(v) for v in value)
+    if len(vector) != length or not all(math.isfinite(v) for v in vector):
+        raise ValueError(f"{key}: expected {length} finite numbers, got {vector!r}")
+    return vector
+
+
+def _unit_interval(key: str, value: float) -> None:
+    if not 0 <= value <= 1:
+        raise ValueError(f"{key}: must lie in [0, 1], got {value!r}")
+
+
+def _name(key: str, value: str) -> None:
+    if not isinstance(value, str) or not value:
+        raise ValueError(f"{key}: expected a name, got {value!r}")
+
+
+_Item = TypeVar("_Item")
+
+
+def _with(item: _Item, **checked: Any) -> _Item:
+    """A copy with other values of some fields. Unlike `dataclasses.replace` it checks nothing again: places change in every frame."""
+    copy = object.__new__(type(item))
+    for name in type(item).__slots__:  # type: ignore[attr-defined]
+        object.__setattr__(copy, name, checked[name] if name in checked else getattr(item, name))
+    return copy
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How propagation is done. ``max_connections`` None and ``threshold`` 0 lift the limits; ``tolerance`` is the relative error
+    wanted of a sum over all paths where its exact value is out of reach (0.01: 1 %). ``localise`` in [0, 1], in mode HT: what all listeners
+    but the nearest to each source feel is multiplied by 1 - localise, so that 1 leaves it to the nearest alone."""
+
+    mode: Mode = Mode.HT
+    strategy: Strategy = Strategy.AUTO
+    max_connections: int | None = 32
+    threshold: float = 0.001
+    epsilon: float = 0.1
+    tolerance: float = 0.01
+    localise: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "mode", Mode(self.mode))
+        object.__setattr__(self, "strategy", Strategy(self.strategy))
+        if self.max_connections is not None and self.max_connections < 0:
+            raise ValueError(f"max_connections: must be 0 or more, or None, got {self.max_connections!r}")
+        for key in ("threshold", "localise"):
+            _unit_interval(key, getattr(self, key))
+        for key in ("epsilon", "tolerance"):
+            if not 0 <= getattr(self, key) < math.inf:
+                raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Position in metres and rotation as a quaternion (w, x, y, z), normalised."""
+
+    position: Vector = (0.0, 0.0, 0.0)
+    rotation: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", _finite_vector("position", self.position))
+        rotation = _finite_vector("rotation", self.rotation, 4)
+        length = math.hypot(*rotation)
+        if length < 1e-12:
+            raise ValueError("rotation: a quaternion of length 0 is no rotation")
+        # One that is normalised already stays as it is to the last bit, through any number of files.
+        object.__setattr__(self, "rotation", rotation if abs(length - 1) < 1e-12 else tuple(v / length for v in rotation))
+
+
+@dataclass(frozen=True, slots=True)
+class HapticObject:
+    """Transmits haptic data. ``kappa`` and ``rho`` in [0, 1]. Contacts are found from ``shape`` (`core.contacts.shapes`) and ``pose``."""
+
+    name: str
+    kappa: float
+    rho: float
+    propagation: ModulationFunction = field(default_factory=HapticTracing)
+    shape: Any = None
+    pose: Pose | None = None
+    mass: float | None = None
+    medium: bool = False
+    extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
+
+    def __post_init__(self) -> None:
+        _name("name", self.name)
+        _unit_interval("kappa", self.kappa)
+        _unit_interval("rho", self.rho)
+        if self.mass is not None and not 0 <= self.mass < math.inf:
+            raise ValueError(f"mass: must be finite and >= 0 kg, got {self.mass!r}")
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """Two touching objects: one contact node on each, ``positions[k]`` on ``objects[k]`` (world, metres).
+
+    ``share`` is this contact's part of its patch: shares of one patch add up to 1. ``normal`` is a unit vector from the first object to the
+    second.
+    """
+
+    objects: tuple[str, str]
+    positions: tuple[Vector, Vector]
+    transmission: ModulationFunction = field(default_factory=Identity)
+    area: float = 0.0
+    normal: Vector = (0.0, 0.0, 1.0)
+    depth: float = 0.0
+    share: float = 1.0
+    extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
+
+    def __post_init__(self) -> None:
+        first, second = self.objects
+        _name("objects", first)
+        _name("objects", second)
+        if first == second:
+            raise ValueError(f"objects: {first!r} can't touch itself")
+        object.__setattr__(self, "positions", tuple(_finite_vector("positions", p) for p in self.positions))
+        object.__setattr__(self, "normal", _finite_vector("normal", self.normal))
+        if not 0 <= self.area < math.inf:
+            raise ValueError(f"area: must be finite and >= 0 m^2, got {self.area!r}")
+        if not math.isfinite(self.depth):
+            raise ValueError(f"depth: must be finite, got {self.depth!r}")
+        _unit_interval("share", self.share)
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Emits a signal. A temporary source made by an impact also feeds ``second_object``, the other side of its contact."""
+
+    name: str
+    object: str
+    position: Vector = (0.0, 0.0, 0.0)
+    amplitude: float = 1.0
+    kind: SourceKind = SourceKind.PERSISTENT
+    signal: Signal | None = None
+    second_object: str | None = None
+    second_position: Vector | None = None
+    onset: float = 0.0
+    priority: float = 1.0
+    extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
+
+    def __post_init__(self) -> None:
+        _name("name", self.name)
+        _name("object", self.object)
+        object.__setattr__(self, "kind", SourceKind(self.kind))
+        object.__setattr__(self, "position", _finite_vector("position", self.position))
+        _unit_interval("amplitude", self.amplitude)
+        if self.second_object is not None:
+            object.__setattr__(self, "second_position", _finite_vector("second_position", self.second_position or self.position))
+
+    def moved(self, position: Iterable[float], second_position: Iterable[float] | None = None) -> Source:
+        """The same source elsewhere; its second side stays where it is unless that is given. Raises ValueError where a number is not
+        finite."""
+        second = self.second_position if second_position is None else _finite_vector("second_position", second_position)
+        return _with(self, position=_finite_vector("position", position), second_position=second)
+
+
+@dataclass(frozen=True, slots=True)
+class Listener:
+    """Samples haptic data at a place of the body. ``radius`` is the extent of its bounding volume in metres. ``mixing_expression``: the
+    formula of ``custom`` mixing (`core.mixing.MixingExpression`). ``limiter``: the mix is turned down, not cut, where it would be above
+    ``s_max``."""
+
+    name: str
+    object: str
+    position: Vector = (0.0, 0.0, 0.0)
+    body_part: str = ""
+    radius: float = 0.05
+    gain: float = 1.0
+    mixing: str = "cumulative"
+    s_max: float = 1.0
+    extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    mixing_expression: str = ""
+    limiter: bool = False
+
+    def __post_init__(self) -> None:
+        _name("name", self.name)
+        _name("object", self.object)
+        object.__setattr__(self, "position", _finite_vector("position", self.position))
+        for key in ("radius", "gain"):
+            if not 0 <= getattr(self, key) < math.inf:
+                raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")
+        if not 0 < self.s_max <= 1:
+            raise ValueError(f"s_max: must lie in (0, 1], got {self.s_max!r}")
+        if self.mixing == "custom":
+            try:
+                MixingExpression(self.mixing_expression)
+            except ValueError as error:
+                raise ValueError(f"mixing_expression: {str(error).removeprefix('expression: ')}") from None
+
+    def moved(self, position: Iterable[float]) -> Listener:
+        """The same listener elsewhere. Raises ValueError where a number is not finite."""
+        return _with(self, position=_finite_vector("position", position))
+
+
+@dataclass(frozen=True, slots=True)
+class HapticScene:
+    """Objects, contacts, sources and listeners. Names are unique within their list; every reference resolves."""
+
+    objects: tuple[HapticObject, ...] = ()
+    contacts: tuple[Contact, ...] = ()
+    sources: tuple[Source, ...] = ()
+    listeners: tuple[Listener, ...] = ()
+    settings: Settings = field(default_factory=Settings)
+    extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
+
+    def __post_init__(self) -> None:
+        for key in ("objects", "sources", "listeners"):
+            seen: set[str] = set()
+            for index, item in enumerate(getattr(self, key)):
+                if item.name in seen:
+                    raise ValueError(f"{key}[{index}].name: {item.name!r} is used twice")
+                seen.add(item.name)
+        names = {item.name for item in self.objects}
+        for index, contact in enumerate(self.contacts):
+            for name in contact.objects:
+                if name not in names:
+                    raise ValueError(f"contacts[{index}].objects: there is no object {name!r}")
+        for key in ("sources", "listeners"):
+            for index, item in enumerate(getattr(self, key)):
+                if item.object not in names:
+                    raise ValueError(f"{key}[{index}].object: there is no object {item.object!r}")
+                second = getattr(item, "second_object", None)
+                if second is not None and second not in names:
+                    raise ValueError(f"{key}[{index}].second_object: there is no object {second!r}")
