@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from haptic_tracing.core.arrays import FloatArray
 from haptic_tracing.core.devices.actuation import actuation_of
 from haptic_tracing.core.devices.families.family import RumbleFamily, StreamFamily
 from haptic_tracing.core.devices.pacing import pacing_of
@@ -23,8 +24,6 @@ from haptic_tracing.core.devices.report import Report, Tones
 from haptic_tracing.core.signals import DecayingSine, Loop, Noise, Pulse, Signal, Sine, impact_template, ramp
 from numpy.typing import NDArray
 from vibromaf.metrics.stsim import st_sim
-
-Array = NDArray[np.float64]
 
 RATE, SECONDS, FPS = 8000, 4.0, 24.0
 BLOCK = 512  # samples that ST-SIM looks at together
@@ -47,7 +46,7 @@ class Written:
     drives: list[Tones | NDArray[np.int8]]
 
 
-def driven(profile: Profile, signal: Array) -> Written:
+def driven(profile: Profile, signal: FloatArray) -> Written:
     """Everything that is written to a device, all of whose actuators get the signal."""
     written = Written([], [])
     family = profile.family
@@ -78,7 +77,7 @@ def driven(profile: Profile, signal: Array) -> Written:
     return written
 
 
-def played(profile: Profile, written: Written) -> Array:
+def played(profile: Profile, written: Written) -> FloatArray:
     """What the first actuator does, as samples from the start of the signal on."""
     family, actuator = profile.family, profile.actuators[0]
     samples = np.zeros(round(SECONDS * RATE))
@@ -106,7 +105,7 @@ def natural(actuator: Actuator, channel: int) -> float:
     return float(np.sqrt(max(actuator.band[0], takes[0]) * min(actuator.band[1], takes[1])))
 
 
-def compared(signal: Array, result: Array) -> tuple[float, float]:
+def compared(signal: FloatArray, result: FloatArray) -> tuple[float, float]:
     """ST-SIM at the lag where signal and result fit best, and that lag in seconds."""
     size = 2 * len(signal)
     fit = np.fft.irfft(np.fft.rfft(result, size) * np.fft.rfft(signal, size).conj(), size)

@@ -28,7 +28,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import bpy
 import haptic_tracing
 import numpy as np
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 from haptic_tracing.addon.view.meters import draw as meters
 from haptic_tracing.addon.view.overlay import draw, picture, shader
 from haptic_tracing.core.contacts.contact_set import ContactSet

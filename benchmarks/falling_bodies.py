@@ -15,7 +15,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import bpy
 import haptic_tracing
 import numpy as np
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 from mathutils import Euler
 
 SOURCES, LISTENERS = 4, 10

@@ -35,7 +35,7 @@ def demo_family() -> Family:
 def falling_boxes(bodies: int, frames: int) -> list[Family]:
     """What each frame of `falling_bodies` hands to the graph: so many boxes, 4 sources, 10 listeners, all contacts that signals reach."""
     import haptic_tracing
-    from haptic_tracing.addon.session.session import session
+    from haptic_tracing.addon.session import session
 
     from . import falling_bodies
 

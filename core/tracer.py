@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, fields, replace
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import FloatArray, IntArray
 from .contacts.authored import AuthoredContacts
 from .contacts.contact_set import ContactSet
 from .contacts.gain_bound import Reach
@@ -27,9 +27,6 @@ from .render.renderer import SAMPLE_RATE, sample_index
 from .scene.functions import ModulationFunction
 from .scene.values import HapticObject, Listener, Settings, Source, SourceKind, Vector
 from .signals import DEFAULT_IMPACT, Signal, impact_template
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)

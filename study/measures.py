@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from ..core.arrays import FloatArray, IntArray
 
 ACTIVE = 0.01
 """An actuator counts as active where its drive exceeds this share of full scale (-40 dB)."""

@@ -6,12 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..core.arrays import FloatArray, IntArray
 from ..core.formats.tracks.tracks import Tracks
 from ..core.scene.values import Mode
-
-FloatArray = NDArray[np.float64]
 
 MODES = (Mode.HT, Mode.SD, Mode.MD, Mode.MN)
 
@@ -67,7 +65,7 @@ class Ride:
     at any time, by mode.
     """
 
-    frames: NDArray[np.int64]
+    frames: IntArray
     frame_rate: float
     listeners: tuple[str, ...]
     positions: FloatArray

@@ -13,6 +13,7 @@ import numpy as np
 from bpy.types import Scene
 from numpy.typing import NDArray
 
+from ...core.arrays import FloatArray
 from ...core.scene.body import BODY_PART
 from ..blender import compatibility
 from .track import FULL_SCALE, HapticTrack
@@ -80,7 +81,7 @@ def write_stereo(track: HapticTrack, path: Path) -> None:
             file.writeframes(bytes(4))
 
 
-def _mixed(samples: NDArray[np.int16], weights: NDArray[np.float64]) -> NDArray[np.float32]:
+def _mixed(samples: NDArray[np.int16], weights: FloatArray) -> NDArray[np.float32]:
     return np.asarray((samples.T / FULL_SCALE) @ weights, dtype=np.float32)
 
 

@@ -18,14 +18,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.contact_set import ContactSet
 from ...core.formats.io.strict_json import parse_json
 from ...core.graph.haptic_graph import ObjectTable, build_graph
 from ...core.propagation import Propagation
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind
-
-FloatArray = NDArray[np.float64]
 
 MAGIC = b"HAPTRACK"
 VERSION = 1
@@ -95,9 +94,9 @@ class HapticTrack:
     listeners: tuple[TrackListener, ...]
     sources: tuple[TrackSource, ...]
     samples: NDArray[np.int16]
-    offsets: NDArray[np.int64]
+    offsets: IntArray
     places: NDArray[np.float32]
-    rows: NDArray[np.int64]
+    rows: IntArray
     row_source: NDArray[np.int32]
     row_amplitude: NDArray[np.float32]
     row_place: NDArray[np.float32]

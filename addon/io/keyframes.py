@@ -8,13 +8,12 @@ from typing import Any
 import bpy
 import numpy as np
 from bpy.types import Object
-from numpy.typing import NDArray
 
+from ...core.arrays import FloatArray
 from ...core.contacts.shapes import pose_matrix
 from ...core.formats.scene.recording import PoseRow, Recording
 from ...core.scene.values import HapticScene, Pose, Vector
 
-FloatArray = NDArray[np.float64]
 Keys = dict[int, tuple[float, ...]]
 """By frame."""
 

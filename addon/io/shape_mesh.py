@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import FloatArray
 from ...core.contacts.hull import convex_hull
 from ...core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Shape, Sphere, pose_matrix
 
-FloatArray = NDArray[np.float64]
 Surface = tuple[FloatArray, list[tuple[int, ...]]]
 """Points (n, 3) and faces of their numbers."""
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import FloatArray
 from ...core.devices.mapping import ActuatorMapping, Loss, Place, map_listeners
 from ...core.render.frame_result import FrameResult
 from ...core.render.playback import Playback, grain, recorded_grain
@@ -102,13 +102,13 @@ def play_ahead(scene: int, latest: FrameResult, time: float, frame_seconds: floa
     return True
 
 
-def _send(result: FrameResult, samples: NDArray[np.float64], choices: Mapping[str, str]) -> None:
+def _send(result: FrameResult, samples: FloatArray, choices: Mapping[str, str]) -> None:
     for key, block in mapping_of(result, choices).blocks(samples).items():
         outputs.running()[key].send(block)
     preview.play([listener.body_part for listener in result.listeners], samples, result.sample_rate)
 
 
-def _samples(result: FrameResult, frame_seconds: float, recorded: bool) -> NDArray[np.float64]:
+def _samples(result: FrameResult, frame_seconds: float, recorded: bool) -> FloatArray:
     if _state.playing:
         return _state.playback.recorded(result) if recorded else _state.playback.block(result, frame_seconds)
     return recorded_grain(result) if recorded else grain(result, frame_seconds)

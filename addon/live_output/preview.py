@@ -11,12 +11,10 @@ from typing import Any
 
 import bpy
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import FloatArray
 from ...core.devices.resampling import Resampler
 from ...core.scene.body import BODY_PART
-
-FloatArray = NDArray[np.float64]
 
 RATE = 48_000
 PIECE = 480

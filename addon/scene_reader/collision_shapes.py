@@ -7,13 +7,11 @@ from typing import Any
 
 import numpy as np
 from bpy.types import Depsgraph, Object
-from numpy.typing import NDArray
 
+from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.bullet_shapes import DEFAULT_MARGIN, convex_hull_shape, mesh_shape, shape_from_bounding_box
 from ...core.contacts.shapes import Compound, ConvexHull, Shape
 from ...core.scene.values import Pose
-
-FloatArray = NDArray[np.float64]
 
 
 def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Shape:
@@ -88,7 +86,7 @@ def _read_vertices(mesh: Any) -> FloatArray:
     return values.reshape(-1, 3).astype(np.float64)
 
 
-def _triangles(obj: Object, depsgraph: Depsgraph, source: str) -> tuple[FloatArray, NDArray[np.int64]]:
+def _triangles(obj: Object, depsgraph: Depsgraph, source: str) -> tuple[FloatArray, IntArray]:
     mesh, owner = _mesh_source(obj, depsgraph, source)
     try:
         vertices = _read_vertices(mesh)

@@ -7,15 +7,13 @@ from itertools import compress
 
 import numpy as np
 from bpy.types import Scene
-from numpy.typing import NDArray
 
+from ...core.arrays import FloatArray
 from ...core.contacts.authored import AuthoredContacts
 from ...core.contacts.shapes import pose_matrix
 from ...core.contacts.tracker import ContactSettings
 from ...core.scene.values import Pose
 from .imported import NEAR, KeptContacts, kept_contacts, kept_scene
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,6 +16,7 @@ from bpy.types import Depsgraph, Object, Scene
 from mathutils import Matrix
 from numpy.typing import NDArray
 
+from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.authored import AuthoredContacts
 from ...core.contacts.tracker import Body, ContactSettings, Motion
 from ...core.scene.functions import ModulationFunction, Spectrum, function_from_dict
@@ -31,9 +32,6 @@ from .animated_frequency import AnimatedFrequencies
 from .collision_shapes import collision_shape
 from .imported import KeptScene, exact, kept_listener, kept_object, kept_scene, kept_source, near
 from .imported_contacts import Homes, ImportedContacts
-
-FloatArray = NDArray[np.float64]
-
 
 _STEADY = frozenset(
     (
@@ -119,12 +117,12 @@ class _Lists:
     """What is tagged, in the order of the rows: ``rows`` (m,) in the file and ``scales`` (m, 3) as authored; which of them are bodies, and
     the rows in the file where sources and listeners are."""
 
-    rows: NDArray[np.int64]
+    rows: IntArray
     scales: FloatArray
     animated: tuple[tuple[int, tuple[str, ...] | None], ...]  # rows and data paths
     deforming: bool  # any of them
-    of_bodies: NDArray[np.int64]
-    of_places: NDArray[np.int64]
+    of_bodies: IntArray
+    of_places: IntArray
     objects: tuple[HapticObject, ...]
     bodies: tuple[Body, ...]
     places: tuple[Source | Listener, ...]

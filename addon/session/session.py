@@ -13,10 +13,9 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
-import numpy as np
 from bpy.types import Depsgraph, Scene
-from numpy.typing import NDArray
 
+from ...core.arrays import FloatArray
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
 from ...core.tracer import Frame, Tracer
@@ -124,7 +123,7 @@ def drawing(scene: Scene) -> Iterator[None]:
         of(scene).draw_milliseconds += 1000 * (time.perf_counter() - started)
 
 
-def show(scene: Scene, result: FrameResult, samples: NDArray[np.float64]) -> None:
+def show(scene: Scene, result: FrameResult, samples: FloatArray) -> None:
     """Keep a result that was read from a track instead of being traced, and the ``samples`` (l, n) that lead up to its end."""
     session = of(scene)
     _finish(scene, session)

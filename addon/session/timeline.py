@@ -10,15 +10,13 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 from bpy.types import Scene
-from numpy.typing import NDArray
 
+from ...core.arrays import FloatArray
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Source
 from ..changes.suspension import stepped, suspended
 from ..scene_reader.reader import Problem, Reading, seconds_of
 from . import session
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

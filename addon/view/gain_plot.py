@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import FloatArray, IntArray
 from ...core.scene.functions.curve import Curve
 from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
 
@@ -38,7 +38,7 @@ def picture(curve: Curve, colour: Colour, ink: Colour) -> Pixels:
     return pixels
 
 
-def _lines(curve: Curve) -> list[tuple[NDArray[np.float64], float, bool]]:
+def _lines(curve: Curve) -> list[tuple[FloatArray, float, bool]]:
     bands = [] if curve.bands is None else [(gains, 0.7, False) for gains in curve.bands]
     return [(curve.gains, 1.6, True), *bands]
 
@@ -47,7 +47,7 @@ def _place(part: float) -> int:
     return _MARGIN + round(part * (SIZE - 2 * _MARGIN - 1))
 
 
-def _draw(pixels: Pixels, columns: NDArray[np.int64], heights: NDArray[np.float64], colour: Colour, width: float, filled: bool) -> None:
+def _draw(pixels: Pixels, columns: IntArray, heights: FloatArray, colour: Colour, width: float, filled: bool) -> None:
     """A smooth line over ``columns``; where it is steep it covers all rows between a column and the next."""
     rows = np.arange(SIZE)[:, None]
     following = np.append(heights[1:], heights[-1])

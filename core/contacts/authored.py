@@ -6,8 +6,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import BoolArray
 from ..scene.functions import ModulationFunction
 from ..scene.values import Contact
 from .contact_set import ContactSet
@@ -22,7 +22,7 @@ class AuthoredContacts:
     ``transmissions``: by pair of objects, the smaller number first, what their contacts pass on wherever they are found. Objects are
     numbered by their sorted names."""
 
-    settled: NDArray[np.bool_]
+    settled: BoolArray
     contacts: ContactSet
     transmissions: Mapping[tuple[int, int], ModulationFunction]
 
@@ -64,6 +64,6 @@ class AuthoredContacts:
         )
 
 
-def rows_of(contacts: ContactSet, chosen: NDArray[np.bool_]) -> ContactSet:
+def rows_of(contacts: ContactSet, chosen: BoolArray) -> ContactSet:
     """Those contacts (n,) that are ``chosen``."""
     return replace(contacts, **{key: getattr(contacts, key)[chosen] for key in ARRAYS})

@@ -10,12 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .hull import Hull, convex_hull, shrunk_hull
 from .shapes import Box, Capsule, Cone, ConvexHull, Cylinder, Mesh, Shape, Sphere, points_array
-
-FloatArray = NDArray[np.float64]
 
 DEFAULT_MARGIN = 0.04
 """Bullet's margin in metres, for every shape whose own is not used."""

@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from ..arrays import FloatArray, IntArray
 
 MAX_HULL_POINTS = 2048
 """Most points a hull is computed from exactly; more are first reduced to the extreme ones in as many directions."""

@@ -10,15 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import BoolArray, FloatArray, IntArray
 from .motion import Paths
 from .narrow.narrow_phase import NarrowPhase, relative_pose
 from .settings import ImpactEnergy
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 _TOUCH = 1e-4
 """Metres of distance at which two bodies on their ways count as touching."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, fields
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import BoolArray, FloatArray, IntArray
 from .broad_phase import overlapping_pairs
 from .contact_set import ContactSet
 from .gain_bound import Reach
@@ -22,9 +22,6 @@ __all__ = ["Body", "ContactSettings", "ContactStatistics", "ContactTracker", "Fr
 _COLUMNS = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10, 3, 7, 11])
 """Where the rotation and then the position are in the upper three rows of a 4 x 4 matrix."""
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 STILL = 1e-5
 """Metres by which no point of a body has moved if it counts as not having moved: simulations at rest tremble, and poses are float32."""

@@ -10,14 +10,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import BoolArray, FloatArray
 from .families.family import AnyFamily, RumbleFamily, StreamFamily
 from .profiles import Calibration, Profile
 from .report import Tones
 from .resampling import Resampler
-
-Array = NDArray[np.float64]
 
 HOP = 0.010
 """Seconds between two steps: two thirds of the 15 ms by which touch may lead the picture."""
@@ -38,7 +36,7 @@ class Step:
     tones: Tones
 
 
-def calibrated(amplitude: Array, calibration: Calibration) -> Array:
+def calibrated(amplitude: FloatArray, calibration: Calibration) -> FloatArray:
     """``floor + (1 - floor) min(gain a, 1)^exponent``, and 0 for what is silent. amplitude: any shape, 0 or more."""
     driven = np.minimum(calibration.gain * amplitude, 1.0)
     curve = calibration.floor + (1.0 - calibration.floor) * driven**calibration.exponent
@@ -77,7 +75,7 @@ class SpectralDescription:
         """Forget the samples so far: as if silence had come before."""
         self._history = np.zeros((len(self._masks), len(self._window) - self._hop))
 
-    def process(self, block: Array) -> list[tuple[Array, Array]]:
+    def process(self, block: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
         """For each signal, amplitudes and frequencies [Hz], both (steps, channels). block: (signals, n)."""
         samples = np.concatenate([self._history, block], axis=1)
         width = len(self._window)
@@ -89,7 +87,7 @@ class SpectralDescription:
         power = self._scale * np.abs(np.fft.rfft(windows * self._window, self._size, axis=2)) ** 2
         return [self._describe(signal, masks) for signal, masks in zip(power, self._masks, strict=True)]
 
-    def _describe(self, power: Array, masks: NDArray[np.bool_]) -> tuple[Array, Array]:
+    def _describe(self, power: FloatArray, masks: BoolArray) -> tuple[FloatArray, FloatArray]:
         """power: (steps, bins); masks: (channels, bins)."""
         taken = power * masks.any(axis=0)
         peak = self._frequencies[taken.argmax(axis=1)][:, None]
@@ -105,10 +103,10 @@ class SpectralDescription:
             centroids = np.where(divisor > 0.0, (weights @ self._frequencies) / divisor, 0.0)
         return np.sqrt(sums), centroids
 
-    def _holds(self, masks: NDArray[np.bool_], peak: Array) -> NDArray[np.bool_]:
+    def _holds(self, masks: BoolArray, peak: FloatArray) -> BoolArray:
         """Which channel takes the peak's frequency: (steps, channels)."""
         bins = np.searchsorted(self._frequencies, peak[:, 0])
-        held: NDArray[np.bool_] = masks[:, bins].T
+        held: BoolArray = masks[:, bins].T
         return held
 
 
@@ -127,7 +125,7 @@ class ToneActuation:
         """Use these calibrations by actuator, in place of the profile's, from the next block on."""
         self._calibrations = [calibrations.get(actuator.name, actuator.calibration) for actuator in self._actuators]
 
-    def process(self, block: Array) -> list[Step]:
+    def process(self, block: FloatArray) -> list[Step]:
         """Steps of a block, in order; silence has the frequencies at rest. block: (actuators, n).
 
         The first offset is below 0 where the last block ended inside a step.
@@ -166,7 +164,7 @@ class SampleActuation:
         """Use the gains of these calibrations by actuator, in place of the profile's, from the next block on."""
         self._gains = np.array([[calibrations.get(actuator.name, actuator.calibration).gain] for actuator in self._actuators])
 
-    def process(self, block: Array) -> Array:
+    def process(self, block: FloatArray) -> FloatArray:
         """(actuators, n) at the input rate -> (channels, m) at the device's. Only the calibration's gain applies to samples."""
         resampled = self._gains * self._resampler.process(block)
         samples = np.zeros((self._channels, resampled.shape[1]))
@@ -178,7 +176,7 @@ class SampleActuation:
         self._resampler.reset()
 
 
-def checked_block(block: Array, actuators: int) -> Array:
+def checked_block(block: FloatArray, actuators: int) -> FloatArray:
     """A private float64 copy of a block; raises ValueError unless it is (actuators, n) and finite."""
     copy = np.array(block, dtype=np.float64)
     if copy.ndim != 2 or copy.shape[0] != actuators:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..arrays import FloatArray
 
 
 class DriveLimits:
@@ -20,7 +19,7 @@ class DriveLimits:
     interval: seconds that a command lasts; each is limited as if it stayed that long.
     """
 
-    def __init__(self, ceilings: Array, slew: float, sustained_maximum: float, sustained_seconds: float, interval: float) -> None:
+    def __init__(self, ceilings: FloatArray, slew: float, sustained_maximum: float, sustained_seconds: float, interval: float) -> None:
         self._ceilings = ceilings
         self._slew = slew
         self._interval = interval
@@ -32,7 +31,7 @@ class DriveLimits:
         self._driven = np.zeros_like(ceilings)
 
     @property
-    def mean_square(self) -> Array:
+    def mean_square(self) -> FloatArray:
         """The running mean square of each channel up to the last call."""
         return self._mean_square.copy()
 
@@ -40,7 +39,7 @@ class DriveLimits:
         """Lower all ceilings by this factor in [0, 1], from the next call on."""
         self._scale = scale
 
-    def limited(self, wanted: Array, elapsed: float) -> Array:
+    def limited(self, wanted: FloatArray, elapsed: float) -> FloatArray:
         """What may be driven now. wanted: (channels,) in [0, 1]; elapsed: seconds since the last call, 0 or more."""
         past = -math.expm1(-elapsed / self._seconds)
         self._mean_square += (self._driven**2 - self._mean_square) * past
@@ -57,7 +56,7 @@ class SampleLimits:
         self._limits = limits
         self._gains = np.ones((channels, 1))
 
-    def limited(self, samples: Array, seconds: float) -> Array:
+    def limited(self, samples: FloatArray, seconds: float) -> FloatArray:
         """Samples (channels, n) that last ``seconds``, scaled so that their peaks keep the limits; a scale that rises does so smoothly."""
         peaks = np.abs(samples).max(axis=1, initial=0.0)
         allowed = self._limits.limited(np.minimum(peaks, 1.0), seconds)

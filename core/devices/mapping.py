@@ -7,12 +7,10 @@ from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from ..scene.body import body_part
 from .profiles import Actuator
-
-Array = NDArray[np.float64]
 
 LATEST = 0.050
 """Seconds by which touch may lag behind the picture unnoticed (Di Luca and Mahnan, 2019)."""
@@ -60,10 +58,10 @@ class ActuatorMapping:
     """
 
     listeners: tuple[str, ...]
-    weights: Mapping[str, Array]
+    weights: Mapping[str, FloatArray]
     losses: tuple[Loss, ...]
 
-    def blocks(self, samples: Array) -> dict[str, Array]:
+    def blocks(self, samples: FloatArray) -> dict[str, FloatArray]:
         """For each device the sum of its listeners, (actuators, n). samples: (listeners, n)."""
         if samples.ndim != 2 or samples.shape[0] != len(self.listeners):
             raise ValueError(f"samples has the shape {samples.shape}, not ({len(self.listeners)}, n)")
@@ -122,7 +120,7 @@ def _index(profile: ActuatedDevice, place: Place) -> int:
     raise ValueError(f"{place.device} has no actuator {place.actuator!r}: use one of {', '.join(a.name for a in profile.actuators)}")
 
 
-def _losses(profile: ActuatedDevice, weights: Array, names: tuple[str, ...], bands: Mapping[str, tuple[float, float]]) -> list[Loss]:
+def _losses(profile: ActuatedDevice, weights: FloatArray, names: tuple[str, ...], bands: Mapping[str, tuple[float, float]]) -> list[Loss]:
     """What the device can't do, for each listener that it has."""
     losses: list[Loss] = []
     for actuator, felt in zip(profile.actuators, weights, strict=True):

@@ -14,8 +14,9 @@ from statistics import median
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..arrays import FloatArray
 from .actuation import actuation_of, checked_block
 from .connection import DeviceError, HidModule, Opened, hid_module, open_device
 from .families.family import AnyFamily, RumbleFamily
@@ -61,7 +62,7 @@ class Status:
 
 @dataclass(frozen=True, slots=True)
 class _Mail:
-    block: NDArray[np.float64]
+    block: FloatArray
     sent: float
 
 

@@ -7,15 +7,13 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from .actuation import SampleActuation, ToneActuation
 from .families.family import RumbleFamily, StreamFamily
 from .limits import DriveLimits, SampleLimits
 from .profiles import Adjustment, Profile
 from .report import Report, Tones, Transport
-
-Array = NDArray[np.float64]
 
 WATCHDOG = 0.250
 """Seconds without a fresh block after which a device is silenced."""
@@ -37,7 +35,7 @@ class Pacing(Protocol):
     lead: float
     """Seconds by which a block waits for its turn, besides the delay asked for."""
 
-    def accept(self, block: Array, sent: float) -> None:
+    def accept(self, block: FloatArray, sent: float) -> None:
         """A fresh block of (actuators, n) samples, whose first is to be felt at ``sent``."""
 
     def adjust(self, adjustment: Adjustment) -> None:
@@ -105,7 +103,7 @@ class RumblePacing:
         self._actuation.calibrate(adjustment.calibrations)
         self._limits.scale_ceilings(adjustment.ceiling)
 
-    def accept(self, block: Array, sent: float) -> None:
+    def accept(self, block: FloatArray, sent: float) -> None:
         start = sent + self._delay
         self._steps = deque((start + step.offset, step.tones) for step in self._actuation.process(block))
         self._fresh = sent
@@ -218,7 +216,7 @@ class StreamPacing:
         self._actuation.calibrate(adjustment.calibrations)
         self._limits.scale_ceilings(adjustment.ceiling)
 
-    def accept(self, block: Array, sent: float) -> None:
+    def accept(self, block: FloatArray, sent: float) -> None:
         kept = self._queue[:, : round((self.lead + _MARGIN) * self._family.rate)]
         dry = self._seam and not kept.shape[1]
         seam = dry or kept.shape[1] < self._queue.shape[1]
@@ -277,7 +275,7 @@ class StreamPacing:
         self._sequence += 1
         return report
 
-    def _next_frames(self) -> Array:
+    def _next_frames(self) -> FloatArray:
         """The next frames of the queue, then silence, without a jump at seams. (channels, frames)."""
         frames = self._family.frames
         taken, self._queue = self._queue[:, :frames], self._queue[:, frames:]
@@ -290,7 +288,7 @@ class StreamPacing:
         return played
 
 
-def join(samples: Array, start: int, last: Array) -> None:
+def join(samples: FloatArray, start: int, last: FloatArray) -> None:
     """Let the samples from ``start`` on begin at the value ``last``, in place."""
     seam = samples[:, start : start + _SEAM]
     seam += (last - seam) * (1.0 - (np.arange(seam.shape[1]) + 1.0) / _SEAM)

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..arrays import FloatArray
 
 # Zero crossings of the sinc on either side, and Kaiser's window: about 60 dB of stop band, pass band up to 0.8 of the lower Nyquist rate.
 _CROSSINGS = 16
@@ -40,7 +39,7 @@ class Resampler:
         # Where the next output sample lies after the start of the history, in steps of 1 / up of an input sample.
         self._position = 0
 
-    def process(self, block: Array) -> Array:
+    def process(self, block: FloatArray) -> FloatArray:
         """The next output samples. block: (channels, n), n >= 0 -> (channels, m)."""
         if self._same:
             return block
@@ -51,17 +50,17 @@ class Resampler:
         places = self._position + self._down * np.arange(count)
         start, phase = places // self._up, places % self._up
         windows = samples[:, start[:, None] + np.arange(width)]
-        output: Array = np.einsum("cmw,mw->cm", windows, self._taps[phase])
+        output: FloatArray = np.einsum("cmw,mw->cm", windows, self._taps[phase])
         kept = min(available, (self._position + self._down * count) // self._up)
         self._history = samples[:, kept:]
         self._position += self._down * count - self._up * kept
         return output
 
 
-def _phases(up: int, half: int, cutoff: float) -> Array:
+def _phases(up: int, half: int, cutoff: float) -> FloatArray:
     """One row of taps per phase, each summing to 1. cutoff: share of the input's Nyquist rate."""
     offsets = np.arange(2 * half + 1)[None, :] - half - np.arange(up)[:, None] / up
     shape = np.sqrt(np.maximum(0.0, 1.0 - (offsets / (half + 1.0)) ** 2))
     taps = np.sinc(cutoff * offsets) * np.i0(_BETA * shape)
-    rows: Array = taps / taps.sum(axis=1, keepdims=True)
+    rows: FloatArray = taps / taps.sum(axis=1, keepdims=True)
     return rows

@@ -27,8 +27,6 @@ from .pacing import join
 from .profiles import Actuator, Adjustment, Calibration, Channel
 from .resampling import Resampler
 
-Array = NDArray[np.float64]
-
 # Where a card is recognised: its name, the least number of channels, and what is felt where, by channel.
 _KNOWN: tuple[tuple[str, int, Mapping[int, tuple[str, str]]], ...] = (
     (r"DualSense|^Wireless Controller", 4, {2: ("left grip", "hand.L"), 3: ("right grip", "hand.R")}),

@@ -9,8 +9,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray, IntArray
 from ..contacts.narrow.narrow_phase import NarrowPhase, relative_pose
 from ..contacts.shapes import transformed_bounds
 from ..contacts.tracker import Body, ContactSettings, ContactTracker
@@ -24,9 +24,6 @@ from ..propagation.strategies import BUDGET
 from ..render.frame_result import FrameResult
 from ..scene.values import Mode, Settings, Source, SourceKind
 from ..signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _MOST_SOURCES = 8
 _WALL = 40.0

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import FloatArray, IntArray
 from ..contacts.contact_set import ContactSet
 from ..scene.bands import BAND_COUNT
 from ..scene.functions import ModulationFunction, Spectrum
@@ -22,9 +23,6 @@ from ..scene.values import HapticObject, HapticScene, Listener, Source, SourceKi
 
 if TYPE_CHECKING:
     import networkx
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class NodeKind(IntEnum):

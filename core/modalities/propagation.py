@@ -8,16 +8,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from ..contacts.contact_set import ContactSet
 from ..graph.haptic_graph import ObjectTable, build_graph
 from ..propagation import objects_on, propagate
 from ..scene.functions import Constant, ModulationFunction, function_from_dict
 from ..scene.values import HapticObject, Listener, Settings, Source
 from .modality import Modality
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..graph.haptic_graph import HapticGraph
 from .connections import cost_limit, intra_costs, path_costs
@@ -15,7 +14,6 @@ from .hop_constrained import Layers, layers
 from .shortest_paths import Labels, label
 from .strongest_paths import StrongestPaths
 
-FloatArray = NDArray[np.float64]
 Pair = tuple[int, int]
 Path = tuple[int, ...]
 

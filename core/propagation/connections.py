@@ -7,13 +7,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray, IntArray
 from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 ROUNDING = 1e-12
 """Relative slack of comparisons with the threshold: one that is met exactly stays met, however its product was rounded."""

@@ -17,10 +17,8 @@ from __future__ import annotations
 import heapq
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from ..arrays import FloatArray, IntArray
 
 MESH = 12
 """Subsystems with more couplings than this are left to the core, which is solved as a dense matrix."""

@@ -19,15 +19,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import BoolArray, FloatArray, IntArray
 from ..graph.haptic_graph import HapticGraph, NodeKind, distances
 from ..scene.bands import BAND_COUNT
 from .elimination import Elimination, eliminated
 from .exact.bridge_decomposition import patches_of
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 REGIONS = 256
 """Regions of one object at most."""
@@ -116,7 +113,7 @@ def _near(
     sides: int,
     damping: FloatArray,
     total: FloatArray,
-    alive: NDArray[np.bool_],
+    alive: BoolArray,
     listeners: FloatArray,
     band: int | None,
     level: FloatArray,
@@ -240,7 +237,7 @@ def _centres(graph: HapticGraph, contacts: IntArray, of_node: IntArray, count: i
 
 
 def _couplings(
-    graph: HapticGraph, regions: Regions, damping: FloatArray, alive: NDArray[np.bool_], band: int | None
+    graph: HapticGraph, regions: Regions, damping: FloatArray, alive: BoolArray, band: int | None
 ) -> tuple[IntArray, IntArray, FloatArray, bool]:
     """Both directions of every coupling: row, column and value; and whether a transmission above 1 was taken as 1."""
     nodes = np.flatnonzero(graph.partner >= 0)

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray, IntArray
 from ..contacts.gain_bound import Reach
 from ..graph.haptic_graph import ObjectTable
 from ..scene.functions import ModulationFunction
 from ..scene.values import Mode, Settings, Strategy
 from .modes import DISTANCE_ONLY
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _FAR = 1e6
 """Metres within which a designer's formula is bounded."""

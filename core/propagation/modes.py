@@ -5,14 +5,11 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import BoolArray, FloatArray
 from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.functions import Exponential
 from .result import Propagation
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 DISTANCE_ONLY = Exponential(alpha=0.2)
 """The paper's distance-only function (equation 4)."""

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray, IntArray
 from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
 from .best_path import bounded_exp
@@ -25,9 +25,6 @@ from .exact.search_graph import band_factors, build_arena
 from .exact.walk_bounds import LARGEST, Bounds
 from .hop_constrained import layers
 from .shortest_paths import Labels, label
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 SLACK = 1e-9
 """Labels are rounded, so what they leave out is a little beyond the limit; the search then judges exactly."""

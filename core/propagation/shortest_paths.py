@@ -26,14 +26,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray, IntArray
 from ..graph.haptic_graph import HapticGraph
 from .connections import intra_costs
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 BATCH = 1 << 15
 """Connections relaxed in one vectorised step: enough to hide its overhead, few enough that later entries profit from earlier ones."""

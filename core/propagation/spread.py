@@ -11,17 +11,14 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray, IntArray
 from ..graph.haptic_graph import HapticGraph
 from ..scene.values import Settings
 from .best_path import ERROR_LIMIT, SLACK, crossings_of
 from .connections import amplifying, cost_limit
 from .hop_constrained import layers
 from .shortest_paths import label
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 ROWS_AT_ONCE = 1 << 20
 """Nodes of several sources are labelled together up to this number, a bound on memory."""

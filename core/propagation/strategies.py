@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import BoolArray, FloatArray
 from ..graph.haptic_graph import HapticGraph
 from ..scene.bands import BAND_COUNT
 from ..scene.values import Mode, Settings, SourceKind, Strategy
@@ -18,9 +18,6 @@ from .exact.walk_bounds import LARGEST
 from .modes import direct_gains, distance_only, localised, nearest_listener
 from .path_sums import PathSums, limited_sums, reach, unlimited_sums
 from .result import Propagation
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 BUDGET = 1_000_000
 """Default work per source (partial paths, states and transitions looked at): about a second where all of it is needed."""

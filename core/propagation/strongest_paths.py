@@ -15,14 +15,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray, IntArray
 from ..graph.haptic_graph import HapticGraph
 from .connections import intra_costs
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
 
 WALKED = 64
 """To look at so many nodes of the way so far takes about as long as one partial path does else."""

@@ -6,11 +6,9 @@ import math
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from ..scene.bands import BAND_EDGES
-
-Array = NDArray[np.float64]
 
 _PERIODS = 2
 """Half-length of a low-pass in periods of its edge: its transition is then about an octave wide."""
@@ -21,7 +19,7 @@ def bank_reach(sample_rate: float) -> int:
     return math.ceil(_PERIODS * sample_rate / BAND_EDGES[1])
 
 
-def low_pass(edge: float, sample_rate: float) -> Array:
+def low_pass(edge: float, sample_rate: float) -> FloatArray:
     """Return a linear-phase low-pass, shape (2 bank_reach + 1,), centred: a Hann-windowed sinc, gain 1 at 0 Hz and 1/2 at `edge` hertz."""
     reach = bank_reach(sample_rate)
     offsets = np.arange(-reach, reach + 1)
@@ -34,7 +32,7 @@ def low_pass(edge: float, sample_rate: float) -> Array:
 
 
 @lru_cache(maxsize=4096)
-def bank_response(frequency: float, sample_rate: float) -> Array:
+def bank_response(frequency: float, sample_rate: float) -> FloatArray:
     """Return the gains of the bands for a steady tone of `frequency` hertz, shape (6,). Symmetric filters turn no phase."""
     offsets = np.arange(-bank_reach(sample_rate), bank_reach(sample_rate) + 1)
     waves = np.cos(2 * np.pi / sample_rate * frequency * offsets)
@@ -44,7 +42,7 @@ def bank_response(frequency: float, sample_rate: float) -> Array:
     return response
 
 
-def split_bands(samples: Array, sample_rate: float) -> Array:
+def split_bands(samples: FloatArray, sample_rate: float) -> FloatArray:
     """Return the bands of `samples`, shape (6, n), where `samples`, shape (n + 2 bank_reach,), goes bank_reach further on either side.
 
     A band is the difference of two low-passes at its edges; the lowest has what is below it, the highest what is above. So the sum over
@@ -62,7 +60,7 @@ def split_bands(samples: Array, sample_rate: float) -> Array:
 
 
 @lru_cache(maxsize=16)
-def _low_pass_spectra(sample_rate: float, size: int) -> Array:
+def _low_pass_spectra(sample_rate: float, size: int) -> FloatArray:
     """Return the low-passes' spectra for transforms of `size`, centred on sample 0, where a symmetric filter's spectrum is real."""
     kernels = np.zeros((len(BAND_EDGES) - 2, size))
     for kernel, edge in zip(kernels, BAND_EDGES[1:-1], strict=True):

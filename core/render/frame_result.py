@@ -6,15 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from ..contacts.contact_set import ContactSet
 from ..contacts.tracker import Impact
 from ..graph.haptic_graph import HapticGraph
 from ..propagation import Propagation, objects_on
 from ..scene.values import Listener, Source
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from .frame_result import FrameResult
 from .still import still_samples
-
-FloatArray = NDArray[np.float64]
 
 SECONDS = 1.0
 STILL_SECONDS = 0.25

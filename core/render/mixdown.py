@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from ..propagation import Propagation
 from ..scene.values import Listener, Source, SourceKind
 from ..signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Signal
 from .mixing import MixingExpression, MixingMethod
 from .renderer import SAMPLE_RATE, ListenerMix, Renderer, Voice
-
-FloatArray = NDArray[np.float64]
 
 
 class Mixdown:

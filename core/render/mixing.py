@@ -9,14 +9,12 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from ..scene.functions import Finding
 from ..scene.functions.expression import CompiledExpression, ExpressionError, compile_expression
 
-Array = NDArray[np.float64]
-
-CustomMixing = Callable[[Array, Array], Array]
+CustomMixing = Callable[[FloatArray, FloatArray], FloatArray]
 """A designer's own method: signals, shape (n_signals, n), and their weights, shape (n_signals,), to one signal, shape (n,)."""
 
 MixingMethod = Literal["cumulative", "weighted", "strongest", "power"] | CustomMixing
@@ -47,9 +45,9 @@ class MixingExpression:
     def __post_init__(self) -> None:
         _compiled(self.expression)
 
-    def __call__(self, signals: Array, weights: Array) -> Array:
+    def __call__(self, signals: FloatArray, weights: FloatArray) -> FloatArray:
         """Return the formula's value at every sample, shape (n,); 0 where it has no finite one."""
-        values: dict[str, float | Array] = {
+        values: dict[str, float | FloatArray] = {
             "sum": cumulative(signals),
             "weighted": weighted(signals, weights),
             "strongest": strongest(signals),
@@ -74,7 +72,7 @@ def check_mixing(expression: str, s_max: float = 1.0) -> Finding | None:
     tones = np.sin(2.0 * np.pi * np.outer([3.0, 7.0], np.arange(200) / 200.0)) * np.array([[1.0], [0.5]])
     total = cumulative(tones)
     loudest = strongest(tones)
-    values: dict[str, float | Array] = {"sum": total, "weighted": total, "strongest": loudest, "power": power(tones), "s_max": s_max}
+    values: dict[str, float | FloatArray] = {"sum": total, "weighted": total, "strongest": loudest, "power": power(tones), "s_max": s_max}
     bad = ~np.isfinite(compiled.evaluate(np.zeros(200), values))
     if bad.any():
         return Finding(f"no finite value where sum is {total[bad][0]:.3g}: nothing is felt there", usable=True)
@@ -85,17 +83,17 @@ def check_mixing(expression: str, s_max: float = 1.0) -> Finding | None:
     return None
 
 
-def cumulative(signals: Array, s_max: float = math.inf) -> Array:
+def cumulative(signals: FloatArray, s_max: float = math.inf) -> FloatArray:
     """Return the sum over `signals`, shape (n_signals, n), where it is within ±s_max, else s_max with the sum's sign; shape (n,)."""
     return saturated(signals.sum(axis=0), s_max)
 
 
-def weighted(signals: Array, weights: Array, s_max: float = math.inf) -> Array:
+def weighted(signals: FloatArray, weights: FloatArray, s_max: float = math.inf) -> FloatArray:
     """Return the sum over `signals` times their priorities `weights`, shape (n_signals,), kept within ±s_max."""
     return saturated(weights @ signals, s_max)
 
 
-def strongest(signals: Array, s_max: float = math.inf) -> Array:
+def strongest(signals: FloatArray, s_max: float = math.inf) -> FloatArray:
     """Return, sample by sample, the signal of the greatest magnitude (the first of equals), kept within ±s_max; signals: (n_signals, ...).
 
     Where another signal of the opposite sign takes over, the result jumps: made for sources of which one hides the rest.
@@ -111,7 +109,7 @@ def strongest(signals: Array, s_max: float = math.inf) -> Array:
     return saturated(result, s_max)
 
 
-def power(signals: Array, s_max: float = math.inf) -> Array:
+def power(signals: FloatArray, s_max: float = math.inf) -> FloatArray:
     """Return the root of the sum of squares with the sign of the sum (+ where the sum is 0), kept within ±s_max; signals: (n_signals, ...).
 
     That is how unrelated vibrations add up in strength: never less than the strongest, never more than the sum of their magnitudes. One
@@ -120,12 +118,12 @@ def power(signals: Array, s_max: float = math.inf) -> Array:
     return saturated(np.copysign(np.sqrt(np.einsum("i...,i...->...", signals, signals)), signals.sum(axis=0) + 0.0), s_max)
 
 
-def saturated(total: Array, s_max: float | Array) -> Array:
+def saturated(total: FloatArray, s_max: float | FloatArray) -> FloatArray:
     """Return `total` where its magnitude is at most s_max, else s_max with its sign."""
     return np.clip(total, -s_max, s_max)
 
 
-def mixed(method: MixingMethod, signals: Array, weights: Array) -> Array:
+def mixed(method: MixingMethod, signals: FloatArray, weights: FloatArray) -> FloatArray:
     """Return the mix of `signals`, shape (n_signals, n), by `method`, without a limit; silence if there are none.
 
     `strongest` and `power` take further dimensions, (n_signals, ...), at once.
@@ -161,7 +159,7 @@ class Limiter:
     s_max: shape (n_channels,), positive. Output lags input by `latency` samples.
     """
 
-    def __init__(self, s_max: Array, sample_rate: float) -> None:
+    def __init__(self, s_max: FloatArray, sample_rate: float) -> None:
         self.latency = max(round(LOOK_AHEAD * sample_rate), 1)
         self._s_max = np.asarray(s_max, dtype=np.float64)[:, None]
         self._window = self.latency + 1 + round(HOLD * sample_rate)
@@ -177,12 +175,12 @@ class Limiter:
         self._needed = np.ones((channels, self._window - 1))
         self._held = np.ones((channels, self.latency))
 
-    def process(self, block: Array) -> Array:
+    def process(self, block: FloatArray) -> FloatArray:
         """Return the next samples out for the next samples in, both of shape (n_channels, n)."""
         pieces = [self._process(block[:, begin : begin + _RUN]) for begin in range(0, block.shape[1], _RUN)]
         return np.concatenate(pieces, axis=1) if pieces else block.copy()
 
-    def _process(self, block: Array) -> Array:
+    def _process(self, block: FloatArray) -> FloatArray:
         count = block.shape[1]
         delayed = np.concatenate((self._input, block), axis=1)
         self._input = delayed[:, count:]
@@ -198,14 +196,14 @@ class Limiter:
         gain[np.abs(gain - 1.0) < 1e-12] = 1.0
         return saturated(delayed[:, :count] * gain, self._s_max)
 
-    def _released(self, gain: Array, before: Array) -> Array:
+    def _released(self, gain: FloatArray, before: FloatArray) -> FloatArray:
         """Return the lower of the gain and of where any earlier one has risen to meanwhile, exponentially and at most to 1."""
         age = np.arange(1, gain.shape[1] + 1) * self._rise
         lowest = np.minimum.accumulate(np.concatenate((before, gain * np.exp(-age)), axis=1), axis=1)[:, 1:]
         return np.asarray(np.minimum(lowest * np.exp(age), 1.0))
 
 
-def _sliding_minimum(values: Array, width: int) -> Array:
+def _sliding_minimum(values: FloatArray, width: int) -> FloatArray:
     """Return the minimum over each run of `width` columns, by doubling the width."""
     span = 1
     while 2 * span <= width:

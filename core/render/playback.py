@@ -9,13 +9,11 @@ from __future__ import annotations
 from collections.abc import Hashable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from .frame_result import FrameResult
 from .mixdown import listener_mixes, source_voices
 from .renderer import ListenerMix, Renderer, Voice, sample_index
-
-FloatArray = NDArray[np.float64]
 
 GRAIN = 0.100
 """Seconds that a frame is felt for when it is scrubbed to."""

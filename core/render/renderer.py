@@ -14,16 +14,14 @@ from itertools import repeat
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import BoolArray, FloatArray
 from ..scene.bands import BAND_COUNT
 from ..signals import Sampled, Signal, Sine, Track
 from ..signals.interpolation import ZERO_CROSSINGS, local_polynomials
 from .filter_bank import bank_reach, bank_response, split_bands
 from .mixing import Limiter, MixingMethod, mixed
 from .tone_paths import TonePaths
-
-Array = NDArray[np.float64]
 
 SAMPLE_RATE = 8000.0
 MAX_GAIN = 1e6
@@ -79,10 +77,10 @@ class Voice(NamedTuple):
 
     key: Hashable
     signal: Signal
-    gains: Array
+    gains: FloatArray
     onset: float = 0.0
     amplitude: float = 1.0
-    delays: Array | None = None
+    delays: FloatArray | None = None
     priority: float = 1.0
 
 
@@ -124,7 +122,7 @@ class Renderer:
         if self._limiter:
             self._limiter.reset()
 
-    def render_frame(self, start: float, end: float, voices: Sequence[Voice]) -> Array:
+    def render_frame(self, start: float, end: float, voices: Sequence[Voice]) -> FloatArray:
         """Return the samples n with start <= n / sample_rate < end (seconds, at most 60 apart), shape (n_listeners, n_samples).
 
         Gains reach those of `voices` at `end`. Frames follow each other without a gap, else call `reset` first.
@@ -145,7 +143,7 @@ class Renderer:
                     self._streams[stream.key] = stream
         return self._limiter.process(block) if self._limiter else block
 
-    def flush(self) -> Array:
+    def flush(self) -> FloatArray:
         """Return the last `latency` samples, shape (n_listeners, latency)."""
         empty = np.zeros((len(self.listeners), self.latency))
         return self._limiter.process(empty) if self._limiter else empty
@@ -223,7 +221,7 @@ class Renderer:
         priority = part.stream.priority if part.voice is None else part.voice.priority
         return self.listeners[listener].priorities.get(part.stream.key, priority)
 
-    def _mix(self, groups: list[_DirectPaths | _DelayedPaths | _SteadyPaths], count: int) -> Array:
+    def _mix(self, groups: list[_DirectPaths | _DelayedPaths | _SteadyPaths], count: int) -> FloatArray:
         """Return the listeners' mixes, shape (n_listeners, count), cut at s_max where no limiter takes care of that."""
         total = groups[0].summed() if groups else np.zeros((len(self.listeners), count))
         for group in groups[1:]:
@@ -241,7 +239,7 @@ class Renderer:
         return np.maximum(total, -self._cut, out=total)
 
 
-def bake(renderer: Renderer, frames: Iterable[tuple[float, float, Sequence[Voice]]]) -> Array:
+def bake(renderer: Renderer, frames: Iterable[tuple[float, float, Sequence[Voice]]]) -> FloatArray:
     """Return all samples of consecutive `frames` (start, end, voices), shape (n_listeners, n_samples), the renderer's latency taken out.
 
     But for that it is, sample for sample, what the same frames give when they are played.
@@ -259,8 +257,8 @@ class _Frame:
     end: float
     first: int
     last: int
-    times: Array
-    ramp: Array
+    times: FloatArray
+    ramp: FloatArray
 
     @property
     def count(self) -> int:
@@ -310,7 +308,7 @@ class _Stream:
         """Whether there is anything of the signal from start to end (seconds)."""
         return self.onset < end and start < self.end
 
-    def rows(self, first: int, last: int) -> Array:
+    def rows(self, first: int, last: int) -> FloatArray:
         """Return samples first to last - 1 of the signal, shape (1, n), or of its bands, shape (6, n)."""
         begin, known = self._first, self._first + self._known.shape[1]
         if not begin <= first <= known:
@@ -323,7 +321,7 @@ class _Stream:
             self._first = kept
         return self._known[:, first - self._first : last - self._first]
 
-    def _sampled(self, first: int, last: int) -> Array:
+    def _sampled(self, first: int, last: int) -> FloatArray:
         if self.row_count == 1:
             return self.signal.sample(first, last - first, self.sample_rate, self.onset)[None, :]
         reach = bank_reach(self.sample_rate)
@@ -346,10 +344,10 @@ class _Group:
     """Parts of one kind and their gains at a frame's start and end, shape (n_parts, n_listeners) or (n_parts, n_listeners, 6)."""
 
     parts: list[_Part]
-    before: Array
-    gains: Array
-    delays_before: Array | None
-    delays: Array | None
+    before: FloatArray
+    gains: FloatArray
+    delays_before: FloatArray | None
+    delays: FloatArray | None
 
     def chosen(self, index: list[int]) -> _Group:
         """Return some of the parts."""
@@ -377,14 +375,14 @@ class _DirectPaths:
         self._gains[:, 0] = before.reshape(count, before.shape[1], row_count)
         np.subtract(after.reshape(self._gains[:, 0].shape), self._gains[:, 0], out=self._gains[:, 1])
 
-    def summed(self) -> Array:
+    def summed(self) -> FloatArray:
         """Return the sum over voices, shape (n_listeners, n)."""
         parts, _, listeners, row_count = self._gains.shape
         gains = self._gains.transpose(1, 2, 0, 3).reshape(2 * listeners, parts * row_count)
         both = gains @ self._rows.reshape(parts * row_count, self._rows.shape[2])
         return np.asarray(both[:listeners] + both[listeners:] * self._ramp)
 
-    def at_listeners(self, listeners: list[int]) -> Array:
+    def at_listeners(self, listeners: list[int]) -> FloatArray:
         """Return the voices as they reach some listeners, shape (n_voices, n_chosen, n)."""
         gains = np.concatenate((self._gains[:, 0, listeners], self._gains[:, 1, listeners]), axis=2)
         voices = _scratch(len(self.parts), len(listeners), len(self._ramp))
@@ -413,12 +411,12 @@ class _DelayedPaths:
             travel = _travelled_between_samples if stream.row_count > 1 or stream.is_recorded else _travelled
             voice[paths] = travel(stream, frame.times - delays, before, group.gains[index, paths] - before, frame.ramp)
 
-    def summed(self) -> Array:
+    def summed(self) -> FloatArray:
         """Return the sum over voices, shape (n_listeners, n)."""
-        total: Array = self._voices.sum(axis=0)
+        total: FloatArray = self._voices.sum(axis=0)
         return total
 
-    def at_listeners(self, listeners: list[int]) -> Array:
+    def at_listeners(self, listeners: list[int]) -> FloatArray:
         """Return the voices as they reach some listeners, shape (n_voices, n_chosen, n)."""
         return self._voices[:, listeners]
 
@@ -448,22 +446,22 @@ class _SteadyPaths:
         step = frequency * (1.0 / rate - lag_step)
         self._paths = TonePaths(start.T, step.T, (before + change * ramp).T, change.T * ramp_step, count)
 
-    def summed(self) -> Array:
+    def summed(self) -> FloatArray:
         """Return the sum over voices, shape (n_listeners, n)."""
         return self._paths.summed()
 
-    def at_listeners(self, listeners: list[int]) -> Array:
+    def at_listeners(self, listeners: list[int]) -> FloatArray:
         """Return the voices as they reach some listeners, shape (n_voices, n_chosen, n)."""
         return self._paths.at_listeners(listeners)
 
 
-def _travelled(stream: _Stream, times: Array, before: Array, change: Array, ramp: Array) -> Array:
+def _travelled(stream: _Stream, times: FloatArray, before: FloatArray, change: FloatArray, ramp: FloatArray) -> FloatArray:
     """Return a signal at `times`, shape (n_paths, n), times gains that go from `before`, shape (n_paths,), by `change` along the ramp."""
     values = stream.signal.at(times.ravel() - stream.onset, 1.0 / stream.sample_rate).reshape(times.shape)
     return (before[:, None] + change[:, None] * ramp) * values
 
 
-def _travelled_between_samples(stream: _Stream, times: Array, before: Array, change: Array, ramp: Array) -> Array:
+def _travelled_between_samples(stream: _Stream, times: FloatArray, before: FloatArray, change: FloatArray, ramp: FloatArray) -> FloatArray:
     """The same from samples, with one gain or with gains by band, shape (n_paths, 6): what samples weigh is added first."""
     positions = times * stream.sample_rate
     first = math.floor(np.min(positions)) - ZERO_CROSSINGS
@@ -501,7 +499,7 @@ class _Scratch(threading.local):
 _scratches = _Scratch()
 
 
-def _scratch(*shape: int) -> Array:
+def _scratch(*shape: int) -> FloatArray:
     """Return an array with anything in it, which is good until the next call in this thread."""
     size = math.prod(shape)
     if size > len(_scratches.room):
@@ -533,7 +531,7 @@ def _paths(frame: _Frame, group: _Group) -> list[_DirectPaths | _DelayedPaths | 
     return paths
 
 
-def _longest_delays(group: _Group) -> Array:
+def _longest_delays(group: _Group) -> FloatArray:
     """Return the longest delay of each part in the frame, of what is heard, shape (n_parts,)."""
     if group.delays is None or group.delays_before is None:
         return np.zeros(len(group.parts))
@@ -541,7 +539,7 @@ def _longest_delays(group: _Group) -> Array:
     return np.asarray(np.where(heard, np.maximum(group.delays_before, group.delays), 0.0).max(axis=1, initial=0.0))
 
 
-def _powers(base: Array, count: int) -> Array:
+def _powers(base: FloatArray, count: int) -> FloatArray:
     """Return base^0 to base^(count - 1) in a new last axis."""
     powers = np.empty((*base.shape, count))
     powers[..., 0] = 1.0
@@ -572,6 +570,6 @@ def _steady_tone(signal: Signal, sample_rate: float) -> Sine | None:
     return signal if signal.frequency < sample_rate / 2 else None
 
 
-def _heard(gains: Array) -> NDArray[np.bool_]:
+def _heard(gains: FloatArray) -> BoolArray:
     """Return where a voice reaches a listener, shape (n_parts, n_listeners)."""
     return np.asarray(gains != 0.0 if gains.ndim == 2 else (gains != 0.0).any(axis=2))

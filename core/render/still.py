@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from .frame_result import FrameResult
 from .mixdown import listener_mixes, source_voices
 from .renderer import Renderer
-
-FloatArray = NDArray[np.float64]
 
 
 def still_samples(result: FrameResult, seconds: float) -> FloatArray:

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..arrays import FloatArray
 
 
 class TonePaths:
@@ -23,7 +23,7 @@ class TonePaths:
     (n_listeners, n_voices).
     """
 
-    def __init__(self, start: Array, step: Array, gain: Array, gain_step: Array, count: int) -> None:
+    def __init__(self, start: FloatArray, step: FloatArray, gain: FloatArray, gain_step: FloatArray, count: int) -> None:
         self._count = count
         width = max(math.isqrt(count), 1)
         runs = -(-count // width)
@@ -45,7 +45,7 @@ class TonePaths:
         self._places[:, :, 0], self._places[:, :, 1] = fine.real.transpose(1, 0, 2), fine.imag.transpose(1, 0, 2)
         np.multiply(self._places[:, :, :2], np.arange(width)[:, None, None], out=self._places[:, :, 2:])
 
-    def summed(self) -> Array:
+    def summed(self) -> FloatArray:
         """Return the sum over voices, shape (n_listeners, count)."""
         listeners, runs, terms, voices = self._runs.shape
         alike, width = self._places.shape[:2]
@@ -53,7 +53,7 @@ class TonePaths:
         sums = self._runs.reshape(listeners, runs, terms * voices) @ places
         return np.asarray(sums.reshape(listeners, runs * width)[:, : self._count])
 
-    def at_listeners(self, chosen: list[int]) -> Array:
+    def at_listeners(self, chosen: list[int]) -> FloatArray:
         """Return the voices as they reach some listeners, shape (n_voices, n_chosen, count)."""
         _, runs, _, voices = self._runs.shape
         places = self._places if len(self._places) == 1 else self._places[chosen]
@@ -61,7 +61,7 @@ class TonePaths:
         return each.reshape(voices, len(chosen), runs * self._places.shape[1])[:, :, : self._count]
 
 
-def _turn(cycles: Array) -> NDArray[np.complex128]:
+def _turn(cycles: FloatArray) -> NDArray[np.complex128]:
     """Return e^{2πi cycles}."""
     angle = (2 * np.pi) * (cycles - np.floor(cycles))
     turn = np.empty(angle.shape, dtype=np.complex128)

@@ -7,11 +7,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from .body import BODY_PARTS, BodyPart
 
-Point = NDArray[np.float64]
+Point = FloatArray
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from .limits import MAX_SECONDS, checked_number
-
-Array = NDArray[np.float64]
 
 
 class Track:
@@ -22,10 +21,10 @@ class Track:
 
     __slots__ = ("_areas", "_origin", "_slopes", "times", "values")
 
-    times: Array
-    values: Array
+    times: FloatArray
+    values: FloatArray
 
-    def __init__(self, times: Sequence[float] | Array, values: Sequence[float] | Array) -> None:
+    def __init__(self, times: Sequence[float] | FloatArray, values: Sequence[float] | FloatArray) -> None:
         self.times = _column("times", times, MAX_SECONDS)
         self.values = _column("values", values, 1e9)
         if len(self.times) != len(self.values):
@@ -41,7 +40,7 @@ class Track:
         self._origin = 0.0
         self._origin = float(self.integral(np.zeros(1))[0])
 
-    def at(self, times: Array) -> Array:
+    def at(self, times: FloatArray) -> FloatArray:
         """Return the values at `times` (seconds, any shape)."""
         segment = self._common_segment(times)
         if segment is not None:
@@ -52,7 +51,7 @@ class Track:
         index, since = self._locate(times)
         return np.asarray(self.values[index] + self._slopes[index] * np.maximum(since, 0.0))
 
-    def integral(self, times: Array) -> Array:
+    def integral(self, times: FloatArray) -> FloatArray:
         """Return the integral from 0 to each of `times`, exact for straight lines."""
         segment = self._common_segment(times)
         if segment is not None:
@@ -62,7 +61,7 @@ class Track:
         index, since = self._locate(times)
         return self._areas[index] + since * (self.values[index] + self._slopes[index] * np.maximum(since, 0.0) / 2) - self._origin
 
-    def _common_segment(self, times: Array) -> int | None:
+    def _common_segment(self, times: FloatArray) -> int | None:
         """Return the number of the key that all of `times` follow, None where they follow several."""
         if len(self.times) == 1:
             return 0
@@ -71,7 +70,7 @@ class Track:
         first, last = np.searchsorted(self.times, (times.min(), times.max()), side="right").tolist()
         return max(first - 1, 0) if max(first, 1) == max(last, 1) else None
 
-    def _locate(self, times: Array) -> tuple[NDArray[np.intp], Array]:
+    def _locate(self, times: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
         index = np.maximum(np.searchsorted(self.times, times, side="right") - 1, 0)
         return index, times - self.times[index]
 
@@ -106,12 +105,12 @@ def largest(parameter: float | Track) -> float:
     return float(np.max(np.abs(parameter.values))) if isinstance(parameter, Track) else abs(parameter)
 
 
-def values_of(parameter: float | Track, times: Array) -> float | Array:
+def values_of(parameter: float | Track, times: FloatArray) -> float | FloatArray:
     """Return a number as it is, or a track's values at `times`."""
     return parameter.at(times) if isinstance(parameter, Track) else parameter
 
 
-def _column(name: str, numbers: Sequence[float] | Array, limit: float) -> Array:
+def _column(name: str, numbers: Sequence[float] | FloatArray, limit: float) -> FloatArray:
     try:
         column = np.array(numbers, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):

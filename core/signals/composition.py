@@ -8,7 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from .automation import Array, Track, checked_parameter, largest, values_of
+from ..arrays import FloatArray
+from .automation import Track, checked_parameter, largest, values_of
 from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_integer, checked_number
 from .signal import Signal
 
@@ -35,10 +36,10 @@ class Gain(Signal):
     def peak(self) -> float:
         return self.of.peak * largest(self.gain)
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         return self.of.values(times, step) * values_of(self.gain, times)
 
-    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> Array:
+    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
         samples = self.of.sample(start, count, sample_rate, onset)
         if isinstance(self.gain, Track):
             return samples * self.gain.at(np.arange(start, start + count) / sample_rate - onset)
@@ -66,7 +67,7 @@ class Delay(Signal):
     def peak(self) -> float:
         return self.of.peak
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         return self.of.at(times - self.seconds, step)
 
 
@@ -93,13 +94,13 @@ class Product(Signal):
     def peak(self) -> float:
         return math.prod(factor.peak for factor in self.of)
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         result = self.of[0].values(times, step)
         for factor in self.of[1:]:
             result = result * factor.values(times, step)
         return result
 
-    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> Array:
+    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
         result = self.of[0].sample(start, count, sample_rate, onset)
         for factor in self.of[1:]:
             result *= factor.sample(start, count, sample_rate, onset)
@@ -126,13 +127,13 @@ class Sum(Signal):
     def peak(self) -> float:
         return sum(term.peak for term in self.of)
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         result = self.of[0].at(times, step)
         for term in self.of[1:]:
             result = result + term.at(times, step)
         return result
 
-    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> Array:
+    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
         result = self.of[0].sample(start, count, sample_rate, onset)
         for term in self.of[1:]:
             result += term.sample(start, count, sample_rate, onset)
@@ -160,7 +161,7 @@ class Sequence(Signal):
     def peak(self) -> float:
         return max(part.peak for part in self.of)
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         result = np.empty(times.shape)
         ends = np.cumsum([part.duration for part in self.of])
         which = np.minimum(np.searchsorted(ends, times, side="right"), len(self.of) - 1)
@@ -206,7 +207,7 @@ class Loop(Signal):
     def peak(self) -> float:
         return self.of.peak
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         period = self.period
         passes = np.floor(times / period)
         if self.count is not None:
@@ -221,7 +222,7 @@ class Loop(Signal):
         return result
 
 
-def _inside(signal: Signal, times: Array, step: float) -> Array:
+def _inside(signal: Signal, times: FloatArray, step: float) -> FloatArray:
     """Return the signal's values at times that are inside but for rounding."""
     return signal.values(np.clip(times, 0.0, np.nextafter(signal.duration, 0.0)), step)
 

@@ -9,7 +9,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from .automation import Array, Track, checked_parameter, largest
+from ..arrays import FloatArray
+from .automation import Track, checked_parameter, largest
 from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
 from .signal import Signal
 
@@ -35,7 +36,7 @@ class Constant(Signal):
     def peak(self) -> float:
         return abs(self.value)
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         return np.full(times.shape, self.value)
 
 
@@ -71,7 +72,7 @@ class Adsr(Signal):
     def peak(self) -> float:
         return 1.0
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         sustained = _rise_and_fall(self.attack, self.decay, self.sustain).at(times)
         if self.hold == math.inf:
             return sustained
@@ -111,7 +112,7 @@ class Keyed(Signal):
     def peak(self) -> float:
         return largest(self.track)
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         return self.track.at(times)
 
 
@@ -134,5 +135,5 @@ class Decay(Signal):
     def peak(self) -> float:
         return 1.0
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         return np.exp(times / -self.time_constant)

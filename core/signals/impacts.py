@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .automation import Array
+from ..arrays import FloatArray
 from .envelopes import SILENCE
 from .limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
 from .signal import Signal
@@ -36,7 +36,7 @@ class Impulse(Signal):
     def peak(self) -> float:
         return abs(self.amplitude)
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         return self.amplitude * sine(times * (0.5 / self.width))
 
 
@@ -66,7 +66,7 @@ class DecayingSine(Signal):
     def peak(self) -> float:
         return abs(self.amplitude)
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         if self.frequency * step >= 0.5:
             return np.zeros(times.shape)
         result = np.exp(times / -self.decay)

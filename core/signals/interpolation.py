@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from .automation import Array
+from ..arrays import FloatArray
 
 ZERO_CROSSINGS = 16
 """Half-width of the kernel in samples of the lower of the two rates."""
@@ -21,7 +21,7 @@ _BATCH = 1 << 19
 _TERMS = 9
 
 
-def kernel_weights(phases: Array, stretch: float = 1.0) -> Array:
+def kernel_weights(phases: FloatArray, stretch: float = 1.0) -> FloatArray:
     """Return the weights of the samples around positions that lie `phases` (0 to 1, shape (n,)) beyond a sample; each row sums to 1.
 
     Shape (n, 2 reach) with reach = ceil(16 stretch): the weights of samples 1 - reach to reach, counted from the sample before.
@@ -34,7 +34,7 @@ def kernel_weights(phases: Array, stretch: float = 1.0) -> Array:
     return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
 
-def interpolate(samples: Array, positions: Array, stretch: float = 1.0) -> Array:
+def interpolate(samples: FloatArray, positions: FloatArray, stretch: float = 1.0) -> FloatArray:
     """Return the band-limited values of `samples`, shape (k, m), silent beyond their ends, at `positions`, shape (n,), in samples.
 
     Shape (k, n). Positions are rounded to 2^-20 of a sample, so that one that is a sample but for rounding has that sample's value.
@@ -48,7 +48,7 @@ def interpolate(samples: Array, positions: Array, stretch: float = 1.0) -> Array
     return result
 
 
-def _interpolated(samples: Array, positions: Array, stretch: float) -> Array:
+def _interpolated(samples: FloatArray, positions: FloatArray, stretch: float) -> FloatArray:
     reach = math.ceil(ZERO_CROSSINGS * stretch)
     # Beyond the ends there is nothing to find: one kernel away is as far as any.
     wanted = np.round(np.clip(positions, -reach - 0.5, samples.shape[1] + reach - 0.5) * _GRID) / _GRID
@@ -70,7 +70,7 @@ def _interpolated(samples: Array, positions: Array, stretch: float) -> Array:
     return np.asarray(np.einsum("knt,nt->kn", windows, _table_weights(phase, stretch)))
 
 
-def local_polynomials(samples: Array) -> Array:
+def local_polynomials(samples: FloatArray) -> FloatArray:
     """Return polynomials for the values between `samples`, shape (k, m), m >= 32: shape (k, m - 31, 9).
 
     The value at position i + 15 + p, with 0 <= p < 1, is the sum over d of result[:, i, d] (2 p - 1)^d. They hold the same kernel as
@@ -81,14 +81,14 @@ def local_polynomials(samples: Array) -> Array:
 
 
 @lru_cache(maxsize=1)
-def _kernel_polynomials() -> Array:
+def _kernel_polynomials() -> FloatArray:
     """Return the kernel's weights as polynomials in 2 p - 1 that fit at the Chebyshev nodes, shape (32, 9)."""
     nodes = np.cos(np.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
     weights = kernel_weights((nodes + 1.0) / 2.0)
     return np.asarray(np.linalg.solve(np.vander(nodes, _TERMS, increasing=True), weights)).T.copy()
 
 
-def resample(samples: Array, rate: float, new_rate: float) -> Array:
+def resample(samples: FloatArray, rate: float, new_rate: float) -> FloatArray:
     """Return `samples`, shape (n,), at `new_rate` instead of `rate` (hertz), shape (ceil(n · new_rate / rate),), by libsoxr.
 
     Sample 0 stays where it is. What the new rate cannot carry is filtered out. Raises ValueError for rates that are too far apart.
@@ -106,7 +106,7 @@ def resample(samples: Array, rate: float, new_rate: float) -> Array:
     return np.pad(result, (0, count - len(result)))
 
 
-def _table_weights(phase: Array, stretch: float) -> Array:
+def _table_weights(phase: FloatArray, stretch: float) -> FloatArray:
     table = _table(stretch)
     position = phase * (len(table) - 1)
     row = position.astype(np.intp)
@@ -115,5 +115,5 @@ def _table_weights(phase: Array, stretch: float) -> Array:
 
 
 @lru_cache(maxsize=8)
-def _table(stretch: float) -> Array:
+def _table(stretch: float) -> FloatArray:
     return kernel_weights(np.linspace(0.0, 1.0, max(math.ceil(_PHASES / stretch), 16) + 1), stretch)

@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .automation import Array, Track, checked_parameter, largest, values_of
+from ..arrays import FloatArray
+from .automation import Track, checked_parameter, largest, values_of
 from .limits import MAX_PEAK, checked_integer, checked_number
 from .signal import Signal
 
@@ -42,7 +43,7 @@ class Noise(Signal):
     def peak(self) -> float:
         return largest(self.amplitude)
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         position = times * self.rate
         whole = np.floor(position)
         share = position - whole
@@ -76,7 +77,7 @@ def splitmix64(seed: int, index: NDArray[np.uint64]) -> NDArray[np.uint64]:
     return mixed
 
 
-def _uniform(bits: NDArray[np.uint64]) -> Array:
+def _uniform(bits: NDArray[np.uint64]) -> FloatArray:
     """Return the upper 53 bits as a number in [-1, 1)."""
     numbers = (bits >> np.uint64(11)).astype(np.float64)
     numbers *= 2.0**-52

@@ -9,7 +9,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from .automation import Array, Track, checked_parameter, largest, values_of
+from ..arrays import FloatArray
+from .automation import Track, checked_parameter, largest, values_of
 from .limits import MAX_FREQUENCY, MAX_PEAK, checked_number
 from .signal import Signal
 from .sine import sine
@@ -48,10 +49,10 @@ class Oscillator(Signal):
     def peak(self) -> float:
         return largest(self.amplitude)
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         aliases = largest(self.frequency) * step >= 0.5
         if isinstance(self.frequency, Track):
-            width: float | Array = self.frequency.at(times) * step if self.has_edges or aliases else 0.0
+            width: float | FloatArray = self.frequency.at(times) * step if self.has_edges or aliases else 0.0
             cycles = self.frequency.integral(times)
         else:
             width = self.frequency * step
@@ -66,7 +67,7 @@ class Oscillator(Signal):
         return result
 
     @abstractmethod
-    def wave(self, cycles: Array, width: float | Array) -> Array:
+    def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         """Return the wave at phase `cycles`, averaged over `width` cycles around it where it has edges or corners."""
 
 
@@ -77,10 +78,10 @@ class Sine(Oscillator):
     kind: ClassVar[str] = "sine"
     has_edges: ClassVar[bool] = False
 
-    def wave(self, cycles: Array, width: float | Array) -> Array:
+    def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         return sine(cycles)
 
-    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> Array:
+    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
         if isinstance(self.frequency, Track) or not self.frequency < sample_rate / 2 or start / sample_rate < onset or count < 1:
             return Oscillator.sample(self, start, count, sample_rate, onset)
         # A steady tone by sin(a + b) = sin a cos b + cos a sin b: a at every 64th sample of the clock, b at the 64 from there on.
@@ -102,7 +103,7 @@ class Square(Oscillator):
 
     kind: ClassVar[str] = "square"
 
-    def wave(self, cycles: Array, width: float | Array) -> Array:
+    def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         to_edge = _distance(cycles - 0.25) - 0.25
         return np.asarray(np.clip(-2 * to_edge / np.maximum(width, 1e-9), -1.0, 1.0))
 
@@ -113,7 +114,7 @@ class Triangle(Oscillator):
 
     kind: ClassVar[str] = "triangle"
 
-    def wave(self, cycles: Array, width: float | Array) -> Array:
+    def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         from_top = _distance(cycles - 0.25)
         width = np.maximum(width, 1e-9)
         top = np.maximum(width / 2 - from_top, 0.0)
@@ -127,7 +128,7 @@ class Saw(Oscillator):
 
     kind: ClassVar[str] = "saw"
 
-    def wave(self, cycles: Array, width: float | Array) -> Array:
+    def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         from_edge = cycles - np.round(cycles)
         return 2 * from_edge - np.clip(2 * from_edge / np.maximum(width, 1e-9), -1.0, 1.0)
 
@@ -144,7 +145,7 @@ class Pulse(Oscillator):
         Oscillator.__post_init__(self)
         object.__setattr__(self, "duty", checked_number("duty", self.duty, 0.0, 1.0))
 
-    def wave(self, cycles: Array, width: float | Array) -> Array:
+    def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         half = self.duty / 2
         from_centre = _distance(cycles - half)
         width = np.maximum(width, 1e-6)
@@ -154,6 +155,6 @@ class Pulse(Oscillator):
         return np.asarray(np.minimum((this + following) / width, 1.0))
 
 
-def _distance(cycles: Array) -> Array:
+def _distance(cycles: FloatArray) -> FloatArray:
     """Return the distance to the nearest whole number, from 0 to 0.5."""
     return np.abs(cycles - np.round(cycles))

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .automation import Array
+from ..arrays import FloatArray
 from .interpolation import interpolate
 from .limits import MAX_PEAK, checked_number
 from .signal import Signal
@@ -26,7 +26,7 @@ class Sampled(Signal):
 
     kind: ClassVar[str] = "sampled"
 
-    samples: Array
+    samples: FloatArray
     rate: float = 8000.0
     peak: float = field(init=False, repr=False)
 
@@ -40,7 +40,7 @@ class Sampled(Signal):
     def duration(self) -> float:
         return len(self.samples) / self.rate
 
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         return np.asarray(interpolate(self.samples[None, :], times * self.rate, max(1.0, step * self.rate))[0])
 
     def __eq__(self, other: object) -> bool:
@@ -52,7 +52,7 @@ class Sampled(Signal):
         return hash((self.rate, self.samples.tobytes()))
 
 
-def _checked_samples(numbers: Sequence[float] | Array) -> Array:
+def _checked_samples(numbers: Sequence[float] | FloatArray) -> FloatArray:
     try:
         samples = np.array(numbers, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):

@@ -8,15 +8,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from .automation import Array, Track
+from ..arrays import FloatArray
+from .automation import Track
 
 
-def sample_times(start: int, count: int, sample_rate: float, onset: float) -> Array:
+def sample_times(start: int, count: int, sample_rate: float, onset: float) -> FloatArray:
     """Return the times of samples `start` to `start + count - 1` since `onset`, shape (count,), not to be written to."""
     return (_known_times if count <= _SHORT else _times)(start, count, sample_rate, onset)
 
 
-def _times(start: int, count: int, sample_rate: float, onset: float) -> Array:
+def _times(start: int, count: int, sample_rate: float, onset: float) -> FloatArray:
     times = np.arange(start, start + count) / sample_rate - onset
     times.setflags(write=False)
     return times
@@ -49,13 +50,13 @@ class Signal(ABC):
         """A bound that no sample exceeds in magnitude."""
 
     @abstractmethod
-    def values(self, times: Array, step: float) -> Array:
+    def values(self, times: FloatArray, step: float) -> FloatArray:
         """Return the values at `times`, all within [0, duration), for samples that are `step` seconds apart.
 
         A value depends on its own time alone. `step` tells what the samples can carry: what would alias is left out.
         """
 
-    def at(self, times: Array, step: float) -> Array:
+    def at(self, times: FloatArray, step: float) -> FloatArray:
         """Return the values at `times` (seconds from the signal's beginning, shape (n,), any order): zero outside [0, duration)."""
         if times.size == 0:
             return np.zeros(0)
@@ -68,7 +69,7 @@ class Signal(ABC):
             result[inside] = self.values(times[inside], step)
         return result
 
-    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> Array:
+    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
         """Return samples `start` to `start + count - 1`, shape (count,).
 
         Sample n lies at n / sample_rate seconds on a clock on which the signal begins at `onset` (any real number: no rounding to samples).

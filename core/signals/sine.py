@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .automation import Array
+from ..arrays import FloatArray
 
 # sin(2π q) / q in powers of q², the highest first: Chebyshev's fit on |q| <= 1/4, to 7e-16.
 _COEFFICIENTS = (
@@ -13,7 +13,7 @@ _COEFFICIENTS = (
 )  # fmt: skip
 
 
-def sine(cycles: Array) -> Array:
+def sine(cycles: FloatArray) -> FloatArray:
     """Return sin(2π cycles), shape (n,), with an absolute error below 1e-15 beside the rounding of `cycles`."""
     # sin(2π c) = sin(2π q) with q = |frac(c - 1/4) - 1/2| - 1/4, which is within ±1/4.
     quarter = cycles - 0.25

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .automation import Array
+from ..arrays import FloatArray
 from .interpolation import resample
 from .sampled import MAX_SAMPLES, Sampled
 
@@ -36,7 +36,7 @@ def read_wav(path: str | Path, sample_rate: float = 8000.0) -> Sampled:
         raise ValueError(f"{path}: {error}") from None
 
 
-def decoded_wav(data: bytes) -> tuple[Array, float]:
+def decoded_wav(data: bytes) -> tuple[FloatArray, float]:
     """Return the samples, shape (n,) with n >= 1, channels averaged, and the sample rate of a WAV file's bytes.
 
     Raises ValueError if they are broken or of another encoding.
@@ -45,7 +45,7 @@ def decoded_wav(data: bytes) -> tuple[Array, float]:
     return np.asarray(channels.mean(axis=1)), rate
 
 
-def wav_channels(data: bytes) -> tuple[Array, float]:
+def wav_channels(data: bytes) -> tuple[FloatArray, float]:
     """Return the samples, shape (n, channels) with n >= 1, and the sample rate of a WAV file's bytes. Raises ValueError."""
     if len(data) < 12 or data[:4] != b"RIFF" or data[8:12] != b"WAVE":
         raise ValueError("not a WAV file")
@@ -64,7 +64,7 @@ def wav_channels(data: bytes) -> tuple[Array, float]:
     raise ValueError("broken WAV file: no samples")
 
 
-def _decoded(form: bytes, body: bytes) -> tuple[Array, float]:
+def _decoded(form: bytes, body: bytes) -> tuple[FloatArray, float]:
     if len(form) < 16:
         raise ValueError("broken WAV file: format too short")
     tag, channels, rate, _, frame_size, _ = struct.unpack_from("<HHIIHH", form)
@@ -80,7 +80,7 @@ def _decoded(form: bytes, body: bytes) -> tuple[Array, float]:
     return _numbers(tag, width, raw), float(rate)
 
 
-def _numbers(tag: int, width: int, raw: NDArray[np.uint8]) -> Array:
+def _numbers(tag: int, width: int, raw: NDArray[np.uint8]) -> FloatArray:
     """Return little-endian samples, shape (frames, channels, width) of bytes, as numbers, shape (frames, channels)."""
     if tag == _PCM and width == 1:
         return np.asarray((raw[..., 0].astype(np.float64) - 128.0) / 128.0)

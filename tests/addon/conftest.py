@@ -67,7 +67,7 @@ def add_empty() -> Callable[..., Any]:
 @pytest.fixture
 def traced() -> Callable[[], Any]:
     """Traces the current frame of the current scene and returns the result (None where there is none)."""
-    from haptic_tracing.addon.session.session import session
+    from haptic_tracing.addon.session import session
 
     def trace() -> Any:
         return session.trace(bpy.context.scene, bpy.context.evaluated_depsgraph_get())

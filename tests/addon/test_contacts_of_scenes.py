@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).with_name("recording_layout.py"))
 recording_layout = importlib.util.module_from_spec(_spec)

@@ -2,7 +2,7 @@
 
 import bpy
 import pytest
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 
 
 def _problems():

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 import pytest
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 
 
 def _gain(kappa, rho, distance, epsilon=0.1):

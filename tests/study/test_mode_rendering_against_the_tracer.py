@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 from haptic_tracing.addon.session.timeline import steps
 from haptic_tracing.core.render.mode_rendering import ModeRendering
 from haptic_tracing.core.scene.values import Mode

@@ -8,15 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
-from numpy.typing import NDArray
 
+from ....core.arrays import FloatArray, IntArray
 from ..overlay.annotations import FAINT_INK, INK, PLATE, TEXT_SIZE, Board, Furniture, Measure
 from ..overlay.colour_map import colour_table
 from ..overlay.render_data import SOURCE_COLOUR
 from .body_map import HALF_WIDTH, HEIGHT, View, figure
 from .levels import FLOOR, Level, decibels, place_of
 
-FloatArray = NDArray[np.float64]
 Colour = tuple[float, ...]
 
 # Points at a user interface scale of 1.
@@ -207,7 +206,7 @@ def full_scale(scope: Scope) -> float:
     return 10 ** (math.ceil(math.log10(peak) * 2 - 1e-9) / 2) if peak > 1e-3 else 1e-3
 
 
-def spans(scope: Scope, count: int) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
+def spans(scope: Scope, count: int) -> tuple[IntArray, FloatArray, FloatArray]:
     """The last second cut into ``count`` columns: the numbers of those that there is something of, their lowest and highest samples."""
     whole = round(scope.sample_rate)
     samples = scope.samples[-whole:]

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....core.arrays import FloatArray
 from ....core.propagation import propagate
 from ....core.render.frame_result import FrameResult
 from ....core.scene.values import Mode, Settings
-
-FloatArray = NDArray[np.float64]
 
 
 def compared(result: FrameResult, settings: Settings) -> dict[Mode, FloatArray]:

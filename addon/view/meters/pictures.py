@@ -8,12 +8,11 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.arrays import FloatArray
 from ..panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
 from .board import SCOPE_COLOUR, Scope, colour_of, full_scale, spans
 from .body_map import HALF_WIDTH, HEIGHT, View, figure
 from .levels import Level
-
-FloatArray = NDArray[np.float64]
 
 _MARGIN = 6
 _FAINT = 0.22

@@ -13,9 +13,8 @@ from functools import cache
 
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from ....core.arrays import FloatArray
 
 CONTROL_POINTS = ("#5a55b4", "#3b81b8", "#22a098", "#55bd6a", "#a8d53f", "#ffe93a")
 STEPS = 256

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....core.arrays import BoolArray
 from .colour_map import FloatArray
 
 # Where a label's centre may be, in halves of its extent plus a reach: right, left, above, below, then the diagonals; near, then farther.
@@ -77,7 +77,7 @@ def place_labels(
 # themselves is several times faster than `all` over it.
 
 
-def _free(low: FloatArray, high: FloatArray, room: tuple[float, float, float, float], taken: FloatArray) -> NDArray[np.bool_]:
+def _free(low: FloatArray, high: FloatArray, room: tuple[float, float, float, float], taken: FloatArray) -> BoolArray:
     """Which rectangles lie inside ``room`` and off ``taken`` (m, 4)."""
     (x0, y0), (x1, y1) = np.moveaxis(low, 2, 0), np.moveaxis(high, 2, 0)
     result = (x0 >= room[0]) & (y0 >= room[1]) & (x1 <= room[2]) & (y1 <= room[3])
@@ -88,7 +88,7 @@ def _free(low: FloatArray, high: FloatArray, room: tuple[float, float, float, fl
     return result
 
 
-def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray) -> NDArray[np.bool_]:
+def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray) -> BoolArray:
     """Which rectangles are nearer to the place of another label than to that of their own."""
     (x0, y0), (x1, y1), (x, y) = np.moveaxis(low, 2, 0)[..., None], np.moveaxis(high, 2, 0)[..., None], anchor.T
     squared = np.maximum(np.maximum(x0 - x, x - x1), 0) ** 2

@@ -10,11 +10,10 @@ from typing import Any
 import bpy
 import numpy as np
 from bpy.types import VectorFont
-from numpy.typing import NDArray
 
+from ....core.arrays import BoolArray, FloatArray
 from . import draw
 from .annotations import Furniture, Text
-from .colour_map import FloatArray
 from .render_data import Shape
 from .solids import layers
 
@@ -22,7 +21,7 @@ _FINE = 4  # each pixel of a text is 4 x 4 samples
 _WEIGHT = 0.75  # thin strokes as strong as Blender's own, which are fitted to the pixels
 _STEPS = 4  # lines per piece of a curve
 
-Canvas = NDArray[np.float64]
+Canvas = FloatArray
 """(height, width, 3) display values, bottom row first."""
 
 
@@ -135,7 +134,7 @@ def text_width(words: str, size: float) -> float:
     return draw.text_width(words, 64.0) * size / 64.0
 
 
-def _wound(edges: FloatArray, shape: tuple[int, int]) -> NDArray[np.bool_]:
+def _wound(edges: FloatArray, shape: tuple[int, int]) -> BoolArray:
     """Samples (rows, columns) that closed outlines of directed ``edges`` (n, 2, 2) wind around; outlines may overlap.
 
     An edge that a sample's row crosses to the left of it adds or takes one turn, by its direction.

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....core.arrays import BoolArray, IntArray
 from .annotations import Furniture
 from .colour_map import FloatArray
 from .render_data import HALO_COLOUR, Lines, Points, RenderData, Shape
 
-Triangles = NDArray[np.int64]
+Triangles = IntArray
 WHITE = np.array([0.97, 0.97, 0.97])
 RIM = 2.2
 """Points of dark rim around lines and symbols."""
@@ -26,7 +26,7 @@ class Solid:
     vertices: FloatArray
     colours: FloatArray
     triangles: Triangles
-    smooth: NDArray[np.bool_]
+    smooth: BoolArray
 
 
 def solid_graph(data: RenderData, unit: float) -> Solid:

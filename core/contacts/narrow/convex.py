@@ -9,14 +9,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from ..hull import Hull
 from ..motion import rotations
 from .closed_forms import Separation
 from .cores import Core, CoreTable, Kind
-
-FloatArray = NDArray[np.float64]
 
 _POINT_RADIUS = 1e-9
 """FCL has no points and segments: spheres and capsules of that radius in metres stand in."""

@@ -12,14 +12,10 @@ from enum import IntEnum
 from itertools import permutations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import BoolArray, FloatArray, IntArray
 from ..hull import Hull, convex_hull, shrunk_hull
 from ..shapes import Box, Capsule, Cone, ConvexHull, Cylinder, Mesh, Part, Shape, Sphere, parts_of
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 class Kind(IntEnum):

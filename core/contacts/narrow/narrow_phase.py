@@ -11,8 +11,8 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import BoolArray, FloatArray, IntArray
 from ..hull import hull_2d
 from ..shapes import Shape
 from .boxes import BoxContacts, best_axes, box_contacts
@@ -36,10 +36,6 @@ from .manifold import Patches, contact_plane, patches
 from .mesh_index import MeshIndex
 from .separating_axes import AxisSeparation, box_to_box, box_to_triangle
 from .supporting_feature import FEW, MANY, Features, triangle_polygons
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 _CLOSED_FORMS = {
     (Kind.POINT, Kind.POINT),

@@ -10,12 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import BoolArray, FloatArray, IntArray
 from .closed_forms import Separation, dot, turned, turned_back
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 _FACE_PREFERENCE = 1e-6
 """Metres by which an axis of two edges must be better than that of a face to be taken."""
@@ -110,10 +107,10 @@ def _support(direction: FloatArray, half: FloatArray, towards: FloatArray) -> Fl
 
 def _edge_points(
     first: FloatArray,
-    i: NDArray[np.int64],
+    i: IntArray,
     half_a: FloatArray,
     second_in_b: FloatArray,
-    j: NDArray[np.int64],
+    j: IntArray,
     half_b: FloatArray,
     relative: FloatArray,
     offset: FloatArray,

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import BoolArray, FloatArray, IntArray
 from ..hull import Hull
 from .closed_forms import dot, turned, turned_back
 from .cores import CoreTable, Kind
 from .manifold import PATCH_GAP, contact_plane
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 FEW = 4
 MANY = 16

@@ -18,13 +18,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import IntArray
 from ..io.error import FormatError
 from .poses import PER_UNIT, PoseRow, Poses, pose_row
 from .recording import RecordedFrame
-
-IntArray = NDArray[np.int64]
 
 FEWEST = 8
 """Frames in a row that are worth a motion; fewer stand in the frames themselves."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
-IntArray = NDArray[np.int64]
+from ...arrays import IntArray
+
 PoseRow = tuple[float, float, float, float, float, float, float]
 
 POSE_DIGITS = 5

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from ...contacts.contact_set import ContactSet
 from ...contacts.shapes import pose_matrix
 from ...contacts.tracker import Body
@@ -19,7 +19,6 @@ from ...signals import DEFAULT_IMPACT
 from ...tracer import Frame, Tracer
 from .poses import POSE_DIGITS, PoseRow, Poses
 
-FloatArray = NDArray[np.float64]
 Pair = tuple[str, str]
 
 DIGITS = 6

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from ..export import EDITOR, Export, clipped, common_losses, listener_files, write_text
 from ..io.options import Option
 from ..io.schema import validate
@@ -24,7 +24,6 @@ from .fitting import needed_keys
 from .reading import Channel, Reading
 from .tracks import ListenerTrack
 
-FloatArray = NDArray[np.float64]
 Keys = tuple[FloatArray, FloatArray]
 
 LABEL = "Apple Core Haptics (AHAP)"

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from .fitting import Band
 
-FloatArray = NDArray[np.float64]
-
 GRID_RATES = (62.5, 125.0, 250.0, 500.0, 1000.0, 2000.0)
 """Points a second that keys may lie on: whole milliseconds."""
 FADE = 0.15

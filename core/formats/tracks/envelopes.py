@@ -8,10 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import FloatArray, IntArray
 from .carrier import Carrier, ramp_integral
 from .fitting import Band, Fit, fit_bands, needed_keys
-
-FloatArray = NDArray[np.float64]
 
 WHOLE = Band(5, 700, 2.5, 90, 1600)
 """All that skin feels, as one oscillation."""
@@ -92,6 +91,6 @@ def coarse_envelope(samples: NDArray[np.floating], sample_rate: int, step: float
     return amplitude, np.asarray(sample_rate / math.pi * np.arcsin(np.sqrt(np.minimum(ratio, 1.0))))
 
 
-def _block_sums(values: FloatArray, borders: NDArray[np.int64]) -> FloatArray:
+def _block_sums(values: FloatArray, borders: IntArray) -> FloatArray:
     sums = np.concatenate([[0.0], np.cumsum(values)])
     return np.asarray(np.maximum(sums[borders[1:]] - sums[borders[:-1]], 0.0))

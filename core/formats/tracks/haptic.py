@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from ..export import EDITOR, Export, clipped, common_losses, compact, listener_files, table, write_json, write_text
 from ..io.error import FormatError
 from ..io.options import Option
@@ -19,8 +19,6 @@ from .envelopes import single_carrier
 from .fitting import Fit
 from .reading import Channel, Reading
 from .tracks import ListenerTrack
-
-FloatArray = NDArray[np.float64]
 
 LABEL = "Meta Haptics (.haptic)"
 SUFFIX = ".haptic"

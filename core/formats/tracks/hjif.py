@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from ...scene.body import BODY_PARTS
 from ..export import Export, body_part_of, clipped, common_losses, compact, scene_file, write_text
 from ..io.error import FormatError
@@ -27,8 +27,6 @@ from .fitting import Fit, fit_bands
 from .reading import Channel, Reading
 from .tracks import ListenerTrack, Tracks
 from .transients import TRANSIENT_CYCLES, TRANSIENT_SECONDS, without_transients
-
-FloatArray = NDArray[np.float64]
 
 LABEL = "MPEG haptics (HJIF)"
 SUFFIX = ".hjif"

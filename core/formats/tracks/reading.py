@@ -6,14 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from ...signals import Delay, Keyed, Sampled, Saw, Signal, Sine, Square, Sum, Track, Triangle
 from ...signals.interpolation import resample
 from ...signals.oscillators import Oscillator
 from .carrier import Carrier, rendered
-
-FloatArray = NDArray[np.float64]
 
 SAMPLED_RATE = 4000
 """Rate (hertz) of the samples that stand for more carriers than a signal may be made of."""

@@ -8,15 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import IntArray
 from ..export import Export, body_part_of, clipped, common_losses, compact, write_text
 from ..io.file_names import file_stems
 from ..io.options import Option
 from .envelopes import coarse_envelope
 from .tracks import Tracks
-
-FloatArray = NDArray[np.float64]
 
 LABEL = "bHaptics (.tact)"
 SUFFIX = ".tact"
@@ -87,7 +85,7 @@ def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path
     return files
 
 
-def _mode(indices: Mapping[int, list[int]], steps: NDArray[np.int64], levels: int) -> dict[str, Any]:
+def _mode(indices: Mapping[int, list[int]], steps: IntArray, levels: int) -> dict[str, Any]:
     return {
         "mode": "DOT_MODE",
         "dotMode": {"dotConnected": False, "feedback": list(_feedback(indices, steps, levels))},
@@ -95,7 +93,7 @@ def _mode(indices: Mapping[int, list[int]], steps: NDArray[np.int64], levels: in
     }
 
 
-def _feedback(indices: Mapping[int, list[int]], steps: NDArray[np.int64], levels: int) -> Iterator[dict[str, Any]]:
+def _feedback(indices: Mapping[int, list[int]], steps: IntArray, levels: int) -> Iterator[dict[str, Any]]:
     """Stretches of time in which no motor changes, the silent ones left out."""
     if not indices or not steps.shape[1]:
         return

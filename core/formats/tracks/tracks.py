@@ -9,10 +9,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from ...scene.values import Source
 from ...signals import DEFAULT_IMPACT
-
-FloatArray = NDArray[np.float64]
 
 CHUNK = 2**18
 """Samples of a listener that are handled at once."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from ...arrays import FloatArray
 
 TRANSIENT_SECONDS = 0.022
 TRANSIENT_CYCLES = 2

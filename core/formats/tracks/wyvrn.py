@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from ..export import Export, body_part_of, clipped, common_losses, compact, table, write_json, write_text
 from ..io.error import FormatError
 from ..io.file_names import file_stem, file_stems
@@ -23,8 +23,6 @@ from .hjif import part_of, transient
 from .reading import Channel, Reading
 from .tracks import ListenerTrack
 from .transients import TRANSIENT_SECONDS, without_transients
-
-FloatArray = NDArray[np.float64]
 
 LABEL = "Razer Sensa / WYVRN (folder)"
 SUFFIX = ".haps"

@@ -14,11 +14,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import IntArray
 from ...graph.haptic_graph import HapticGraph
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(slots=True)

@@ -11,8 +11,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray, IntArray
 from ...graph.haptic_graph import HapticGraph
 from ...scene.bands import BAND_COUNT
 from ..shortest_paths import label
@@ -21,9 +21,6 @@ from .bridge_decomposition import Piece
 from .path_search import Found, Limits, Ranking, search
 from .search_graph import Arena, band_factors, build_arena, intra_gains
 from .walk_bounds import LARGEST, Bounds
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 STAGES = (1 / 1024, 1 / 256, 1 / 64, 1 / 16, 1 / 4, 1.0)
 """Parts of the budget that each method is given in turn, until one of them succeeds."""

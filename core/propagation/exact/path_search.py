@@ -17,12 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import BoolArray, FloatArray, IntArray
 from ..connections import ROUNDING
 from .search_graph import Arena, Rows
 from .walk_bounds import LARGEST, Bounds
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 KeyArray = NDArray[np.uint64]
 BitArray = NDArray[np.uint8] | NDArray[np.uint64]
 
@@ -243,7 +242,7 @@ class _Marks:
         """So many empty sets."""
         return np.zeros(count, dtype=np.uint64) if self._few else np.zeros((count, self.size), dtype=np.uint8)
 
-    def missing(self, crossed: BitArray, which: IntArray, entry: IntArray) -> NDArray[np.bool_]:
+    def missing(self, crossed: BitArray, which: IntArray, entry: IntArray) -> BoolArray:
         """Whether the patch that leads into ``entry[k]`` is not in the set ``crossed[which[k]]``."""
         there = crossed[which] if self._few else crossed.reshape(-1)[which * self.size + self._place[entry]]
         return np.asarray((there & self._bit[entry]) == 0)

@@ -10,13 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray, IntArray
 from ...graph.haptic_graph import HapticGraph
 from ...scene.bands import BAND_COUNT
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 OVERFLOWN = 2e300
 """Products above this are given as this: above all that is taken for a sum, and still a number."""

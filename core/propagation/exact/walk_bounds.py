@@ -11,11 +11,9 @@ each patch at most once, which bounds the number of terms.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from .search_graph import Arena
-
-FloatArray = NDArray[np.float64]
 
 LARGEST = 1e300
 """Sums above this are given as this."""

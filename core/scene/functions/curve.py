@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from .modulation import ModulationFunction
-
-FloatArray = NDArray[np.float64]
 
 FAINT = 0.001
 """A curve is shown until its gain is a thousandth: -60 dB."""

@@ -13,12 +13,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from . import interval
 from .interval import Interval
-
-FloatArray = NDArray[np.float64]
 
 VARIABLES = ("x", "d", "kappa", "rho", "epsilon", "area", "depth", "angle")
 CONSTANTS = {"pi": math.pi, "e": math.e}

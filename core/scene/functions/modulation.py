@@ -12,13 +12,12 @@ from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import BoolArray, FloatArray
 from ..bands import BAND_COUNT
 from .expression import CompiledExpression, compile_expression
 from .interval import Interval
 
-FloatArray = NDArray[np.float64]
 Value = float | FloatArray
 
 
@@ -243,7 +242,7 @@ class Expression(ModulationFunction):
 _NO_CONTACT = {"area": 0.0, "depth": 0.0, "angle": 0.0}
 
 
-def _first(distance: FloatArray, where: NDArray[np.bool_]) -> float:
+def _first(distance: FloatArray, where: BoolArray) -> float:
     values = np.broadcast_to(np.asarray(distance, dtype=np.float64), where.shape)
     return float(values[where].flat[0])
 

@@ -10,7 +10,7 @@ import haptic_tracing
 import pytest
 from haptic_tracing.addon.panels import formula
 from haptic_tracing.addon.properties import preferences
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 
 _spec = importlib.util.spec_from_file_location("recording_layout_of_authoring", Path(__file__).parents[1] / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 from haptic_tracing.addon.view import gain_plot
 from haptic_tracing.core.scene.functions import Constant, HapticTracing, Spectrum
 from haptic_tracing.core.scene.functions.curve import gain_curve

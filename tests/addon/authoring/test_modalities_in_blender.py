@@ -4,7 +4,7 @@ import math
 
 import bpy
 import pytest
-from haptic_tracing.addon.session.session import modalities, session
+from haptic_tracing.addon.session import modalities, session
 from haptic_tracing.core.modalities import MODALITIES, THERMAL
 from haptic_tracing.core.modalities.thermal import JOINT
 from haptic_tracing.sample_scenes import build_sample

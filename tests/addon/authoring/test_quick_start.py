@@ -3,7 +3,7 @@
 import bpy
 import pytest
 from haptic_tracing.addon.authoring.signals import signal_for
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 from haptic_tracing.sample_scenes import SAMPLES
 
 

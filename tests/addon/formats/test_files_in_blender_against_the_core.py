@@ -99,7 +99,7 @@ def scenes(draw):
 @FEW
 @given(scene=scenes())
 def test_generated_scenes(tmp_path_factory, scene):
-    from haptic_tracing.addon.session.session import session
+    from haptic_tracing.addon.session import session
 
     folder = tmp_path_factory.mktemp("generated")
     write_export(Export("a", scene), folder / "a.json")
@@ -187,7 +187,7 @@ def test_two_files_in_one_scene_keep_their_contacts(stack, traced):
 
 
 def test_damaged_contacts_are_a_problem_in_words(stack, traced):
-    from haptic_tracing.addon.session.session import session
+    from haptic_tracing.addon.session import session
 
     imported(stack)
     for text in ("{", "[]", '{"contacts": 3}', '{"contacts": [{"objects": ["left", "left"], "positions": []}]}', "[" * 1000):

@@ -143,7 +143,7 @@ def test_a_frame_of_the_demo_with_its_impacts(tmp_path, traced):
     scene = bpy.context.scene
     for frame in range(scene.frame_start, scene.frame_start + 60):
         scene.frame_set(frame)
-        from haptic_tracing.addon.session.session import session
+        from haptic_tracing.addon.session import session
 
         result = session.result_of(scene)
         if any(source.kind is SourceKind.TEMPORARY for source in result.sources):
@@ -383,7 +383,7 @@ def test_a_number_too_small_for_blender_is_a_loss(tmp_path, capfd):
 
 
 def test_damaged_text_in_a_strangers_file_is_a_problem_in_words(add_box, traced):
-    from haptic_tracing.addon.session.session import session
+    from haptic_tracing.addon.session import session
 
     box = add_box("box", (0, 0, 0), (1, 1, 1))
     box.haptics.source.enabled = True

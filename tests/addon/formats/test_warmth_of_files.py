@@ -9,7 +9,7 @@ from scene_files import exported, imported
 
 def shown():
     """What the panel shows, by listener."""
-    from haptic_tracing.addon.session.session import modalities, session
+    from haptic_tracing.addon.session import modalities, session
 
     scene = bpy.context.scene
     session.trace(scene, bpy.context.evaluated_depsgraph_get())

@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.changes.suspension import stepped
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 from fake_hid import RELEASE, ZERO, sounding, until
 from haptic_tracing.addon.live_output import handlers, outputs, player
 from haptic_tracing.addon.registration import handlers as addon_handlers
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 from haptic_tracing.core.tracer import Tracer
 
 

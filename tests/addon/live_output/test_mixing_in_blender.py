@@ -13,7 +13,7 @@ from haptic_tracing.addon.live_output import handlers, outputs
 from haptic_tracing.addon.panels import live_output
 from haptic_tracing.addon.panels.listener import HAPTIC_PT_listener
 from haptic_tracing.addon.panels.source import HAPTIC_PT_source
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 from haptic_tracing.core.formats.scene.scene_json import scene_from_dict, scene_to_dict
 from haptic_tracing.core.render.mixing import LOOK_AHEAD
 from haptic_tracing.core.render.renderer import sample_index

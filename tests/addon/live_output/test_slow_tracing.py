@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.live_output import handlers, outputs
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 from haptic_tracing.core.render.renderer import sample_index
 from haptic_tracing.core.tracer import Tracer
 

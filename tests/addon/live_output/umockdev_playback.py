@@ -18,7 +18,7 @@ import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.changes.suspension import stepped
 from haptic_tracing.addon.live_output import handlers, outputs, player
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 from haptic_tracing.core.devices import output as device_output
 from haptic_tracing.core.devices.connection import hid_module
 from haptic_tracing.sample_scenes import build_sample

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.panels import result as result_panel
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 from haptic_tracing.addon.view.meters import draw, explanation, pictures
 from haptic_tracing.addon.view.overlay import picture
 from haptic_tracing.addon.view.overlay.annotations import plate_of

@@ -91,7 +91,7 @@ def camera(scene: Any) -> Iterator[Any]:
 @pytest.fixture
 def shown(scene: Any, bridge: FrameResult) -> Callable[[], FrameResult]:
     """Makes the bridge the scene's last traced frame."""
-    from haptic_tracing.addon.session.session import session
+    from haptic_tracing.addon.session import session
 
     def show() -> FrameResult:
         session.of(scene).result = bridge

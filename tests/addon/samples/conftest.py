@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from haptic_tracing.addon.changes.suspension import suspended
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 from haptic_tracing.sample_scenes import build_sample
 
 

@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.changes.suspension import suspended
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 from haptic_tracing.sample_scenes import build_sample, jackhammer_bench
 
 GRAVITY = 9.81

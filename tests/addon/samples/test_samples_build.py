@@ -5,7 +5,7 @@ import re
 import bpy
 import pytest
 from haptic_tracing.addon.changes.suspension import suspended
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 from haptic_tracing.sample_scenes import SAMPLES, build_sample
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.session.session import session
+from haptic_tracing.addon.session import session
 
 DOCS = Path(__file__).parents[3] / "docs"
 _specification = importlib.util.spec_from_file_location("hammer_nail_by_hand", DOCS / "pictures" / "tutorial" / "hammer_nail_by_hand.py")

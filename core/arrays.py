@@ -1,0 +1,10 @@
+"""Array types that all stages share; shapes are given where an array is documented, as in ``(n, 3)``."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
