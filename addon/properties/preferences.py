@@ -10,7 +10,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 from bpy.types import AddonPreferences, Context
 
-ROOT = __package__.rpartition(".")[0]
+ROOT = __package__.rsplit(".addon", 1)[0]
 """The extension's own package: the key of its preferences."""
 
 GAIN_UNIT_ITEMS = (
