@@ -36,7 +36,7 @@ FORMATS: Mapping[str, str] = MappingProxyType(
 """The module of each format, imported when it is asked for."""
 
 READERS: Mapping[str, str] = MappingProxyType(
-    {".wav": "tracks.wav", ".hjif": "tracks.hjif", ".haptic": "tracks.haptic", ".ahap": "tracks.ahap", ".haps": "tracks.wyvrn"}
+    {".wav": "wav", ".hjif": "hjif", ".haptic": "haptic", ".ahap": "ahap", ".haps": "wyvrn"}
 )
 """The format of each kind of file that vibrations can be imported from."""
 
