@@ -29,8 +29,7 @@ import bpy
 import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.session import session
-from haptic_tracing.addon.view.meters import draw as meters
-from haptic_tracing.addon.view.overlay import draw, picture, shader
+from haptic_tracing.addon.view import meters, overlay, picture, shader
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.render.frame_result import FrameResult
 from haptic_tracing.core.scene.functions import Exponential
@@ -105,16 +104,16 @@ def viewport(scene: bpy.types.Scene) -> Iterator[Callable[[float], None]]:
     def redraw(turn: float) -> None:
         view = Matrix.Translation((0, 0, -35)) @ Euler((-np.pi / 2, 0, 0)).to_matrix().to_4x4() @ Euler((0, 0, turn)).to_matrix().to_4x4()
         context.region_data = SimpleNamespace(window_matrix=window, view_matrix=view, perspective_matrix=window @ view)
-        draw._draw_view()
-        draw._draw_pixels()
+        overlay._draw_view()
+        overlay._draw_pixels()
         meters._draw_pixels()
 
     buffer = GPUOffScreen(*SIZE)
     try:
-        with mock.patch.object(draw, "bpy", blender), mock.patch.object(meters, "bpy", blender), buffer.bind():
+        with mock.patch.object(overlay, "bpy", blender), mock.patch.object(meters, "bpy", blender), buffer.bind():
             yield redraw
     finally:
-        draw.forget()
+        overlay.forget()
         meters.forget()
         buffer.free()
 
@@ -150,8 +149,8 @@ def measured(scene: bpy.types.Scene, result: FrameResult, change: str, redraws: 
     kept.history.feed(result)
     drawing = shader.draw if gpu else without_drawing
     spent = [0.0]
-    furniture = timed(draw.draw_furniture, spent)
-    with viewport(scene) as redraw, mock.patch.object(shader, "draw", drawing), mock.patch.object(draw, "draw_furniture", furniture):
+    furniture = timed(overlay.draw_furniture, spent)
+    with viewport(scene) as redraw, mock.patch.object(shader, "draw", drawing), mock.patch.object(overlay, "draw_furniture", furniture):
         for number in range(redraws + 10):
             if change in ("next frame", "all moves"):
                 kept.result = replace(result, graph=replace(result.graph) if change == "all moves" else result.graph)
@@ -183,13 +182,13 @@ def rows(nodes: int, listeners: int, redraws: int) -> Iterator[Row]:
 
 def quads_drawn(nodes: int, listeners: int) -> str:
     """How much the GPU is given, in words."""
-    from haptic_tracing.addon.view.overlay.quads import quads
+    from haptic_tracing.addon.view.quads import quads
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene
     result = wall_of_bricks(nodes, listeners)
     session.of(scene).result = result
-    data = draw.render_data(result, draw.scene_reader.read_settings(scene), draw.options_of(scene, result))
+    data = overlay.render_data(result, overlay.scene_reader.read_settings(scene), overlay.options_of(scene, result))
     graph = quads(data)
     size = sum(values.nbytes for values in graph.attributes.values()) + graph.triangles.nbytes
     return (

@@ -82,7 +82,7 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
     read_export(written[0])  # validates what was written
     write_wav(Tracks.of(played), written[1])
     if not args.no_picture:
-        from ..addon.view.overlay.picture import draw_picture
+        from ..addon.view.picture import draw_picture
 
         written.append(args.out / f"{name}.png")
         with suspended():

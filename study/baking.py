@@ -87,7 +87,7 @@ def lively_frames(ride: Ride, count: int) -> list[int]:
 
 def can_draw() -> bool:
     """True where pictures can be drawn here."""
-    from ..addon.view.overlay.picture import starts_gpu
+    from ..addon.view.picture import starts_gpu
 
     return starts_gpu()
 
@@ -96,9 +96,9 @@ def draw_frames(scene: Scene, frames: Sequence[int], size: tuple[int, int] = (48
     """PNG by frame: the ride as its camera sees it, with the best paths over it. Needs what `can_draw` says."""
     from ..addon.changes.suspension import suspended
     from ..addon.session import timeline
-    from ..addon.view.overlay.picture import viewport_picture
-    from ..addon.view.overlay.png import write_png
-    from ..addon.view.overlay.render_data import Options
+    from ..addon.view.picture import viewport_picture
+    from ..addon.view.png import write_png
+    from ..addon.view.render_data import Options
 
     pictures = {}
     with tempfile.TemporaryDirectory() as folder:

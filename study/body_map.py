@@ -7,7 +7,7 @@ from html import escape
 
 import numpy as np
 
-from ..addon.view.overlay.colour_map import colour_table
+from ..addon.view.colour_map import colour_table
 from .rendition import FloatArray
 
 FLOOR = -46.0

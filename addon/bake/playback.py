@@ -69,11 +69,11 @@ def is_from_track(result: FrameResult | None, frame: int) -> bool:
 
 def show_current(scene: Scene) -> None:
     """After the choice between track and tracing: the current frame anew."""
-    from ..view.overlay import draw
+    from ..view import overlay
 
     session.mark_changed()
     play(scene)
-    draw.redraw()
+    overlay.redraw()
 
 
 def stale_reasons(scene: Scene, *, at_once: bool = False) -> tuple[str, ...]:

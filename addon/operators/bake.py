@@ -10,7 +10,7 @@ from bpy.types import Context, Event, Operator, Timer
 from ..bake import curves, playback, sound, storage
 from ..bake.baking import Baking
 from ..blender.polling import UNDO, poll_object_mode
-from ..view.overlay import draw
+from ..view import overlay
 
 _rpt = bpy.app.translations.pgettext_rpt
 
@@ -84,7 +84,7 @@ class HAPTIC_OT_bake(Operator):
             return {"CANCELLED"}
         context.window_manager.progress_update(100 * baking.part)
         context.workspace.status_text_set(f"{baking.words}   ({100 * baking.part:.0f} %)   Esc to cancel")
-        draw.redraw()
+        overlay.redraw()
         if not done:
             return {"RUNNING_MODAL"}
         self._end(context)
@@ -109,10 +109,10 @@ class HAPTIC_OT_bake(Operator):
             manager.progress_end()
         if context.workspace is not None:
             context.workspace.status_text_set(None)
-        draw.redraw()
+        overlay.redraw()
 
     def _finished(self, baking: Baking) -> set[str]:
-        draw.redraw()
+        overlay.redraw()
         done = _rpt("1 frame baked") if baking.frame_count == 1 else _rpt("{} frames baked").format(baking.frame_count)
         self.report({"WARNING"} if baking.warnings else {"INFO"}, "; ".join((done, *baking.warnings)))
         return {"FINISHED"}

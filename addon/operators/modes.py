@@ -13,7 +13,7 @@ from ..bake import playback
 from ..blender.polling import UNDO
 from ..properties.haptics import MODE_ITEMS
 from ..session import session
-from ..view.overlay import draw
+from ..view import overlay
 
 _ITEMS = (*MODE_ITEMS, ("NEXT", "Next", "The one after the current: HT, SD, MD, MN, HT"))
 
@@ -41,7 +41,7 @@ class HAPTIC_OT_set_mode(Operator):
         following = modes[(modes.index(haptics.mode) + 1) % len(modes)]
         haptics.mode = following if self.mode == "NEXT" else self.mode
         session.trace(context.scene, context.evaluated_depsgraph_get())
-        draw.redraw()
+        overlay.redraw()
         return {"FINISHED"}
 
 

@@ -7,7 +7,7 @@ from bpy.types import Context, Operator
 
 from ..session import session
 from ..translations.sentences import translated
-from ..view.overlay import draw
+from ..view import overlay
 
 
 class HAPTIC_OT_trace_frame(Operator):
@@ -24,7 +24,7 @@ class HAPTIC_OT_trace_frame(Operator):
             nothing = "Nothing is tagged: select objects and press Make Haptic"
             self.report({"WARNING"}, translated(problems[0].message) if problems else _rpt(nothing))
             return {"CANCELLED"}
-        draw.redraw()
+        overlay.redraw()
         return {"FINISHED"}
 
 
@@ -39,7 +39,7 @@ class HAPTIC_OT_toggle_tracing(Operator):
         haptics = context.scene.haptics
         haptics.tracing = not haptics.tracing
         self.report({"INFO"}, "Tracing is on" if haptics.tracing else "Tracing is off")
-        draw.redraw()
+        overlay.redraw()
         return {"FINISHED"}
 
 

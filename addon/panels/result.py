@@ -13,12 +13,11 @@ from ..bake import playback
 from ..scene_reader import reader
 from ..session import session
 from ..translations.sentences import translated
-from ..view.meters import draw as meters
-from ..view.meters import pictures
-from ..view.meters.board import full_scale
-from ..view.meters.comparison import compared
-from ..view.meters.explanation import device_words, why_silent
-from ..view.meters.levels import Level, decibels
+from ..view import meter_pictures, meters
+from ..view.comparison import compared
+from ..view.explanation import device_words, why_silent
+from ..view.levels import Level, decibels
+from ..view.meter_board import full_scale
 from ..view.panel_picture import theme_ink
 from .drawing import HapticsPanel, draw_pair, wrapped
 
@@ -216,11 +215,11 @@ def _draw_pictures(layout: UILayout, context: Context) -> None:
     row = layout.row()
     if scope is not None:
         column = row.column()
-        column.template_icon(icon_value=pictures.scope_icon(scope, ink), scale=_PICTURE)
+        column.template_icon(icon_value=meter_pictures.scope_icon(scope, ink), scale=_PICTURE)
         column.label(text=f"{scope.listener}, ±{full_scale(scope):.3g}", translate=False)
     if body:
         column = row.column()
-        column.template_icon(icon_value=pictures.body_icon(levels, ink), scale=_PICTURE)
+        column.template_icon(icon_value=meter_pictures.body_icon(levels, ink), scale=_PICTURE)
         column.label(text="Front and back")
 
 

@@ -53,9 +53,9 @@ def _radius_changed(self: PropertyGroup, context: Context) -> None:
 
 
 def _view_changed(self: PropertyGroup, context: Context) -> None:
-    from ..view.overlay import draw
+    from ..view import overlay
 
-    draw.redraw()
+    overlay.redraw()
 
 
 class HapticFunction(FunctionParameters):

@@ -7,9 +7,9 @@ from bpy.types import Context, PropertyGroup
 
 
 def _view_changed(self: PropertyGroup, context: Context) -> None:
-    from ..view.overlay import draw
+    from ..view import overlay
 
-    draw.redraw()
+    overlay.redraw()
 
 
 class HapticMetersProperties(PropertyGroup):

@@ -21,9 +21,9 @@ GAIN_UNIT_ITEMS = (
 
 
 def _redraw(self: HapticTracingPreferences, context: Context) -> None:
-    from ..view.overlay import draw
+    from ..view import overlay
 
-    draw.redraw()
+    overlay.redraw()
 
 
 class HapticTracingPreferences(AddonPreferences):

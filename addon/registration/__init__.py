@@ -21,11 +21,7 @@ def _modules() -> tuple[ModuleType, ...]:
     from ..panels import modalities as modalities_panels
     from ..properties import haptics, preferences
     from ..session import modalities
-    from ..view import gain_plot
-    from ..view.meters import draw as meters
-    from ..view.meters import explanation, pictures
-    from ..view.overlay import draw as overlay
-    from ..view.overlay import geometry
+    from ..view import explanation, gain_plot, graph_mesh, meter_pictures, meters, overlay
     from . import handlers, keymap
 
     return (
@@ -43,11 +39,11 @@ def _modules() -> tuple[ModuleType, ...]:
         bake,
         bake_panel,
         file_menus,
-        geometry,
+        graph_mesh,
         overlay,
         explanation,
         modes,
-        pictures,
+        meter_pictures,
         meters,
         handlers,
         live_output,

@@ -13,9 +13,7 @@ from ..bake import playback
 from ..changes.suspension import is_stepped, is_suspended
 from ..live_output import handlers as live_output
 from ..session import session
-from ..view.meters import draw as meters
-from ..view.meters import explanation
-from ..view.overlay import draw
+from ..view import explanation, meters, overlay
 
 
 @persistent
@@ -51,14 +49,14 @@ def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
     if _edited(depsgraph):
         session.of(scene).reader.forget()
     if session.trace(scene, depsgraph, live=True) is not None:
-        draw.redraw()
+        overlay.redraw()
 
 
 @persistent
 def forget_everything(*_: Any) -> None:
     """Before and after another file is loaded."""
     session.clear()
-    draw.forget()
+    overlay.forget()
     meters.forget()
     explanation.forget()
     playback.forget()

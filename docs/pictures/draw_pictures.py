@@ -13,8 +13,8 @@ import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.addon.session import session, timeline
-from haptic_tracing.addon.view.overlay import picture, rendering
-from haptic_tracing.addon.view.overlay.png import write_png
+from haptic_tracing.addon.view import cycles_picture, picture
+from haptic_tracing.addon.view.png import write_png
 from haptic_tracing.sample_scenes import build_sample
 
 FOLDER = Path(__file__).parent
@@ -38,7 +38,7 @@ def main() -> None:
         write_png(FOLDER / "overlay-selected-listener.png", picture.viewport_picture(scene, result, SIZE, ear))
         session.of(scene).result = result
         bpy.ops.haptic.graph_to_geometry()
-        pixels = rendering.rendered(scene, SIZE, 48, denoise=True)[::-1, :, :3]
+        pixels = cycles_picture.rendered(scene, SIZE, 48, denoise=True)[::-1, :, :3]
         write_png(FOLDER / "graph-to-geometry.png", np.rint(pixels * 255).astype(np.uint8))
     haptic_tracing.unregister()
 

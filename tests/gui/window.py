@@ -56,7 +56,7 @@ class Window:
         return bpy.context.temp_override(window=self.window, area=self.view, region=self.region(kind))
 
     def module(self, name: str) -> ModuleType:
-        """A module of the installed extension ("addon.session")."""
+        """A module of the installed extension ("addon.session.session")."""
         return import_module(f"{EXTENSION}.{name}")
 
     def event(self, kind: str, value: str, **keys: bool | str) -> None:

@@ -9,8 +9,7 @@ from typing import Any, get_args
 
 import bpy
 import haptic_tracing
-from haptic_tracing.addon.view.meters import body_map
-from haptic_tracing.addon.view.overlay import annotations
+from haptic_tracing.addon.view import annotations, body_map
 from haptic_tracing.core.modalities import MODALITIES
 
 ADDON = Path(haptic_tracing.__file__).parent / "addon"

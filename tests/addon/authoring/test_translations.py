@@ -31,7 +31,7 @@ def test_every_text_is_translated():
 
 def test_problems_of_objects_are_translated():
     """Those that are raised as they are shown; what the core says about files and formulas is in English."""
-    source = (messages.ADDON / "collision_shapes.py").read_text(encoding="utf-8")
+    source = (messages.ADDON / "scene_reader" / "collision_shapes.py").read_text(encoding="utf-8")
     raised = re.findall(r'raise ValueError\("([^"]+)"\)', source)
     assert len(raised) >= 4
     assert [text for text in raised if text not in german.MESSAGES] == []

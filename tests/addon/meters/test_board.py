@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.addon.view.meters.board import MOST_ROWS, ROW, Scope, colour_of, meters
-from haptic_tracing.addon.view.meters.levels import Level
-from haptic_tracing.addon.view.overlay.annotations import plate_of
-from haptic_tracing.addon.view.overlay.draw import text_width
+from haptic_tracing.addon.view.annotations import plate_of
+from haptic_tracing.addon.view.levels import Level
+from haptic_tracing.addon.view.meter_board import MOST_ROWS, ROW, Scope, colour_of, meters
+from haptic_tracing.addon.view.overlay import text_width
 from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 from hypothesis import given, settings
 from hypothesis import strategies as st

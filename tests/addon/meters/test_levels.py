@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from haptic_tracing.addon.view.meters.body_map import HALF_WIDTH, HEIGHT, figure
-from haptic_tracing.addon.view.meters.comparison import compared
-from haptic_tracing.addon.view.meters.levels import FLOOR, decibels, levels, place_of
+from haptic_tracing.addon.view.body_map import HALF_WIDTH, HEIGHT, figure
+from haptic_tracing.addon.view.comparison import compared
+from haptic_tracing.addon.view.levels import FLOOR, decibels, levels, place_of
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.perception import threshold_level
 from haptic_tracing.core.propagation import propagate

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.panels import result as result_panel
 from haptic_tracing.addon.session import session
-from haptic_tracing.addon.view.meters import draw, explanation, pictures
-from haptic_tracing.addon.view.overlay import picture
-from haptic_tracing.addon.view.overlay.annotations import plate_of
+from haptic_tracing.addon.view import explanation, meter_pictures, picture
+from haptic_tracing.addon.view import meters as draw
+from haptic_tracing.addon.view.annotations import plate_of
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)
@@ -110,8 +110,8 @@ def test_panels_show_values_as_text(felt):
 def test_panel_shows_scope_and_body_as_pictures(felt, monkeypatch):
     drawn = []
     for name in ("scope_picture", "body_picture"):
-        draw_it = getattr(pictures, name)
-        monkeypatch.setattr(pictures, name, lambda *what, name=name, draw_it=draw_it: drawn.append(name) or draw_it(*what))
+        draw_it = getattr(meter_pictures, name)
+        monkeypatch.setattr(meter_pictures, name, lambda *what, name=name, draw_it=draw_it: drawn.append(name) or draw_it(*what))
     layout = _drawn(result_panel.HAPTIC_PT_meters)
     assert len(layout.icons) == 2
     assert "foot, ±1" in layout.labels

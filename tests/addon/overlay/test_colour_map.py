@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.addon.view.overlay.colour_map import GainScale, colour_table, decibel_text, from_oklab, oklab
+from haptic_tracing.addon.view.colour_map import GainScale, colour_table, decibel_text, from_oklab, oklab
 from hypothesis import given
 from hypothesis import strategies as st
 

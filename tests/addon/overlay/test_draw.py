@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import bpy
 import pytest
 from haptic_tracing.addon.properties import haptics
-from haptic_tracing.addon.view import overlay
-from haptic_tracing.addon.view.overlay import draw, shader
-from haptic_tracing.addon.view.overlay.render_data import Options
+from haptic_tracing.addon.view import overlay as draw
+from haptic_tracing.addon.view import shader
+from haptic_tracing.addon.view.render_data import Options
 
 from .conftest import BRIDGE
 
@@ -68,10 +68,10 @@ def test_selection_is_read_from_the_scene(scene, bridge, add_empty):
 
 def test_handlers_come_and_go_any_number_of_times():
     for _ in range(3):
-        overlay.unregister()
+        draw.unregister()
         assert not draw._handlers
         draw.unregister()
-        overlay.register()
+        draw.register()
         draw.register()
         assert len(draw._handlers) == 2
 

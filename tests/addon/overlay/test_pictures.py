@@ -11,10 +11,10 @@ import bpy
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
-from haptic_tracing.addon.view.overlay import draw, picture, raster, rendering
-from haptic_tracing.addon.view.overlay.annotations import furniture
-from haptic_tracing.addon.view.overlay.png import write_png
-from haptic_tracing.addon.view.overlay.render_data import SILENT_COLOUR, SOURCE_COLOUR, Options, render_data
+from haptic_tracing.addon.view import cycles_picture, overlay, picture, raster
+from haptic_tracing.addon.view.annotations import furniture
+from haptic_tracing.addon.view.png import write_png
+from haptic_tracing.addon.view.render_data import SILENT_COLOUR, SOURCE_COLOUR, Options, render_data
 from mathutils import Vector
 
 from .conftest import BRIDGE
@@ -119,7 +119,7 @@ def test_wall_hides_the_graph_unless_it_is_drawn_in_front(off_screen, scene, cam
     wall_colour = _pixel(scene, hidden, (0.5, 0, 0))
     assert _pixel(scene, in_front, place) == pytest.approx(SOURCE_COLOUR, abs=0.02)
     # A ghost of source and path is left: layers of faint opacity.
-    assert 0.05 < np.abs(_pixel(scene, hidden, place) - wall_colour).max() < 3 * draw.HIDDEN
+    assert 0.05 < np.abs(_pixel(scene, hidden, place) - wall_colour).max() < 3 * overlay.HIDDEN
 
 
 @pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
@@ -163,7 +163,7 @@ def test_picture_leaves_viewport_and_preferences_as_they_were(off_screen, scene,
     before = state()
     picture.viewport_picture(scene, bridge, (64, 40))
     assert state() == before
-    assert not draw._drawings
+    assert not overlay._drawings
 
 
 def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, bridge):
@@ -174,7 +174,7 @@ def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, br
     size, scale = tuple(factor * side for side in SIZE), factor * picture.picture_scale(SIZE)
     view, projection = picture.camera_view(scene, size)
     data = render_data(bridge, BRIDGE.settings, Options(show_intra=False, show_best_paths=False))
-    items = furniture(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0, *size), draw.text_width)
+    items = furniture(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0, *size), overlay.text_width)
     canvas = np.full((size[1], size[0], 3), by_gpu[2, 2] / 255)
     raster.paint(canvas, items, scale)
     by_painter = picture.averaged(np.rint(canvas[::-1] * 255).astype(np.uint8), factor).astype(int)
@@ -190,11 +190,11 @@ def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, br
 
 
 def test_rendered_picture_shows_the_same_and_leaves_the_scene_alone(scene, camera, bridge, monkeypatch):
-    monkeypatch.setattr(rendering, "SAMPLES", 4)
-    monkeypatch.setattr(rendering, "GRAPH_SAMPLES", 4)
+    monkeypatch.setattr(cycles_picture, "SAMPLES", 4)
+    monkeypatch.setattr(cycles_picture, "GRAPH_SAMPLES", 4)
     scene.render.engine, scene.render.resolution_x = "BLENDER_WORKBENCH", 123
     before = {kind: len(getattr(bpy.data, kind)) for kind in ("scenes", "objects", "meshes", "cameras", "curves", "fonts")}
-    pixels = rendering.rendered_picture(scene, bridge, SIZE)
+    pixels = cycles_picture.rendered_picture(scene, bridge, SIZE)
     assert pixels.shape == (SIZE[1], SIZE[0], 3)
     assert (scene.render.engine, scene.render.resolution_x) == ("BLENDER_WORKBENCH", 123)
     assert {kind: len(getattr(bpy.data, kind)) for kind in before} == before
@@ -206,10 +206,10 @@ def test_rendered_picture_shows_the_same_and_leaves_the_scene_alone(scene, camer
 
 
 def test_rendered_graph_is_hidden_unless_it_is_drawn_in_front(scene, camera, wall, bridge, monkeypatch):
-    monkeypatch.setattr(rendering, "SAMPLES", 4)
-    monkeypatch.setattr(rendering, "GRAPH_SAMPLES", 4)
+    monkeypatch.setattr(cycles_picture, "SAMPLES", 4)
+    monkeypatch.setattr(cycles_picture, "GRAPH_SAMPLES", 4)
     scene.haptics.show_labels = scene.haptics.xray = False
-    hidden = rendering.rendered_picture(scene, bridge, SIZE)
+    hidden = cycles_picture.rendered_picture(scene, bridge, SIZE)
     assert _pixel(scene, hidden, _node(bridge, "truck")) == pytest.approx(_pixel(scene, hidden, (0.5, 0, 0)), abs=0.05)
     assert [obj.name for obj in scene.objects if "Haptic" in obj.name] == []
 
@@ -217,7 +217,7 @@ def test_rendered_graph_is_hidden_unless_it_is_drawn_in_front(scene, camera, wal
 @pytest.mark.skipif(sys.platform != "linux", reason="EGL is Linux's way to a GPU without a screen")
 def test_without_egl_the_gpu_is_left_alone():
     """Blender itself ends with a segmentation fault there."""
-    program = "import bpy; from haptic_tracing.addon.view.overlay import picture; print('starts:', picture.starts_gpu())"
+    program = "import bpy; from haptic_tracing.addon.view import picture; print('starts:', picture.starts_gpu())"
     nowhere = {"__EGL_VENDOR_LIBRARY_DIRS": "/nonexistent", "LIBGL_DRIVERS_PATH": "/nonexistent"}
     done = subprocess.run([sys.executable, "-c", program], env={**os.environ, **nowhere}, capture_output=True, text=True, check=True)
     assert "starts: False" in done.stdout

@@ -6,16 +6,8 @@ from dataclasses import replace
 import networkx
 import numpy as np
 import pytest
-from haptic_tracing.addon.view.overlay.colour_map import GainScale
-from haptic_tracing.addon.view.overlay.render_data import (
-    IMPACT_COLOUR,
-    SILENT_COLOUR,
-    SOURCE_COLOUR,
-    Options,
-    Shape,
-    path_steps,
-    render_data,
-)
+from haptic_tracing.addon.view.colour_map import GainScale
+from haptic_tracing.addon.view.render_data import IMPACT_COLOUR, SILENT_COLOUR, SOURCE_COLOUR, Options, Shape, path_steps, render_data
 from haptic_tracing.core.scene.values import Mode, Settings, SourceKind
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

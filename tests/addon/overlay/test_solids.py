@@ -4,11 +4,11 @@ import bpy
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
-from haptic_tracing.addon.view.overlay import draw, geometry, picture
-from haptic_tracing.addon.view.overlay.annotations import furniture
-from haptic_tracing.addon.view.overlay.colour_map import linear
-from haptic_tracing.addon.view.overlay.render_data import Options, render_data
-from haptic_tracing.addon.view.overlay.solids import flat, octahedron, solid_graph, sphere, spiked_ball, three_rings, torus, tubes
+from haptic_tracing.addon.view import graph_mesh, overlay, picture
+from haptic_tracing.addon.view.annotations import furniture
+from haptic_tracing.addon.view.colour_map import linear
+from haptic_tracing.addon.view.render_data import Options, render_data
+from haptic_tracing.addon.view.solids import flat, octahedron, solid_graph, sphere, spiked_ball, three_rings, torus, tubes
 from mathutils import Vector
 
 from .conftest import BRIDGE, random_scene, traced
@@ -60,12 +60,12 @@ def test_tubes_run_along_their_lines(bridge):
 def test_blender_finds_nothing_to_correct(seed):
     result = traced(random_scene(seed))
     solid = solid_graph(render_data(result, BRIDGE.settings, Options()), 0.01)
-    mesh = geometry.solid_mesh("graph", solid)
+    mesh = graph_mesh.solid_mesh("graph", solid)
     assert not mesh.validate(verbose=False)
     assert len(mesh.vertices) == len(solid.vertices)
     assert len(mesh.polygons) == len(solid.triangles)
     colours = np.empty(4 * len(solid.vertices), dtype=np.float32)
-    mesh.color_attributes[geometry.COLOUR_ATTRIBUTE].data.foreach_get("color", colours)
+    mesh.color_attributes[graph_mesh.COLOUR_ATTRIBUTE].data.foreach_get("color", colours)
     assert colours.reshape(-1, 4)[:, :3] == pytest.approx(linear(solid.colours[:, :3]), abs=1e-6)
     assert colours.reshape(-1, 4)[:, 3] == pytest.approx(solid.colours[:, 3])
 
@@ -144,7 +144,7 @@ def test_labels_lie_where_the_overlay_has_them_before_everything_else(scene, cam
     size, scale = (900, 600), picture.picture_scale((900, 600))
     view, projection = picture.camera_view(scene, size)
     data = render_data(result, BRIDGE.settings, Options())
-    items = furniture(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0, *size), draw.text_width)
+    items = furniture(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0, *size), overlay.text_width)
     seen = np.array([world_to_camera_view(scene, camera, Vector(place)) for place in _world_vertices(plane)])
     expected = flat(items, scale).vertices[:, :2] / size
     assert seen[:, :2] == pytest.approx(expected, abs=2e-3)

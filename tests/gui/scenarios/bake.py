@@ -7,7 +7,7 @@ def steps(window):
     scene = window.module("sample_scenes").build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
     window.view.spaces.active.region_3d.view_perspective = "CAMERA"
-    running, storage, session = (window.module(name) for name in ("addon.bake.operators", "addon.bake.storage", "addon.session"))
+    running, storage, session = (window.module(name) for name in ("addon.operators.bake", "addon.bake.storage", "addon.session.session"))
     playback = window.module("addon.bake.playback")
     yield from window.show_sidebar()
     scene.frame_set(40)
@@ -46,6 +46,6 @@ def steps(window):
     yield from window.click_button("haptic.set_mode")
     yield 0.5
     yield from window.screenshot("mode")
-    window.seen["felt"] = any(level.is_felt for level in window.module("addon.meters.draw").levels_of(scene))
+    window.seen["felt"] = any(level.is_felt for level in window.module("addon.view.meters").levels_of(scene))
     yield from window.use_scale(2.0)
     yield from window.screenshot("meters-2x")

@@ -15,7 +15,7 @@ def steps(window):
     window.seen["played"] = scene.frame_current > scene.frame_start
     yield from window.press("SPACE")
     yield 0.5
-    result = window.module("addon.session").result_of(scene)
+    result = window.module("addon.session.session").result_of(scene)
     window.seen["traced the frame shown"] = result.number == scene.frame_current
     window.seen["felt"] = bool(result.gains.max() > 0)
     yield from window.screenshot("demo")

@@ -4,7 +4,7 @@ import bpy
 
 
 def steps(window):
-    session = window.module("addon.session")
+    session = window.module("addon.session.session")
     yield from window.show_sidebar()
     yield from window.click_button("haptic.make_objects")
     cube = bpy.context.scene.objects["Cube"]

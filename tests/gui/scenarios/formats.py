@@ -9,7 +9,7 @@ import bpy
 def steps(window):
     scene = window.module("sample_scenes").build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
-    job, registry = window.module("addon.formats.job"), window.module("core.formats.registry")
+    job, registry = window.module("addon.blender.job"), window.module("core.formats.registry")
     folder = Path(window.folder) / "files"
     folder.mkdir()
     yield from window.show_sidebar()

@@ -18,7 +18,7 @@ def steps(window):
     yield from window.show_sidebar()
 
     shown = []
-    progress = window.module("addon.progress")
+    progress = window.module("addon.blender.progress")
     show = progress.show
     progress.show = lambda part: shown.append(part) or show(part)
     for operator, arguments, done in (

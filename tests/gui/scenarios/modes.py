@@ -11,7 +11,7 @@ def steps(window):
     window.view.spaces.active.region_3d.view_perspective = "CAMERA"
     show_open_only("HAPTIC_PT_result", "HAPTIC_PT_meters")
     yield from window.show_sidebar()
-    session, pictures = window.module("addon.session"), window.module("addon.meters.pictures")
+    session, pictures = window.module("addon.session.session"), window.module("addon.view.meter_pictures")
 
     scene.frame_set(scene.frame_start + 10)
     yield 0.5

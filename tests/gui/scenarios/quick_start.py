@@ -26,5 +26,5 @@ def steps(window):
     yield 2.0
     yield from window.press("SPACE")
     yield from window.screenshot("felt")
-    result = window.module("addon.session").result_of(bpy.context.scene)
+    result = window.module("addon.session.session").result_of(bpy.context.scene)
     window.seen["ten listeners feel it"] = result.gains.shape == (1, 10) and bool((result.gains > 0).all())

@@ -8,11 +8,11 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.arrays import FloatArray
-from ..panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
-from .board import SCOPE_COLOUR, Scope, colour_of, full_scale, spans
+from ...core.arrays import FloatArray
 from .body_map import HALF_WIDTH, HEIGHT, View, figure
 from .levels import Level
+from .meter_board import SCOPE_COLOUR, Scope, colour_of, full_scale, spans
+from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
 
 _MARGIN = 6
 _FAINT = 0.22

@@ -9,10 +9,10 @@ from typing import Any
 import bpy
 from bpy.types import Scene
 
-from ....core.diagnosis.silence import Reason, Surroundings, reasons
-from ....core.render.frame_result import FrameResult
-from ...scene_reader import reader
-from ...session import session
+from ...core.diagnosis.silence import Reason, Surroundings, reasons
+from ...core.render.frame_result import FrameResult
+from ..scene_reader import reader
+from ..session import session
 from .levels import RMS_SECONDS
 
 _PATIENCE = 0.004  # seconds that looking may take while the timeline plays
@@ -41,7 +41,7 @@ def device_words(scene: Scene, listener: str) -> str:
     """Whether a connected device lets the listener be felt: words where not, "" where it does, or where no device is connected."""
     result = session.result_of(scene)
     try:
-        from ...live_output import handlers, outputs, player
+        from ..live_output import handlers, outputs, player
     except ImportError:
         return ""
     if result is None or not outputs.running():

@@ -15,12 +15,12 @@ import numpy as np
 from bpy.types import Scene
 from numpy.typing import NDArray
 
-from ....core.render.frame_result import FrameResult
-from ...changes.suspension import suspended
-from ...scene_reader import reader
+from ...core.render.frame_result import FrameResult
+from ..changes.suspension import suspended
+from ..scene_reader import reader
 from .annotations import furniture, plate_of
 from .colour_map import FloatArray
-from .geometry import add_graph
+from .graph_mesh import add_graph
 from .picture import camera_view, meters_above, picture_scale, shown_options
 from .raster import paint, text_width
 from .render_data import render_data

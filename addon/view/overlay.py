@@ -14,11 +14,11 @@ import bpy
 import numpy as np
 from bpy.types import Context, Scene, SpaceView3D
 
-from ....core.render.frame_result import FrameResult
-from ....core.scene.values import Settings
-from ...properties.preferences import preferences
-from ...scene_reader import reader
-from ...session import session
+from ...core.render.frame_result import FrameResult
+from ...core.scene.values import Settings
+from ..properties.preferences import preferences
+from ..scene_reader import reader
+from ..session import session
 from .annotations import Furniture, Rectangle, furniture
 from .colour_map import FloatArray
 from .quads import quads, quads_of
@@ -229,7 +229,7 @@ def _draw_pixels() -> None:
     drawing = _drawings.get(shown[0].session_uid) if shown is not None else None  # `_draw_view` has just drawn it
     if shown is None or drawing is None:
         return
-    from ..meters import draw as meters
+    from . import meters
 
     region = context.region
     perspective = np.array(context.region_data.perspective_matrix, dtype=np.float64)

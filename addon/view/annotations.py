@@ -12,7 +12,7 @@ import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
 from .colour_map import STEPS, FloatArray, GainScale, colour_table
-from .labels import around, place_labels, project
+from .label_placement import around, place_labels, project
 from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Lines, Points, RenderData, Shape
 
 TEXT_SIZE = 11.0

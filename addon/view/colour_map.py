@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
-from ....core.arrays import FloatArray
+from ...core.arrays import FloatArray
 
 CONTROL_POINTS = ("#5a55b4", "#3b81b8", "#22a098", "#55bd6a", "#a8d53f", "#ffe93a")
 STEPS = 256

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ....core.arrays import FloatArray
-from ....core.propagation import propagate
-from ....core.render.frame_result import FrameResult
-from ....core.scene.values import Mode, Settings
+from ...core.arrays import FloatArray
+from ...core.propagation import propagate
+from ...core.render.frame_result import FrameResult
+from ...core.scene.values import Mode, Settings
 
 
 def compared(result: FrameResult, settings: Settings) -> dict[Mode, FloatArray]:

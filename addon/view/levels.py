@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
-from ....core.perception import sensation_level
-from ....core.render.frame_result import FrameResult
-from ....core.render.history import History
+from ...core.perception import sensation_level
+from ...core.render.frame_result import FrameResult
+from ...core.render.history import History
 
 FLOOR = -60.0
 """Decibels of full scale at which a meter begins."""

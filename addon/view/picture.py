@@ -17,10 +17,10 @@ from bpy.types import Scene
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from ....core.render.frame_result import FrameResult
-from ...blender import compatibility
-from ...scene_reader import reader
-from . import draw
+from ...core.render.frame_result import FrameResult
+from ..blender import compatibility
+from ..scene_reader import reader
+from . import overlay
 from .annotations import Furniture, moved, plate_of
 from .png import write_png
 from .render_data import Options
@@ -40,7 +40,7 @@ def draw_picture(scene: Scene, result: FrameResult, path: str | Path, size: tupl
     if starts_gpu():
         pixels = viewport_picture(scene, result, size, meters=meters)
     else:
-        from .rendering import rendered_picture
+        from .cycles_picture import rendered_picture
 
         pixels = rendered_picture(scene, result, size, meters=meters)
     write_png(path, pixels)
@@ -83,7 +83,7 @@ def viewport_picture(
     import gpu
     from gpu.types import GPUOffScreen
 
-    drawing = draw.drawing_of(scene.session_uid, result, reader.read_settings(scene), options or shown_options(scene))
+    drawing = overlay.drawing_of(scene.session_uid, result, reader.read_settings(scene), options or shown_options(scene))
     width, height = (SMOOTHING * side for side in size)
     scale = SMOOTHING * picture_scale(size)
     view, projection = camera_view(scene, (width, height))
@@ -92,16 +92,16 @@ def viewport_picture(
         with _plain_viewport(scene) as (space, region):
             off_screen.draw_view3d(scene, scene.view_layers[0], space, region, view, projection, do_color_management=True)
         with off_screen.bind():
-            draw.draw_graph(drawing, projection, view, (width, height), scale, xray=scene.haptics.xray, flow=None)
+            overlay.draw_graph(drawing, projection, view, (width, height), scale, xray=scene.haptics.xray, flow=None)
             board = meters_above(scene, result, (width, height), scale) if meters else None
             perspective, free = np.array(projection @ view, dtype=np.float64), (0.0, 0.0, float(width), float(height))
-            draw.draw_furniture(drawing, perspective, (width, height), scale, free, plate_of(board))
+            overlay.draw_furniture(drawing, perspective, (width, height), scale, free, plate_of(board))
             if board is not None:
-                draw.draw_board(board, (width, height), scale)
+                overlay.draw_board(board, (width, height), scale)
             buffer = gpu.state.active_framebuffer_get().read_color(0, 0, width, height, 4, 0, "UBYTE")
     finally:
         off_screen.free()
-        draw.forget()
+        overlay.forget()
     buffer.dimensions = width * height * 4
     pixels = np.array(buffer, dtype=np.uint8).reshape(height, width, 4)[::-1, :, :3]
     return averaged(pixels, SMOOTHING)
@@ -118,13 +118,13 @@ def camera_view(scene: Scene, size: tuple[int, int]) -> tuple[Matrix, Matrix]:
 
 def meters_above(scene: Scene, result: FrameResult, size: tuple[int, int], scale: float) -> Furniture:
     """The meters at the upper left of a picture."""
-    from ....core.render.history import History
-    from ..meters.board import meters
-    from ..meters.levels import levels
+    from ...core.render.history import History
+    from .levels import levels
+    from .meter_board import meters
 
     shown, margin = levels(result, History()), 12 * scale
     room = (0.35 * size[0], 0.5 * size[1])
-    items = meters(shown, None, (0.0, 0.0), room, scale, draw.text_width, title=iface_("Mode {}").format(scene.haptics.mode))
+    items = meters(shown, None, (0.0, 0.0), room, scale, overlay.text_width, title=iface_("Mode {}").format(scene.haptics.mode))
     high = max((plate[3] for plate in plate_of(items)), default=0.0)
     return moved(items, round(margin), round(size[1] - margin - high))
 

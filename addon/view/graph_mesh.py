@@ -10,11 +10,11 @@ from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Collection, Context, Material, Mesh, Object, Operator, Scene
 
-from ...scene_reader import reader
-from ...session import session
+from ..scene_reader import reader
+from ..session import session
 from .annotations import INK, Furniture, furniture
 from .colour_map import FloatArray, linear
-from .draw import options_of, text_width
+from .overlay import options_of, text_width
 from .picture import camera_view, picture_scale
 from .render_data import Label, render_data
 from .solids import Solid, extent_unit, flat, seen_unit, solid_graph

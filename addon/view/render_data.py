@@ -10,12 +10,12 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.arrays import BoolArray, IntArray
-from ....core.graph.haptic_graph import HapticGraph, distances
-from ....core.propagation.modes import distance_only
-from ....core.propagation.spread import Spread, spread
-from ....core.render.frame_result import FrameResult
-from ....core.scene.values import Mode, Settings, SourceKind
+from ...core.arrays import BoolArray, IntArray
+from ...core.graph.haptic_graph import HapticGraph, distances
+from ...core.propagation.modes import distance_only
+from ...core.propagation.spread import Spread, spread
+from ...core.render.frame_result import FrameResult
+from ...core.scene.values import Mode, Settings, SourceKind
 from .colour_map import FloatArray, GainScale, decibel_text, hex_colour
 
 Drawn = NDArray[np.float32]

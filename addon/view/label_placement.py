@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ....core.arrays import BoolArray
+from ...core.arrays import BoolArray
 from .colour_map import FloatArray
 
 # Where a label's centre may be, in halves of its extent plus a reach: right, left, above, below, then the diagonals; near, then farther.

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ....core.arrays import BoolArray, IntArray
+from ...core.arrays import BoolArray, IntArray
 from .annotations import Furniture
 from .colour_map import FloatArray
 from .render_data import HALO_COLOUR, Lines, Points, RenderData, Shape

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
-from ....core.arrays import FloatArray, IntArray
-from ..overlay.annotations import FAINT_INK, INK, PLATE, TEXT_SIZE, Board, Furniture, Measure
-from ..overlay.colour_map import colour_table
-from ..overlay.render_data import SOURCE_COLOUR
+from ...core.arrays import FloatArray, IntArray
+from .annotations import FAINT_INK, INK, PLATE, TEXT_SIZE, Board, Furniture, Measure
 from .body_map import HALF_WIDTH, HEIGHT, View, figure
+from .colour_map import colour_table
 from .levels import FLOOR, Level, decibels, place_of
+from .render_data import SOURCE_COLOUR
 
 Colour = tuple[float, ...]
 

@@ -10,14 +10,14 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Scene, SpaceView3D
 
-from ....core.render.frame_result import FrameResult
-from ...properties.preferences import preferences
-from ...session import session
-from ..overlay import draw as overlay
-from ..overlay.annotations import Furniture, Rectangle, legend_width, plate_of
-from ..overlay.quads import quads_of
-from .board import Scope, meters
+from ...core.render.frame_result import FrameResult
+from ..properties.preferences import preferences
+from ..session import session
+from . import overlay
+from .annotations import Furniture, Rectangle, legend_width, plate_of
 from .levels import Level, levels
+from .meter_board import Scope, meters
+from .quads import quads_of
 
 _MARGIN = 12.0  # points to the edges of what is free
 _SHARE = 0.6  # of the free height
@@ -100,7 +100,7 @@ def _refresh_panels(context: Context) -> None:
     """Have the sidebar drawn again: while the timeline plays, Blender leaves it as it is. Not more often than one can read."""
     if context.screen is None or not context.screen.is_animation_playing:
         return
-    from ...panels.drawing import HapticsPanel
+    from ..panels.drawing import HapticsPanel
 
     now = time.perf_counter()
     for region in context.area.regions:
@@ -116,7 +116,7 @@ def _refresh_panels(context: Context) -> None:
 
 def draw_board(context: Context, scene: Scene, result: FrameResult) -> None:
     """The meters at the lower left of what is free of the viewport."""
-    from ..overlay import shader
+    from . import shader
 
     region, scale = context.region, context.preferences.system.ui_scale * preferences().overlay_size
     left, bottom, right, top = overlay.free_rectangle(context)

@@ -1,1 +1,0 @@
-"""The haptic graph drawn over the 3D viewport, in pictures and as geometry."""
