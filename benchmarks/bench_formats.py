@@ -29,7 +29,7 @@ from pathlib import Path
 import numpy as np
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.tracks.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 from haptic_tracing.core.scene.values import HapticObject, HapticScene, Listener
 from haptic_tracing.core.signals import DEFAULT_IMPACT, Pulse

@@ -22,8 +22,7 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read, write, print. Exit code 0."""
-    from ..core.formats import registry
-    from ..core.formats.scene import haptic_scene
+    from ..core.formats import haptic_scene, registry
 
     folder = args.target.parent
     if is_scene(args.source):
@@ -55,7 +54,7 @@ def _export(name: str, reading: Any) -> Any:
     import numpy as np
 
     from ..core.formats.export import Export
-    from ..core.formats.tracks.tracks import Tracks
+    from ..core.formats.tracks.listener_tracks import Tracks
 
     rate = max((round(channel.sample_rate) for channel in reading.channels), default=0) or SAMPLE_RATE
     rows = [channel.at_rate(rate) for channel in reading.channels]
@@ -69,7 +68,7 @@ def _export(name: str, reading: Any) -> Any:
 
 
 def _listeners(reading: Any) -> list[Any]:
-    from ..core.formats.tracks.tracks import ListenerTrack
+    from ..core.formats.tracks.listener_tracks import ListenerTrack
 
     listeners: dict[str, Any] = {}
     for channel in reading.channels:

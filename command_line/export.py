@@ -43,7 +43,7 @@ def add_option_argument(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read, render what is not in the file, write, print. Exit code 0."""
     from ..core.formats import registry
-    from ..core.formats.scene.haptic_scene import read_export
+    from ..core.formats.haptic_scene import read_export
 
     names = list(registry.FORMATS) if args.to == "all" else list(dict.fromkeys(args.to.split(",")))
     chosen = chosen_options(args.options, names)
@@ -88,12 +88,12 @@ def print_written(written: dict[str, Any]) -> None:
 
 def _rendered(export: Export, seconds: float, sample_rate: int) -> Any:
     from ..core.formats.scene.recording import traced
-    from ..core.formats.tracks.track_recorder import tracks_of
+    from ..core.formats.tracks.track_recorder import recorded_tracks
 
     scene = export.need_scene()
     if export.recording is not None:
-        return tracks_of(traced(scene, export.recording, sample_rate))
-    return tracks_of(_still(scene, seconds, sample_rate))
+        return recorded_tracks(traced(scene, export.recording, sample_rate))
+    return recorded_tracks(_still(scene, seconds, sample_rate))
 
 
 def _still(scene: HapticScene, seconds: float, sample_rate: int) -> Iterator[FrameResult]:

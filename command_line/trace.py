@@ -66,8 +66,8 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
     from ..addon.changes.suspension import suspended
     from ..addon.io.frame_scene import scene_of_result, written_export
     from ..addon.session import timeline
-    from ..core.formats.scene.haptic_scene import read_export, write_export
-    from ..core.formats.tracks.tracks import Tracks
+    from ..core.formats.haptic_scene import read_export, write_export
+    from ..core.formats.tracks.listener_tracks import Tracks
     from ..core.formats.tracks.wav import write_wav
 
     scene = bpy.context.scene

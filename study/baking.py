@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..core.formats.tracks.track_recorder import Take
+from ..core.formats.tracks.track_recorder import TrackRecorder
 from ..core.render.frame_result import FrameResult
 from ..core.render.mode_rendering import ModeRendering
 from ..core.scene.values import Mode, Source
@@ -117,13 +117,13 @@ class _ModeTake:
     """Levels and samples of one mode."""
 
     def __init__(self) -> None:
-        self._take = Take()
+        self._tracks = TrackRecorder()
         self._rms: list[FloatArray] = []
         self._peak: list[FloatArray] = []
         self.alike = 0.0
 
     def add(self, result: FrameResult) -> None:
-        self._take.add(result)
+        self._tracks.add(result)
         block = result.block if result.block is not None else np.zeros((len(result.listeners), 0))
         if block.shape[1]:
             self._rms.append(np.sqrt((block**2).mean(axis=1)))
@@ -134,7 +134,7 @@ class _ModeTake:
             self._peak.append(np.zeros(len(block)))
 
     def rendition(self, mode: Mode) -> Rendition:
-        return Rendition(mode, np.array(self._rms), np.array(self._peak), self._take.tracks())
+        return Rendition(mode, np.array(self._rms), np.array(self._peak), self._tracks.tracks())
 
 
 def _soundings(results: dict[Mode, FrameResult]) -> list[Sounding]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.arrays import FloatArray, IntArray
-from ..core.formats.tracks.tracks import Tracks
+from ..core.formats.tracks.listener_tracks import Tracks
 from ..core.scene.values import Mode
 
 MODES = (Mode.HT, Mode.SD, Mode.MD, Mode.MN)

@@ -12,8 +12,8 @@ import numpy as np
 from ...core.contacts.authored import rows_of
 from ...core.contacts.contact_set import ContactSet
 from ...core.formats.export import Export
-from ...core.formats.scene.recording import Recorder
-from ...core.formats.tracks.track_recorder import Take
+from ...core.formats.scene.recording import SceneRecorder
+from ...core.formats.tracks.track_recorder import TrackRecorder
 from ...core.render.frame_result import FrameResult
 from ..bake import storage
 from ..bake.playback import compare
@@ -33,8 +33,8 @@ class Capture:
         self, scene: bpy.types.Scene, start: int, end: int, recorded: bool, felt: bool, names: Collection[str] | None = None
     ) -> None:
         self.scene, self.start, self.end, self.names = scene, start, end, names
-        self._recorder = Recorder(scene.render.fps / scene.render.fps_base, scene.frame_start) if recorded else None
-        self._take = Take() if felt else None
+        self._recorder = SceneRecorder(scene.render.fps / scene.render.fps_base, scene.frame_start) if recorded else None
+        self._tracks = TrackRecorder() if felt else None
         self._first: Export | None = None
 
     @property
@@ -56,7 +56,7 @@ class Capture:
 
     def export(self, name: str) -> Export:
         """All that was gathered, called ``name``."""
-        tracks = self._take.tracks() if self._take is not None else None
+        tracks = self._tracks.tracks() if self._tracks is not None else None
         if tracks is not None and not tracks.listeners:
             tracks = None
         if self._recorder is None or self._first is None:
@@ -79,8 +79,8 @@ class Capture:
             yield replace(result, block=None) if frame == self.start else result
 
     def _add(self, result: FrameResult) -> None:
-        if self._take is not None:
-            self._take.add(result if self.names is None else felt_within(result, self.names))
+        if self._tracks is not None:
+            self._tracks.add(result if self.names is None else felt_within(result, self.names))
         if self._recorder is None:
             return
         reading = session.of(self.scene).reading

@@ -16,7 +16,7 @@ from bpy.types import Object, Scene
 
 from ...core.devices.mapping import Place, map_listeners
 from ...core.devices.profiles import BUILT_IN, Profile, load_profiles
-from ...core.formats.scene.devices import ActuatorMapping, DeviceMapping
+from ...core.formats.scene.devices_json import ActuatorMapping, DeviceMapping
 from ...core.scene.values import Listener
 from ..blender.single_precision import shortest
 from ..live_output.player import AUTOMATIC, MUTED, choice_of, places_of

@@ -14,9 +14,9 @@ from bpy_extras.io_utils import ExportHelper
 
 from ...core.formats import registry
 from ...core.formats.export import Export
-from ...core.formats.scene.haptic_scene import write_export
+from ...core.formats.haptic_scene import write_export
 from ...core.formats.scene.recording import Recording
-from ...core.formats.tracks.tracks import ListenerTrack, Tracks
+from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ...core.modalities import ModalityScene
 from ...core.scene.values import HapticScene
 from ..blender import job

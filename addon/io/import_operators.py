@@ -9,8 +9,8 @@ from bpy.props import BoolProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
 from ...core.formats import registry
-from ...core.formats.scene.haptic_scene import read_export
-from ...core.formats.tracks.reading import Channel, Reading
+from ...core.formats.haptic_scene import read_export
+from ...core.formats.tracks.vibration_file import Channel, VibrationFile
 from ...core.signals import Loop, Sampled, Signal
 from ..blender.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode
 from ..blender.single_precision import shortest
@@ -111,7 +111,7 @@ def ask(operator: Operator, context: Context) -> set[str]:
     return {"RUNNING_MODAL"}
 
 
-def chosen_channel(reading: Reading, number: int) -> Channel:
+def chosen_channel(reading: VibrationFile, number: int) -> Channel:
     """A channel by its number, from 1. Raises ValueError where there is none."""
     if not reading.channels:
         raise ValueError("There is no vibration in this file")

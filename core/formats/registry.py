@@ -16,11 +16,11 @@ from typing import Any, cast
 from .export import Export
 from .io.error import FormatError
 from .io.options import Option, Value, complete
-from .tracks.reading import Reading
+from .tracks.vibration_file import VibrationFile
 
 FORMATS: Mapping[str, str] = MappingProxyType(
     {
-        "scene": "scene.haptic_scene",
+        "scene": "haptic_scene",
         "wav": "tracks.wav",
         "ohm": "tracks.ohm",
         "hjif": "tracks.hjif",
@@ -35,9 +35,7 @@ FORMATS: Mapping[str, str] = MappingProxyType(
 )
 """The module of each format, imported when it is asked for."""
 
-READERS: Mapping[str, str] = MappingProxyType(
-    {".wav": "wav", ".hjif": "hjif", ".haptic": "haptic", ".ahap": "ahap", ".haps": "wyvrn"}
-)
+READERS: Mapping[str, str] = MappingProxyType({".wav": "wav", ".hjif": "hjif", ".haptic": "haptic", ".ahap": "ahap", ".haps": "wyvrn"})
 """The format of each kind of file that vibrations can be imported from."""
 
 
@@ -78,12 +76,12 @@ def write(name: str, export: Export, folder: str | Path, chosen: Mapping[str, Va
     return Written(tuple(module.write(export, Path(folder), values)), lost)
 
 
-def read(path: str | Path) -> Reading:
+def read(path: str | Path) -> VibrationFile:
     """The vibrations in a file, by its ending. Raises FormatError or OSError."""
     path = Path(path)
     if path.suffix.lower() not in READERS:
         raise FormatError(path, "/", f"can't be imported: the ending must be one of {', '.join(READERS)}")
-    return cast(Reading, _module(READERS[path.suffix.lower()]).read(path))
+    return cast(VibrationFile, _module(READERS[path.suffix.lower()]).read(path))
 
 
 def _module(name: str) -> Any:

@@ -9,7 +9,7 @@ import pytest
 from haptic_tracing.command_line import main
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.scene.haptic_scene import read_export, write_export
+from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.scene.recording import RecordedFrame, Recording
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Source
 from haptic_tracing.core.signals import Sine

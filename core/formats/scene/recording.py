@@ -157,7 +157,7 @@ def frame_of(scene: HapticScene, number: int, time: float, detect: bool) -> Fram
     return replace(frame, contacts=ContactSet.from_contacts(scene.contacts, index))
 
 
-class Recorder:
+class SceneRecorder:
     """Takes a scene frame by frame and keeps what changes.
 
     An object, source or listener belongs to the scene from the frame in which it is first seen. A persistent source that is gone has the

@@ -14,15 +14,16 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray
-from ..export import EDITOR, Export, clipped, common_losses, listener_files, write_text
+from ..io.atomic import write_text
 from ..io.options import Option
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .carrier import Carrier
 from .envelopes import coarse_envelope
 from .fitting import needed_keys
-from .reading import Channel, Reading
-from .tracks import ListenerTrack
+from .listener_tracks import ListenerTrack
+from .track_export import EDITOR, TrackExport, clipped, common_losses, listener_files
+from .vibration_file import Channel, VibrationFile
 
 Keys = tuple[FloatArray, FloatArray]
 
@@ -46,7 +47,7 @@ TRANSIENT_SECONDS = 0.02
 """About how long a transient event sounds."""
 
 
-def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     """What the files leave out, in words."""
     return (
         *common_losses(export.need_tracks(), body=False),
@@ -55,7 +56,7 @@ def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
     """Write ``<scene>.<listener>.ahap`` and, for impacts, ``.transients.ahap``."""
     tracks = export.need_tracks()
     files = []
@@ -73,7 +74,7 @@ def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path
     return files
 
 
-def _write(path: Path, export: Export, listener: ListenerTrack, pattern: list[dict[str, Any]]) -> Path:
+def _write(path: Path, export: TrackExport, listener: ListenerTrack, pattern: list[dict[str, Any]]) -> Path:
     metadata = {"Project": export.name, "Created": export.date, "Description": f"{listener.name}, by {EDITOR}"}
     document = {"Version": 1.0, "Metadata": metadata, "Pattern": pattern}
     return write_text(path, [json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":")), "\n"])
@@ -123,7 +124,7 @@ def _curves(name: str, times: FloatArray, values: FloatArray) -> Iterator[dict[s
         yield {"ParameterCurve": {"ParameterID": name, "Time": round(float(times[first]), 6), "ParameterCurveControlPoints": points}}
 
 
-def read(path: Path) -> Reading:
+def read(path: Path) -> VibrationFile:
     """The vibration of a pattern. Raises FormatError or OSError."""
     document = read_json(path)
     validate(document, "ahap", path)
@@ -146,7 +147,7 @@ def read(path: Path) -> Reading:
             level, pitch = values.get("HapticIntensity", 1.0), values.get("HapticSharpness", 0.5)
             carriers.append(_carrier(event["Time"], length, level, pitch, intensity, sharpness))
     end = max((carrier.end for carrier in carriers), default=0.0)
-    return Reading((Channel(path.stem, end, tuple(carriers)),), tuple(losses))
+    return VibrationFile((Channel(path.stem, end, tuple(carriers)),), tuple(losses))
 
 
 def _control(pattern: list[Mapping[str, Any]], name: str, default: float) -> Keys:

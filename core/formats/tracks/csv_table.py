@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..export import Export, common_losses, scene_file
 from ..io.atomic import atomic_file
 from ..io.options import Option
-from .tracks import Tracks
+from .listener_tracks import Tracks
+from .track_export import TrackExport, common_losses, scene_file
 from .wav import encoded
 
 LABEL = "Table (CSV)"
@@ -26,15 +26,15 @@ _WIDTH = 8
 _LINES = 2**15
 
 
-def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     """What the file leaves out, in words."""
     return (*common_losses(export.need_tracks(), body=False), "what lies below 1/65,536 of full scale", "impacts as such")
 
 
-def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
     """Write ``<scene>.csv``: seconds with six decimals, values with five."""
     tracks = export.need_tracks()
-    path = scene_file(export, folder, SUFFIX)
+    path = scene_file(export.name, folder, SUFFIX)
     head = io.StringIO()
     csv.writer(head, lineterminator="\n").writerow(["time", *(listener.name for listener in tracks.listeners)])
     with atomic_file(path) as file:

@@ -9,16 +9,18 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray
-from ..export import EDITOR, Export, clipped, common_losses, compact, listener_files, table, write_json, write_text
+from ..io.atomic import write_text
 from ..io.error import FormatError
+from ..io.json_text import compact, json_rows, write_json
 from ..io.options import Option
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .carrier import Carrier
 from .envelopes import single_carrier
 from .fitting import Fit
-from .reading import Channel, Reading
-from .tracks import ListenerTrack
+from .listener_tracks import ListenerTrack
+from .track_export import EDITOR, TrackExport, clipped, common_losses, listener_files
+from .vibration_file import Channel, VibrationFile
 
 LABEL = "Meta Haptics (.haptic)"
 SUFFIX = ".haptic"
@@ -35,7 +37,7 @@ _EMPHASIS = {"frequency_min": (55.0, 36.4, "sine"), "frequency_max": (165.0, 12.
 _QUEST = {"continuous": {"frequency_min": 55.0, "frequency_max": 200.0}}
 
 
-def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     """What the files leave out, in words."""
     low, high = _range(options)
     return (
@@ -46,7 +48,7 @@ def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
     """Write ``<scene>.<listener>.haptic`` and ``.acf`` for each listener."""
     tracks = export.need_tracks()
     low, high = _range(options)
@@ -66,7 +68,7 @@ def _range(options: Mapping[str, Any]) -> tuple[float, float]:
     return low, high
 
 
-def _document(export: Export, listener: ListenerTrack, carrier: Carrier, low: float, high: float, emphasis: bool) -> Iterator[str]:
+def _document(export: TrackExport, listener: ListenerTrack, carrier: Carrier, low: float, high: float, emphasis: bool) -> Iterator[str]:
     metadata = {
         "editor": EDITOR,
         "source": export.name,
@@ -79,7 +81,7 @@ def _document(export: Export, listener: ListenerTrack, carrier: Carrier, low: fl
     yield _amplitude_points(listener, carrier, low, high, emphasis)
     shares = np.clip((carrier.frequencies - low) / (high - low), 0.0, 1.0)
     yield ',"frequency":'
-    yield table(("time", "frequency"), carrier.frequency_times.round(6).tolist(), shares.round(6).tolist())
+    yield json_rows(("time", "frequency"), carrier.frequency_times.round(6).tolist(), shares.round(6).tolist())
     yield "}}}}\n"
 
 
@@ -95,14 +97,14 @@ def _amplitude_points(listener: ListenerTrack, carrier: Carrier, low: float, hig
     pieces = []
     done = 0
     for time, number in zip(extra.tolist(), np.searchsorted(every, extra).tolist(), strict=True):
-        pieces.append(table(keys, every[done:number].round(6).tolist(), every_level[done:number].tolist())[1:-1])
+        pieces.append(json_rows(keys, every[done:number].round(6).tolist(), every_level[done:number].tolist())[1:-1])
         strength, frequency = emphases[time]
         sharpness = min(max((frequency - low) / (high - low), 0.0), 1.0)
         level = float(every_level[number])
         emphasised = {"amplitude": max(round(strength, 5), level), "frequency": round(sharpness, 4)}
         pieces.append(compact({"time": round(time, 6), "amplitude": level, "emphasis": emphasised}))
         done = number + 1
-    pieces.append(table(keys, every[done:].round(6).tolist(), every_level[done:].tolist())[1:-1])
+    pieces.append(json_rows(keys, every[done:].round(6).tolist(), every_level[done:].tolist())[1:-1])
     return "[" + ",".join(piece for piece in pieces if piece) + "]"
 
 
@@ -118,7 +120,7 @@ def _emphases(listener: ListenerTrack, carrier: Carrier) -> dict[float, tuple[fl
     return result
 
 
-def _configuration(export: Export, listener: ListenerTrack, low: float, high: float) -> dict[str, Any]:
+def _configuration(export: TrackExport, listener: ListenerTrack, low: float, high: float) -> dict[str, Any]:
     emphasis = {
         key: {"output_frequency": frequency, "duration_ms": milliseconds, "shape": shape}
         for key, (frequency, milliseconds, shape) in _EMPHASIS.items()
@@ -130,7 +132,7 @@ def _configuration(export: Export, listener: ListenerTrack, low: float, high: fl
     }
 
 
-def read(path: Path) -> Reading:
+def read(path: Path) -> VibrationFile:
     """The vibration, with the frequency range of the ``.acf`` beside the file, or of Quest controllers where there is none.
     Raises FormatError or OSError."""
     document = read_json(path)
@@ -152,7 +154,7 @@ def read(path: Path) -> Reading:
         if excess > 0:
             carriers.append(_emphasis(point["time"], excess, point["emphasis"]["frequency"]))
     name = document.get("metadata", {}).get("description") or path.stem
-    return Reading((Channel(name, max(carrier.end for carrier in carriers), tuple(carriers)),), tuple(losses))
+    return VibrationFile((Channel(name, max(carrier.end for carrier in carriers), tuple(carriers)),), tuple(losses))
 
 
 def _points(path: Path, points: list[Mapping[str, Any]], place: str, key: str) -> tuple[FloatArray, FloatArray]:

@@ -16,17 +16,19 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...scene.body import BODY_PARTS
-from ..export import Export, body_part_of, clipped, common_losses, compact, scene_file, write_text
+from ..io.atomic import write_text
 from ..io.error import FormatError
+from ..io.json_text import compact
 from ..io.options import Option
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .bands import bands_for
 from .carrier import Carrier, ramp_integral
 from .fitting import Fit, fit_bands
-from .reading import Channel, Reading
-from .tracks import ListenerTrack, Tracks
+from .listener_tracks import ListenerTrack, Tracks
+from .track_export import TrackExport, body_part_of, clipped, common_losses, scene_file
 from .transients import TRANSIENT_CYCLES, TRANSIENT_SECONDS, without_transients
+from .vibration_file import Channel, VibrationFile
 
 LABEL = "MPEG haptics (HJIF)"
 SUFFIX = ".hjif"
@@ -54,7 +56,7 @@ _DEVICES = {
 }
 
 
-def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     """What the file leaves out, in words."""
     tracks = export.need_tracks()
     return (
@@ -64,14 +66,14 @@ def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
     """Write ``<scene>.hjif``."""
     tracks = export.need_tracks()
-    path = scene_file(export, folder, SUFFIX)
+    path = scene_file(export.name, folder, SUFFIX)
     return [write_text(path, _document(export, tracks, options))]
 
 
-def _document(export: Export, tracks: Tracks, options: Mapping[str, Any]) -> Iterator[str]:
+def _document(export: TrackExport, tracks: Tracks, options: Mapping[str, Any]) -> Iterator[str]:
     devices = _reference_devices(tracks)
     head = {
         "version": "2023",
@@ -224,7 +226,7 @@ def _transient_band(transients: FloatArray) -> dict[str, Any]:
 _WAVE = {"Sine": ("sine", 1), "Square": ("square", 1), "Triangle": ("triangle", 1), "SawToothUp": ("saw", 1), "SawToothDown": ("saw", -1)}
 
 
-def read(path: Path) -> Reading:
+def read(path: Path) -> VibrationFile:
     """The channels of all perceptions. Raises FormatError or OSError."""
     document = read_json(path)
     validate(document, "hjif", path)
@@ -240,7 +242,7 @@ def read(path: Path) -> Reading:
             rate = form.get("frequency_sampling", 0)
             duration = max(end, min(form.get("sample_count", 0) / rate, 1e5)) if rate else end
             channels.append(Channel(form["description"], duration, tuple(carriers), body_part=_body_part(form)))
-    return Reading(tuple(channels), tuple(losses))
+    return VibrationFile(tuple(channels), tuple(losses))
 
 
 def _body_part(channel: Mapping[str, Any]) -> str:

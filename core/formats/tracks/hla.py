@@ -8,16 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from ..export import Export, clipped, common_losses, compact, listener_files, write_text
+from ..io.atomic import write_text
+from ..io.json_text import compact
 from ..io.options import Option
 from .envelopes import coarse_envelope
+from .track_export import TrackExport, clipped, common_losses, listener_files
 
 LABEL = "Android vibration (HLA)"
 SUFFIX = ".hla"
 OPTIONS = (Option("step", 20, "Step", "Milliseconds between changes", (), 5, 1000),)
 
 
-def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     """What the files leave out, in words."""
     return (
         *common_losses(export.need_tracks(), body=False),
@@ -27,7 +29,7 @@ def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
     """Write ``<scene>.<listener>.hla``."""
     tracks = export.need_tracks()
     files = []

@@ -10,26 +10,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..export import Export, common_losses, scene_file
 from ..io.atomic import atomic_file
 from ..io.options import Option
-from .tracks import Tracks
+from .listener_tracks import Tracks
+from .track_export import TrackExport, common_losses, scene_file
 
 LABEL = "NumPy arrays (NPZ)"
 SUFFIX = ".npz"
 OPTIONS = (Option("compressed", False, "Compressed", "Smaller, but slower to write"),)
 
 
-def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     """What the file leaves out, in words."""
     return tuple(text for text in common_losses(export.need_tracks(), body=False) if "full scale" not in text)
 
 
-def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
     """Write ``<scene>.npz``: ``samples`` (n_listeners, n) of float32, ``sample_rate``, ``start``, ``names``, ``body_parts`` and ``impacts``
     (k, 3) of listener number, time and strength."""
     tracks = export.need_tracks()
-    path = scene_file(export, folder, SUFFIX)
+    path = scene_file(export.name, folder, SUFFIX)
     method = zipfile.ZIP_DEFLATED if options["compressed"] else zipfile.ZIP_STORED
     with atomic_file(path) as file, zipfile.ZipFile(file, "w", method) as archive:
         _write_samples(archive, tracks)

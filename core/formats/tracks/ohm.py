@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..export import Export, body_part_of, scene_file
 from ..io.atomic import write_bytes
 from ..io.options import Option
 from . import wav
-from .tracks import ListenerTrack
+from .listener_tracks import ListenerTrack
+from .track_export import TrackExport, body_part_of, scene_file
 
 LABEL = "OHM and WAV, for the MPEG reference encoder"
 SUFFIX = ".ohm"
@@ -20,16 +20,16 @@ OPTIONS: tuple[Option, ...] = ()
 _ENCODING = "pcm16"
 
 
-def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     """What the files leave out, in words."""
     long = [listener.name for listener in export.need_tracks().listeners if len(listener.name.encode()) > 32]
     return (*wav.loss(export, {"encoding": _ENCODING, "sample_rate": 0}), *([f"names beyond 32 bytes: {', '.join(long)}"] if long else []))
 
 
-def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
     """Write ``<scene>.ohm`` and ``<scene>.wav``."""
     tracks = export.need_tracks()
-    path, recording = scene_file(export, folder, SUFFIX), scene_file(export, folder, wav.SUFFIX)
+    path, recording = scene_file(export.name, folder, SUFFIX), scene_file(export.name, folder, wav.SUFFIX)
     if len(tracks.listeners) > 32767 or len(recording.name.encode()) > 64:
         raise ValueError(f"{path}: more listeners, or a longer name, than an OHM file can hold")
     wav.write_wav(tracks, recording, _ENCODING)

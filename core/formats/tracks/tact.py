@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 
 from ...arrays import IntArray
-from ..export import Export, body_part_of, clipped, common_losses, compact, write_text
+from ..io.atomic import write_text
 from ..io.file_names import file_stems
+from ..io.json_text import compact
 from ..io.options import Option
 from .envelopes import coarse_envelope
-from .tracks import Tracks
+from .listener_tracks import Tracks
+from .track_export import TrackExport, body_part_of, clipped, common_losses
 
 LABEL = "bHaptics (.tact)"
 SUFFIX = ".tact"
@@ -58,7 +60,7 @@ def motors(tracks: Tracks) -> dict[str, dict[int, list[int]]]:
     return result
 
 
-def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     """What the files leave out, in words."""
     tracks = export.need_tracks()
     driven = {number for indices in motors(tracks).values() for numbers in indices.values() for number in numbers}
@@ -70,7 +72,7 @@ def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
     """Write ``<scene>.<device>.tact`` for each device that a listener wears."""
     tracks = export.need_tracks()
     driven = motors(tracks)
@@ -109,7 +111,7 @@ def _feedback(indices: Mapping[int, list[int]], steps: IntArray, levels: int) ->
             yield {"startTime": first * INTERVAL, "endTime": last * INTERVAL, "playbackType": "NONE", "pointList": points}
 
 
-def _document(export: Export, tracks: Tracks, device: str, name: str, modes: dict[str, Any]) -> dict[str, Any]:
+def _document(export: TrackExport, tracks: Tracks, device: str, name: str, modes: dict[str, Any]) -> dict[str, Any]:
     length = math.ceil(tracks.duration * 1000 / INTERVAL) * INTERVAL
     layouts = {
         position: [{"index": index, "x": round(x, 3), "y": round(y, 3)} for index, (x, y) in enumerate(places)]

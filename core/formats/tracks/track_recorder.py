@@ -10,10 +10,10 @@ import numpy as np
 
 from ...render.frame_result import FrameResult
 from ...scene.values import Listener, SourceKind
-from .tracks import ListenerTrack, Tracks, sorted_impacts, strengths
+from .listener_tracks import ListenerTrack, Tracks, sorted_impacts, strengths
 
 
-class Take:
+class TrackRecorder:
     """Takes one traced frame after the other. Samples go to a file that vanishes with the tracks, so that length costs no memory."""
 
     def __init__(self) -> None:
@@ -60,9 +60,9 @@ class Take:
         )
 
 
-def tracks_of(results: Iterable[FrameResult]) -> Tracks:
-    """The tracks of consecutive frames. Raises ValueError as `Take.add` does."""
-    take = Take()
+def recorded_tracks(results: Iterable[FrameResult]) -> Tracks:
+    """The tracks of consecutive frames. Raises ValueError as `TrackRecorder.add` does."""
+    take = TrackRecorder()
     for result in results:
         take.add(result)
     return take.tracks()

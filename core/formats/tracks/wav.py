@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from ...signals.interpolation import resample
 from ...signals.wav import wav_channels
-from ..export import Export, body_part_of, common_losses, scene_file, write_json
 from ..io.atomic import atomic_file
 from ..io.error import FormatError
+from ..io.json_text import write_json
 from ..io.options import Option
 from ..io.strict_json import read_bytes, read_json
-from .reading import Channel, Reading
-from .tracks import MAX_SAMPLE_RATE, ListenerTrack, Tracks
+from .listener_tracks import MAX_SAMPLE_RATE, ListenerTrack, Tracks
+from .track_export import TrackExport, body_part_of, common_losses, scene_file
+from .vibration_file import Channel, VibrationFile
 
 LABEL = "WAV, a channel per listener"
 SUFFIX = ".wav"
@@ -34,7 +35,7 @@ _BYTES = {"pcm16": 2, "float32": 4}
 MAX_RIFF = 2**32 - 1
 
 
-def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     """What the files leave out, in words."""
     tracks = export.need_tracks()
     sampled = options["sample_rate"] and options["sample_rate"] < tracks.sample_rate
@@ -46,10 +47,10 @@ def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
     """Write ``<scene>.wav`` and ``<scene>.wav.json``."""
     tracks = at_rate(export.need_tracks(), options["sample_rate"])
-    path = scene_file(export, folder, SUFFIX)
+    path = scene_file(export.name, folder, SUFFIX)
     write_wav(tracks, path, options["encoding"])
     sidecar = path.with_name(path.name.removesuffix(SUFFIX) + SIDECAR_SUFFIX)
     return [path, write_json(sidecar, {"format": "haptic-tracks", "version": "1.0", "file": path.name, **described(tracks)})]
@@ -120,7 +121,7 @@ def encoded(tracks: Tracks, encoding: str) -> Iterator[NDArray[Any]]:
             yield block.astype("<f4")
 
 
-def read(path: Path) -> Reading:
+def read(path: Path) -> VibrationFile:
     """The channels, named by the side-car where there is one. Raises FormatError or OSError."""
     try:
         samples, rate = wav_channels(read_bytes(path, MAX_RIFF))
@@ -131,7 +132,7 @@ def read(path: Path) -> Reading:
             raise
         raise FormatError(path, "/", str(error)) from None
     named = _named(path, samples.shape[1])
-    return Reading(
+    return VibrationFile(
         tuple(
             Channel(name, len(samples) / rate, samples=np.ascontiguousarray(column), sample_rate=rate, body_part=body_part)
             for (name, body_part), column in zip(named, samples.T, strict=True)

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray
-from ..export import Export, body_part_of, clipped, common_losses, compact, table, write_json, write_text
+from ..io.atomic import write_text
 from ..io.error import FormatError
 from ..io.file_names import file_stem, file_stems
+from ..io.json_text import compact, json_rows, write_json
 from ..io.options import Option
 from ..io.schema import validate
 from ..io.strict_json import read_json
@@ -20,9 +21,10 @@ from .bands import wide_bands
 from .carrier import Carrier, ramp_integral
 from .fitting import Fit, fit_bands
 from .hjif import part_of, transient
-from .reading import Channel, Reading
-from .tracks import ListenerTrack
+from .listener_tracks import ListenerTrack
+from .track_export import TrackExport, body_part_of, clipped, common_losses
 from .transients import TRANSIENT_SECONDS, without_transients
+from .vibration_file import Channel, VibrationFile
 
 LABEL = "Razer Sensa / WYVRN (folder)"
 SUFFIX = ".haps"
@@ -38,7 +40,7 @@ SHORTEST = 0.01
 CONFIGURATION = "haptic.config"
 
 
-def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     """What the folder leaves out, in words."""
     tracks = export.need_tracks()
     shared: dict[tuple[str, str], list[str]] = {}
@@ -56,7 +58,7 @@ def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
     """Write ``<scene>/haptic.config`` and ``<scene>/<scene>.<listener>.haps``."""
     tracks = export.need_tracks()
     inside = folder / file_stem(export.name)
@@ -140,7 +142,7 @@ def _note(carrier: Carrier) -> str:
         first = times[:1] > 0
         every = np.concatenate([np.zeros(1)[first], times[inside], [length]])
         levels = np.concatenate([values[:1][first], values[inside], [np.interp(length, times, values)]])
-        keys = table(("m_time", "m_value"), every.round(6).tolist(), levels.round(digits).tolist())
+        keys = json_rows(("m_time", "m_value"), every.round(6).tolist(), levels.round(digits).tolist())
         return '{"m_extrapolationStrategy":0,"m_keyframes":' + keys + "}"
 
     head = compact({"m_startingPoint": round(carrier.start, 6), "m_length": length, "m_priority": 1, "m_gain": 1.0})[:-1]
@@ -149,7 +151,7 @@ def _note(carrier: Carrier) -> str:
     return f'{head},"m_hapticEffect":{{"m_amplitudeModulation":{amplitude},"m_frequencyModulation":{frequency}}}}}'
 
 
-def read(path: Path) -> Reading:
+def read(path: Path) -> VibrationFile:
     """The vibration of a ``.haps`` clip of version 5. Raises FormatError or OSError."""
     document = read_json(path)
     validate(document, "haps_v5", path)
@@ -163,7 +165,7 @@ def read(path: Path) -> Reading:
     ]
     losses = tuple(f"{part} is not taken over" for part in ("texture", "stiffness") if document[f"m_{part}"]["m_melodies"])
     end = max((carrier.end for carrier in carriers), default=0.0)
-    return Reading((Channel(document.get("m_description") or path.stem, end, tuple(carriers)),), losses)
+    return VibrationFile((Channel(document.get("m_description") or path.stem, end, tuple(carriers)),), losses)
 
 
 def _carriers(path: Path, note: Mapping[str, Any], gain: float, place: str) -> Iterator[Carrier]:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.shapes import Box
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.scene.haptic_scene import read_export, write_export
+from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.functions import function_from_dict

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Sphere
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.scene.haptic_scene import read_export, write_export
+from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.scene.recording import traced as traced_again
 from haptic_tracing.core.formats.scene.scene_json import read_scene
 from haptic_tracing.core.graph.haptic_graph import build_graph

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.tracks.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.signals import Loop
 
 RATE = 8000

@@ -5,7 +5,7 @@ import json
 import bpy
 import pytest
 from haptic_tracing.addon.authoring import materials
-from haptic_tracing.core.formats.scene.haptic_scene import read_export
+from haptic_tracing.core.formats.haptic_scene import read_export
 from haptic_tracing.core.formats.scene.materials_json import LibraryMaterial
 from scene_files import exported, imported
 

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.core.formats.scene.haptic_scene import read_export
+from haptic_tracing.core.formats.haptic_scene import read_export
 from scene_files import exported, imported
 
 

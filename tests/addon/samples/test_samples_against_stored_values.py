@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.core.formats import registry
-from haptic_tracing.core.formats.scene.haptic_scene import read_export
+from haptic_tracing.core.formats.haptic_scene import read_export
 from haptic_tracing.sample_scenes import SAMPLES
 from scipy.io import wavfile
 

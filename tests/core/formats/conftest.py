@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.core.formats.tracks.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 
 RATE = 8000

@@ -16,7 +16,7 @@ from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.io import atomic
 from haptic_tracing.core.formats.io.file_names import file_stem, file_stems
 from haptic_tracing.core.formats.scene.scene_json import read_scene, write_scene
-from haptic_tracing.core.formats.tracks.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.values import HapticObject, HapticScene
 from hypothesis import given
 from hypothesis import strategies as st
@@ -97,7 +97,7 @@ import resource, signal, sys
 import numpy as np
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.tracks.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.values import HapticObject, HapticScene
 
 name, folder, most = sys.argv[1], sys.argv[2], int(sys.argv[3])

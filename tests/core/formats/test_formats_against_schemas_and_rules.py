@@ -12,7 +12,7 @@ import pytest
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.tracks import ohm
-from haptic_tracing.core.formats.tracks.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.body import BODY_PART, BODY_PARTS
 from haptic_tracing.core.scene.values import HapticObject, HapticScene
 from hypothesis import HealthCheck, given, settings

@@ -6,9 +6,9 @@ import math
 import jsonschema
 import pytest
 from haptic_tracing.core.formats.export import Export
+from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.io.schema import load_schema
-from haptic_tracing.core.formats.scene.haptic_scene import read_export, write_export
 from haptic_tracing.core.modalities import THERMAL, Emitter, ModalityScene
 from haptic_tracing.core.modalities.thermal import JOINT
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener

@@ -7,8 +7,8 @@ import zlib
 import numpy as np
 import pytest
 from haptic_tracing.core.formats.export import Export
+from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.io.error import FormatError
-from haptic_tracing.core.formats.scene.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.scene.motion import decoded, encoded, packed, unpacked
 from haptic_tracing.core.formats.scene.poses import Poses
 from haptic_tracing.core.formats.scene.recording import RecordedFrame, Recording

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from haptic_tracing.core.formats import registry
+from haptic_tracing.core.formats import haptic_scene, registry
 from haptic_tracing.core.formats.io.error import FormatError
-from haptic_tracing.core.formats.scene import haptic_scene
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 

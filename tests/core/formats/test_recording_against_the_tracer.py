@@ -11,11 +11,11 @@ import pytest
 from haptic_tracing.core.contacts.shapes import Box, pose_matrix
 from haptic_tracing.core.contacts.tracker import Body, Motion
 from haptic_tracing.core.formats.export import Export
+from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.io.error import FormatError
-from haptic_tracing.core.formats.scene.devices import ActuatorMapping, DeviceMapping
-from haptic_tracing.core.formats.scene.haptic_scene import read_export, write_export
-from haptic_tracing.core.formats.scene.recording import RecordedFrame, Recorder, Recording, states, traced
-from haptic_tracing.core.formats.tracks.track_recorder import tracks_of
+from haptic_tracing.core.formats.scene.devices_json import ActuatorMapping, DeviceMapping
+from haptic_tracing.core.formats.scene.recording import RecordedFrame, Recording, SceneRecorder, states, traced
+from haptic_tracing.core.formats.tracks.track_recorder import recorded_tracks
 from haptic_tracing.core.scene.functions import Exponential, HapticTracing
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source, SourceKind
 from haptic_tracing.core.signals import Noise
@@ -39,7 +39,7 @@ def first_run():
     crates = [HapticObject(f"crate.{k}", 0.3, 0.8, shape=Box((0.5, 0.5, 0.5)), mass=20.0) for k in range(3)]
     bodies = (Body("ground", ground.shape, None, Motion.STATIC), *(Body(c.name, c.shape, c.mass) for c in crates))
     tracer = Tracer()
-    recorder = Recorder(RATE, FRAMES[0])
+    recorder = SceneRecorder(RATE, FRAMES[0])
     results = []
     for number in FRAMES:
         time = (number - FRAMES[0]) / RATE
@@ -69,7 +69,7 @@ def test_tracing_the_file_gives_the_gains_and_samples_of_the_first_run(run, tmp_
     for first, second in zip(results, again, strict=True):
         assert [source.name for source in first.sources] == [source.name for source in second.sources]
         np.testing.assert_allclose(second.gains, first.gains, rtol=1e-5, atol=1e-9)
-    first, second = tracks_of(results), tracks_of(again)
+    first, second = recorded_tracks(results), recorded_tracks(again)
     assert first.start == second.start and first.count == second.count == round((len(FRAMES) - 1) / RATE * 8000)
     np.testing.assert_allclose(second.samples, first.samples, atol=1e-5)
     for one, other in zip(first.listeners, second.listeners, strict=True):
@@ -79,11 +79,11 @@ def test_tracing_the_file_gives_the_gains_and_samples_of_the_first_run(run, tmp_
 
 def test_the_samples_of_a_take_are_those_of_the_frames(run):
     results, _ = run
-    tracks = tracks_of(results)
+    tracks = recorded_tracks(results)
     expected = np.concatenate([result.block for result in results if result.block is not None], axis=1)
     np.testing.assert_array_equal(tracks.samples, expected.astype(np.float32))
     with pytest.raises(ValueError, match="does not follow"):
-        tracks_of([*results[:5], *results[8:]])
+        recorded_tracks([*results[:5], *results[8:]])
 
 
 @pytest.mark.parametrize("tracks", ["none", "inline", "wav"])
@@ -91,7 +91,7 @@ def test_the_samples_of_a_take_are_those_of_the_frames(run):
 def test_export_import_export_is_identical(run, tmp_path, tracks, encoding):
     results, recorder = run
     devices = (DeviceMapping("pad", "dualsense", (ActuatorMapping("left grip", "seat", 0.5),), {"note": "mine"}),)
-    export = Export("fall", recorder.scene(), tracks_of(results), recorder.recording(), devices)
+    export = Export("fall", recorder.scene(), recorded_tracks(results), recorder.recording(), devices)
     first = write_export(export, tmp_path / "fall.json", tracks=tracks, encoding=encoding)
     imported = read_export(tmp_path / "fall.json")
     assert imported.devices == devices and imported.recording == export.recording and imported.scene == export.scene

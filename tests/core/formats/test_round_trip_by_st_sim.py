@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.scene.haptic_scene import read_export
-from haptic_tracing.core.formats.tracks.tracks import ListenerTrack, Tracks
+from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.values import HapticObject, HapticScene
 from vibromaf.metrics.stsim import st_sim
 

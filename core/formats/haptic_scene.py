@@ -6,15 +6,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..export import Export, scene_file
-from ..io.options import Option
-from ..io.strict_json import read_json
-from ..tracks import wav
-from .materials_json import material_to_dict, materials_from_dict
-from .modalities_json import modalities_from_dict, modalities_to_dict
-from .motion import packed
-from .scene_json import current_document, scene_from_dict, scene_to_dict, write_document
-from .timeline_json import device_to_dict, devices_from_dict, frame_to_dict, recording_from_dict, tracks_from_dict, tracks_to_dict
+from .export import Export
+from .io.options import Option
+from .io.strict_json import read_json
+from .scene.devices_json import device_to_dict, devices_from_dict
+from .scene.frames_json import frame_to_dict, recording_from_dict
+from .scene.materials_json import material_to_dict, materials_from_dict
+from .scene.modalities_json import modalities_from_dict, modalities_to_dict
+from .scene.motion import packed
+from .scene.scene_json import current_document, scene_from_dict, scene_to_dict, write_document
+from .scene.tracks_json import tracks_from_dict, tracks_to_dict
+from .tracks import wav
+from .tracks.track_export import scene_file
 
 LABEL = "Haptic scene (JSON)"
 SUFFIX = ".json"
@@ -43,7 +46,7 @@ def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
 
 def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
     """Write ``<scene>.json`` or ``.json.gz``, and ``<scene>.tracks.wav`` if asked to."""
-    path = scene_file(export, folder, SUFFIX + (".gz" if options["compressed"] else ""))
+    path = scene_file(export.name, folder, SUFFIX + (".gz" if options["compressed"] else ""))
     return write_export(export, path, frames=options["frames"], tracks=options["tracks"], encoding=options["encoding"])
 
 

@@ -57,7 +57,7 @@ class Channel:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reading:
+class VibrationFile:
     """The vibrations of a file, and what of it could not be taken over, in words."""
 
     channels: tuple[Channel, ...]

@@ -1,0 +1,91 @@
+"""The rendered tracks of a haptic scene file: in the file itself, or in a WAV file beside it."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...signals.wav import wav_channels
+from ..io.error import FormatError
+from ..io.strict_json import read_bytes
+from ..tracks.listener_tracks import ListenerTrack, Tracks
+from ..tracks.wav import MAX_RIFF, encoded
+
+MAX_INLINE = 192 * 2**20
+"""Bytes of samples that may stand in a scene file itself."""
+
+_TYPES = {"pcm16": "<i2", "float32": "<f4"}
+_FULL_SCALE = {"pcm16": 32768.0, "float32": 1.0}
+
+
+def tracks_to_dict(tracks: Tracks, encoding: str, sidecar: str | None) -> dict[str, Any]:
+    """The tracks as the file has them: with the name of the WAV file beside it, or with their samples. Raises ValueError where those are
+    too many to stand in a file."""
+    form: dict[str, Any] = {"sample_rate": tracks.sample_rate, "start": tracks.start}
+    listeners: list[dict[str, Any]] = [
+        {"name": track.name, "body_part": track.body_part, "impacts": track.impacts.tolist()} for track in tracks.listeners
+    ]
+    if sidecar is not None:
+        return {**form, "file": sidecar, "listeners": listeners}
+    size = len(listeners) * tracks.count * np.dtype(_TYPES[encoding]).itemsize
+    if size > MAX_INLINE:
+        raise ValueError(f"tracks: {size / 2**20:.0f} MiB are too many to stand in the scene file: put them into a WAV file beside it")
+    blocks = list(encoded(tracks, encoding))
+    for number, listener in enumerate(listeners):
+        listener["samples"] = base64.b64encode(b"".join(block[number].tobytes() for block in blocks)).decode("ascii")
+    return {**form, "encoding": encoding, "listeners": listeners}
+
+
+def tracks_from_dict(document: Mapping[str, Any], file: str | Path) -> Tracks | None:
+    """The tracks of a validated document, or None where it has none. Raises FormatError or OSError."""
+    if "tracks" not in document:
+        return None
+    form = document["tracks"]
+    samples = _beside(form, file) if "file" in form else _inline(form, file)
+    listeners = []
+    for i, track in enumerate(form["listeners"]):
+        try:
+            listeners.append(ListenerTrack(track["name"], track.get("body_part", ""), np.array(track.get("impacts", [])).reshape(-1, 2)))
+        except ValueError as error:
+            raise FormatError(file, f"/tracks/listeners/{i}/impacts", str(error).partition(": ")[2]) from None
+    try:
+        return Tracks(tuple(listeners), int(form["sample_rate"]), samples, float(form.get("start", 0.0)))
+    except ValueError as error:
+        raise FormatError(file, "/tracks", str(error)) from None
+
+
+def _beside(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
+    name = form["file"]
+    if name != Path(name).name or "\\" in name or ":" in name or name in (".", ".."):
+        raise FormatError(file, "/tracks/file", f"{name!r} is not the name of a file in the same folder")
+    path = Path(file).parent / name
+    try:
+        samples, rate = wav_channels(read_bytes(path, MAX_RIFF))
+    except OSError as error:
+        raise FormatError(file, "/tracks/file", f"{name}: {error.strerror}") from None
+    except ValueError as error:
+        raise FormatError(file, "/tracks/file", f"{name}: {error}") from None
+    if rate != form["sample_rate"] or samples.shape[1] != len(form["listeners"]):
+        wanted = f"{len(form['listeners'])} channels at {form['sample_rate']} Hz"
+        raise FormatError(file, "/tracks/file", f"{name} has {samples.shape[1]} channels at {rate:g} Hz, not {wanted}")
+    return samples.T
+
+
+def _inline(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
+    kind = np.dtype(_TYPES[form["encoding"]])
+    rows: list[NDArray[Any]] = []
+    for i, listener in enumerate(form["listeners"]):
+        try:
+            data = base64.b64decode(listener["samples"], validate=True)
+        except (binascii.Error, ValueError):
+            raise FormatError(file, f"/tracks/listeners/{i}/samples", "is not base64") from None
+        if len(data) % kind.itemsize or (rows and len(data) != rows[0].nbytes):
+            raise FormatError(file, f"/tracks/listeners/{i}/samples", f"{len(data)} bytes are no whole samples or not as many as others")
+        rows.append(np.frombuffer(data, dtype=kind))
+    return np.array(rows) / np.float32(_FULL_SCALE[form["encoding"]])

@@ -1,0 +1,61 @@
+"""What the formats of rendered tracks have in common: file names, clipping and losses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.body import BODY_PART, BodyPart
+from ..io.file_names import file_stems
+from .listener_tracks import ListenerTrack, Tracks
+
+EDITOR = "Haptic Tracing"
+
+
+class TrackExport(Protocol):
+    """An export as the formats of tracks see it. ``date`` is in ISO 8601."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def date(self) -> str: ...
+    def need_tracks(self) -> Tracks:
+        """The rendered tracks. Raises ValueError where there are none."""
+        ...
+
+
+def body_part_of(listener: ListenerTrack) -> BodyPart | None:
+    """The listener's row of the body table; None if it has none."""
+    return BODY_PART.get(listener.body_part)
+
+
+def listener_files(export: TrackExport, folder: Path, suffix: str) -> list[Path]:
+    """A path per listener: ``<scene>.<listener><suffix>``, or ``<scene><suffix>`` for the only one."""
+    listeners = export.need_tracks().listeners
+    names = [export.name] if len(listeners) == 1 else [f"{export.name}.{listener.name}" for listener in listeners]
+    return [folder / f"{stem}{suffix}" for stem in file_stems(names)]
+
+
+def scene_file(name: str, folder: Path, suffix: str) -> Path:
+    """``<name><suffix>``, with ``name`` made safe for every file system."""
+    return folder / f"{file_stems([name])[0]}{suffix}"
+
+
+def common_losses(tracks: Tracks, *, body: bool) -> Iterator[str]:
+    """What every format of tracks leaves out. ``body``: the format addresses parts of the body."""
+    yield "the scene itself: objects, contacts, sources and functions"
+    clipped = tracks.clipped()
+    if clipped:
+        yield f"{clipped} samples beyond full scale are cut"
+    unplaced = [listener.name for listener in tracks.listeners if body_part_of(listener) is None]
+    if body and unplaced:
+        yield "the place of listeners on no known body part: " + ", ".join(unplaced)
+
+
+def clipped(samples: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Samples limited to ±1."""
+    return np.asarray(np.clip(samples, -1.0, 1.0))
