@@ -121,6 +121,7 @@ def _pointer(scene: HapticScene, error: NoGain) -> str:
 def report(graph: HapticGraph, result: Propagation, strategy: Strategy, seconds: dict[str, float]) -> dict[str, Any]:
     """The printed object: every pair present, gains with the source's amplitude; band gains (relative to the source, in the order of
     `core.bands`), the delay of the best path [s] and (delay, gain) of the strongest paths where the scene uses them."""
+    from ..core.diagnosis.sentences import sentence
     from ..core.propagation import objects_on
 
     pairs = []
@@ -143,5 +144,5 @@ def report(graph: HapticGraph, result: Propagation, strategy: Strategy, seconds:
             pairs.append(pair)
     statistics: dict[str, Any] = {**seconds, **result.statistics}
     if result.warnings:
-        statistics["warnings"] = list(result.warnings)
+        statistics["warnings"] = [sentence(warning) for warning in result.warnings]
     return {"gains": pairs, "strategy": strategy.value, "statistics": statistics}

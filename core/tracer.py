@@ -19,6 +19,7 @@ from .contacts.contact_set import ContactSet
 from .contacts.gain_bound import Reach
 from .contacts.tracker import STILL, Body, ContactSettings, ContactTracker, FrameContacts, Impact
 from .graph.haptic_graph import HapticGraph, ObjectTable, build_graph
+from .message import Message
 from .propagation import Propagation, propagate
 from .propagation.gain_bounds import object_bounds, signal_reach
 from .render.frame_result import FrameResult
@@ -70,7 +71,7 @@ class _Found:
     impacts: tuple[Impact, ...] = ()
     statistics: dict[str, int | float] = field(default_factory=dict)
     milliseconds: dict[str, float] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Message, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...core.arrays import FloatArray
 from ...core.devices.mapping import ActuatorMapping, Loss, Place, map_listeners
+from ...core.message import Cause, Message, Names
 from ...core.render.frame_result import FrameResult
 from ...core.render.playback import Playback, grain, recorded_grain
 from ...core.signals import Decay, Product, Signal, Sine, Track
@@ -178,7 +179,7 @@ def _mapped(listeners: Mapping[str, str], choices: Mapping[str, str], bands: Map
         chosen[listener] = [place for place in places if place in known]
         missing = [place for place in places if place not in known]
         if missing:
-            names = ", ".join(f"{place.actuator} of {place.device}" for place in missing)
-            absent.append(Loss(listener, "actuator", f"{listener} is not felt through {names}: not connected"))
+            names = Names(f"{place.actuator} of {place.device}" for place in missing)
+            absent.append(Loss(listener, "actuator", Message.of(Cause.ACTUATOR_GONE, actuators=names)))
     mapping = map_listeners(listeners, devices, chosen=chosen, bands=bands)
     return ActuatorMapping(mapping.listeners, mapping.weights, (*absent, *mapping.losses))

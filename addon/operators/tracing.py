@@ -6,7 +6,6 @@ from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Context, Operator
 
 from ..session import session
-from ..translations.sentences import translated
 from ..view import overlay
 
 
@@ -22,7 +21,7 @@ class HAPTIC_OT_trace_frame(Operator):
         if result is None:
             problems = session.problems_of(context.scene)
             nothing = "Nothing is tagged: select objects and press Make Haptic"
-            self.report({"WARNING"}, translated(problems[0].message) if problems else _rpt(nothing))
+            self.report({"WARNING"}, problems[0].message if problems else _rpt(nothing))
             return {"CANCELLED"}
         overlay.redraw()
         return {"FINISHED"}

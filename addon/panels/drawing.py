@@ -9,7 +9,6 @@ from bpy.types import Context, Object, UILayout
 
 from ..scene_reader.reader import haptic_carrier
 from ..session import session
-from ..translations.sentences import translated
 
 
 class HapticsPanel:
@@ -62,7 +61,7 @@ def draw_problems(layout: UILayout, context: Context) -> None:
         if problem.object:
             button = column.operator("haptic.select_object", text=problem.object, icon="RESTRICT_SELECT_OFF", translate=False)
             button.name = problem.object
-        for line in wrapped(translated(problem.message)):
+        for line in wrapped(problem.message):
             column.label(text=line, translate=False)
 
 

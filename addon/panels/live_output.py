@@ -11,6 +11,7 @@ from ...core.devices.output import Status
 from ...core.render.mixing import LOOK_AHEAD
 from ..live_output import handlers, outputs, player, preview
 from ..session import session
+from ..translations.sentences import sentence
 from .drawing import HapticsPanel, draw_pair, wrapped
 
 EARLIEST = -0.015
@@ -60,7 +61,7 @@ class HAPTIC_PT_actuators(HapticsPanel, Panel):
             row.operator_menu_enum("haptic.choose_actuator", "place", text=text).listener = listener.name
             for loss in mapping.losses:
                 if loss.listener == listener.name and outputs.running():
-                    _draw_text(column, loss.text.removeprefix(f"{listener.name} is not felt: ").removeprefix(f"{listener.name}: "))
+                    _draw_text(column, sentence(loss.message))
 
 
 def _actuators_of(mapping: ActuatorMapping, row: int) -> list[str]:

@@ -12,7 +12,7 @@ from ...core.scene.values import Mode
 from ..bake import playback
 from ..scene_reader import reader
 from ..session import session
-from ..translations.sentences import translated
+from ..translations.sentences import sentence
 from ..view import meter_pictures, meters
 from ..view.comparison import compared
 from ..view.explanation import device_words, why_silent
@@ -79,11 +79,11 @@ class HAPTIC_PT_silence(HapticsPanel, Panel):
             level = next((level for level in meters.levels_of(scene) if level.listener == name), None)
             words = iface_("It feels something") if level is None else iface_("It is not: {}").format(level.feeling())
             layout.label(text=words, icon="CHECKMARK", translate=False)
-        for sentence in (stale, on_device):
-            _draw_sentence(layout, sentence)
+        for text in (stale, on_device):
+            _draw_sentence(layout, text)
         for reason in reasons:
             box = layout.box()
-            _draw_sentence(box, reason.words)
+            _draw_sentence(box, sentence(reason))
             if reason.object and reason.object != name:
                 box.operator("haptic.select_object", text=reason.object, icon="RESTRICT_SELECT_OFF").name = reason.object
 
@@ -168,9 +168,9 @@ class HAPTIC_PT_statistics(HapticsPanel, Panel):
             draw_pair(column, name.replace("_", " ").capitalize(), f"{value:g}")
 
 
-def _draw_sentence(layout: UILayout, sentence: str) -> None:
+def _draw_sentence(layout: UILayout, text: str) -> None:
     column = layout.column(align=True)
-    for line in wrapped(translated(sentence)):
+    for line in wrapped(text):
         column.label(text=line, translate=False)
 
 

@@ -6,6 +6,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Depsgraph, Object
 
 from ...core.arrays import FloatArray, IntArray
@@ -20,7 +21,7 @@ def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Sha
     A rigid body's own shape; else the convex hull of the evaluated mesh. Raises ValueError in words for a designer where there is none.
     """
     if np.any(np.abs(scale) < 1e-9):
-        raise ValueError("its scale is 0: give it an extent in every direction")
+        raise ValueError(iface_("its scale is 0: give it an extent in every direction"))
     size, mirror = np.abs(scale), np.sign(scale)
     body = obj.rigid_body
     if body is None:
@@ -58,7 +59,7 @@ def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:
         pose = Pose(tuple(position.tolist()), (rotation.w, rotation.x, rotation.y, rotation.z))
         children.append((collision_shape(child, depsgraph, child_scale), pose))
     if not children:
-        raise ValueError("its shape is Compound Parent, but none of its children is a rigid body")
+        raise ValueError(iface_("its shape is Compound Parent, but none of its children is a rigid body"))
     return Compound(tuple(children))
 
 
@@ -67,7 +68,8 @@ def _mesh_source(obj: Object, depsgraph: Depsgraph, source: str) -> tuple[Any, O
     try:
         return owner.to_mesh(), owner
     except RuntimeError:
-        raise ValueError(f"it is a {obj.type.lower()} and has no surface; use a mesh, or a listener or source on an empty") from None
+        words = iface_("it is a {} and has no surface; use a mesh, or a listener or source on an empty")
+        raise ValueError(words.format(obj.type.lower())) from None
 
 
 def _vertices(obj: Object, depsgraph: Depsgraph, source: str) -> FloatArray:
@@ -80,7 +82,7 @@ def _vertices(obj: Object, depsgraph: Depsgraph, source: str) -> FloatArray:
 
 def _read_vertices(mesh: Any) -> FloatArray:
     if mesh is None or len(mesh.vertices) == 0:
-        raise ValueError("its mesh has no vertices")
+        raise ValueError(iface_("its mesh has no vertices"))
     values = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     mesh.vertices.foreach_get("co", values)
     return values.reshape(-1, 3).astype(np.float64)
@@ -92,7 +94,7 @@ def _triangles(obj: Object, depsgraph: Depsgraph, source: str) -> tuple[FloatArr
         vertices = _read_vertices(mesh)
         mesh.calc_loop_triangles()
         if len(mesh.loop_triangles) == 0:
-            raise ValueError("its mesh has no faces")
+            raise ValueError(iface_("its mesh has no faces"))
         triangles = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
         mesh.loop_triangles.foreach_get("vertices", triangles)
         return vertices, triangles.reshape(-1, 3).astype(np.int64)

@@ -12,6 +12,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Depsgraph, Object, Scene
 from mathutils import Matrix
 from numpy.typing import NDArray
@@ -290,7 +291,7 @@ class SceneReader:
             if not getattr(haptics, role).enabled:
                 continue
             if carrier is None:
-                problems.append(Problem(name, f"This {role} is on no haptic object: make it haptic, or parent it to a haptic object"))
+                problems.append(Problem(name, _without_carrier(role)))
             elif carrier == obj and haptic_object is None:
                 continue  # the object's own problem says it
             else:
@@ -357,6 +358,13 @@ def is_tagged(obj: Object) -> bool:
     """True where the object has any haptic role."""
     haptics = obj.haptics
     return haptics.enabled or haptics.source.enabled or haptics.listener.enabled
+
+
+def _without_carrier(role: str) -> str:
+    """What to do about a source or listener that is on no haptic object."""
+    if role == "source":
+        return iface_("This source is on no haptic object: make it haptic, or parent it to a haptic object")
+    return iface_("This listener is on no haptic object: make it haptic, or parent it to a haptic object")
 
 
 def haptic_carrier(obj: Object | None) -> Object | None:
@@ -453,7 +461,7 @@ def read_signal(properties: Any, frequency: Track | None = None) -> Signal:
         case "NOISE":
             return Noise()
     if not properties.filepath:
-        raise ValueError("its signal is a WAV file, but none is chosen")
+        raise ValueError(iface_("its signal is a WAV file, but none is chosen"))
     return Loop(read_wav(bpy.path.abspath(properties.filepath)))
 
 

@@ -21,6 +21,7 @@ from ...core.render.history import History
 from ...core.tracer import Frame, Tracer
 from ..blender import progress
 from ..scene_reader.reader import Problem, Reading, SceneReader, seconds_of
+from ..translations.sentences import sentence
 from . import modalities
 
 _PATIENCE = 2e-4
@@ -228,7 +229,9 @@ def _finish(scene: Scene, session: Session) -> None:
         milliseconds={"read": begun.read_milliseconds, **result.milliseconds},
         statistics={**result.statistics, "blender_milliseconds": begun.blender_milliseconds, "waited_milliseconds": waited},
     )
-    session.problems = begun.problems + tuple(Problem("", warning) for warning in result.warnings) + modalities.trace(scene, result)
+    session.problems = (
+        begun.problems + tuple(Problem(warning.object, sentence(warning)) for warning in result.warnings) + modalities.trace(scene, result)
+    )
 
 
 def frame_of(scene: Scene, reading: Reading, continuous: bool) -> Frame:

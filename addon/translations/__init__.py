@@ -1,4 +1,5 @@
-"""The add-on's texts in other languages. The code and Blender's own fallback are in English; every other language is a module with MESSAGES."""
+"""The add-on's texts in other languages. The code and Blender's own fallback are in English; every other language is a module with MESSAGES
+(by English text) and SENTENCES (by cause)."""
 
 from __future__ import annotations
 
@@ -9,16 +10,18 @@ _CONTEXTS = ("*", "Operator", "Haptics")
 _NAME = __package__
 
 
-def _dictionary() -> dict[str, dict[tuple[str, str], str]]:
-    """By locale: Blender's form."""
+def dictionary() -> dict[str, dict[tuple[str, str], str]]:
+    """Translations in Blender's form, by locale."""
+    from ...core.diagnosis.sentences import ENGLISH
     from . import german
 
-    messages = {(context, text): words for text, words in german.MESSAGES.items() for context in _CONTEXTS}
+    texts = german.MESSAGES | {ENGLISH[cause]: words for cause, words in german.SENTENCES.items()}
+    messages = {(context, text): words for text, words in texts.items() for context in _CONTEXTS}
     return {"de_DE": messages, "de": messages}
 
 
 def register() -> None:
-    bpy.app.translations.register(_NAME, _dictionary())
+    bpy.app.translations.register(_NAME, dictionary())
 
 
 def unregister() -> None:

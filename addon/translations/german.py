@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from ...core.message import Cause
+
 _PARTS = {
     "head": "Kopf",
     "ear": "Ohr",
@@ -630,51 +632,11 @@ MESSAGES: dict[str, str] = {
     "Of that extension: drafts of the standard differ": "Dieser Erweiterung: Entwürfe der Norm weichen voneinander ab",
     "Roles, haptic properties, functions and contacts, in the extras of nodes": "Rollen, haptische Eigenschaften, Funktionen und Kontakte, in den Extras der Knoten",
     # Why Is It Silent?
-    "there is no source, and no collision was strong enough to make one": "Es gibt keine Quelle, und kein Aufprall war stark genug, eine zu sein",
-    "the gain of '{}' is 0": "Die Verstärkung von „{}“ ist 0",
-    "only this one frame was traced: play to feel what arrives": "Nur dieses eine Bild wurde verfolgt: abspielen, um zu spüren, was ankommt",
-    "'{}' reaches it with {}, but is silent at this moment": "„{}“ erreicht ihn mit {}, ist aber in diesem Augenblick still",
-    "'{}' reaches it with {}, which at {} Hz is {} dB under the threshold of feeling": "„{}“ erreicht ihn mit {}, bei {} Hz {} dB unter der Spürschwelle",
-    "'{}' is muted": "„{}“ ist stumm",
-    "'{}' has amplitude 0": "„{}“ hat die Amplitude 0",
-    "the signal of '{}' was over at {} s": "Das Signal von „{}“ war bei {} s zu Ende",
-    "in mode SD only '{}', the listener nearest to '{}', feels it": "Im Modus SD spürt es nur „{}“, der Empfänger, der „{}“ am nächsten ist",
-    "with Localise at 1 only '{}', the listener nearest to '{}', feels it": "Mit Eingrenzen auf 1 spürt es nur „{}“, der Empfänger, der „{}“ am nächsten ist",
-    "no connection at all is allowed: Max Connections is too low": "Gar keine Verbindung ist erlaubt: Die Höchstzahl der Verbindungen ist zu klein",
-    "'{}' is {} away: {} is under the threshold of {}": "„{}“ ist {} entfernt: {} liegt unter der Schwelle von {}",
-    "the way {} has {} connections, {} are allowed": "Der Weg {} hat {} Verbindungen, {} sind erlaubt",
-    "the best way, {}, passes on {}, under the threshold of {}: '{}' takes the most, {} dB over {}": "Der beste Weg, {}, gibt {} weiter, "
-    "unter der Schwelle von {}: „{}“ nimmt am meisten, {} dB über {}",
-    "the contact of '{}' and '{}' passes on nothing": "Der Kontakt von „{}“ und „{}“ gibt nichts weiter",
-    "'{}' passes on nothing, because its kappa is 1": "„{}“ gibt nichts weiter, weil sein κ 1 ist",
-    "'{}' passes on nothing, because its rho is 0": "„{}“ gibt nichts weiter, weil sein ρ 0 ist",
-    "'{}' passes on nothing over {}: see its function, {}": "„{}“ gibt über {} nichts weiter: siehe seine Funktion, {}",
-    "the way {} crosses an object twice in a row": "Der Weg {} führt zweimal nacheinander durch ein Objekt",
-    "no contact leads from '{}' on '{}' to '{}', on which '{}' is": "Kein Kontakt führt von „{}“ auf „{}“ zu „{}“, auf dem „{}“ ist",
-    "no contact leads from '{}' to it: '{}' and '{}' are {} apart": "Kein Kontakt führt von „{}“ zu ihm: „{}“ und „{}“ sind {} voneinander entfernt",
-    "no contact leads from '{}' to it: '{}' and '{}' are {} apart, they touch from {} on": "Kein Kontakt führt von „{}“ zu ihm: „{}“ und „{}“ sind {} "
-    "voneinander entfernt, sie berühren sich ab {}",
-    "no contact leads from '{}' to it: '{}' and '{}' are {} apart, and so are {} more pair on the way": "Kein Kontakt führt von „{}“ zu ihm: „{}“ und „{}“ "
-    "sind {} voneinander entfernt, und {} weiteres Paar auf dem Weg ebenso",
-    "no contact leads from '{}' to it: '{}' and '{}' are {} apart, and so are {} more pairs on the way": "Kein Kontakt führt von „{}“ zu ihm: „{}“ und „{}“ "
-    "sind {} voneinander entfernt, und {} weitere Paare auf dem Weg ebenso",
-    "{} is muted: no actuator is chosen for it": "{} ist stumm: Kein Aktor ist dafür gewählt",
+    "'{}' is muted: no actuator is chosen for it": "„{}“ ist stumm: Kein Aktor ist dafür gewählt",
     "Tracing is switched off: tick the box of the panel Haptic Tracing": "Die Verfolgung ist aus: das Häkchen des Bereichs Haptic Tracing setzen",
     "Nothing has been traced yet: play, or press Trace This Frame": "Noch ist nichts verfolgt: abspielen oder „Dieses Bild verfolgen“",
     "It was no listener when this frame was traced": "Es war kein Empfänger, als dieses Bild verfolgt wurde",
     "Tracing is switched off: this is how the scene was before.": "Die Verfolgung ist aus: So war die Szene davor.",
-    # Warnings of a frame
-    "{}: its transform is not finite; it takes no part": "{}: Seine Lage ist nicht endlich; es nimmt nicht teil",
-    "some gains are above 1: paths were searched by their number of connections; energies count them as 1": "Manche Verstärkungen liegen über 1: "
-    "Wege wurden nach der Zahl ihrer Verbindungen gesucht; Energien zählen sie als 1",
-    "the budget was spent before it was certain that the best paths are the best: see the error bounds": "Die Rechenzeit war um, bevor sicher war, dass die "
-    "besten Wege die besten sind: siehe die Fehlerschranken",
-    "a sum over paths grows without bound: its gain is a lower bound; energy_balance suits such a scene": "Eine Summe über Wege wächst ohne Grenze: Ihre "
-    "Verstärkung ist eine untere Schranke; zu solch einer Szene passt die Energiebilanz",
-    "the budget was spent before a sum over paths was certain: its gain is a lower bound, see the error bounds": "Die Rechenzeit war um, bevor eine Summe "
-    "über Wege sicher war: Ihre Verstärkung ist eine untere Schranke, siehe die Fehlerschranken",
-    "a gain is too large for a number: it is given as 1e300, a lower bound": "Eine Verstärkung ist zu groß für eine Zahl: Sie ist als 1e300 angegeben, "
-    "eine untere Schranke",
     "it is a {} and has no surface; use a mesh, or a listener or source on an empty": "Es ist {} und hat keine Oberfläche; ein Netz nehmen, oder Empfänger "
     "oder Quelle auf ein Leerobjekt setzen",
     # Problems
@@ -706,4 +668,51 @@ MESSAGES: dict[str, str] = {
     "Shortcuts": "Tastenkürzel",
     **{f"{part}{side}".title(): f"{name}{word}" for part, name in _PARTS.items() for side, word in _SIDES.items()},
     **{f"Stands for the {part}{side}": f"Steht für: {name}{word}" for part, name in _PARTS.items() for side, word in _SIDES.items()},
+}
+
+SENTENCES = {
+    Cause.NO_SOURCE: "Es gibt keine Quelle, und kein Aufprall war stark genug, eine zu sein",
+    Cause.MUTED: "„{source}“ ist stumm geschaltet",
+    Cause.ZERO_AMPLITUDE: "„{source}“ hat die Amplitude 0",
+    Cause.FINISHED: "Das Signal von „{source}“ endete bei {end}",
+    Cause.NEAREST_LISTENER_ONLY: "Im Modus SD spürt es nur „{listener}“, der Empfänger, der „{source}“ am nächsten ist",
+    Cause.LOCALISED: "Mit Eingrenzen auf 1 spürt es nur „{listener}“, der Empfänger, der „{source}“ am nächsten ist",
+    Cause.LISTENER_GAIN: "Die Verstärkung von „{listener}“ ist 0",
+    Cause.NOT_RENDERED: "Nur dieses eine Bild wurde verfolgt: abspielen, um zu spüren, was ankommt",
+    Cause.PAUSE: "„{source}“ erreicht ihn mit einer Verstärkung von {gain}, ist aber in diesem Augenblick still",
+    Cause.NOT_FELT: "„{source}“ erreicht ihn mit einer Verstärkung von {gain}; bei {frequency} ist das {margin} unter der Spürschwelle",
+    Cause.NO_CONTACT: "Kein Kontakt führt von „{source}“ auf „{carrier}“ zu „{object}“, auf dem „{listener}“ ist",
+    Cause.GAP: "Kein Kontakt führt von „{source}“ zu ihm: „{first}“ und „{second}“ sind {distance} voneinander entfernt",
+    Cause.NARROW_GAP: "Kein Kontakt führt von „{source}“ zu ihm: „{first}“ und „{second}“ sind {distance} voneinander entfernt; "
+    "Objekte berühren sich unter {tolerance}",
+    Cause.SEVERAL_GAPS: "Kein Kontakt führt von „{source}“ zu ihm: Auf dem Weg sind {count} Lücken, "
+    "die größte mit {distance} zwischen „{first}“ und „{second}“",
+    Cause.BELOW_THRESHOLD: "Der beste Weg, {path}, hat eine Verstärkung von {gain}, unter der Schwelle von {threshold}: "
+    "„{object}“ dämpft am meisten, {loss} auf {distance}",
+    Cause.TOO_FAR: "„{source}“ ist {distance} entfernt: {gain} liegt unter der Schwelle von {threshold}",
+    Cause.TOO_LONG: "Der Weg {path} hat {count} Verbindungen, die Höchstzahl der Verbindungen ist {most}",
+    Cause.NO_CONNECTION_ALLOWED: "Die Höchstzahl der Verbindungen ist 0: Kein Weg ist erlaubt",
+    Cause.KAPPA_ONE: "„{object}“ überträgt nichts, weil sein κ 1 ist",
+    Cause.RHO_ZERO: "„{object}“ überträgt nichts, weil sein ρ 0 ist",
+    Cause.FUNCTION_ZERO: "„{object}“ überträgt auf {distance} nichts: seine Funktion ändern, {function}",
+    Cause.CONTACT_ZERO: "Der Kontakt von „{first}“ und „{second}“ überträgt nichts",
+    Cause.NO_SIMPLE_PATH: "Der Weg {path} würde ein Objekt zweimal nacheinander durchqueren",
+    Cause.TRANSFORM_NOT_FINITE: "„{object}“ ist ausgelassen: Seine Transformation ist nicht endlich",
+    Cause.AMPLIFICATION: "Manche Verstärkungen liegen über 1: Wege wurden nach der Zahl ihrer Verbindungen gesucht; "
+    "die Energiebilanz zählt solche Verstärkungen als 1",
+    Cause.PATH_BUDGET: "Die Suche endete an ihrer Grenze, bevor die besten Wege sicher waren: siehe die Fehlerschranken",
+    Cause.SUM_DIVERGES: "Eine Summe über Wege wächst ohne Grenze: Ihre Verstärkung ist eine untere Schranke; "
+    "zu solch einer Szene passt die Strategie „Energiebilanz“",
+    Cause.SUM_BUDGET: "Die Suche endete an ihrer Grenze, bevor eine Summe über Wege sicher war: Ihre Verstärkung ist eine untere Schranke, "
+    "siehe die Fehlerschranken",
+    Cause.GAIN_OVERFLOW: "Eine Verstärkung ist zu groß für eine Zahl: Sie ist als 1e300 angegeben, eine untere Schranke",
+    Cause.NO_ACTUATOR: "nicht spürbar: Kein Gerät hat einen Aktor für {body_part}",
+    Cause.NO_BODY_PART: "nicht spürbar: Kein Aktor ist gewählt, und der Empfänger hat kein Körperteil",
+    Cause.ACTUATOR_GONE: "nicht spürbar durch {actuators}: nicht verbunden",
+    Cause.SHARED_ACTUATOR: "zusammen mit {listeners} spürbar: Sie teilen sich {actuator} von {device}",
+    Cause.OUT_OF_BAND: "Sein Signal ({low} bis {high}) liegt außerhalb dessen, was {actuator} von {device} spielen kann ({lowest} bis {highest})",
+    Cause.PARTLY_OUT_OF_BAND: "Sein Signal ({low} bis {high}) liegt zum Teil außerhalb dessen, was {actuator} von {device} spielen kann "
+    "({lowest} bis {highest})",
+    Cause.STRENGTH_ONLY: "{actuator} von {device} gibt Stärke wieder, keine Frequenz",
+    Cause.LATE: "{actuator} von {device} antwortet nach {delay}; mehr als {limit} fällt auf",
 }

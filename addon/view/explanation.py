@@ -7,33 +7,37 @@ import time
 from typing import Any
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Scene
 
-from ...core.diagnosis.silence import Reason, Surroundings, reasons
+from ...core.diagnosis.gaps import Surroundings
+from ...core.diagnosis.silence import reasons
+from ...core.message import Message
 from ...core.render.frame_result import FrameResult
 from ..scene_reader import reader
 from ..session import session
+from ..translations.sentences import sentence
 from .levels import RMS_SECONDS
 
 _PATIENCE = 0.004  # seconds that looking may take while the timeline plays
 
-_known: dict[tuple[int, str], tuple[FrameResult, Any, tuple[Reason, ...], float]] = {}
+_known: dict[tuple[int, str], tuple[FrameResult, Any, tuple[Message, ...], float]] = {}
 
 
-def why_silent(scene: Scene, listener: str) -> tuple[str, tuple[Reason, ...]]:
+def why_silent(scene: Scene, listener: str) -> tuple[str, tuple[Message, ...]]:
     """Why a listener feels nothing: one sentence about the scene ("" where there is nothing to say), and the core's reasons; () and ""
     where it feels something."""
     haptics = scene.haptics
     result = session.result_of(scene)
     if not haptics.tracing and result is None:
-        return "Tracing is switched off: tick the box of the panel Haptic Tracing", ()
+        return iface_("Tracing is switched off: tick the box of the panel Haptic Tracing"), ()
     if result is None:
         problems = session.problems_of(scene)
-        return (problems[0].message if problems else "Nothing has been traced yet: play, or press Trace This Frame"), ()
+        return (problems[0].message if problems else iface_("Nothing has been traced yet: play, or press Trace This Frame")), ()
     names = [item.name for item in result.listeners]
     if listener not in names:
-        return "It was no listener when this frame was traced", ()
-    stale = "Tracing is switched off: this is how the scene was before." if not haptics.tracing else ""
+        return iface_("It was no listener when this frame was traced"), ()
+    stale = iface_("Tracing is switched off: this is how the scene was before.") if not haptics.tracing else ""
     return stale, _reasons(scene, result, names.index(listener))
 
 
@@ -53,11 +57,11 @@ def device_words(scene: Scene, listener: str) -> str:
     column = names.index(listener)
     if any(weights[:, column].any() for weights in mapping.weights.values()):
         return ""
-    losses = [loss.text for loss in mapping.losses if loss.listener == listener]
-    return losses[0] if losses else f"{listener} is muted: no actuator is chosen for it"
+    losses = [loss.message for loss in mapping.losses if loss.listener == listener]
+    return sentence(losses[0]) if losses else iface_("'{}' is muted: no actuator is chosen for it").format(listener)
 
 
-def _reasons(scene: Scene, result: FrameResult, index: int) -> tuple[Reason, ...]:
+def _reasons(scene: Scene, result: FrameResult, index: int) -> tuple[Message, ...]:
     name = result.listeners[index].name
     settings = reader.read_settings(scene)
     key = (scene.session_uid, name)

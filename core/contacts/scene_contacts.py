@@ -23,7 +23,7 @@ def contacts_of_scene(scene: HapticScene, tolerance: float = 0.01, patch_points:
     transforms = np.array([pose_matrix(item.pose or Pose()) for item in objects], dtype=np.float64).reshape(-1, 4, 4)
     frame = tracker.update(0.0, transforms)
     if frame.warnings:
-        raise ValueError(frame.warnings[0])
+        raise ValueError(f"{frame.warnings[0].object}: its transform is not finite")
     contacts = frame.contacts
     return ContactSet(
         pairs=np.array(chosen, dtype=np.int64)[contacts.pairs],

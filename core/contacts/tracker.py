@@ -9,6 +9,7 @@ from time import perf_counter
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..message import Cause, Message
 from .broad_phase import overlapping_pairs
 from .contact_set import ContactSet
 from .gain_bound import Reach
@@ -53,7 +54,7 @@ class ContactStatistics:
 @dataclass(frozen=True, slots=True)
 class FrameContacts:
     """One frame: all ``contacts`` (pairs by number of the body, sorted), the pairs (k, 2) that ``began`` and ``ended``, ``impacts`` by
-    time, and ``warnings`` that name the object they are about. Where nothing has changed, ``contacts`` is the same object as in the last
+    time, and ``warnings`` about objects. Where nothing has changed, ``contacts`` is the same object as in the last
     frame."""
 
     contacts: ContactSet
@@ -61,7 +62,7 @@ class FrameContacts:
     ended: IntArray
     impacts: tuple[Impact, ...]
     statistics: ContactStatistics
-    warnings: tuple[str, ...]
+    warnings: tuple[Message, ...]
 
 
 # Rows of what is kept of a pair, all in the frame of its larger body unless said otherwise: place of the middle of the smaller one's
@@ -225,7 +226,7 @@ class ContactTracker:
         """Pairs (k, 2), smaller number first."""
         return np.stack([key // max(len(self.bodies), 1), key % max(len(self.bodies), 1)], axis=1)
 
-    def _take(self, time: float, transforms: FloatArray) -> tuple[IntArray, tuple[str, ...]]:
+    def _take(self, time: float, transforms: FloatArray) -> tuple[IntArray, tuple[Message, ...]]:
         """Take over the poses of bodies that have moved; their numbers, and warnings of those left out."""
         # An array that can't be written to and is here again is not even compared.
         same = transforms is self._seen and not transforms.flags.writeable
@@ -257,7 +258,8 @@ class ContactTracker:
         self._low[:, moved], self._high[:, moved] = self._world_bounds(moved, self._pose[:, moved])
         self._history.advance(time, flat[:, _COLUMNS].T, moved)
         self._history.disturb(lost)
-        warnings = tuple(f"{self.bodies[k].name}: its transform is not finite; it takes no part" for k in lost.tolist())
+        names = [self.bodies[k].name for k in lost.tolist()]
+        warnings = tuple(Message.of(Cause.TRANSFORM_NOT_FINITE, name, object=name) for name in names)
         return (moved if len(lost) == 0 else np.union1d(moved, gone)), warnings
 
     def _world_bounds(self, bodies: IntArray, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -269,7 +271,7 @@ class ContactTracker:
         half = np.einsum("ijp,jp->ip", np.abs(turn), self._extent.take(bodies, axis=1)) + grow
         return centre - half, centre + half
 
-    def _unchanged(self, warnings: tuple[str, ...]) -> FrameContacts:
+    def _unchanged(self, warnings: tuple[Message, ...]) -> FrameContacts:
         assert self._last is not None
         none = np.zeros((0, 2), dtype=np.int64)
         candidates = len(self._pairs.key)
@@ -371,7 +373,7 @@ class ContactTracker:
         paths: Paths | None,
         lively: BoolArray,
         able: IntArray,
-        warnings: tuple[str, ...],
+        warnings: tuple[Message, ...],
     ) -> FrameContacts:
         first_frame = self._last is None
         low, high, larger, smaller = self._low, self._high, self._near_larger, self._near_smaller

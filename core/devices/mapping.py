@@ -9,6 +9,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from ..arrays import FloatArray
+from ..message import Cause, Hertz, Message, Names, Seconds
 from ..scene.body import body_part
 from .profiles import Actuator
 
@@ -42,12 +43,12 @@ class Loss:
 
     kind: ``actuator`` there is none; ``band`` frequencies the actuator can't play; ``frequency`` only strength is played;
     ``side`` it shares its actuator with other listeners; ``time`` touch comes noticeably late.
-    text: one line for people.
+    message: what is lost, without the listener's name.
     """
 
     listener: str
     kind: Literal["actuator", "band", "frequency", "side", "time"]
-    text: str
+    message: Message
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,8 +94,8 @@ def map_listeners(
     for row, (listener, part) in enumerate(listeners.items()):
         places = chosen[listener] if listener in chosen else _places_at(part, devices)
         if not places and listener not in chosen:
-            where = f"at {part}" if part else "for a listener without a body part"
-            losses.append(Loss(listener, "actuator", f"{listener} is not felt: no device has an actuator {where}"))
+            message = Message.of(Cause.NO_ACTUATOR, body_part=part) if part else Message.of(Cause.NO_BODY_PART)
+            losses.append(Loss(listener, "actuator", message))
         for place in places:
             if place.device not in devices:
                 raise ValueError(f"device {place.device!r} is not connected")
@@ -126,24 +127,24 @@ def _losses(profile: ActuatedDevice, weights: FloatArray, names: tuple[str, ...]
     for actuator, felt in zip(profile.actuators, weights, strict=True):
         sharing = [names[row] for row in np.flatnonzero(felt)]
         for listener in sharing:
-            where = f"{actuator.name} of {profile.title}"
-            others = [name for name in sharing if name != listener]
+            names_of = {"actuator": actuator.name, "device": profile.title}
+            others = Names(name for name in sharing if name != listener)
             if others:
-                losses.append(Loss(listener, "side", f"{listener} is felt together with {', '.join(others)}: they share the {where}"))
+                losses.append(Loss(listener, "side", Message.of(Cause.SHARED_ACTUATOR, listeners=others, **names_of)))
             if listener in bands:
-                losses += _band_losses(listener, bands[listener], actuator, where)
+                losses += _band_losses(listener, bands[listener], actuator, names_of)
             if not profile.plays_frequency:
-                losses.append(Loss(listener, "frequency", f"{listener}: the {where} plays strength, not frequency"))
+                losses.append(Loss(listener, "frequency", Message.of(Cause.STRENGTH_ONLY, **names_of)))
             if actuator.latency > LATEST:
-                late = round(1000 * actuator.latency)
-                losses.append(Loss(listener, "time", f"{listener}: the {where} answers after {late} ms; more than 50 ms is noticed"))
+                message = Message.of(Cause.LATE, delay=Seconds(actuator.latency), limit=Seconds(LATEST), **names_of)
+                losses.append(Loss(listener, "time", message))
     return losses
 
 
-def _band_losses(listener: str, band: tuple[float, float], actuator: Actuator, where: str) -> list[Loss]:
+def _band_losses(listener: str, band: tuple[float, float], actuator: Actuator, names: Mapping[str, str]) -> list[Loss]:
     low, high = actuator.band
     if low <= band[0] and band[1] <= high:
         return []
-    extent = "is outside" if band[1] < low or band[0] > high else "is partly outside"
-    text = f"{listener}: its signal ({band[0]:g} to {band[1]:g} Hz) {extent} what the {where} can play ({low:g} to {high:g} Hz)"
-    return [Loss(listener, "band", text)]
+    cause = Cause.OUT_OF_BAND if band[1] < low or band[0] > high else Cause.PARTLY_OUT_OF_BAND
+    limits = {"low": Hertz(band[0]), "high": Hertz(band[1]), "lowest": Hertz(low), "highest": Hertz(high)}
+    return [Loss(listener, "band", Message.of(cause, **limits, **names))]

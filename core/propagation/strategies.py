@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray
 from ..graph.haptic_graph import HapticGraph
+from ..message import Cause, Message
 from ..scene.bands import BAND_COUNT
 from ..scene.values import Mode, Settings, SourceKind, Strategy
 from .best_path import BestPaths, best_paths, crossings_of, gain_and_error
@@ -129,22 +130,22 @@ class _Run:
             },
         )
 
-    def _warnings(self, amplified: bool, best: BestPaths, gain: FloatArray, error: FloatArray) -> tuple[str, ...]:
+    def _warnings(self, amplified: bool, best: BestPaths, gain: FloatArray, error: FloatArray) -> tuple[Message, ...]:
         warnings = []
         if amplified:
-            warnings.append("some gains are above 1: paths were searched by their number of connections; energies count them as 1")
+            warnings.append(Message.of(Cause.AMPLIFICATION))
         if best.bound:
-            warnings.append("the budget was spent before it was certain that the best paths are the best: see the error bounds")
+            warnings.append(Message.of(Cause.PATH_BUDGET))
         if not error.any() and not np.any(gain >= LARGEST):
             return tuple(warnings)
         summed = [row for row, strategy in enumerate(self.strategies) if strategy is Strategy.ALL_PATHS]
         uncertain = error[summed] > self.settings.tolerance * gain[summed] * (1 + ROUNDING)
         if np.any(error[summed] >= LARGEST):
-            warnings.append("a sum over paths grows without bound: its gain is a lower bound; energy_balance suits such a scene")
+            warnings.append(Message.of(Cause.SUM_DIVERGES))
         elif np.any(uncertain & (error[summed] > 1e-6)):
-            warnings.append("the budget was spent before a sum over paths was certain: its gain is a lower bound, see the error bounds")
+            warnings.append(Message.of(Cause.SUM_BUDGET))
         if np.any(gain >= LARGEST):
-            warnings.append("a gain is too large for a number: it is given as 1e300, a lower bound")
+            warnings.append(Message.of(Cause.GAIN_OVERFLOW))
         return tuple(warnings)
 
     def _taps(self, best: BestPaths, gain: FloatArray, amplified: bool) -> dict[tuple[int, int], tuple[tuple[float, float], ...]]:

@@ -11,6 +11,7 @@ from ..arrays import FloatArray
 from ..contacts.contact_set import ContactSet
 from ..contacts.tracker import Impact
 from ..graph.haptic_graph import HapticGraph
+from ..message import Message
 from ..propagation import Propagation, objects_on
 from ..scene.values import Listener, Source
 
@@ -40,7 +41,7 @@ class FrameResult:
     sample_rate: float
     milliseconds: Mapping[str, float]
     statistics: Mapping[str, int | float]
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Message, ...] = ()
 
     def path_objects(self, source: int, listener: int) -> tuple[str, ...]:
         """The objects of the best path from a source to a listener, () where there is none."""

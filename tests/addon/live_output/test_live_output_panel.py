@@ -60,7 +60,7 @@ def test_a_device_is_offered_connected_and_shown_with_its_budget(plug, connect, 
     assert "Connected" in layout.labels and "-15 to 50 ms go unnoticed" in layout.labels
     assert "Auto: left grip" in layout.labels
     assert layout.operators.count("haptic.choose_actuator") == 2
-    assert "The left grip of DualSense plays strength, not frequency" in text()
+    assert "Left grip of DualSense plays strength, not frequency" in text()
 
 
 def test_what_a_status_says_is_shown(scene):

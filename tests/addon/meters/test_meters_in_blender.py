@@ -12,6 +12,7 @@ from haptic_tracing.addon.session import session
 from haptic_tracing.addon.view import explanation, meter_pictures, picture
 from haptic_tracing.addon.view import meters as draw
 from haptic_tracing.addon.view.annotations import plate_of
+from haptic_tracing.core.message import Cause, Message
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)
@@ -67,12 +68,12 @@ def test_scope_is_of_the_active_listener_or_of_the_strongest(felt):
 def test_why_silent_names_the_gap_and_then_the_muted_source(felt):
     words, (reason,) = explanation.why_silent(felt, "hand")
     assert words == ""
-    assert "'ground' and 'crate' are 4.0 cm apart" in reason.words
+    assert (reason["first"], reason["second"], reason["distance"]) == ("ground", "crate", pytest.approx(0.04, abs=1e-6))
     assert explanation.why_silent(felt, "hand")[1][0] is reason
     assert explanation.why_silent(felt, "foot") == ("", ())
     bpy.data.objects["shaker"].haptics.source.muted = True
     felt.frame_set(51)
-    assert explanation.why_silent(felt, "foot")[1][0].words == "'shaker' is muted"
+    assert explanation.why_silent(felt, "foot")[1] == (Message.of(Cause.MUTED, "shaker", source="shaker"),)
     assert "no listener" in explanation.why_silent(felt, "crate")[0]
 
 

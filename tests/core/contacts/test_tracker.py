@@ -8,6 +8,7 @@ from haptic_tracing.core.contacts.gain_bound import Reach
 from haptic_tracing.core.contacts.motion import rotations
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, ConvexHull, Cylinder, Mesh, Sphere
 from haptic_tracing.core.contacts.tracker import STILL, Body, ContactSettings, ContactTracker
+from haptic_tracing.core.message import Cause, Message
 from haptic_tracing.core.scene.values import Pose
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -261,7 +262,7 @@ def test_a_transform_that_is_not_finite():
     broken[2, 0, 3] = np.nan
     for frame in range(1, 6):
         found = tracker.update(frame / 24, broken)
-        assert found.warnings == ("lost: its transform is not finite; it takes no part",)
+        assert found.warnings == (Message.of(Cause.TRANSFORM_NOT_FINITE, "lost", object="lost"),)
         assert found.contacts.pairs.tolist() == [[0, 1]]
         assert np.isfinite(found.contacts.positions).all()
     found = tracker.update(6 / 24, matrices)

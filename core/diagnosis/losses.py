@@ -1,0 +1,122 @@
+"""Causes of silence that lie on the path: what attenuates too much, transmits nothing, or has too many connections."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ..graph.haptic_graph import HapticGraph
+from ..message import Cause, Chain, Decibels, Message, Metres
+from ..propagation import objects_on
+from ..propagation.best_path import best_paths
+from ..propagation.connections import amplifying, intra_costs
+from ..propagation.modes import DISTANCE_ONLY, straight_distances
+from ..propagation.strategies import BUDGET
+from ..render.frame_result import FrameResult
+from ..scene.values import Mode, Settings
+
+NEPER = 20 / math.log(10)
+"""Decibels of a factor e."""
+_BARRIER = 40.0
+"""Cost [Np] given to an object that transmits nothing, to find the path with the fewest of them."""
+
+
+def straight_line_message(result: FrameResult, settings: Settings, row: int, listener: int) -> Message:
+    """Why nothing arrives in the modes MD and MN, which know no objects."""
+    if settings.max_connections is not None and settings.max_connections < 1:
+        return Message.of(Cause.NO_CONNECTION_ALLOWED)
+    source = result.sources[row].name
+    distance = float(straight_distances(result.graph)[row, listener])
+    loss = DISTANCE_ONLY.alpha * distance * NEPER if settings.mode is Mode.MD else 0.0
+    threshold = Decibels(-_threshold_loss(settings))
+    return Message.of(Cause.TOO_FAR, source, source=source, distance=Metres(distance), gain=Decibels(-loss), threshold=threshold)
+
+
+def loss_message(graph: HapticGraph, settings: Settings, row: int, column: int) -> Message | None:
+    """What is lost on the best chain of contacts from source ``row`` to listener ``column``; None where no chain leads there."""
+    path = _best_path(graph, row, column)
+    if path:
+        return _weak_path_message(graph, settings, path)
+    path = _best_path(_with_barriers(graph), row, column)
+    return _barrier_message(graph, path) if path else None
+
+
+def _weak_path_message(graph: HapticGraph, settings: Settings, path: tuple[int, ...]) -> Message:
+    """A path exists, but its gain is too low or it is too long."""
+    losses = object_losses(graph, path)
+    total = sum(loss for _, loss, _ in losses)
+    chain, count = Chain(objects_on(graph, path)), len(path) - 1
+    limit = _threshold_loss(settings)
+    if total <= limit and settings.max_connections is not None and count > settings.max_connections:
+        return Message.of(Cause.TOO_LONG, path=chain, count=count, most=settings.max_connections)
+    worst, loss, distance = max(losses, key=lambda item: item[1])
+    return Message.of(
+        Cause.BELOW_THRESHOLD,
+        worst,
+        path=chain,
+        gain=Decibels(-total),
+        threshold=Decibels(-limit),
+        object=worst,
+        loss=Decibels(loss),
+        distance=Metres(distance),
+    )
+
+
+def _barrier_message(graph: HapticGraph, path: tuple[int, ...]) -> Message:
+    """A chain of contacts exists, but something on it transmits nothing."""
+    for a, b in itertools.pairwise(path):
+        if graph.partner[a] == b and graph.contact[a] >= 0:
+            if not math.isfinite(graph.transmission_loss[graph.contact[a]]):
+                first, second = (graph.table.names[graph.node_object[node]] for node in (a, b))
+                return Message.of(Cause.CONTACT_ZERO, first, first=first, second=second)
+        elif not math.isfinite(float(intra_costs(graph, np.array([a]), np.array([b]))[0])):
+            return _object_message(graph, a, b)
+    return Message.of(Cause.NO_SIMPLE_PATH, graph.table.names[graph.node_object[path[0]]], path=Chain(objects_on(graph, path)))
+
+
+def _object_message(graph: HapticGraph, a: int, b: int) -> Message:
+    """The object with the nodes ``a`` and ``b`` transmits nothing between them."""
+    item = graph.table.objects[graph.node_object[a]]
+    if item.propagation.name == "haptic_tracing" and (1 - item.kappa) * item.rho == 0:
+        return Message.of(Cause.KAPPA_ONE if item.kappa == 1 else Cause.RHO_ZERO, item.name, object=item.name)
+    distance = Metres(graph.node_distances(np.array([a]), np.array([b]))[0])
+    function = item.propagation.name.replace("_", " ")
+    return Message.of(Cause.FUNCTION_ZERO, item.name, object=item.name, distance=distance, function=function)
+
+
+def object_losses(graph: HapticGraph, path: tuple[int, ...]) -> list[tuple[str, float, float]]:
+    """Per object on a path, with its contact to the next one: name, loss [dB], distance [m]."""
+    result: dict[str, tuple[float, float]] = {}
+    for a, b in itertools.pairwise(path):
+        name = graph.table.names[graph.node_object[a]]
+        if graph.partner[a] == b and graph.contact[a] >= 0:
+            cost, length = float(graph.transmission_loss[graph.contact[a]]), 0.0
+        else:
+            ends = np.array([a]), np.array([b])
+            cost, length = float(intra_costs(graph, *ends)[0]), float(graph.node_distances(*ends)[0])
+        loss, distance = result.get(name, (0.0, 0.0))
+        result[name] = loss + NEPER * cost, distance + length
+    return [(name, loss, distance) for name, (loss, distance) in result.items()]
+
+
+def _best_path(graph: HapticGraph, row: int, column: int) -> tuple[int, ...]:
+    """Nodes of the best path without any limit, () where there is none."""
+    return best_paths(graph, [(row, column)], None, 0.0, BUDGET, amplifying(graph), {}).nodes.get((row, column), ())
+
+
+def _with_barriers(graph: HapticGraph) -> HapticGraph:
+    """The graph with a finite cost wherever nothing is transmitted, and next to none elsewhere."""
+    barriers = np.where(graph.table.loss >= _BARRIER, _BARRIER, 1e-3)
+    barriers[sorted(graph.table.special)] = _BARRIER / 4
+    decay = np.full(len(barriers), 1e-3)
+    table = replace(graph.table, factor=np.exp(-barriers), decay=decay, loss=barriers, special=frozenset())
+    loss = np.minimum(graph.transmission_loss, _BARRIER)
+    return replace(graph, table=table, transmission=np.exp(-loss), transmission_loss=loss)
+
+
+def _threshold_loss(settings: Settings) -> float:
+    """Loss [dB] at the threshold of propagation, infinite where there is none."""
+    return -NEPER * math.log(settings.threshold) if settings.threshold > 0 else math.inf

@@ -1,0 +1,87 @@
+"""English sentences of messages, and how their arguments are written in any language."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..message import Argument, Cause, Chain, Decibels, Hertz, Message, Metres, Names, Seconds
+
+ENGLISH: Mapping[Cause, str] = {
+    Cause.NO_SOURCE: "there is no source, and no collision was strong enough to make one",
+    Cause.MUTED: "'{source}' is muted",
+    Cause.ZERO_AMPLITUDE: "'{source}' has amplitude 0",
+    Cause.FINISHED: "the signal of '{source}' ended at {end}",
+    Cause.NEAREST_LISTENER_ONLY: "in mode SD only '{listener}', the listener nearest to '{source}', feels it",
+    Cause.LOCALISED: "with Localise at 1 only '{listener}', the listener nearest to '{source}', feels it",
+    Cause.LISTENER_GAIN: "the gain of '{listener}' is 0",
+    Cause.NOT_RENDERED: "only this one frame was traced: play to feel what arrives",
+    Cause.PAUSE: "'{source}' reaches it with a gain of {gain}, but is silent at this moment",
+    Cause.NOT_FELT: "'{source}' reaches it with a gain of {gain}; at {frequency} that is {margin} under the threshold of feeling",
+    Cause.NO_CONTACT: "no contact leads from '{source}' on '{carrier}' to '{object}', which '{listener}' is on",
+    Cause.GAP: "no contact leads from '{source}' to it: '{first}' and '{second}' are {distance} apart",
+    Cause.NARROW_GAP: "no contact leads from '{source}' to it: '{first}' and '{second}' are {distance} apart; "
+    "objects touch below {tolerance}",
+    Cause.SEVERAL_GAPS: "no contact leads from '{source}' to it: there are {count} gaps on the way, "
+    "the widest of {distance} between '{first}' and '{second}'",
+    Cause.BELOW_THRESHOLD: "the best path, {path}, has a gain of {gain}, below the threshold of {threshold}: "
+    "'{object}' loses the most, {loss} over {distance}",
+    Cause.TOO_FAR: "'{source}' is {distance} away: {gain} is below the threshold of {threshold}",
+    Cause.TOO_LONG: "the path {path} has {count} connections, but Max Connections is {most}",
+    Cause.NO_CONNECTION_ALLOWED: "Max Connections is 0: no path is allowed",
+    Cause.KAPPA_ONE: "'{object}' transmits nothing, because its kappa is 1",
+    Cause.RHO_ZERO: "'{object}' transmits nothing, because its rho is 0",
+    Cause.FUNCTION_ZERO: "'{object}' transmits nothing over {distance}: change its function, {function}",
+    Cause.CONTACT_ZERO: "the contact of '{first}' and '{second}' transmits nothing",
+    Cause.NO_SIMPLE_PATH: "the path {path} would cross an object twice in a row",
+    Cause.TRANSFORM_NOT_FINITE: "'{object}' is left out: its transform is not finite",
+    Cause.AMPLIFICATION: "some gains are above 1: paths were searched by their number of connections; "
+    "the energy balance counts such gains as 1",
+    Cause.PATH_BUDGET: "the search ended at its limit before the best paths were certain: see the error bounds",
+    Cause.SUM_DIVERGES: "a sum over paths grows without bound: its gain is a lower bound; the strategy Energy Balance suits such a scene",
+    Cause.SUM_BUDGET: "the search ended at its limit before a sum over paths was certain: its gain is a lower bound, see the error bounds",
+    Cause.GAIN_OVERFLOW: "a gain is too large for a number: it is given as 1e300, a lower bound",
+    Cause.NO_ACTUATOR: "not felt: no device has an actuator at {body_part}",
+    Cause.NO_BODY_PART: "not felt: no actuator is chosen, and the listener has no body part",
+    Cause.ACTUATOR_GONE: "not felt through {actuators}: not connected",
+    Cause.SHARED_ACTUATOR: "felt together with {listeners}: they share {actuator} of {device}",
+    Cause.OUT_OF_BAND: "its signal ({low} to {high}) is outside what {actuator} of {device} can play ({lowest} to {highest})",
+    Cause.PARTLY_OUT_OF_BAND: "its signal ({low} to {high}) is partly outside what {actuator} of {device} can play ({lowest} to {highest})",
+    Cause.STRENGTH_ONLY: "{actuator} of {device} plays strength, not frequency",
+    Cause.LATE: "{actuator} of {device} answers after {delay}; more than {limit} is noticed",
+}
+
+_LONGEST_CHAIN = 6
+
+
+def sentence(message: Message, template: str | None = None) -> str:
+    """A message as a sentence without a full stop: in English, or by the ``template`` of another language."""
+    return (template or ENGLISH[message.cause]).format_map({name: written(value) for name, value in message.arguments})
+
+
+def written(value: Argument) -> str:
+    """An argument as text: numbers with their unit, long paths without their middle."""
+    match value:
+        case Metres():
+            return _length(value)
+        case Decibels():
+            return decibels(value)
+        case Hertz():
+            return f"{value:.0f} Hz"
+        case Seconds():
+            return f"{1000 * value:.0f} ms" if abs(value) < 0.1 else f"{value:.2f} s"
+        case Chain():
+            return " > ".join(value if len(value) <= _LONGEST_CHAIN else (*value[:3], "...", *value[-2:]))
+        case Names():
+            return ", ".join(value)
+    return str(value)
+
+
+def decibels(value: float) -> str:
+    """Whole decibels with a real minus sign: "−12 dB"."""
+    return f"\N{MINUS SIGN}{-value:.0f} dB" if round(value) < 0 else f"{abs(value):.0f} dB"
+
+
+def _length(metres: float) -> str:
+    if metres < 0.01:
+        return f"{1000 * metres:.1f} mm"
+    return f"{100 * metres:.1f} cm" if metres < 1 else f"{metres:.1f} m"
