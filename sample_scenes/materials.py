@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import bpy
 from bpy.types import Material, Node, NodeTree, Object, World
 
+from ..core.scene.coefficients import transfer_coefficient
+
 
 @dataclass(frozen=True, slots=True)
 class Substance:
@@ -18,7 +20,7 @@ class Substance:
     @property
     def k(self) -> float:
         """The paper's factor per object and, down to ε, its attenuation per metre."""
-        return (1 - self.kappa) * self.rho
+        return transfer_coefficient(self.kappa, self.rho)
 
 
 STEEL = Substance(0.10, 0.90)

@@ -13,7 +13,7 @@ from ...core.devices.mapping import ActuatorMapping, Loss, Place, map_listeners
 from ...core.message import Cause, Message, Names
 from ...core.render.frame_result import FrameResult
 from ...core.render.playback import Playback, grain, recorded_grain
-from ...core.signals import Decay, Product, Signal, Sine, Track
+from ...core.signals import Automation, Decay, Product, Signal, Sine
 from ..properties.preferences import preferences
 from . import outputs, preview
 
@@ -155,7 +155,7 @@ def _bands(result: FrameResult) -> dict[str, tuple[float, float]]:
     for row, listener in enumerate(result.listeners):
         heard = [tone for tone, gain in zip(tones, result.gains[:, row].tolist(), strict=True) if gain > 0]
         if heard and None not in heard:
-            values = np.concatenate([f.values if isinstance(f, Track) else [f] for f in (tone.frequency for tone in heard if tone)])
+            values = np.concatenate([f.values if isinstance(f, Automation) else [f] for f in (tone.frequency for tone in heard if tone)])
             bands[listener.name] = float(values.min()), float(values.max())
     return bands
 

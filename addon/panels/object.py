@@ -11,6 +11,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Object, Panel, UILayout
 
 from ...core.scene.bands import BAND_EDGES
+from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.functions.curve import Curve, gain_curve
 from ..properties.preferences import gain_text, preferences
 from ..scene_reader.reader import read_function
@@ -111,9 +112,9 @@ def advice(context: Context, obj: Object) -> Iterator[tuple[str, ...]]:
 
 def _twin(context: Context, haptics: Any) -> str | None:
     """Another material of the library with other κ and ρ that give the same."""
-    k = (1 - haptics.kappa) * haptics.rho
+    k = transfer_coefficient(haptics.kappa, haptics.rho)
     for item in context.scene.haptics.materials.items:
-        if item.name == haptics.material.name or abs((1 - item.kappa) * item.rho - k) > _SAME:
+        if item.name == haptics.material.name or abs(transfer_coefficient(item.kappa, item.rho) - k) > _SAME:
             continue
         bands = tuple(item.band_decays) if item.use_bands else ()
         if bands == (tuple(haptics.material.band_decays) if haptics.material.use_bands else ()):
@@ -148,7 +149,7 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
         column = layout.column(align=True)
         column.scale_y = 0.8
         if haptics.function == "haptic_tracing":
-            draw_pair(column, "K = (1 - κ) ρ", f"{(1 - haptics.kappa) * haptics.rho:.2f}")
+            draw_pair(column, "K = (1 - κ) ρ", f"{transfer_coefficient(haptics.kappa, haptics.rho):.2f}")
         for distance in (0.0, curve.reach / 10, curve.reach / 2):
             draw_pair(column, f"{distance:g} m", gain_text(curve.at(distance)))
         if curve.bands is not None:

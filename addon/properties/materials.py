@@ -13,6 +13,7 @@ from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatPrope
 from bpy.types import Context, Object, PropertyGroup, Scene, UIList
 
 from ...core.scene.bands import BAND_COUNT
+from ...core.scene.coefficients import transfer_coefficient
 from ..blender.progress import progress
 from .function import changed
 
@@ -211,7 +212,7 @@ class HAPTIC_UL_materials(UIList):
         row.prop(item, "name", text="", emboss=False, icon="MATERIAL")
         side = row.row()
         side.alignment = "RIGHT"
-        side.label(text=f"{(1 - item.kappa) * item.rho:.2f}")
+        side.label(text=f"{transfer_coefficient(item.kappa, item.rho):.2f}")
 
 
 CLASSES = (HapticMaterial, HapticObjectMaterial, HapticMaterialLibrary)

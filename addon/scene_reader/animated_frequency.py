@@ -1,4 +1,4 @@
-"""Frequencies that an F-curve animates, as tracks over the scene's time: read frame by frame, phase would jump at every frame."""
+"""Frequencies that an F-curve animates, as automations over the scene's time: read frame by frame, phase would jump at every frame."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from bpy.types import Object, Scene
 
-from ...core.signals import Track
+from ...core.signals import Automation
 from ..blender.compatibility import fcurves_of
 
 PATH = "haptics.source.frequency"
@@ -17,16 +17,16 @@ _MOST_FRAMES = 100_000
 
 
 class AnimatedFrequencies:
-    """The tracks of a scene's sources, evaluated anew where their keyframes, or the scene's frames, have changed."""
+    """The automations of a scene's sources, evaluated anew where their keyframes, or the scene's frames, have changed."""
 
     def __init__(self) -> None:
-        self._known: dict[int, tuple[Any, Track]] = {}  # by session id of the object
+        self._known: dict[int, tuple[Any, Automation]] = {}  # by session id of the object
 
     def clear(self) -> None:
         """Anything about the curves may have changed."""
         self._known.clear()
 
-    def track(self, obj: Object, scene: Scene) -> Track | None:
+    def automation(self, obj: Object, scene: Scene) -> Automation | None:
         """The frequency of a source in hertz over seconds from the scene's first frame, None where no F-curve animates it."""
         curve = next((c for c in fcurves_of(obj) if c.data_path == PATH and not c.mute), None)
         if curve is None or not len(curve.keyframe_points):
@@ -40,7 +40,7 @@ class AnimatedFrequencies:
 
 
 def _description(curve: Any, scene: Scene) -> tuple[Any, ...]:
-    """What the track of a curve depends on."""
+    """What the automation of a curve depends on."""
     points = curve.keyframe_points
     values = np.empty((3, 2 * len(points)), dtype=np.float32)
     for row, name in zip(values, ("co", "handle_left", "handle_right"), strict=True):
@@ -48,9 +48,9 @@ def _description(curve: Any, scene: Scene) -> tuple[Any, ...]:
     return values.tobytes(), scene.frame_start, scene.frame_end, scene.render.fps, scene.render.fps_base
 
 
-def _evaluated(curve: Any, scene: Scene) -> Track:
+def _evaluated(curve: Any, scene: Scene) -> Automation:
     first, last = curve.range()
     start = min(math.floor(first), scene.frame_start)
     frames = range(start, min(max(math.ceil(last), scene.frame_end), start + _MOST_FRAMES) + 1)
     seconds = (np.array(frames) - scene.frame_start) * (scene.render.fps_base / scene.render.fps)
-    return Track(seconds, np.clip([curve.evaluate(frame) for frame in frames], _LOWEST, _HIGHEST))
+    return Automation(seconds, np.clip([curve.evaluate(frame) for frame in frames], _LOWEST, _HIGHEST))

@@ -23,7 +23,19 @@ from ...core.contacts.tracker import Body, ContactSettings, Motion
 from ...core.scene.functions import ModulationFunction, Spectrum, function_from_dict
 from ...core.scene.materials import named_in
 from ...core.scene.values import HapticObject, Listener, Pose, Settings, Source, SourceKind
-from ...core.signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Decay, Loop, Noise, Pulse, Signal, Sine, Track, impact_material, read_wav
+from ...core.signals import (
+    DEFAULT_IMPACT,
+    DEFAULT_PERSISTENT,
+    Automation,
+    Decay,
+    Loop,
+    Noise,
+    Pulse,
+    Signal,
+    Sine,
+    impact_material,
+    read_wav,
+)
 from ...core.signals.limits import MIN_SECONDS
 from ..blender import compatibility
 from ..blender.progress import progress
@@ -299,7 +311,7 @@ class SceneReader:
                     if role == "listener":
                         listener = read_listener(obj, carrier.name_full)
                     else:
-                        source = read_source(obj, carrier.name_full, self._frequencies.track(obj, depsgraph.scene))
+                        source = read_source(obj, carrier.name_full, self._frequencies.automation(obj, depsgraph.scene))
                 except (OSError, ValueError) as error:
                     problems.append(Problem(name, str(error).replace("mixing_expression", "the mixing formula")))
         animated = compatibility.animated_paths(obj)
@@ -422,7 +434,7 @@ def read_object(obj: Object) -> HapticObject:
     )
 
 
-def read_source(obj: Object, carrier: str, frequency: Track | None = None) -> Source:
+def read_source(obj: Object, carrier: str, frequency: Automation | None = None) -> Source:
     """The source of a Blender object that stands on the haptic object ``carrier``; its position, here where a file put it, is filled in
     per frame. ``frequency``: over the scene's time, where it is animated."""
     properties = obj.haptics.source
@@ -449,7 +461,7 @@ def _wearing_off(signal: Signal | None, seconds: float) -> Signal | None:
     return (signal or DEFAULT_PERSISTENT) * Decay(shortest(seconds)) if seconds >= MIN_SECONDS else signal
 
 
-def read_signal(properties: Any, frequency: Track | None = None) -> Signal:
+def read_signal(properties: Any, frequency: Automation | None = None) -> Signal:
     """The signal of a source's properties, at an animated ``frequency`` where there is one. Raises ValueError in words where its file
     can't be read."""
     hertz = shortest(properties.frequency) if frequency is None else frequency

@@ -16,6 +16,7 @@ from ..propagation.connections import amplifying, intra_costs
 from ..propagation.modes import DISTANCE_ONLY, straight_distances
 from ..propagation.strategies import BUDGET
 from ..render.frame_result import FrameResult
+from ..scene.coefficients import transfer_coefficient
 from ..scene.values import Mode, Settings
 
 NEPER = 20 / math.log(10)
@@ -80,7 +81,7 @@ def _barrier_message(graph: HapticGraph, path: tuple[int, ...]) -> Message:
 def _object_message(graph: HapticGraph, a: int, b: int) -> Message:
     """The object with the nodes ``a`` and ``b`` transmits nothing between them."""
     item = graph.table.objects[graph.node_object[a]]
-    if item.propagation.name == "haptic_tracing" and (1 - item.kappa) * item.rho == 0:
+    if item.propagation.name == "haptic_tracing" and transfer_coefficient(item.kappa, item.rho) == 0:
         return Message.of(Cause.KAPPA_ONE if item.kappa == 1 else Cause.RHO_ZERO, item.name, object=item.name)
     distance = Metres(graph.node_distances(np.array([a]), np.array([b]))[0])
     function = item.propagation.name.replace("_", " ")

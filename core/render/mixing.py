@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from ..arrays import FloatArray
-from ..scene.functions import Finding
+from ..scene.functions import MIXING_VARIABLES, Finding
 from ..scene.functions.expression import CompiledExpression, ExpressionError, compile_expression
 
 CustomMixing = Callable[[FloatArray, FloatArray], FloatArray]
@@ -26,10 +26,6 @@ HOLD = 0.025
 RELEASE = 0.15
 """Seconds in which the limiter's gain, once let go, rises by a factor e (8.7 dB)."""
 _RUN = 4096
-
-
-MIXING_VARIABLES = ("sum", "weighted", "strongest", "power", "s_max")
-"""What a designer's formula is made of: at every sample the results of the other methods, without a limit, and the ceiling."""
 
 
 @dataclass(frozen=True, slots=True)

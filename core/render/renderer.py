@@ -17,7 +17,7 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray
 from ..scene.bands import BAND_COUNT
-from ..signals import Sampled, Signal, Sine, Track
+from ..signals import Automation, Sampled, Signal, Sine
 from ..signals.interpolation import ZERO_CROSSINGS, local_polynomials
 from .filter_bank import bank_reach, bank_response, split_bands
 from .mixing import Limiter, MixingMethod, mixed
@@ -565,7 +565,7 @@ def _is_recorded(signal: Signal) -> bool:
 
 def _steady_tone(signal: Signal, sample_rate: float) -> Sine | None:
     """Return the signal where it is a tone of one frequency and strength that the samples can carry."""
-    if type(signal) is not Sine or isinstance(signal.frequency, Track) or isinstance(signal.amplitude, Track):
+    if type(signal) is not Sine or isinstance(signal.frequency, Automation) or isinstance(signal.amplitude, Automation):
         return None
     return signal if signal.frequency < sample_rate / 2 else None
 

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from .bands import BAND_CENTRES
+from .coefficients import transfer_coefficient
 
 _REFERENCE = 100.0
 """The frequency of ``absorption``, in hertz."""
@@ -47,8 +48,8 @@ class Material:
 
     @property
     def k(self) -> float:
-        """``(1 - kappa) rho``, the one number of the two that the paper's function depends on."""
-        return (1.0 - self.kappa) * self.rho
+        """The transfer coefficient, the one number of the two that the paper's function depends on."""
+        return transfer_coefficient(self.kappa, self.rho)
 
     @property
     def band_decays(self) -> tuple[float, ...]:

@@ -12,9 +12,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from ..render.mixing import MixingExpression
 from ..signals import Signal
-from .functions import HapticTracing, Identity, ModulationFunction
+from .functions import MIXING_VARIABLES, HapticTracing, Identity, ModulationFunction, compile_expression
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -203,7 +202,7 @@ class Source:
 @dataclass(frozen=True, slots=True)
 class Listener:
     """Samples haptic data at a place of the body. ``radius`` is the extent of its bounding volume in metres. ``mixing_expression``: the
-    formula of ``custom`` mixing (`core.mixing.MixingExpression`). ``limiter``: the mix is turned down, not cut, where it would be above
+    formula over `MIXING_VARIABLES` of ``custom`` mixing. ``limiter``: the mix is turned down, not cut, where it would be above
     ``s_max``."""
 
     name: str
@@ -229,7 +228,7 @@ class Listener:
             raise ValueError(f"s_max: must lie in (0, 1], got {self.s_max!r}")
         if self.mixing == "custom":
             try:
-                MixingExpression(self.mixing_expression)
+                compile_expression(self.mixing_expression, MIXING_VARIABLES)
             except ValueError as error:
                 raise ValueError(f"mixing_expression: {str(error).removeprefix('expression: ')}") from None
 

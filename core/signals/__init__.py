@@ -1,14 +1,14 @@
 """Signals: small immutable values that compose by `*`, `+` and `>>` and are sampled only at the end."""
 
-from .automation import Track, ramp
-from .composition import Delay, Gain, Loop, Product, Sequence, Sum
+from .automation import Automation, ramp
+from .base import Gain, Product, Sequence, Signal, Sum
+from .composition import Delay, Loop
 from .envelopes import Adsr, Constant, Decay, Keyed
 from .impacts import DecayingSine, Impulse
 from .noise import Noise
 from .oscillators import Oscillator, Pulse, Saw, Sine, Square, Triangle
 from .sampled import Sampled
 from .serialization import SIGNAL_KINDS, signal_from_dict
-from .signal import Signal
 from .templates import DEFAULT_IMPACT, DEFAULT_PERSISTENT, IMPACT_MATERIALS, ImpactMaterial, impact_material, impact_template
 from .wav import decoded_wav, read_wav
 
@@ -18,6 +18,7 @@ __all__ = [
     "IMPACT_MATERIALS",
     "SIGNAL_KINDS",
     "Adsr",
+    "Automation",
     "Constant",
     "Decay",
     "DecayingSine",
@@ -38,7 +39,6 @@ __all__ = [
     "Sine",
     "Square",
     "Sum",
-    "Track",
     "Triangle",
     "decoded_wav",
     "impact_material",

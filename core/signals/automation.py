@@ -11,7 +11,7 @@ from ..arrays import FloatArray
 from .limits import MAX_SECONDS, checked_number
 
 
-class Track:
+class Automation:
     """A value keyed over time, linear between the keys and constant before the first and after the last.
 
     times: seconds, shape (n,), n >= 1, never decreasing; two keys at one time are a jump (the later one holds from that time on).
@@ -75,7 +75,7 @@ class Track:
         return index, times - self.times[index]
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Track):
+        if not isinstance(other, Automation):
             return NotImplemented
         return self is other or (np.array_equal(self.times, other.times) and np.array_equal(self.values, other.values))
 
@@ -83,31 +83,31 @@ class Track:
         return hash((self.times.tobytes(), self.values.tobytes()))
 
     def __repr__(self) -> str:
-        return f"Track({self.times.tolist()}, {self.values.tolist()})"
+        return f"Automation({self.times.tolist()}, {self.values.tolist()})"
 
 
-def ramp(start: float, end: float, duration: float) -> Track:
-    """Return the track from `start` to `end` within `duration` seconds (> 0), constant afterwards."""
-    return Track((0.0, duration), (start, end))
+def ramp(start: float, end: float, duration: float) -> Automation:
+    """Return the automation from `start` to `end` within `duration` seconds (> 0), constant afterwards."""
+    return Automation((0.0, duration), (start, end))
 
 
-def checked_parameter(name: str, value: object, low: float, high: float) -> float | Track:
-    """Return `value`, a number or a track whose every value is within [low, high]. Raise ValueError that names `name` otherwise."""
-    if not isinstance(value, Track):
+def checked_parameter(name: str, value: object, low: float, high: float) -> float | Automation:
+    """Return `value`, a number or an automation with every value within [low, high]. Raise ValueError that names `name` otherwise."""
+    if not isinstance(value, Automation):
         return checked_number(name, value, low, high)
     checked_number(name, float(np.min(value.values)), low, high)
     checked_number(name, float(np.max(value.values)), low, high)
     return value
 
 
-def largest(parameter: float | Track) -> float:
-    """Return the largest magnitude that a number or track takes."""
-    return float(np.max(np.abs(parameter.values))) if isinstance(parameter, Track) else abs(parameter)
+def largest(parameter: float | Automation) -> float:
+    """Return the largest magnitude that a number or an automation takes."""
+    return float(np.max(np.abs(parameter.values))) if isinstance(parameter, Automation) else abs(parameter)
 
 
-def values_of(parameter: float | Track, times: FloatArray) -> float | FloatArray:
-    """Return a number as it is, or a track's values at `times`."""
-    return parameter.at(times) if isinstance(parameter, Track) else parameter
+def values_of(parameter: float | Automation, times: FloatArray) -> float | FloatArray:
+    """Return a number as it is, or an automation's values at `times`."""
+    return parameter.at(times) if isinstance(parameter, Automation) else parameter
 
 
 def _column(name: str, numbers: Sequence[float] | FloatArray, limit: float) -> FloatArray:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray
-from .automation import Track, checked_parameter, largest
+from .automation import Automation, checked_parameter, largest
+from .base import Signal
 from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
-from .signal import Signal
 
 SILENCE = 1e-4
 """What decays exponentially ends when it has fallen to this share (-80 dB)."""
@@ -80,13 +80,13 @@ class Adsr(Signal):
 
 
 @lru_cache(maxsize=256)
-def _rise_and_fall(attack: float, decay: float, sustain: float) -> Track:
-    return Track(np.cumsum((0.0, attack, decay)), (0.0, 1.0, sustain))
+def _rise_and_fall(attack: float, decay: float, sustain: float) -> Automation:
+    return Automation(np.cumsum((0.0, attack, decay)), (0.0, 1.0, sustain))
 
 
 @lru_cache(maxsize=256)
-def _release(start: float, end: float) -> Track:
-    return Track((start, end), (1.0, 0.0))
+def _release(start: float, end: float) -> Automation:
+    return Automation((start, end), (1.0, 0.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,25 +95,25 @@ class Keyed(Signal):
 
     kind: ClassVar[str] = "keyed"
 
-    track: Track
+    automation: Automation = field(metadata={"key": "track"})
 
     def __post_init__(self) -> None:
-        if not isinstance(self.track, Track):
-            raise ValueError("track: must be a Track")
-        checked_parameter("track", self.track, -MAX_PEAK, MAX_PEAK)
+        if not isinstance(self.automation, Automation):
+            raise ValueError("track: must be an Automation")
+        checked_parameter("track", self.automation, -MAX_PEAK, MAX_PEAK)
         if self.duration < MIN_SECONDS:
             raise ValueError("track: its last key must be after the beginning")
 
     @property
     def duration(self) -> float:
-        return float(self.track.times[-1])
+        return float(self.automation.times[-1])
 
     @property
     def peak(self) -> float:
-        return largest(self.track)
+        return largest(self.automation)
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
-        return self.track.at(times)
+        return self.automation.at(times)
 
 
 @dataclass(frozen=True, slots=True)

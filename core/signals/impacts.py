@@ -9,10 +9,10 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import FloatArray
+from .base import Signal
 from .envelopes import SILENCE
 from .limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
-from .signal import Signal
-from .sine import sine
+from .oscillators import sine
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
-from .automation import Track, checked_parameter, largest, values_of
+from .automation import Automation, checked_parameter, largest, values_of
+from .base import Signal
 from .limits import MAX_PEAK, checked_integer, checked_number
-from .signal import Signal
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class Noise(Signal):
 
     kind: ClassVar[str] = "noise"
 
-    amplitude: float | Track = 1.0
+    amplitude: float | Automation = 1.0
     seed: int = 0
     rate: float = 8000.0
 

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import FloatArray
+from .base import Signal
 from .interpolation import interpolate
 from .limits import MAX_PEAK, checked_number
-from .signal import Signal
 
 MAX_SAMPLES = 4_000_000
 _OVERSHOOT = 4.0

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import MISSING, Field, fields
-from typing import Any
+from dataclasses import MISSING
 
-import numpy as np
-
-from .automation import Track
-from .composition import Delay, Gain, Loop, Product, Sequence, Sum
+from .automation import Automation
+from .base import Gain, Product, Sequence, Signal, Sum, json_fields
+from .composition import Delay, Loop
 from .envelopes import Adsr, Constant, Decay, Keyed
 from .impacts import DecayingSine, Impulse
 from .noise import Noise
 from .oscillators import Pulse, Saw, Sine, Square, Triangle
 from .sampled import Sampled
-from .signal import Signal
 
 SIGNAL_KINDS: Mapping[str, type[Signal]] = {
     cls.kind: cls
@@ -30,16 +26,6 @@ SIGNAL_KINDS: Mapping[str, type[Signal]] = {
 MAX_NODES = 1000
 MAX_DEPTH = 32
 MAX_NUMBERS = 4_000_000
-
-
-def signal_to_dict(signal: Signal) -> dict[str, Any]:
-    """Return the JSON form of `signal`. What is endless or unlimited is left out."""
-    result: dict[str, Any] = {"signal": signal.kind}
-    for entry in _fields(type(signal)):
-        value = getattr(signal, entry.name)
-        if value is not None and not (isinstance(value, float) and value == math.inf):
-            result[entry.name] = _to_json(value)
-    return result
 
 
 def signal_from_dict(data: object, pointer: str = "") -> Signal:
@@ -68,17 +54,17 @@ class _Reader:
         if not isinstance(kind, str) or kind not in SIGNAL_KINDS:
             raise ValueError(f"{pointer}/signal: must be one of {', '.join(SIGNAL_KINDS)}")
         cls = SIGNAL_KINDS[kind]
-        known = _fields(cls)
-        unknown = sorted(str(key) for key in data.keys() - {entry.name for entry in known} - {"signal"})
+        known = json_fields(cls)
+        unknown = sorted(str(key) for key in data.keys() - known.keys() - {"signal"})
         if unknown:
             raise ValueError(f"{pointer}/{unknown[0][:80]}: unknown key of {kind}")
         weight *= 2 if cls is Loop and data.get("crossfade", 0) != 0 else 1
         arguments = {}
-        for entry in known:
-            if entry.name in data:
-                arguments[entry.name] = self.value(data[entry.name], f"{pointer}/{entry.name}", depth, weight)
+        for key, entry in known.items():
+            if key in data:
+                arguments[entry.name] = self.value(data[key], f"{pointer}/{key}", depth, weight)
             elif entry.default is MISSING:
-                raise ValueError(f"{pointer}/{entry.name}: missing")
+                raise ValueError(f"{pointer}/{key}: missing")
         try:
             return cls(**arguments)
         except ValueError as error:
@@ -86,19 +72,19 @@ class _Reader:
 
     def value(self, data: object, pointer: str, depth: int, weight: int) -> object:
         if isinstance(data, dict):
-            return self.signal(data, pointer, depth + 1, weight) if "signal" in data else self.track(data, pointer)
+            return self.signal(data, pointer, depth + 1, weight) if "signal" in data else self.automation(data, pointer)
         if isinstance(data, list):
             if data and isinstance(data[0], dict):
                 return tuple(self.signal(part, f"{pointer}/{number}", depth + 1, weight) for number, part in enumerate(data))
             return self.column(data, pointer)
         return data
 
-    def track(self, data: dict[str, object], pointer: str) -> Track:
+    def automation(self, data: dict[str, object], pointer: str) -> Automation:
         if data.keys() != {"times", "values"}:
             raise ValueError(f"{pointer}: must be a number or have times and values")
         columns = [self.column(data[name], f"{pointer}/{name}") for name in ("times", "values")]
         try:
-            return Track(columns[0], columns[1])
+            return Automation(columns[0], columns[1])
         except ValueError as error:
             raise ValueError(f"{pointer}/{error}") from None
 
@@ -109,19 +95,3 @@ class _Reader:
         if self.numbers > MAX_NUMBERS:
             raise ValueError(f"{pointer}: the signal has more than {MAX_NUMBERS} numbers")
         return data
-
-
-def _fields(cls: type[Signal]) -> list[Field[Any]]:
-    return [entry for entry in fields(cls) if entry.init]  # type: ignore[arg-type]
-
-
-def _to_json(value: object) -> object:
-    if isinstance(value, Signal):
-        return signal_to_dict(value)
-    if isinstance(value, Track):
-        return {"times": value.times.tolist(), "values": value.values.tolist()}
-    if isinstance(value, tuple):
-        return [signal_to_dict(part) for part in value]
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    return value

@@ -9,12 +9,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from .composition import Gain, Product, Sum
+from .base import Gain, Product, Signal, Sum
 from .envelopes import Decay
 from .impacts import DecayingSine, Impulse
 from .noise import Noise
 from .oscillators import Sine
-from .signal import Signal
 
 DEFAULT_PERSISTENT: Signal = Sine(60.0)
 DEFAULT_IMPACT: Signal = DecayingSine(150.0, 0.03)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from ...signals import Delay, Keyed, Sampled, Saw, Signal, Sine, Square, Sum, Track, Triangle
+from ...signals import Automation, Delay, Keyed, Sampled, Saw, Signal, Sine, Square, Sum, Triangle
 from ...signals.interpolation import resample
 from ...signals.oscillators import Oscillator
 from .carrier import Carrier, rendered
@@ -66,14 +66,14 @@ class VibrationFile:
 
 def signal_of(carrier: Carrier) -> Signal:
     """A carrier as a signal that can be edited: an oscillator with a keyed frequency times a keyed envelope."""
-    oscillator = _WAVES[carrier.wave](frequency=_track(carrier.frequency_times, carrier.frequencies), phase=carrier.phase / (2 * math.pi))
+    oscillator = _WAVES[carrier.wave](_automation(carrier.frequency_times, carrier.frequencies), phase=carrier.phase / (2 * math.pi))
     length = carrier.end - carrier.start
     before = carrier.amplitude_times < length
     times = np.append(carrier.amplitude_times[before], length)
     values = np.append(carrier.amplitudes[before], np.interp(length, carrier.amplitude_times, carrier.amplitudes))
-    signal = oscillator * Keyed(Track(times, values))
+    signal = oscillator * Keyed(Automation(times, values))
     return Delay(signal, carrier.start) if carrier.start else signal
 
 
-def _track(times: FloatArray, values: FloatArray) -> float | Track:
-    return float(values[0]) if (values == values[0]).all() else Track(times, values)
+def _automation(times: FloatArray, values: FloatArray) -> float | Automation:
+    return float(values[0]) if (values == values[0]).all() else Automation(times, values)

@@ -6,6 +6,7 @@ function of their contact. A function returns the gain of a signal over a distan
 
 from .checking import Finding, check_expression, excerpt
 from .conduction import Conduction
+from .expression import MIXING_VARIABLES, compile_expression
 from .modulation import (
     FUNCTIONS,
     Constant,
@@ -21,6 +22,7 @@ from .modulation import (
 
 __all__ = [
     "FUNCTIONS",
+    "MIXING_VARIABLES",
     "Conduction",
     "Constant",
     "Exponential",
@@ -32,6 +34,7 @@ __all__ = [
     "ModulationFunction",
     "Spectrum",
     "check_expression",
+    "compile_expression",
     "excerpt",
     "function_from_dict",
 ]

@@ -19,6 +19,9 @@ from . import interval
 from .interval import Interval
 
 VARIABLES = ("x", "d", "kappa", "rho", "epsilon", "area", "depth", "angle")
+"""Variables of a modulation function."""
+MIXING_VARIABLES = ("sum", "weighted", "strongest", "power", "s_max")
+"""Variables of a mixing formula: at every sample the results of the other mixing methods, unlimited, and the listener's ceiling."""
 CONSTANTS = {"pi": math.pi, "e": math.e}
 MAX_LENGTH = 500
 MAX_NODES = 200

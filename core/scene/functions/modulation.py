@@ -15,6 +15,7 @@ import numpy as np
 
 from ...arrays import BoolArray, FloatArray
 from ..bands import BAND_COUNT
+from ..coefficients import transfer_coefficient
 from .expression import CompiledExpression, compile_expression
 from .interval import Interval
 
@@ -67,11 +68,6 @@ def require(key: str, value: float, low: float = 0.0) -> None:
     """Raise ValueError that names ``key`` where a parameter is not finite or is less than ``low``."""
     if not (math.isfinite(value) and value >= low):
         raise ValueError(f"{key}: must be finite and >= {low:g}, got {value!r}")
-
-
-def attenuation(kappa: float, rho: float) -> float:
-    """``K = (1 - kappa) rho``, the one number of the two haptic properties that the paper's function depends on."""
-    return (1.0 - kappa) * rho
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -163,7 +159,7 @@ class HapticTracing(ModulationFunction):
     name: ClassVar[str] = "haptic_tracing"
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
-        k = attenuation(kappa, rho)
+        k = transfer_coefficient(kappa, rho)
         return k, max(k, epsilon)
 
     def loss(self, kappa: float, rho: float, epsilon: float) -> float:
@@ -172,7 +168,7 @@ class HapticTracing(ModulationFunction):
     def gain(
         self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
     ) -> FloatArray:
-        k = (1.0 - np.asarray(kappa)) * np.asarray(rho)
+        k = transfer_coefficient(np.asarray(kappa), np.asarray(rho))
         return np.asarray(k * np.exp(-np.maximum(k, epsilon) * np.asarray(distance, dtype=np.float64)))
 
 

@@ -28,6 +28,7 @@ from haptic_tracing.core.scene.values import (
 from haptic_tracing.core.signals import (
     SIGNAL_KINDS,
     Adsr,
+    Automation,
     Decay,
     DecayingSine,
     Delay,
@@ -41,7 +42,6 @@ from haptic_tracing.core.signals import (
     Saw,
     Sine,
     Square,
-    Track,
     Triangle,
 )
 from hypothesis import HealthCheck, given, settings
@@ -82,14 +82,14 @@ solids = st.one_of(
     st.just(Mesh(points=[[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles=[[0, 1, 2]])),
 )
 shapes = st.one_of(solids, st.builds(Compound, children=st.lists(st.tuples(solids, poses), min_size=1, max_size=2).map(tuple)))
-swept = Sine(Track([0, 1], [40, 80])) * Keyed(Track([0, 2], [1, 0]))
+swept = Sine(Automation([0, 1], [40, 80])) * Keyed(Automation([0, 2], [1, 0]))
 signals = st.sampled_from(
     [
         Sine(60.0),
         swept,
         Loop(DecayingSine(150.0, 0.03), count=3) + Pulse(25.0, duty=0.2) * Adsr(hold=0.5),
         Delay(Sampled([0.0, 1.0, 0.0], 100.0), 0.5) >> Noise(seed=2**64 - 1) * SIGNAL_KINDS["constant"](0.5, 0.1),
-        Gain(Triangle(30.0), Track([0, 1], [0, 1])) * Decay(0.5) + Square(40.0) * 0.1 + Saw(50.0) + Impulse(0.01),
+        Gain(Triangle(30.0), Automation([0, 1], [0, 1])) * Decay(0.5) + Square(40.0) * 0.1 + Saw(50.0) + Impulse(0.01),
     ]
 )
 

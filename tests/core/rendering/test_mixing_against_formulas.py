@@ -10,7 +10,6 @@ from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.scene.scene_json import scene_from_dict
 from haptic_tracing.core.render.mixdown import mixing_method
 from haptic_tracing.core.render.mixing import (
-    MIXING_VARIABLES,
     MixingExpression,
     check_mixing,
     cumulative,
@@ -21,6 +20,7 @@ from haptic_tracing.core.render.mixing import (
     weighted,
 )
 from haptic_tracing.core.render.renderer import ListenerMix, Renderer, Voice
+from haptic_tracing.core.scene.functions import MIXING_VARIABLES
 from haptic_tracing.core.scene.values import Listener
 from haptic_tracing.core.signals import Constant, Decay, Sine
 from hypothesis import given, settings

@@ -10,7 +10,7 @@ from haptic_tracing.core.render.renderer import ListenerMix, Renderer, Voice
 from haptic_tracing.core.render.tone_paths import TonePaths
 from haptic_tracing.core.signals import Adsr, Noise, Sampled, Signal, Sine
 from haptic_tracing.core.signals.interpolation import interpolate, local_polynomials
-from haptic_tracing.core.signals.sine import sine
+from haptic_tracing.core.signals.oscillators import sine
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -8,6 +8,7 @@ import math
 import numpy as np
 from haptic_tracing.core.signals import (
     Adsr,
+    Automation,
     Constant,
     Decay,
     DecayingSine,
@@ -26,7 +27,6 @@ from haptic_tracing.core.signals import (
     Sine,
     Square,
     Sum,
-    Track,
     Triangle,
     signal_from_dict,
 )
@@ -39,13 +39,13 @@ def numbers(low: float, high: float) -> st.SearchStrategy[float]:
 
 
 @st.composite
-def tracks(draw: st.DrawFn, low: float, high: float) -> Track:
+def automations(draw: st.DrawFn, low: float, high: float) -> Automation:
     times = sorted(draw(st.lists(numbers(-2.0, 3.0), min_size=1, max_size=5)))
-    return Track(times, [draw(numbers(low, high)) for _ in times])
+    return Automation(times, [draw(numbers(low, high)) for _ in times])
 
 
-def parameters(low: float, high: float) -> st.SearchStrategy[float | Track]:
-    return numbers(low, high) | tracks(low, high)
+def parameters(low: float, high: float) -> st.SearchStrategy[float | Automation]:
+    return numbers(low, high) | automations(low, high)
 
 
 frequencies = parameters(0.0, 20_000.0) | parameters(0.0, 400.0)
@@ -60,7 +60,9 @@ simple = st.one_of(
     st.builds(Noise, levels, st.integers(0, 2**64 - 1), numbers(1.0, 48_000.0)),
     st.builds(Constant, numbers(-30, 30), seconds | st.just(math.inf)),
     st.builds(Adsr, seconds, seconds, numbers(0, 1), seconds, seconds | st.just(math.inf)),
-    st.builds(lambda end, values: Keyed(Track(np.linspace(0, end, len(values)), values)), seconds, st.lists(numbers(-9, 9), min_size=2)),
+    st.builds(
+        lambda end, values: Keyed(Automation(np.linspace(0, end, len(values)), values)), seconds, st.lists(numbers(-9, 9), min_size=2)
+    ),
     st.builds(Decay, seconds),
     st.builds(Impulse, seconds, numbers(-30, 30)),
     st.builds(DecayingSine, numbers(0, 20_000), numbers(0.001, 0.3), numbers(-30, 30)),
@@ -118,7 +120,7 @@ def test_json_keeps_every_signal(signal: Signal) -> None:
 
 @given(frequencies, st.integers(0, 10**9))
 @settings(deadline=None)
-def test_samples_are_finite_days_later(frequency: float | Track, start: int) -> None:
+def test_samples_are_finite_days_later(frequency: float | Automation, start: int) -> None:
     for cls in (Sine, Square, Triangle, Saw, Pulse):
         samples = cls(frequency).sample(start, 64, 8000.0)
         assert np.isfinite(samples).all()

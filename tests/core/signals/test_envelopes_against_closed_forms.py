@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.signals import (
     Adsr,
+    Automation,
     Constant,
     Decay,
     DecayingSine,
@@ -22,7 +23,6 @@ from haptic_tracing.core.signals import (
     Signal,
     Sine,
     Sum,
-    Track,
     ramp,
 )
 
@@ -48,8 +48,8 @@ def test_adsr_without_attack_begins_at_full() -> None:
 
 
 def test_keyed() -> None:
-    track = Track((0.0, 0.2, 0.2, 0.5), (0.0, 1.0, -0.5, 0.25))
-    samples = Keyed(track).sample(0, 8000, RATE)
+    automation = Automation((0.0, 0.2, 0.2, 0.5), (0.0, 1.0, -0.5, 0.25))
+    samples = Keyed(automation).sample(0, 8000, RATE)
     times = np.arange(8000) / RATE
     first = np.interp(times, (0.0, 0.2), (0.0, 1.0))
     second = np.interp(times, (0.2, 0.5), (-0.5, 0.25))
@@ -160,13 +160,13 @@ def test_sampled_between_samples() -> None:
         (lambda: Decay(0.0), "time_constant"),
         (lambda: DecayingSine(decay=float("nan")), "decay"),
         (lambda: Impulse(1e-9), "width"),
-        (lambda: Keyed(Track((-1.0, 0.0), (0.0, 1.0))), "track"),
+        (lambda: Keyed(Automation((-1.0, 0.0), (0.0, 1.0))), "track"),
         (lambda: Keyed(3.0), "track"),  # type: ignore[arg-type]
-        (lambda: Track((), ()), "times"),
-        (lambda: Track((0.0, 1.0), (1.0,)), "values"),
-        (lambda: Track((1.0, 0.0), (1.0, 1.0)), "times"),
-        (lambda: Track((0.0,), (float("nan"),)), "values"),
-        (lambda: Track("ab", (1.0, 2.0)), "times"),  # type: ignore[arg-type]
+        (lambda: Automation((), ()), "times"),
+        (lambda: Automation((0.0, 1.0), (1.0,)), "values"),
+        (lambda: Automation((1.0, 0.0), (1.0, 1.0)), "times"),
+        (lambda: Automation((0.0,), (float("nan"),)), "values"),
+        (lambda: Automation("ab", (1.0, 2.0)), "times"),  # type: ignore[arg-type]
         (lambda: Sequence((Sine(), Sine())), "of"),
         (lambda: Sequence(()), "of"),
         (lambda: Sum((1.0,)), r"of\[0\]"),  # type: ignore[arg-type]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.integrate
 import scipy.signal
-from haptic_tracing.core.signals import Oscillator, Pulse, Saw, Sine, Square, Track, Triangle, ramp
+from haptic_tracing.core.signals import Automation, Oscillator, Pulse, Saw, Sine, Square, Triangle, ramp
 from mpmath import mp
 
 RATE = 8000.0
@@ -53,7 +53,7 @@ def test_ramped_frequency_is_a_linear_chirp() -> None:
 
 
 def test_keyed_frequency_integrates_the_keys() -> None:
-    keys = Track((0.1, 0.25, 0.25, 0.6), (50.0, 90.0, 200.0, 30.0))
+    keys = Automation((0.1, 0.25, 0.25, 0.6), (50.0, 90.0, 200.0, 30.0))
     times = np.arange(8000) / RATE
 
     def frequency(t: float) -> float:
@@ -67,7 +67,7 @@ def test_keyed_frequency_integrates_the_keys() -> None:
 
 
 def test_keyed_amplitude() -> None:
-    keys = Track((0.0, 0.5), (0.0, 1.0))
+    keys = Automation((0.0, 0.5), (0.0, 1.0))
     times = np.arange(8000) / RATE
     expected = np.interp(times, (0.0, 0.5), (0.0, 1.0)) * np.sin(2 * np.pi * 60 * times)
     assert np.abs(Sine(60.0, keys).sample(0, 8000, RATE) - expected).max() < 1e-12

@@ -1,0 +1,15 @@
+"""The paper's two coefficients of an object, κ and ρ, and the one number they act through."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from ..arrays import FloatArray
+
+_Value = TypeVar("_Value", float, "FloatArray")
+
+
+def transfer_coefficient(kappa: _Value, rho: _Value) -> _Value:
+    """Return ``K = (1 - kappa) rho``: the gain at distance 0 and, down to ε, the attenuation per metre of the paper's function."""
+    return (1.0 - kappa) * rho

@@ -1,0 +1,284 @@
+"""The base of all signals, and the signals that its operators make."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import Field, dataclass, fields
+from functools import lru_cache
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..arrays import FloatArray
+from .automation import Automation, checked_parameter, largest, values_of
+from .limits import MAX_PEAK
+
+
+def sample_times(start: int, count: int, sample_rate: float, onset: float) -> FloatArray:
+    """Return the times of samples `start` to `start + count - 1` since `onset`, shape (count,), not to be written to."""
+    return (_known_times if count <= _SHORT else _times)(start, count, sample_rate, onset)
+
+
+def _times(start: int, count: int, sample_rate: float, onset: float) -> FloatArray:
+    times = np.arange(start, start + count) / sample_rate - onset
+    times.setflags(write=False)
+    return times
+
+
+_SHORT = 8192
+# Many signals of a scene are sampled at the same times.
+_known_times = lru_cache(maxsize=32)(_times)
+
+
+class Signal(ABC):
+    """An immutable function of time in seconds, 0 before its beginning and after its end.
+
+    `a * b` is the product (an envelope times an oscillator), `a * 0.5` a gain, `a + b` the sum, `a >> b` first `a`, then `b`.
+    A subclass is a frozen dataclass whose fields, under the name in `kind`, are its JSON form.
+    """
+
+    __slots__ = ()
+
+    kind: ClassVar[str]
+
+    @property
+    @abstractmethod
+    def duration(self) -> float:
+        """Seconds until the signal ends for good; `math.inf` for an endless one."""
+
+    @property
+    @abstractmethod
+    def peak(self) -> float:
+        """A bound that no sample exceeds in magnitude."""
+
+    @abstractmethod
+    def values(self, times: FloatArray, step: float) -> FloatArray:
+        """Return the values at `times`, all within [0, duration), for samples that are `step` seconds apart.
+
+        A value depends on its own time alone. `step` tells what the samples can carry: what would alias is left out.
+        """
+
+    def at(self, times: FloatArray, step: float) -> FloatArray:
+        """Return the values at `times` (seconds from the signal's beginning, shape (n,), any order): zero outside [0, duration)."""
+        if times.size == 0:
+            return np.zeros(0)
+        duration = self.duration
+        if times.min() >= 0.0 and times.max() < duration:
+            return self.values(times, step)
+        result = np.zeros(times.shape)
+        inside = (times >= 0.0) & (times < duration)
+        if inside.any():
+            result[inside] = self.values(times[inside], step)
+        return result
+
+    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
+        """Return samples `start` to `start + count - 1`, shape (count,).
+
+        Sample n lies at n / sample_rate seconds on a clock on which the signal begins at `onset` (any real number: no rounding to samples).
+        Two calls give the same sample wherever their blocks begin. The array is the caller's own.
+        """
+        if not sample_rate > 0:
+            raise ValueError(f"sample_rate: must be positive, not {sample_rate:g}")
+        if count < 0:
+            raise ValueError(f"count: must not be negative, not {count}")
+        times = sample_times(start, count, sample_rate, onset)
+        first, last = np.searchsorted(times, (0.0, self.duration)).tolist()
+        if last - first == count:
+            return self.values(times, 1.0 / sample_rate)
+        result = np.zeros(count)
+        if first < last:
+            result[first:last] = self.values(times[first:last], 1.0 / sample_rate)
+        return result
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON form: {"signal": kind, field: value, ...}. What is endless or unlimited is left out."""
+        result: dict[str, Any] = {"signal": self.kind}
+        for key, entry in json_fields(type(self)).items():
+            value = getattr(self, entry.name)
+            if value is not None and not (isinstance(value, float) and value == math.inf):
+                result[key] = _to_json(value)
+        return result
+
+    def __mul__(self, other: Signal | float | Automation) -> Signal:
+        return Product((self, other)) if isinstance(other, Signal) else Gain(self, other)
+
+    __rmul__ = __mul__
+
+    def __add__(self, other: Signal) -> Signal:
+        return Sum((self, other)) if isinstance(other, Signal) else NotImplemented
+
+    def __rshift__(self, other: Signal) -> Signal:
+        return Sequence((self, other)) if isinstance(other, Signal) else NotImplemented
+
+
+def json_fields(cls: type[Signal]) -> dict[str, Field[Any]]:
+    """Return the fields of a kind of signal by their keys in its JSON form."""
+    return {entry.metadata.get("key", entry.name): entry for entry in fields(cls) if entry.init}  # type: ignore[arg-type]
+
+
+def _to_json(value: object) -> object:
+    if isinstance(value, Signal):
+        return value.to_dict()
+    if isinstance(value, Automation):
+        return {"times": value.times.tolist(), "values": value.values.tolist()}
+    if isinstance(value, tuple):
+        return [part.to_dict() for part in value]
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return value
+
+
+@dataclass(frozen=True, slots=True)
+class Gain(Signal):
+    """`of` times `gain`, a number or an automation over the signal's own time."""
+
+    kind: ClassVar[str] = "gain"
+
+    of: Signal
+    gain: float | Automation = 1.0
+
+    def __post_init__(self) -> None:
+        check_signal("of", self.of)
+        object.__setattr__(self, "gain", checked_parameter("gain", self.gain, -MAX_PEAK, MAX_PEAK))
+        _check_peak("gain", self.peak)
+
+    @property
+    def duration(self) -> float:
+        return self.of.duration
+
+    @property
+    def peak(self) -> float:
+        return self.of.peak * largest(self.gain)
+
+    def values(self, times: FloatArray, step: float) -> FloatArray:
+        return self.of.values(times, step) * values_of(self.gain, times)
+
+    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
+        samples = self.of.sample(start, count, sample_rate, onset)
+        if isinstance(self.gain, Automation):
+            return samples * self.gain.at(np.arange(start, start + count) / sample_rate - onset)
+        return samples * self.gain
+
+
+@dataclass(frozen=True, slots=True)
+class Product(Signal):
+    """The product of `of`, as long as the shortest."""
+
+    kind: ClassVar[str] = "product"
+
+    of: tuple[Signal, ...]
+
+    def __post_init__(self) -> None:
+        _check_signals(self.of)
+        peak = 1.0
+        for factor in self.of:
+            peak *= factor.peak
+            _check_peak("of", peak)
+
+    @property
+    def duration(self) -> float:
+        return min(factor.duration for factor in self.of)
+
+    @property
+    def peak(self) -> float:
+        return math.prod(factor.peak for factor in self.of)
+
+    def values(self, times: FloatArray, step: float) -> FloatArray:
+        result = self.of[0].values(times, step)
+        for factor in self.of[1:]:
+            result = result * factor.values(times, step)
+        return result
+
+    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
+        result = self.of[0].sample(start, count, sample_rate, onset)
+        for factor in self.of[1:]:
+            result *= factor.sample(start, count, sample_rate, onset)
+        return result
+
+
+@dataclass(frozen=True, slots=True)
+class Sum(Signal):
+    """The sum of `of`, as long as the longest."""
+
+    kind: ClassVar[str] = "sum"
+
+    of: tuple[Signal, ...]
+
+    def __post_init__(self) -> None:
+        _check_signals(self.of)
+        _check_peak("of", self.peak)
+
+    @property
+    def duration(self) -> float:
+        return max(term.duration for term in self.of)
+
+    @property
+    def peak(self) -> float:
+        return sum(term.peak for term in self.of)
+
+    def values(self, times: FloatArray, step: float) -> FloatArray:
+        result = self.of[0].at(times, step)
+        for term in self.of[1:]:
+            result = result + term.at(times, step)
+        return result
+
+    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
+        result = self.of[0].sample(start, count, sample_rate, onset)
+        for term in self.of[1:]:
+            result += term.sample(start, count, sample_rate, onset)
+        return result
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence(Signal):
+    """`of` one after the other; only the last may be endless."""
+
+    kind: ClassVar[str] = "sequence"
+
+    of: tuple[Signal, ...]
+
+    def __post_init__(self) -> None:
+        _check_signals(self.of)
+        if any(part.duration == math.inf for part in self.of[:-1]):
+            raise ValueError("of: only the last signal of a sequence may be endless")
+
+    @property
+    def duration(self) -> float:
+        return sum(part.duration for part in self.of)
+
+    @property
+    def peak(self) -> float:
+        return max(part.peak for part in self.of)
+
+    def values(self, times: FloatArray, step: float) -> FloatArray:
+        result = np.empty(times.shape)
+        ends = np.cumsum([part.duration for part in self.of])
+        which = np.minimum(np.searchsorted(ends, times, side="right"), len(self.of) - 1)
+        for number in np.unique(which):
+            chosen = which == number
+            begin = ends[number - 1] if number else 0.0
+            result[chosen] = values_inside(self.of[number], times[chosen] - begin, step)
+        return result
+
+
+def values_inside(signal: Signal, times: FloatArray, step: float) -> FloatArray:
+    """Return the signal's values at times that are inside but for rounding."""
+    return signal.values(np.clip(times, 0.0, np.nextafter(signal.duration, 0.0)), step)
+
+
+def check_signal(name: str, value: object) -> None:
+    if not isinstance(value, Signal):
+        raise ValueError(f"{name}: must be a signal, not {type(value).__name__}")
+
+
+def _check_signals(of: object) -> None:
+    if not isinstance(of, tuple) or not of:
+        raise ValueError("of: must be a tuple of at least one signal")
+    for number, part in enumerate(of):
+        check_signal(f"of[{number}]", part)
+
+
+def _check_peak(name: str, peak: float) -> None:
+    if not peak <= MAX_PEAK:
+        raise ValueError(f"{name}: the signal would exceed {MAX_PEAK:g}")
