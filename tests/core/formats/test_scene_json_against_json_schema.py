@@ -4,7 +4,7 @@ import copy
 import gzip
 import json
 import math
-from dataclasses import MISSING, fields
+from dataclasses import MISSING
 
 import jsonschema
 import pytest
@@ -44,6 +44,7 @@ from haptic_tracing.core.signals import (
     Square,
     Triangle,
 )
+from haptic_tracing.core.signals.base import json_fields
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -219,11 +220,11 @@ def test_the_schema_knows_every_signal_with_every_parameter():
     definition = SCHEMA["$defs"]["signal"]
     assert definition["properties"]["signal"]["enum"] == list(SIGNAL_KINDS)
     for kind, cls in SIGNAL_KINDS.items():
-        parameters = {entry.name for entry in fields(cls) if entry.init}
+        parameters = json_fields(cls)
         conditions = [(entry["if"]["properties"]["signal"], entry["then"]) for entry in definition["allOf"]]
         (rule,) = (then for condition, then in conditions if kind in condition.get("enum", [condition.get("const")]))
         assert set(rule["propertyNames"]["enum"]) == {"signal", *parameters} <= {"signal", *definition["properties"]}
-        assert set(rule.get("required", [])) == {entry.name for entry in fields(cls) if entry.init and entry.default is MISSING}
+        assert set(rule.get("required", [])) == {key for key, entry in parameters.items() if entry.default is MISSING}
 
 
 @settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
