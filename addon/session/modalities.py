@@ -1,50 +1,42 @@
-"""What the modalities beside vibration give at the listeners of a traced frame, through the same contacts."""
+"""What the listeners of a traced frame feel of the modalities beside vibration, through the same contacts."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from bpy.types import Scene
 
-from ...core.modalities import Felt, Modality, feel
+from ...core.modalities import Felt, Modality, ModalityScene, feel
 from ...core.render.frame_result import FrameResult
+from ...core.scene.values import Settings
 from ..properties.modalities import SHOWN
 from ..scene_reader.modalities import read_modality
-from ..scene_reader.reader import Problem, read_settings
-
-_felt: dict[int, tuple[Felt, ...]] = {}
-
-
-def felt_in(scene: Scene) -> tuple[Felt, ...]:
-    """What the last traced frame of a scene felt like, one value per modality that is switched on."""
-    return _felt.get(scene.session_uid, ())
-
-
-def forget() -> None:
-    """Forget all frames."""
-    _felt.clear()
 
 
 def wanted_in(scene: Scene) -> list[Modality]:
-    """The modalities beside vibration that a scene has switched on: they need all contacts, wherever vibration gets to."""
+    """The modalities beside vibration that a scene has switched on. They need all contacts, wherever vibration gets to."""
     return [modality for modality in SHOWN if getattr(scene.haptics.modalities, modality.name).enabled]
 
 
-def trace(scene: Scene, result: FrameResult | None) -> tuple[Problem, ...]:
-    """Propagate the modalities that the scene has switched on, and keep what they give. Returns what a designer should mend."""
-    _felt.pop(scene.session_uid, None)
-    wanted = wanted_in(scene)
-    if result is None or not wanted:
-        return ()
-    found: list[Felt] = []
-    problems: list[Problem] = []
-    for modality in wanted:
+def read(scene: Scene, names: set[str]) -> tuple[tuple[ModalityScene, ...], tuple[str, ...]]:
+    """What the haptic objects ``names`` are like for the modalities that are switched on, and what is wrong with that."""
+    found, errors = [], []
+    for modality in wanted_in(scene):
         try:
-            found.append(_feel(modality, result, scene))
+            found.append(read_modality(modality, scene, names))
         except ValueError as error:
-            problems.append(Problem("", f"{modality.title}: {error}"))
-    _felt[scene.session_uid] = tuple(found)
-    return tuple(problems)
+            errors.append(f"{modality.title}: {error}")
+    return tuple(found), tuple(errors)
 
 
-def _feel(modality: Modality, result: FrameResult, scene: Scene) -> Felt:
-    own = read_modality(modality, scene, set(result.objects))
-    return feel(modality, result.objects, own.values, result.contacts, own.emitters, result.listeners, read_settings(scene), own.forms)
+def felt_of(readings: Sequence[ModalityScene], result: FrameResult, settings: Settings) -> tuple[tuple[Felt, ...], tuple[str, ...]]:
+    """What the listeners of a frame feel of each modality, and what went wrong. Touches no Blender data."""
+    felt, errors = [], []
+    for own in readings:
+        try:
+            felt.append(
+                feel(own.modality, result.objects, own.values, result.contacts, own.emitters, result.listeners, settings, own.forms)
+            )
+        except ValueError as error:
+            errors.append(f"{own.modality.title}: {error}")
+    return tuple(felt), tuple(errors)

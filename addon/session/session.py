@@ -1,47 +1,70 @@
 """The live tracing of each scene: its reader, its tracer and its last result. Plain Python, keyed by session id; nothing of it is saved.
 
-What is read in Blender's frame handler is traced on a thread of its own, while Blender goes on with drawing the frame and evaluating the
-next one: it lets go of Python meanwhile. Whoever asks for the result waits for it. Nothing on that thread knows of Blender.
+A frame is read in Blender's frame handler and traced on the worker thread, while Blender draws it and evaluates the next one. `result_of`
+waits for the trace; draw callbacks use `shown`, which never waits.
 """
 
 from __future__ import annotations
 
+import itertools
 import sys
 import time
 from collections.abc import Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from bpy.types import Depsgraph, Scene
 
 from ...core.arrays import FloatArray
+from ...core.modalities import Felt, ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
+from ...core.scene.values import Settings
 from ...core.tracer import Frame, Tracer
 from ..blender import progress
-from ..scene_reader.reader import Problem, Reading, SceneReader, seconds_of
+from ..scene_reader.reader import Problem, Reading, SceneReader, read_settings, seconds_of
 from ..translations.sentences import sentence
-from . import modalities
+from . import modalities, worker
 
 _PATIENCE = 2e-4
 """Seconds for which the thread that traces keeps Blender's own Python waiting; 5 ms otherwise."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Begun:
-    """A frame that is being traced."""
+class Traced:
+    """A frame that was traced or read from a track, complete: all that panels and viewports show is made of it.
 
-    result: Future[FrameResult]
+    ``serial`` differs between any two frames. ``samples`` (l, n): up to a second of what each listener felt, until the frame.
+    ``reading``: what it was traced from, None for a track. ``felt``: of the other modalities. ``errors``: in words of the core.
+    """
+
+    serial: int
+    result: FrameResult
+    settings: Settings
+    samples: FloatArray
+    reading: Reading | None = None
+    felt: tuple[Felt, ...] = ()
+    errors: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Begun:
+    """A frame that is being traced: what was read of it, and the times [ms] of reading it and of Blender's evaluation."""
+
+    serial: int
+    reading: Reading
+    modalities: tuple[ModalityScene, ...]
+    errors: tuple[str, ...]
     read_milliseconds: float
     blender_milliseconds: float
-    problems: tuple[Problem, ...]
 
 
 @dataclass(slots=True)
 class Session:
-    """One scene being traced. ``begun`` is the last frame, until somebody waits for it; then ``result`` is what it gave. ``previous`` is
-    what there was of the frame before."""
+    """One scene being traced. ``begun`` is the frame whose trace nobody has waited for yet; after that ``result`` is what it gave.
+    ``previous``: the result before. ``shown``: the last complete frame, for draw callbacks; the worker sets it."""
 
     reader: SceneReader = field(default_factory=SceneReader)
     tracer: Tracer = field(default_factory=Tracer)
@@ -53,7 +76,11 @@ class Session:
     frame_seconds: float = 0.0
     version: int = -1
     history: History = field(default_factory=History)
-    begun: _Begun | None = None
+    begun: Future[Traced] | None = None
+    serial: int = 0  # of the frame that was begun last
+    shown: Traced | None = None
+    failure: tuple[Problem, ...] = ()  # where the last frame could not be traced
+    derived: dict[Any, Any] = field(default_factory=dict)  # see `derived.Derived`
     draw_milliseconds: float = 0.0  # of the last redraw of a viewport
 
 
@@ -62,7 +89,7 @@ _version = 0
 _edits = 0
 _begun = 0.0
 _evaluating = 0.0
-_thread: ThreadPoolExecutor | None = None
+_serials = itertools.count(1)
 
 
 def mark_changed() -> None:
@@ -102,7 +129,7 @@ def result_of(scene: Scene) -> FrameResult | None:
 def latest_while_busy(scene: Scene) -> FrameResult | None:
     """What there was of the frame before, while the one that was begun last is still being traced; else None."""
     session = of(scene)
-    return session.previous if session.begun is not None and not session.begun.result.done() else None
+    return session.previous if session.begun is not None and not session.begun.done() else None
 
 
 def problems_of(scene: Scene) -> tuple[Problem, ...]:
@@ -112,6 +139,32 @@ def problems_of(scene: Scene) -> tuple[Problem, ...]:
         return ()
     _finish(scene, session)
     return session.problems
+
+
+def shown(scene: Scene) -> Traced | None:
+    """The last frame that is complete, without waiting for one that is being traced."""
+    session = _sessions.get(scene.session_uid)
+    return None if session is None else session.shown
+
+
+def felt_in(scene: Scene) -> tuple[Felt, ...]:
+    """What the last complete frame of a scene felt like, one value per modality beside vibration that is switched on."""
+    traced = shown(scene)
+    return () if traced is None else traced.felt
+
+
+def is_behind(scene: Scene) -> bool:
+    """True while a newer frame than the one `shown` is being traced."""
+    session = _sessions.get(scene.session_uid)
+    return session is not None and session.begun is not None and (session.shown is None or session.shown.serial != session.serial)
+
+
+def shown_problems(scene: Scene) -> tuple[Problem, ...]:
+    """What a designer should mend, as far as it is known without waiting."""
+    session = _sessions.get(scene.session_uid)
+    if session is None:
+        return ()
+    return session.failure if session.shown is None else _problems(session.shown)
 
 
 @contextmanager
@@ -130,16 +183,15 @@ def show(scene: Scene, result: FrameResult, samples: FloatArray) -> None:
     _finish(scene, session)
     session.result, session.frame = result, None
     session.history.take(result, samples)
+    session.serial = next(_serials)
+    session.shown = Traced(session.serial, result, read_settings(scene), session.history.all())
+    worker.submit(_follow, session)
 
 
 def clear() -> None:
     """Forget every scene."""
-    global _thread
-    if _thread is not None:
-        _thread.shutdown()
-        _thread = None
+    worker.shut_down()
     _sessions.clear()
-    modalities.forget()
     mark_changed()
 
 
@@ -173,11 +225,11 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     started = time.perf_counter()
     reading = None if session.reader.is_empty else session.reader.read(scene, depsgraph)
     if reading is None or session.reader.is_empty:
-        session.reading, session.result, session.problems, session.frame = None, None, (), None
+        session.reading, session.result, session.problems, session.frame, session.shown = None, None, (), None, None
+        session.failure = ()
         return
-    read_milliseconds = 1000 * (time.perf_counter() - started)
+    others, errors = modalities.read(scene, {item.name for item in reading.objects})
     session.reading = reading
-    others = bool(modalities.wanted_in(scene))
     session.tracer.lazy = live and not others
     session.tracer.contact_settings = reading.contact_settings
     session.tracer.impact_sources = scene.haptics.impacts
@@ -186,28 +238,45 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     follows = session.frame is not None and scene.frame_current == session.frame + 1
     continuous = whole and follows and step == session.frame_seconds
     session.frame, session.frame_seconds = scene.frame_current if whole else None, step
-    result = _on_thread(session, frame_of(scene, reading, continuous))
-    session.begun = _Begun(result, read_milliseconds, 1000 * _evaluating, reading.problems)
-    if others:
-        _finish(scene, session)  # they are read from the scene as it stands now
+    session.serial = next(_serials)
+    read_milliseconds = 1000 * (time.perf_counter() - started)
+    begun = _Begun(session.serial, reading, others, errors, read_milliseconds, 1000 * _evaluating)
+    session.begun = worker.submit(_step, session, begun, frame_of(scene, reading, continuous))
+    worker.submit(_follow, session)
 
 
-def _on_thread(session: Session, frame: Frame) -> Future[FrameResult]:
-    global _thread
-    if _thread is None:
-        _thread = ThreadPoolExecutor(1, "haptic-tracing")
-    return _thread.submit(_step, session, frame)
-
-
-def _step(session: Session, frame: Frame) -> FrameResult:
+def _step(session: Session, begun: _Begun, frame: Frame) -> Traced:
+    """On the worker: trace a frame. Raises ValueError that names the object where a designer's expression gives no gain."""
     patience = sys.getswitchinterval()
     sys.setswitchinterval(_PATIENCE)
     try:
-        result = session.tracer.step(frame)
+        try:
+            result = session.tracer.step(frame)
+        except ValueError as error:
+            session.tracer.reset()
+            session.failure = (*begun.reading.problems, Problem("", str(error)))
+            raise
         session.history.feed(result)
-        return result
+        felt, errors = modalities.felt_of(begun.modalities, result, frame.settings)
+        result = replace(
+            result,
+            milliseconds={"read": begun.read_milliseconds, **result.milliseconds},
+            statistics={**result.statistics, "blender_milliseconds": begun.blender_milliseconds},
+        )
+        samples, errors = session.history.all(), begun.errors + errors
+        session.shown = Traced(begun.serial, result, frame.settings, samples, begun.reading, felt, errors)
+        return session.shown
+    except BaseException:
+        session.shown = None
+        raise
     finally:
         sys.setswitchinterval(patience)
+
+
+def _follow(session: Session) -> None:
+    """On the worker: compute what is shown of every frame."""
+    for derived in tuple(session.derived):
+        derived.follow(session)
 
 
 def _finish(scene: Scene, session: Session) -> None:
@@ -218,20 +287,21 @@ def _finish(scene: Scene, session: Session) -> None:
     session.result = None
     started = time.perf_counter()
     try:
-        result = progress.result_of(begun.result)
-    except ValueError as error:
-        session.tracer.reset()
-        session.problems = (*begun.problems, Problem("", str(error)))
+        traced = progress.result_of(begun)
+    except ValueError:
+        session.problems = session.failure
         return
     waited = 1000 * (time.perf_counter() - started)
-    session.result = replace(
-        result,
-        milliseconds={"read": begun.read_milliseconds, **result.milliseconds},
-        statistics={**result.statistics, "blender_milliseconds": begun.blender_milliseconds, "waited_milliseconds": waited},
-    )
-    session.problems = (
-        begun.problems + tuple(Problem(warning.object, sentence(warning)) for warning in result.warnings) + modalities.trace(scene, result)
-    )
+    session.result = replace(traced.result, statistics={**traced.result.statistics, "waited_milliseconds": waited})
+    session.shown = replace(traced, result=session.result)
+    session.problems = _problems(traced)
+
+
+def _problems(traced: Traced) -> tuple[Problem, ...]:
+    """What a designer should mend of a frame, in the language of the interface."""
+    read = () if traced.reading is None else traced.reading.problems
+    warnings = (Problem(warning.object, sentence(warning)) for warning in traced.result.warnings)
+    return (*read, *warnings, *(Problem("", error) for error in traced.errors))
 
 
 def frame_of(scene: Scene, reading: Reading, continuous: bool) -> Frame:

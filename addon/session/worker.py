@@ -1,0 +1,69 @@
+"""The worker thread, which traces frames and computes what is shown of them, and the timer that redraws when it has finished.
+
+Jobs run one after the other. None of them touches Blender; the timer runs on Blender's main thread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import bpy
+
+Value = TypeVar("Value")
+
+_INTERVAL = 0.02
+"""Seconds between two looks at the worker while it has something to do."""
+
+
+@dataclass(slots=True)
+class _State:
+    executor: ThreadPoolExecutor | None = None
+    last: Future[Any] | None = None  # the job that was queued last
+    owes_redraw: bool = False  # a job has ended since the last redraw
+
+
+_state = _State()
+
+
+def submit(job: Callable[..., Value], *arguments: object) -> Future[Value]:
+    """Queue a job, and redraw the 3D viewports and their sidebars when it has ended. Call it on the main thread."""
+    if _state.executor is None:
+        _state.executor = ThreadPoolExecutor(1, "haptic-tracing")
+    future = _state.last = _state.executor.submit(job, *arguments)
+    future.add_done_callback(_ended)
+    if not bpy.app.timers.is_registered(_look):
+        bpy.app.timers.register(_look, first_interval=_INTERVAL, persistent=True)
+    return future
+
+
+def shut_down() -> None:
+    """Drop the queued jobs, wait for the running one and end the thread."""
+    executor, _state.executor = _state.executor, None
+    if executor is not None:
+        executor.shutdown(cancel_futures=True)
+    if bpy.app.timers.is_registered(_look):
+        bpy.app.timers.unregister(_look)
+    _state.last, _state.owes_redraw = None, False
+
+
+def _ended(future: Future[Any]) -> None:
+    _state.owes_redraw = True
+
+
+def _look() -> float | None:
+    """Redraw where a job has ended. While the timeline plays Blender redraws by itself: then only once it has stopped."""
+    is_idle = _state.last is None or _state.last.done()
+    if _state.owes_redraw and not any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows):
+        _state.owes_redraw = False
+        _redraw()
+    return None if is_idle and not _state.owes_redraw else _INTERVAL
+
+
+def _redraw() -> None:
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
