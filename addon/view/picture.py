@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -50,6 +51,8 @@ def starts_gpu() -> bool:
     """True where things can be drawn off-screen: in a window, and from Blender 5.2 on without one where OpenGL or Vulkan is there."""
     if not bpy.app.background:
         return True
+    # Blender asks for OpenGL 4.6 first. Mesa's software driver offers 4.5, and each refusal would print EGL_BAD_MATCH.
+    os.environ.setdefault("MESA_GL_VERSION_OVERRIDE", "4.6")
     if not compatibility.can_draw_off_screen() or (sys.platform == "linux" and not _has_surfaceless_egl()):
         return False
     import gpu
