@@ -3,12 +3,18 @@
 PYTHON := .venv/bin/python
 MATRIX := 4.2.23 4.5.15 5.0.1 5.2.3
 
-.PHONY: packages-for-demo packages-for-test help demo test lint test-matrix $(MATRIX:%=test-%) test-gui docs package wheels bench samples clean
+# Compiled modules are kept, whatever the environment says: the tests start Python some hundred times.
+export PYTHONDONTWRITEBYTECODE :=
+
+.PHONY: packages-for-demo packages-for-test help demo test test-quick test-more lint format test-matrix $(MATRIX:%=test-%) test-gui docs package wheels bench samples clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make demo         the paper's first figure, played through Blender: picture, sound and haptic scene in out/"
 	@echo "make test         linters, types and the whole suite"
+	@echo "make test-quick   linters, types and the tests that are not marked slow"
+	@echo "make test-more    the property-based tests with 20 times the examples, from random seeds"
+	@echo "make lint         linters and types; make format mends what can be mended by itself"
 	@echo "make test-matrix  the suite on bpy $(MATRIX)"
 	@echo "make test-gui BLENDER=path/to/blender   the suite in Blender's own window"
 	@echo "make package      the extension, one zip per platform in dist/"
@@ -23,9 +29,20 @@ demo: packages-for-demo .venv/complete
 test: packages-for-test .venv/complete wheels lint
 	$(PYTHON) -m pytest
 
-lint: .venv-lint/complete
+test-quick: packages-for-test .venv/complete wheels lint
+	$(PYTHON) -m pytest -m "not slow"
+
+test-more: packages-for-test .venv/complete
+	$(PYTHON) -m pytest -m hypothesis --times-examples 20
+
+lint: .venv-lint/complete build/types/haptic_tracing
 	.venv-lint/bin/ruff check .
-	.venv-lint/bin/mypy core
+	.venv-lint/bin/ruff format --check .
+	.venv-lint/bin/mypy
+
+format: .venv-lint/complete
+	.venv-lint/bin/ruff check --fix .
+	.venv-lint/bin/ruff format .
 
 test-matrix: $(MATRIX:%=test-%)
 
@@ -43,7 +60,7 @@ wheels: .venv/complete
 	@$(PYTHON) packaging/wheels.py
 
 bench: .venv/complete
-	$(PYTHON) -m pip install --quiet --quiet --disable-pip-version-check --editable ".[benchmark]"
+	@packaging/make_environment .venv newest test,benchmark
 	$(PYTHON) benchmarks
 
 samples: packages-for-demo .venv/complete
@@ -58,20 +75,22 @@ docs: .venv-docs/complete
 clean:
 	rm -rf .venv .venv-* build dist out wheels *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
-.venv/complete: pyproject.toml
+.venv/complete: pyproject.toml packaging/constraints-3.11.txt packaging/constraints-3.13.txt
 	@packaging/make_environment .venv
 
+# The root folder is the package; the linters find it under its name by this link.
+build/types/haptic_tracing:
+	@mkdir -p build/types && ln -s ../.. $@
+
 # Its own environment: types are checked against one NumPy, whichever the Blender at hand needs.
-.venv-lint/complete: pyproject.toml
+.venv-lint/complete: pyproject.toml packaging/constraints-3.11.txt packaging/constraints-3.13.txt
 	@packaging/make_environment .venv-lint none lint
 
-.venv-docs/complete: pyproject.toml
+.venv-docs/complete: pyproject.toml packaging/constraints-3.11.txt packaging/constraints-3.13.txt
 	@packaging/make_environment .venv-docs none docs
 
-.venv-%/complete: pyproject.toml
+.venv-%/complete: pyproject.toml packaging/constraints-3.11.txt packaging/constraints-3.13.txt
 	@packaging/make_environment .venv-$* $*
 
-# Name the Debian packages that are missing, and stop.
 packages-for-demo packages-for-test: packages-for-%:
-	@missing=$$(packaging/system_packages $*); [ -z "$$missing" ] || { \
-		echo "haptic-tracing: missing Debian packages, install them with: sudo apt-get install $$missing" >&2; exit 1; }
+	@packaging/system_packages $*

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..core.arrays import FloatArray
 from ..core.formats.tracks.track_recorder import TrackRecorder
 from ..core.render.frame_result import FrameResult
 from ..core.render.mode_rendering import ModeRendering
 from ..core.scene.values import Mode, Source
-from .rendition import MODES, FloatArray, Rendition, Ride, Sounding
+from .rendition import MODES, Rendition, Ride, Sounding
 
 if TYPE_CHECKING:
     from bpy.types import Scene

@@ -8,7 +8,7 @@ from html import escape
 import numpy as np
 
 from ..addon.view.colour_map import colour_table
-from .rendition import FloatArray
+from ..core.arrays import FloatArray
 
 FLOOR = -46.0
 """Decibels of full scale at the dark end of the colours."""

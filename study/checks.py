@@ -7,10 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..core.arrays import FloatArray
 from ..core.propagation.modes import DISTANCE_ONLY
 from ..core.scene.values import Mode
 from .measures import balance, dynamic_range, variety
-from .rendition import MODES, FloatArray, Ride, Sounding
+from .rendition import MODES, Ride, Sounding
 
 HT, SD, MD, MN = range(4)
 """Rows of `Sounding.gains`."""

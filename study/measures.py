@@ -86,4 +86,4 @@ def spectrogram(samples: NDArray[np.floating], sample_rate: float, width: int = 
         power[:, k] = (np.abs(np.fft.rfft(piece * window)) ** 2).sum(axis=0)
     power /= len(samples) * (window.sum() / 2) ** 2
     seconds = (np.arange(count) * hop + width / 2) / sample_rate
-    return seconds, frequencies, 10 * np.log10(np.maximum(power, 1e-10))
+    return seconds, np.asarray(frequencies, dtype=np.float64), 10 * np.log10(np.maximum(power, 1e-10))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import closing
 from dataclasses import dataclass
 
@@ -55,7 +55,7 @@ class Step:
     tracing_milliseconds: float
 
 
-def results(scene: Scene, start: int, end: int) -> Iterator[FrameResult]:
+def results(scene: Scene, start: int, end: int) -> Generator[FrameResult, None, None]:
     """Trace the frames ``start`` to ``end`` in order. Each is traced while Blender evaluates the next one, in which the scene stands when
     it comes; in the end, the scene's frame is what it was.
 
@@ -73,7 +73,7 @@ def results(scene: Scene, start: int, end: int) -> Iterator[FrameResult]:
                 yield _checked(frame, session.result_of(scene), own.problems, result)
 
 
-def steps(scene: Scene, start: int, end: int) -> Iterator[Step]:
+def steps(scene: Scene, start: int, end: int) -> Generator[Step, None, None]:
     """The same, the scene standing in the frame that comes."""
     result: FrameResult | None = None
     began = time.perf_counter()
@@ -85,7 +85,7 @@ def steps(scene: Scene, start: int, end: int) -> Iterator[Step]:
             began = time.perf_counter()
 
 
-def _frames(scene: Scene, start: int, end: int) -> Iterator[int]:
+def _frames(scene: Scene, start: int, end: int) -> Generator[int, None, None]:
     """Let Blender come to the frames in order, the tracing of each begun when it is given."""
     before = scene.frame_current
     try:
