@@ -51,8 +51,8 @@ def contact_of_two_spheres() -> float:
 def demo(folder: Path) -> dict[str, object]:
     """Builds the demo scene, plays it, and exports its last frame, all with the installed extension."""
     samples = importlib.import_module(f"{MODULE}.sample_scenes")
-    timeline = importlib.import_module(f"{MODULE}.addon.timeline")
-    session = importlib.import_module(f"{MODULE}.addon.session")
+    timeline = importlib.import_module(f"{MODULE}.addon.session.timeline")
+    session = importlib.import_module(f"{MODULE}.addon.session.session")
     scene = samples.build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
     played = timeline.play(scene, scene.frame_start, scene.frame_start + 30)

@@ -1,5 +1,6 @@
 import itertools
 
+import pytest
 from packaging.requirements import Requirement
 from packaging.tags import Tag
 from packaging.utils import canonicalize_name, parse_wheel_filename
@@ -62,6 +63,18 @@ def test_every_python_and_platform_has_every_wheel(manifest, pins):
             if wheel == name and runs_on(tag, python) and tag.platform.startswith(system) and tag.platform.endswith(machine)
         ]
         assert name in available or fitting, f"no wheel of {name} for {python} on {system} {machine}"
+
+
+@pytest.mark.parametrize("python", ["3.11", "3.13"])
+def test_environments_have_the_wheels_that_are_carried_and_all_that_is_declared(python, project, pins, root):
+    lines = (root / "packaging" / f"constraints-{python}.txt").read_text(encoding="utf-8").splitlines()
+    fixed = {canonicalize_name(name): version for name, _, version in (line.partition("==") for line in lines)}
+    carried_versions = {canonicalize_name(name): version for name, version in pins.items()}
+    assert carried_versions.items() <= fixed.items()
+    groups = project["project"]["optional-dependencies"].values()
+    declared = map(Requirement, [*project["project"]["dependencies"], *itertools.chain.from_iterable(groups)])
+    specified = {canonicalize_name(item.name): item.specifier for item in declared if item.name not in SHIPPED_WITH_BLENDER}
+    assert [name for name, specifier in specified.items() if name not in fixed or not specifier.contains(fixed[name])] == []
 
 
 def test_permissions_are_the_ones_used(manifest):
