@@ -1,0 +1,26 @@
+"""Property-based tests: the same examples on every run, or many more of them from random seeds."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import settings
+
+settings.register_profile("same examples", derandomize=True, deadline=None, print_blob=True)
+settings.load_profile("same examples")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--times-examples", type=int, default=1, metavar="N", help="N times the examples of each property, from random seeds")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    times = config.getoption("--times-examples")
+    if times == 1:
+        return
+    changed = set()
+    for item in items:
+        function = getattr(item, "obj", None)
+        if getattr(function, "is_hypothesis_test", False) and function not in changed:  # parametrised tests share their function
+            usual = function._hypothesis_internal_use_settings
+            function._hypothesis_internal_use_settings = settings(usual, max_examples=times * usual.max_examples, derandomize=False)
+            changed.add(function)
