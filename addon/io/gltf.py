@@ -12,8 +12,7 @@ from typing import Any
 import bpy
 from bpy.types import Context, Object, UILayout
 
-from ...core.formats.io.error import FormatError
-from ...core.formats.scene.scene_json import SceneReader, item_to_dict
+from ...core.formats.scene.values_json import item_to_dict, read_listener, read_object, read_source
 from ...core.scene.values import HapticScene
 from ..scene_reader.imported import text_of
 from .frame_scene import scene_of_frame
@@ -126,20 +125,19 @@ class glTF2ImportUserExtension:
             del blender_object[KEY]  # it is no custom property, but what it says
         try:
             read_roles(blender_object, form)
-        except (FormatError, ValueError, TypeError, KeyError) as error:
+        except (ValueError, TypeError, KeyError) as error:
             print(f"Haptic Tracing: the haptics of node '{blender_object.name}' are left out: {error}")
 
 
 def read_roles(obj: Object, form: dict[str, Any]) -> None:
     """Give an object the roles that its node had. Raises ValueError, TypeError or KeyError for what is none."""
-    read = SceneReader("glTF")
     nowhere = {"name": obj.name, "object": obj.name, "position": [0.0, 0.0, 0.0]}
     items = {
         role: make({key: value for key, value in {**base, **form[role]}.items() if key != "second_object"}, (role,))
         for role, make, base in (
-            ("object", read.object, {"name": obj.name}),
-            ("source", read.source, nowhere),
-            ("listener", read.listener, nowhere),
+            ("object", read_object, {"name": obj.name}),
+            ("source", read_source, nowhere),
+            ("listener", read_listener, nowhere),
         )
         if role in form
     }

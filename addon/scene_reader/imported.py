@@ -15,7 +15,8 @@ from typing import Any
 from ...core.contacts.shapes import Shape, shape_from_dict
 from ...core.formats.io.strict_json import parse_json
 from ...core.formats.scene.recording import pair_of
-from ...core.formats.scene.scene_json import FORMAT, VERSION, item_to_dict, scene_from_dict
+from ...core.formats.scene.scene_json import FORMAT, VERSION, scene_from_dict
+from ...core.formats.scene.values_json import item_to_dict
 from ...core.scene.functions import Identity, ModulationFunction, function_from_dict
 from ...core.scene.values import Contact, Pose, SourceKind, Vector
 from ...core.signals import Signal, signal_from_dict

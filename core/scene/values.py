@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 from ..signals import Signal
 from .functions import MIXING_VARIABLES, HapticTracing, Identity, ModulationFunction, compile_expression
+from .references import check_references
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -249,21 +250,4 @@ class HapticScene:
     extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
-        for key in ("objects", "sources", "listeners"):
-            seen: set[str] = set()
-            for index, item in enumerate(getattr(self, key)):
-                if item.name in seen:
-                    raise ValueError(f"{key}[{index}].name: {item.name!r} is used twice")
-                seen.add(item.name)
-        names = {item.name for item in self.objects}
-        for index, contact in enumerate(self.contacts):
-            for name in contact.objects:
-                if name not in names:
-                    raise ValueError(f"contacts[{index}].objects: there is no object {name!r}")
-        for key in ("sources", "listeners"):
-            for index, item in enumerate(getattr(self, key)):
-                if item.object not in names:
-                    raise ValueError(f"{key}[{index}].object: there is no object {item.object!r}")
-                second = getattr(item, "second_object", None)
-                if second is not None and second not in names:
-                    raise ValueError(f"{key}[{index}].second_object: there is no object {second!r}")
+        check_references(self.objects, self.contacts, self.sources, self.listeners)

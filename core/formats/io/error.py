@@ -1,13 +1,16 @@
-"""The one error of all readers: which file, where in it, what is wrong, in one line."""
+"""The error of all readers: file, place and reason in one line."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+from ...scene.references import PlacedError
 
 
 def json_pointer(parts: Iterable[str | int]) -> str:
-    """The JSON pointer (RFC 6901) to the value reached by keys and indices; the document itself is shown as ``/``."""
+    """The JSON pointer (RFC 6901) to the value reached by keys and indices; ``/`` for the document itself."""
     pointer = "".join("/" + str(part).replace("~", "~0").replace("/", "~1") for part in parts)
     return pointer or "/"
 
@@ -21,3 +24,12 @@ class FormatError(ValueError):
         self.file = str(file)
         self.pointer = pointer
         self.reason = reason
+
+
+@contextmanager
+def errors_in(file: str | Path) -> Iterator[None]:
+    """Report a PlacedError raised in the block as FormatError of ``file``."""
+    try:
+        yield
+    except PlacedError as error:
+        raise FormatError(file, json_pointer(error.place), error.reason) from None

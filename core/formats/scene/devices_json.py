@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ...scene.references import Place, require_known, require_unique
 from ...scene.values import HapticScene
-from ..io.error import FormatError
+from ..io.error import errors_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +32,7 @@ class DeviceMapping:
 
 
 def device_to_dict(device: DeviceMapping) -> dict[str, Any]:
-    """A device as the file has it."""
+    """The JSON object of a device."""
     form: dict[str, Any] = {
         "name": device.name,
         "profile": device.profile,
@@ -42,17 +43,17 @@ def device_to_dict(device: DeviceMapping) -> dict[str, Any]:
 
 def devices_from_dict(document: Mapping[str, Any], scene: HapticScene, file: str | Path) -> tuple[DeviceMapping, ...]:
     """The devices of a validated document. Raises FormatError."""
-    return tuple(_devices(document.get("devices", []), {item.name for item in scene.listeners}, file))
+    forms = document.get("devices", [])
+    listeners = {item.name for item in scene.listeners}
+    with errors_in(file):
+        require_unique([form["name"] for form in forms], "device", "devices")
+        return tuple(
+            DeviceMapping(form["name"], form["profile"], tuple(_actuators(form, listeners, ("devices", i))), form.get("extras", {}))
+            for i, form in enumerate(forms)
+        )
 
 
-def _devices(forms: list[Mapping[str, Any]], listeners: set[str], file: str | Path) -> Iterator[DeviceMapping]:
-    names: set[str] = set()
-    for i, form in enumerate(forms):
-        if form["name"] in names:
-            raise FormatError(file, f"/devices/{i}/name", f"there is a device {form['name']!r} already")
-        names.add(form["name"])
-        for k, item in enumerate(form.get("actuators", [])):
-            if item["listener"] not in listeners:
-                raise FormatError(file, f"/devices/{i}/actuators/{k}/listener", f"there is no listener {item['listener']!r}")
-        actuators = tuple(ActuatorMapping(a["actuator"], a["listener"], a.get("gain", 1.0)) for a in form.get("actuators", []))
-        yield DeviceMapping(form["name"], form["profile"], actuators, form.get("extras", {}))
+def _actuators(form: Mapping[str, Any], listeners: set[str], place: Place) -> Iterator[ActuatorMapping]:
+    for k, item in enumerate(form.get("actuators", [])):
+        require_known(item["listener"], listeners, "listener", (*place, "actuators", k, "listener"))
+        yield ActuatorMapping(item["actuator"], item["listener"], item.get("gain", 1.0))

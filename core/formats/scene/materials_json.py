@@ -1,6 +1,6 @@
 """The library of haptic materials in a scene file.
 
-Objects name theirs in their extras, under ``material``, and have values of their own.
+Objects name theirs in ``extras.material`` and have their own copy of its values.
 """
 
 from __future__ import annotations
@@ -11,12 +11,16 @@ from pathlib import Path
 from typing import Any
 
 from ...scene.bands import BAND_COUNT
-from ..io.error import FormatError
+from ...scene.references import require_unique
+from ..io.error import errors_in
 
 
 @dataclass(frozen=True, slots=True)
 class LibraryMaterial:
-    """``wave_speed`` [m/s] and ``band_decays`` [1/m] count where ``use_delay`` and ``use_bands`` say so; ``conductivity`` [W/(m K)]."""
+    """A haptic material.
+
+    ``wave_speed`` [m/s] is used if ``use_delay``, ``band_decays`` [1/m] if ``use_bands``; ``conductivity`` in W/(m K).
+    """
 
     name: str
     kappa: float
@@ -29,17 +33,19 @@ class LibraryMaterial:
 
 
 def material_to_dict(material: LibraryMaterial) -> dict[str, Any]:
-    """As the file has it, without what has its default."""
+    """The JSON object of a material; defaults are left out."""
     values = {item.name: (getattr(material, item.name), item.default) for item in fields(LibraryMaterial)}
     return {key: list(value) if isinstance(value, tuple) else value for key, (value, default) in values.items() if value != default}
 
 
 def materials_from_dict(document: Mapping[str, Any], file: str | Path) -> tuple[LibraryMaterial, ...]:
     """The materials of a validated document. Raises FormatError."""
-    found: dict[str, LibraryMaterial] = {}
-    for i, form in enumerate(document.get("materials", [])):
-        if form["name"] in found:
-            raise FormatError(file, f"/materials/{i}/name", f"there is a material {form['name']!r} already")
-        values: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in form.items()}
-        found[form["name"]] = LibraryMaterial(**values)
-    return tuple(found.values())
+    forms = document.get("materials", [])
+    with errors_in(file):
+        require_unique([form["name"] for form in forms], "material", "materials")
+    return tuple(_material(form) for form in forms)
+
+
+def _material(form: Mapping[str, Any]) -> LibraryMaterial:
+    values: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in form.items()}
+    return LibraryMaterial(**values)

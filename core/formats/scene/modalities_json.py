@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from ...modalities import MODALITIES, Emitter, Modality, ModalityScene, Quantity, propagation_function
+from ...scene.references import Place, PlacedError, require_known
 from ...scene.values import HapticScene
-from ..io.error import FormatError, json_pointer
-
-Place = tuple[str | int, ...]
+from ..io.error import errors_in
 
 CARRIED: Mapping[str, Modality] = {name: modality for name, modality in MODALITIES.items() if not modality.sampled}
 """The modalities that files have a section for."""
@@ -43,32 +42,33 @@ def _form(scene: ModalityScene) -> dict[str, Any]:
 def modalities_from_dict(document: Mapping[str, Any], scene: HapticScene, file: str | Path) -> tuple[ModalityScene, ...]:
     """The modalities of a validated document. Raises FormatError."""
     objects = {item.name for item in scene.objects}
-    return tuple(_read(name, form, objects, file) for name, form in document.get("modalities", {}).items())
+    with errors_in(file):
+        return tuple(_read(name, form, objects) for name, form in document.get("modalities", {}).items())
 
 
-def _read(name: str, form: Mapping[str, Any], objects: set[str], file: str | Path) -> ModalityScene:
+def _read(name: str, form: Mapping[str, Any], objects: set[str]) -> ModalityScene:
     place: Place = ("modalities", name)
     modality = CARRIED.get(name)
     if modality is None:
-        raise FormatError(file, json_pointer(place), f"there is no modality {name!r}; known are {', '.join(CARRIED)}")
+        raise PlacedError(place, f"there is no modality {name!r}; known are {', '.join(CARRIED)}")
     values: dict[str, Mapping[str, float]] = {}
     forms: dict[str, Mapping[str, Any]] = {}
     for i, item in enumerate(form.get("objects", [])):
         own, called = (*place, "objects", i), item["object"]
-        _check_object(called, objects, file, (*own, "object"))
+        require_known(called, objects, "object", (*own, "object"))
         if called in values:
-            raise FormatError(file, json_pointer((*own, "object")), f"{called!r} stands here twice")
+            raise PlacedError((*own, "object"), f"{called!r} stands here twice")
         values[called] = item.get("values", {})
-        _check_values(modality, values[called], file, (*own, "values"))
+        _check_values(modality, values[called], (*own, "values"))
         if "propagation" in item:
-            forms[called] = _function(modality, item["propagation"], file, (*own, "propagation"))
+            forms[called] = _function(modality, item["propagation"], (*own, "propagation"))
     emitters: dict[str, Emitter] = {}
     for i, item in enumerate(form.get("sources", [])):
         own, called = (*place, "sources", i), item["name"]
-        _check_object(item["object"], objects, file, (*own, "object"))
+        require_known(item["object"], objects, "object", (*own, "object"))
         if called in emitters:
-            raise FormatError(file, json_pointer((*own, "name")), f"there is a source {called!r} already")
-        _check_quantity(modality.source_value, item["value"], file, (*own, "value"))
+            raise PlacedError((*own, "name"), f"there is a source {called!r} already")
+        _check_quantity(modality.source_value, item["value"], (*own, "value"))
         x, y, z = item["position"]
         emitters[called] = Emitter(called, item["object"], (x, y, z), item["value"])
     return ModalityScene(
@@ -80,31 +80,26 @@ def _read(name: str, form: Mapping[str, Any], objects: set[str], file: str | Pat
     )
 
 
-def _function(modality: Modality, form: Mapping[str, Any], file: str | Path, place: Place) -> Mapping[str, Any]:
+def _function(modality: Modality, form: Mapping[str, Any], place: Place) -> Mapping[str, Any]:
     """The form of a function, whose parameters are not those that objects have values for."""
     for key in modality.defaults():
         if key in form:
-            raise FormatError(file, json_pointer((*place, key)), "is a value of the object: it stands under values")
+            raise PlacedError((*place, key), "is a value of the object: it stands under values")
     try:
         propagation_function(modality, modality.defaults(), form)
     except (ValueError, TypeError) as error:
-        raise FormatError(file, json_pointer(place), str(error)) from None
+        raise PlacedError(place, str(error)) from None
     return form
 
 
-def _check_object(name: str, objects: set[str], file: str | Path, place: Place) -> None:
-    if name not in objects:
-        raise FormatError(file, json_pointer(place), f"there is no object {name!r}")
-
-
-def _check_values(modality: Modality, values: Mapping[str, float], file: str | Path, place: Place) -> None:
+def _check_values(modality: Modality, values: Mapping[str, float], place: Place) -> None:
     known = {quantity.name: quantity for quantity in modality.object_values}
     for key, value in values.items():
         if key not in known:
-            raise FormatError(file, json_pointer((*place, key)), f"unknown key; known are {', '.join(known)}")
-        _check_quantity(known[key], value, file, (*place, key))
+            raise PlacedError((*place, key), f"unknown key; known are {', '.join(known)}")
+        _check_quantity(known[key], value, (*place, key))
 
 
-def _check_quantity(quantity: Quantity, value: float, file: str | Path, place: Place) -> None:
+def _check_quantity(quantity: Quantity, value: float, place: Place) -> None:
     if not quantity.low <= value <= quantity.high:
-        raise FormatError(file, json_pointer(place), f"must lie between {quantity.low:g} and {quantity.high:g} {quantity.unit}")
+        raise PlacedError(place, f"must lie between {quantity.low:g} and {quantity.high:g} {quantity.unit}")

@@ -14,13 +14,12 @@ import binascii
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...arrays import IntArray
-from ..io.error import FormatError
+from ...scene.references import PlacedError, require_known
 from .poses import PER_UNIT, PoseRow, Poses, pose_row
 from .recording import RecordedFrame
 
@@ -71,25 +70,23 @@ def _is_rounded(poses: Mapping[str, PoseRow]) -> bool:
     return bool((np.abs(values) < 10**9).all() and (np.rint(values * PER_UNIT) / PER_UNIT == values).all())
 
 
-def unpacked(forms: Sequence[Mapping[str, Any]], objects: set[str], file: str | Path) -> dict[int, Poses]:
-    """The poses of validated motions by frame. Raises FormatError."""
+def unpacked(forms: Sequence[Mapping[str, Any]], objects: set[str]) -> dict[int, Poses]:
+    """The poses of validated motions by frame. Raises PlacedError."""
     total = 0
     tables = []
     for i, form in enumerate(forms):
-        place = f"/motions/{i}"
-        if form["object"] not in objects:
-            raise FormatError(file, f"{place}/object", f"there is no object {form['object']!r}")
+        require_known(form["object"], objects, "object", ("motions", i, "object"))
         total += form["count"]
         if total > MOST:
-            raise FormatError(file, f"{place}/count", f"more than {MOST} poses")
+            raise PlacedError(("motions", i, "count"), f"more than {MOST} poses")
         try:
             table = decoded(form["poses"], form["count"])
         except ValueError as error:
-            raise FormatError(file, f"{place}/poses", str(error)) from None
+            raise PlacedError(("motions", i, "poses"), str(error)) from None
         if (np.abs(table) > _FARTHEST).any():
-            raise FormatError(file, f"{place}/poses", "beyond 1e9 metres")
+            raise PlacedError(("motions", i, "poses"), "beyond 1e9 metres")
         if not table[:, 3:].any(axis=1).all():
-            raise FormatError(file, f"{place}/poses", "a quaternion of length 0 is no rotation")
+            raise PlacedError(("motions", i, "poses"), "a quaternion of length 0 is no rotation")
         tables.append(table)
     if not tables:
         return {}
@@ -105,7 +102,7 @@ def unpacked(forms: Sequence[Mapping[str, Any]], objects: set[str], file: str | 
         moving = tuple(names[k] for k in motions[rows].tolist())
         if len(set(moving)) < len(moving):
             twice = next(name for name in moving if moving.count(name) > 1)
-            raise FormatError(file, "/motions", f"{twice!r} has two poses in frame {number}")
+            raise PlacedError(("motions",), f"{twice!r} has two poses in frame {number}")
         result[number] = Poses(moving, ticks[rows])
     return result
 

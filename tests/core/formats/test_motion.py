@@ -95,7 +95,7 @@ def test_what_moves_for_a_moment_stands_in_the_frames():
     motions, left = packed(frames)
     assert len(motions) == 200 and {motion["count"] for motion in motions} == {200, 100}
     assert [len(frame.poses) for frame in left] == [1 if n % 50 < 5 else 0 for n in range(300)]
-    poses = unpacked(motions, {motion["object"] for motion in motions}, "x")
+    poses = unpacked(motions, {motion["object"] for motion in motions})
     for frame, rest in zip(frames, left, strict=True):
         assert {**poses[frame.number], **rest.poses} == frame.poses
 

@@ -1,0 +1,119 @@
+"""Objects, contacts, sources and listeners as JSON values. Errors are PlacedErrors: they name the place of the value in its document."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, fields
+from enum import Enum
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ...contacts.shapes import Shape, shape_from_dict
+from ...scene.functions import ModulationFunction, function_from_dict
+from ...scene.references import Place, PlacedError
+from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source
+from ...signals import Signal, signal_from_dict
+
+T = TypeVar("T")
+
+
+def read_value(make: Callable[..., T], form: Mapping[str, Any], place: Place) -> T:
+    """``make`` with the members of ``form`` as arguments, lists as tuples."""
+    return _placed(lambda: make(**{key: tuple(v) if isinstance(v, list) else v for key, v in form.items()}), form, place)
+
+
+def read_function(form: Mapping[str, Any], place: Place) -> ModulationFunction:
+    """A propagation or transmission function."""
+    return _placed(lambda: function_from_dict(form), form, place)
+
+
+def read_object(form: Mapping[str, Any], place: Place) -> HapticObject:
+    """An object with its function, pose and shape."""
+    arguments = dict(form)
+    if "propagation" in form:
+        arguments["propagation"] = read_function(form["propagation"], (*place, "propagation"))
+    if "pose" in form:
+        arguments["pose"] = read_value(Pose, form["pose"], (*place, "pose"))
+    if "shape" in form:
+        arguments["shape"] = _placed(lambda: shape_from_dict(form["shape"]), form["shape"], (*place, "shape"))
+    return read_value(HapticObject, arguments, place)
+
+
+def read_contact(form: Mapping[str, Any], place: Place) -> Contact:
+    """A contact; its normal is normalised."""
+    arguments = dict(form)
+    if "transmission" in form:
+        arguments["transmission"] = read_function(form["transmission"], (*place, "transmission"))
+    if "normal" in form:
+        length = math.hypot(*form["normal"])
+        if length < 1e-12:
+            raise PlacedError((*place, "normal"), "a vector of length 0 has no direction")
+        if abs(length - 1) > 1e-6:
+            arguments["normal"] = tuple(component / length for component in form["normal"])
+    return read_value(Contact, arguments, place)
+
+
+def read_source(form: Mapping[str, Any], place: Place) -> Source:
+    """A source with its signal."""
+    arguments = dict(form)
+    if "signal" in form:
+        arguments["signal"] = _placed(lambda: signal_from_dict(form["signal"]), form["signal"], (*place, "signal"))
+    return read_value(Source, arguments, place)
+
+
+def read_listener(form: Mapping[str, Any], place: Place) -> Listener:
+    """A listener."""
+    return read_value(Listener, form, place)
+
+
+def _placed(make: Callable[[], T], form: Mapping[str, Any], place: Place) -> T:
+    """What ``make`` returns; its ValueError ``key: reason`` or ``key/key: reason`` becomes an error at that key of ``form``."""
+    try:
+        return make()
+    except PlacedError:
+        raise
+    except ValueError as error:
+        keys, _, reason = str(error).partition(": ")
+        parts = keys.removeprefix("/").split("/")
+        raise PlacedError((*place, *parts) if parts[0] in form else place, reason or keys) from None
+
+
+def item_to_dict(item: HapticObject | Contact | Source | Listener) -> dict[str, Any]:
+    """The JSON object of an item: positions always, other values where they differ from their default."""
+    form: dict[str, Any] = {}
+    for key in fields(item):
+        value = getattr(item, key.name)
+        default = key.default if key.default_factory is MISSING else key.default_factory()
+        if value != default or key.name == "position":
+            form[key.name] = json_value(value)
+    return form
+
+
+def scene_items(scene: HapticScene) -> dict[str, list[dict[str, Any]]]:
+    """The JSON lists of a scene."""
+    return {key: [item_to_dict(item) for item in getattr(scene, key)] for key in ("objects", "contacts", "sources", "listeners")}
+
+
+def json_value(value: Any) -> Any:
+    """A value of a scene in the types that JSON has. Raises TypeError for others."""
+    match value:
+        case None | bool() | float() | int():
+            return value
+        case Enum():
+            return value.value
+        case str():
+            return value
+        case Pose():
+            return {"position": list(value.position), "rotation": list(value.rotation)}
+        case ModulationFunction() | Shape() | Signal():
+            return value.to_dict()
+        case Mapping():
+            return {key: json_value(member) for key, member in value.items()}
+        case list() | tuple():
+            return [json_value(member) for member in value]
+        case np.generic() | np.ndarray():
+            return value.tolist()
+        case _:
+            raise TypeError(f"{type(value).__name__} has no form in a scene file")
