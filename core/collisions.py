@@ -1,0 +1,180 @@
+"""Collision detection of one frame: contacts between objects as the graph numbers them, impacts, and the sources that impacts make."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+
+import numpy as np
+
+from .arrays import FloatArray, IntArray
+from .contacts.authored import AuthoredContacts
+from .contacts.contact_set import ContactSet
+from .contacts.gain_bound import Reach
+from .contacts.impact_sources import ImpactSources
+from .contacts.tracker import Body, ContactSettings, ContactTracker, FrameContacts, Impact
+from .graph.haptic_graph import ObjectTable
+from .message import Message
+from .propagation.gain_bounds import object_bounds, signal_reach
+from .scene.functions import ModulationFunction
+from .scene.values import HapticObject, Listener, Settings, Source, Vector
+from .signals import Signal
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """The state of a scene at one frame.
+
+    ``time`` [s]; the tracer renders the samples from the previous frame's time to this one's, so that an impact between the two sounds
+    when it happened. ``continuous``: this frame follows the one traced last; otherwise contact history, velocities and sounding signals
+    are dropped. Either bodies move, then ``transforms`` (n, 4, 4) are the rigid world transforms of ``bodies``, which are ``objects`` in
+    the same order; or ``contacts`` are given, which number the objects by their sorted names. ``authored`` contacts replace detected
+    ones.
+    """
+
+    number: int
+    time: float
+    objects: tuple[HapticObject, ...]
+    sources: tuple[Source, ...]
+    listeners: tuple[Listener, ...]
+    settings: Settings = field(default_factory=Settings)
+    bodies: tuple[Body, ...] = ()
+    transforms: FloatArray | None = None
+    contacts: ContactSet | None = None
+    continuous: bool = True
+    authored: AuthoredContacts | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Collisions:
+    """Collisions of one frame. ``sources``: the temporary ones, of this frame's impacts and of earlier ones that still sound."""
+
+    contacts: ContactSet
+    impacts: tuple[Impact, ...] = ()
+    sources: tuple[Source, ...] = ()
+    statistics: Mapping[str, int | float] = field(default_factory=dict)
+    milliseconds: Mapping[str, float] = field(default_factory=dict)
+    warnings: tuple[Message, ...] = ()
+
+
+class CollisionDetector:
+    """Detects the collisions of consecutive frames.
+
+    ``lazy``: contacts are detected only where a signal of at least the threshold can arrive; gains and impacts are the same.
+    ``impact_sources``: impacts make temporary sources. ``impact_materials``: the material of each object, a key of `IMPACT_MATERIALS`;
+    an impact of two others plays ``impact_signal``. ``transmission``: the function of all detected contacts, None for the identity.
+    """
+
+    def __init__(
+        self, settings: ContactSettings, impact_sources: bool, impact_signal: Signal, transmission: ModulationFunction | None, lazy: bool
+    ) -> None:
+        self.settings = settings
+        self.impact_sources = impact_sources
+        self.impact_materials: Mapping[str, str] = {}
+        self.transmission = transmission
+        self.lazy = lazy
+        self._sources = ImpactSources(impact_signal)
+        self._tracker: ContactTracker | None = None
+        self._numbering = _Numbering((), ObjectTable.of((), 0.0))
+        self._found: FrameContacts | None = None
+        self._authored: AuthoredContacts | None = None
+        self._contacts = ContactSet.empty()
+
+    def reset(self) -> None:
+        """Drop contact history, velocities and sounding impacts."""
+        self._sources.clear()
+        if self._tracker is not None:
+            self._tracker.reset()
+
+    def detect(self, frame: Frame, table: ObjectTable, previous: float | None) -> Collisions:
+        """Return the collisions of ``frame``; ``table`` numbers its objects, ``previous`` is the time of the frame before it, if any."""
+        if frame.contacts is not None or not frame.bodies or frame.transforms is None:
+            self._sources.clear()
+            return Collisions(ContactSet.empty() if frame.contacts is None else frame.contacts)
+        begun = perf_counter()
+        tracker = self._follow(frame.bodies, table)
+        if previous is not None:
+            self._sources.end_before(previous)
+        reach = self._reach(frame, frame.transforms) if self.lazy and frame.authored is None else None
+        found = tracker.update(frame.time, frame.transforms, reach, continuous=frame.continuous)
+        contacts = self._numbered(found, frame.authored)
+        broad, total = found.statistics.broad_seconds, perf_counter() - begun
+        impacts = found.impacts if self.impact_sources else ()
+        self._sources.add(impacts, [body.name for body in frame.bodies] if impacts else (), frame.transforms, self.impact_materials)
+        return Collisions(
+            contacts=contacts,
+            impacts=impacts,
+            sources=self._sources.sources(frame.transforms),
+            statistics={
+                "candidate_pairs": found.statistics.candidates,
+                "contact_queries": found.statistics.queries,
+                "queries_avoided": found.statistics.avoided,
+            },
+            milliseconds={"broad": 1000 * broad, "narrow": 1000 * (total - broad)},
+            warnings=found.warnings,
+        )
+
+    def _follow(self, bodies: tuple[Body, ...], table: ObjectTable) -> ContactTracker:
+        """Return a tracker of ``bodies``: the present one while they have the same names and the settings are the same."""
+        tracker = self._tracker
+        if tracker is None or tracker.settings != self.settings or not _same_names(tracker.bodies, bodies):
+            tracker = self._tracker = ContactTracker(bodies, self.settings)
+            self._sources.clear()
+        elif tracker.bodies is not bodies and tracker.bodies != bodies:
+            tracker.replace_bodies(bodies)
+        if self._numbering.bodies is not bodies or self._numbering.table is not table:
+            self._numbering = _Numbering(bodies, table)
+            self._found = None
+        return tracker
+
+    def _numbered(self, found: FrameContacts, authored: AuthoredContacts | None) -> ContactSet:
+        """Return the contacts between objects instead of bodies, the authored ones in place of those detected."""
+        if self._found is None or found.contacts is not self._found.contacts or authored is not self._authored:
+            self._contacts = replace(found.contacts, pairs=self._numbering.objects[found.contacts.pairs])
+            if self.transmission is not None:
+                self._contacts = replace(self._contacts, transmissions=(self.transmission,))
+            if authored is not None:
+                self._contacts = authored.over(self._contacts)
+        self._found, self._authored = found, authored
+        return self._contacts
+
+    def _reach(self, frame: Frame, transforms: FloatArray) -> Reach:
+        """Return where signals of the sources can arrive."""
+        row = self._numbering.row
+        starts: list[tuple[int, Vector]] = []
+        for source in frame.sources:
+            for name, position in ((source.object, source.position), (source.second_object, source.second_position)):
+                if source.amplitude > 0 and name in row and position is not None:
+                    starts.append((row[name], position))
+        bodies, positions = self._sources.places(transforms)
+        bodies = np.concatenate([np.array([body for body, _ in starts], dtype=np.int64), bodies])
+        positions = np.concatenate([np.array([position for _, position in starts], dtype=np.float64).reshape(-1, 3), positions])
+        bounds = self._numbering.gain_bounds(frame.settings)
+        return signal_reach(bounds, bodies, positions, frame.settings, self.transmission, self.impact_sources)
+
+
+class _Numbering:
+    """How bodies and the objects of a table are numbered.
+
+    ``row``: the number of a body by name. ``objects`` (n,): the number of each body's object.
+    """
+
+    def __init__(self, bodies: tuple[Body, ...], table: ObjectTable) -> None:
+        self.bodies = bodies
+        self.table = table
+        self.row = {body.name: number for number, body in enumerate(bodies)}
+        index = table.index()
+        self.objects: IntArray = np.array([index[body.name] for body in bodies], dtype=np.int64)
+        self._bounds: tuple[Settings, tuple[FloatArray, FloatArray]] | None = None
+
+    def gain_bounds(self, settings: Settings) -> tuple[FloatArray, FloatArray]:
+        """Return factor and decay (n,) of each body such that its gain over d metres is at most ``factor * exp(-decay * d)``."""
+        if self._bounds is None or self._bounds[0] != settings:
+            factor, decay = object_bounds(self.table, settings)
+            self._bounds = settings, (factor[self.objects], decay[self.objects])
+        return self._bounds[1]
+
+
+def _same_names(first: Sequence[Body], second: Sequence[Body]) -> bool:
+    return first is second or [body.name for body in first] == [body.name for body in second]

@@ -1,0 +1,60 @@
+"""What the propagation of a frame was computed from, so that an unchanged frame is not propagated again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import NamedTuple
+
+from ..contacts.contact_set import ContactSet
+from ..contacts.tracker import STILL
+from ..graph.haptic_graph import HapticGraph, ObjectTable
+from ..scene.values import Listener, Settings, Source
+from .result import Propagation
+
+
+class Inputs(NamedTuple):
+    """What graph and gains of a frame depend on."""
+
+    table: ObjectTable
+    contacts: ContactSet
+    sources: tuple[Source, ...]
+    listeners: tuple[Listener, ...]
+    settings: Settings
+
+    def same_as(self, other: Inputs) -> bool:
+        """Whether nothing differs but positions by less than `STILL`."""
+        if self.table is not other.table or self.contacts is not other.contacts or self.settings != other.settings:
+            return False
+        return _same(self.sources, other.sources) and _same(self.listeners, other.listeners)
+
+
+@dataclass(frozen=True, slots=True)
+class Propagated:
+    """A propagated frame."""
+
+    inputs: Inputs
+    graph: HapticGraph
+    propagation: Propagation
+
+
+def _same(first: Sequence[Source | Listener], second: Sequence[Source | Listener]) -> bool:
+    return len(first) == len(second) and all(a is b or _same_item(a, b) for a, b in zip(first, second, strict=True))
+
+
+def _same_item(a: Source | Listener, b: Source | Listener) -> bool:
+    if type(a) is not type(b):
+        return False
+    for key in _FIELDS[type(a)]:
+        one, other = getattr(a, key), getattr(b, key)
+        if one is other:
+            continue
+        if not key.endswith("position") or one is None or other is None:
+            if one != other:
+                return False
+        elif any(abs(x - y) > STILL for x, y in zip(one, other, strict=True)):
+            return False
+    return True
+
+
+_FIELDS = {cls: tuple(f.name for f in fields(cls)) for cls in (Source, Listener)}
