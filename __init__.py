@@ -5,17 +5,21 @@ Outside Blender this is the package ``haptic_tracing``; inside it is the extensi
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import Any
 
-_GLTF = ("glTF2ExportUserExtension", "glTF2ImportUserExtension", "draw_export", "draw_import")
-"""What Blender's glTF exporter and importer look for in the modules of add-ons."""
+_GLTF = {
+    "glTF2ExportUserExtension": "addon.io.gltf",
+    "glTF2ImportUserExtension": "addon.io.gltf",
+    "draw_export": "addon.panels.gltf",
+    "draw_import": "addon.panels.gltf",
+}
+"""What Blender's glTF exporter and importer look for in the modules of add-ons, and the module that has it."""
 
 
 def __getattr__(name: str) -> Any:
     if name in _GLTF:
-        from .addon.io import gltf
-
-        return getattr(gltf, name)
+        return getattr(import_module(f".{_GLTF[name]}", __package__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -38,11 +38,11 @@ def run(args: argparse.Namespace) -> int:
         import bpy
     except ImportError:
         raise ValueError("this needs Blender as a Python module: pip install bpy (its version decides the Python version)") from None
-    from ..addon.properties import haptics
+    from ..addon.registration import properties
     from ..sample_scenes.baking import bake_rigid_bodies
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    haptics.register()
+    properties.register()
     try:
         scene = bpy.context.scene
         scene.name = SAMPLES[args.name].title
@@ -53,6 +53,6 @@ def run(args: argparse.Namespace) -> int:
     except RuntimeError as error:
         raise ValueError(f"{output}: {str(error).strip().removeprefix('Error: ')}") from None
     finally:
-        haptics.unregister()
+        properties.unregister()
     print(f"wrote {output}")
     return 0

@@ -8,7 +8,7 @@ from bpy.types import Context, Object, Scene
 
 from ...core.scene.materials import Material, guess, is_wide_and_flat
 from ..blender.progress import progress
-from ..properties.materials import HapticMaterial, holders, unique_name, values_of, write_values
+from ..properties.materials import HapticMaterial, add_material, values_of, write_values
 
 
 def preset_values(material: Material) -> dict[str, object]:
@@ -23,22 +23,9 @@ def preset_values(material: Material) -> dict[str, object]:
     }
 
 
-def add(scene: Scene, name: str, values: dict[str, object]) -> HapticMaterial:
-    """A new material of the scene's library, which gets a number where its name is taken."""
-    library = scene.haptics.materials
-    name = unique_name(name, {item.name for item in library.items})
-    item = library.items.add()
-    item.known_as = name
-    item.name = name
-    for key, value in values.items():
-        setattr(item, key, value)
-    library.active = len(library.items) - 1
-    return item
-
-
 def preset_in(scene: Scene, material: Material) -> HapticMaterial:
     """The material of the scene's library that carries the preset's title; it is put there where there is none."""
-    return scene.haptics.materials.items.get(material.title) or add(scene, material.title, preset_values(material))
+    return scene.haptics.materials.items.get(material.title) or add_material(scene, material.title, preset_values(material))
 
 
 def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
@@ -53,21 +40,7 @@ def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
 def copy(scene: Scene, item: HapticMaterial) -> HapticMaterial:
     """A copy in the library, that nothing is made of yet."""
     values = {**values_of(item), "wave_speed": item.wave_speed, "use_delay": item.use_delay}
-    return add(scene, item.name, values)
-
-
-def own_values(obj: Object) -> dict[str, object]:
-    """The values that an object has itself, as a material of the library holds them."""
-    values = _held(obj)
-    return {**values, "use_delay": values["wave_speed"] > 0}
-
-
-def _held(obj: Object) -> dict[str, object]:
-    return {
-        name: tuple(value) if name == "band_decays" else value
-        for name, holder in holders(obj).items()
-        for value in (getattr(holder, name),)
-    }
+    return add_material(scene, item.name, values)
 
 
 def targets(context: Context, target: str) -> list[Object]:

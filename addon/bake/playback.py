@@ -9,6 +9,9 @@ from bpy.types import Scene
 
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import SECONDS
+from ..changes import revisions
+from ..changes.events import track_switched
+from ..changes.redraw import redraw_viewports
 from ..session import session
 from . import storage
 from .digest import changes, digest_of
@@ -69,11 +72,9 @@ def is_from_track(result: FrameResult | None, frame: int) -> bool:
 
 def show_current(scene: Scene) -> None:
     """After the choice between track and tracing: the current frame anew."""
-    from ..view import overlay
-
-    session.mark_changed()
+    revisions.mark_changed()
     play(scene)
-    overlay.redraw()
+    redraw_viewports()
 
 
 def stale_reasons(scene: Scene, *, at_once: bool = False) -> tuple[str, ...]:
@@ -84,7 +85,7 @@ def stale_reasons(scene: Scene, *, at_once: bool = False) -> tuple[str, ...]:
     track = storage.track_of(scene)
     if track is None:
         return ()
-    mark, version, now = storage.stamp(scene), session.edits(), time.perf_counter()
+    mark, version, now = storage.stamp(scene), revisions.edits(), time.perf_counter()
     known = _compared.get(scene.session_uid)
     recent = known is not None and (known.version == version or now - known.at < _REST * known.seconds)
     if recent and known.stamp == mark and not at_once:
@@ -103,6 +104,14 @@ def compare(scene: Scene, track: HapticTrack) -> tuple[str, ...]:
     return reasons
 
 
+def fitting_track(scene: Scene, start: int, end: int) -> HapticTrack | None:
+    """The scene's baked track where it has the frames and nothing has changed since it was made."""
+    track = storage.track_of(scene)
+    if track is None or start < track.frame_start or end > track.frame_end or compare(scene, track):
+        return None
+    return track
+
+
 def wanted_range(scene: Scene) -> tuple[int, int]:
     """The frames to bake."""
     bake = scene.haptics.bake
@@ -113,3 +122,12 @@ def forget() -> None:
     """Another file is loaded, or the add-on ends."""
     storage.forget()
     _compared.clear()
+
+
+def register() -> None:
+    track_switched.subscribe(show_current)
+
+
+def unregister() -> None:
+    track_switched.unsubscribe(show_current)
+    forget()

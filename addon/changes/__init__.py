@@ -1,1 +1,1 @@
-"""What has changed since the last trace, and when tracing is suspended."""
+"""What changed, which views have to be drawn again, and when handlers must do nothing."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from contextlib import closing
 from dataclasses import replace
+from typing import Protocol
 
 import bpy
 import numpy as np
@@ -15,24 +16,41 @@ from ...core.formats.export import Export
 from ...core.formats.scene.recording import SceneRecorder
 from ...core.formats.tracks.track_recorder import TrackRecorder
 from ...core.render.frame_result import FrameResult
-from ..bake import storage
-from ..bake.playback import compare
-from ..bake.track import HapticTrack
 from ..session import session, timeline
 from .frame_scene import within, written_export, written_frame
 
 
-class Capture:
-    """The frames ``start`` to ``end`` of ``scene``; ``names``: only those objects, sources and listeners, though all are traced.
+class FrameSource(Protocol):
+    """A baked track: the results of frames without tracing."""
 
-    ``recorded``: the scene and what changes in it. ``felt``: the samples of the listeners. What is only felt comes from the baked track
-    where there is one of the range and nothing has changed since.
+    def result(self, frame: int) -> FrameResult | None: ...
+
+
+class Capture:
+    """The frames ``start`` to ``end`` of ``scene``, traced one after the other.
+
+    Args:
+        scene: The scene to capture.
+        start: First frame.
+        end: Last frame.
+        recorded: Whether the scene and what changes in it are captured.
+        felt: Whether the samples of the listeners are captured.
+        names: Names of the objects, sources and listeners to capture; None for all. All are traced in any case.
+        track: A baked track of the range to read the samples from instead of tracing; only where the scene itself is not captured.
     """
 
     def __init__(
-        self, scene: bpy.types.Scene, start: int, end: int, recorded: bool, felt: bool, names: Collection[str] | None = None
+        self,
+        scene: bpy.types.Scene,
+        start: int,
+        end: int,
+        recorded: bool,
+        felt: bool,
+        names: Collection[str] | None = None,
+        track: FrameSource | None = None,
     ) -> None:
         self.scene, self.start, self.end, self.names = scene, start, end, names
+        self._track = None if recorded else track
         self._recorder = SceneRecorder(scene.render.fps / scene.render.fps_base, scene.frame_start) if recorded else None
         self._tracks = TrackRecorder() if felt else None
         self._first: Export | None = None
@@ -66,14 +84,13 @@ class Capture:
         return replace(self._first, name=name, scene=scene, tracks=tracks, recording=self._recorder.recording())
 
     def _results(self) -> Iterator[FrameResult]:
-        track = None if self._recorder is not None else baked(self.scene, self.start, self.end)
-        if track is None:
+        if self._track is None:
             with closing(timeline.steps(self.scene, self.start, self.end)) as steps:
                 for step in steps:
                     yield step.result
             return
         for frame in range(self.start, self.end + 1):
-            result = track.result(frame)
+            result = self._track.result(frame)
             assert result is not None  # the track has the range
             # What is heard at the first frame was felt on the way to it.
             yield replace(result, block=None) if frame == self.start else result
@@ -91,14 +108,6 @@ class Capture:
             self._first = written_export("", self.scene, frame, self.names)
         contacts = contacts_within(result.contacts, result.objects, {item.name for item in frame.objects})
         self._recorder.add(result.number, frame.objects, frame.sources, frame.listeners, contacts, result.objects)
-
-
-def baked(scene: bpy.types.Scene, start: int, end: int) -> HapticTrack | None:
-    """The scene's baked track where it has the frames and nothing has changed since it was made."""
-    track = storage.track_of(scene)
-    if track is None or start < track.frame_start or end > track.frame_end or compare(scene, track):
-        return None
-    return track
 
 
 def felt_within(result: FrameResult, names: Collection[str]) -> FrameResult:

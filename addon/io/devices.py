@@ -18,9 +18,9 @@ from ...core.devices.mapping import Place, map_listeners
 from ...core.devices.profiles import BUILT_IN, Profile, load_profiles
 from ...core.formats.scene.devices_json import ActuatorMapping, DeviceMapping
 from ...core.scene.values import Listener
+from ..blender.extension import profile_folders
 from ..blender.single_precision import shortest
-from ..live_output.player import AUTOMATIC, MUTED, choice_of, places_of
-from ..operators.live_output import profile_folders
+from ..properties.actuators import AUTOMATIC, MUTED, choice_of, places_of
 from ..scene_reader.imported import kept_device, text_of
 
 ADJUSTED = ("gain", "floor", "curve", "ceiling", "offset")

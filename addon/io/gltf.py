@@ -10,7 +10,7 @@ import copy
 from typing import Any
 
 import bpy
-from bpy.types import Context, Object, UILayout
+from bpy.types import Object
 
 from ...core.formats.scene.values_json import item_to_dict, read_listener, read_object, read_source
 from ...core.scene.values import HapticScene
@@ -148,21 +148,3 @@ def read_roles(obj: Object, form: dict[str, Any]) -> None:
         write_source(obj.haptics.source, items["source"], placed=False)
     if "listener" in items:
         write_listener(obj.haptics.listener, items["listener"], placed=False)
-
-
-def draw_export(context: Context, layout: UILayout) -> None:
-    """The panel in the exporter's sidebar."""
-    header, body = layout.panel("haptic_tracing_gltf", default_closed=False)
-    header.label(text="Haptic Tracing")
-    if body is None:
-        return
-    properties = context.scene.haptics.gltf
-    body.use_property_split = True
-    body.prop(properties, "use_extras")
-    body.prop(properties, "use_material")
-    if properties.use_material:
-        body.prop(properties, "material_name")
-
-
-def draw_import(context: Context, layout: UILayout) -> None:
-    """The importer has no options of ours."""

@@ -11,8 +11,8 @@ from bpy.types import Scene
 
 from ...core.formats.scene.materials_json import LibraryMaterial
 from ...core.scene.values import HapticObject
-from ..authoring import materials as library
 from ..blender.single_precision import shortest
+from ..properties.materials import add_material, own_values
 
 NAMED = "material"
 """The name of an object's haptic material, in its extras."""
@@ -30,7 +30,7 @@ def written_materials(scene: Scene, objects: Iterable[HapticObject], whole: bool
     items = scene.haptics.materials.items
     known = [_material(item.name, {key: getattr(item, key) for key in _KEYS}) for item in items if whole or item.name in named]
     others = [
-        _material(name, library.own_values(bpy.data.objects[owner]))
+        _material(name, own_values(bpy.data.objects[owner]))
         for name, owner in named.items()
         if name not in items and owner in bpy.data.objects
     ]
@@ -44,7 +44,7 @@ def take_materials(scene: Scene, materials: Sequence[LibraryMaterial]) -> list[s
         values = {key: value for key, value in asdict(material).items() if key != "name"}
         known = scene.haptics.materials.items.get(material.name)
         if known is None:
-            library.add(scene, material.name, values)
+            add_material(scene, material.name, values)
         elif _material(material.name, {key: getattr(known, key) for key in _KEYS}) != _material(material.name, values):
             other.append(material.name)
     return other

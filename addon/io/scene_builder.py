@@ -17,9 +17,9 @@ from ...core.formats.scene.recording import pair_of
 from ...core.modalities import Emitter, ModalityScene
 from ...core.scene.functions import Identity, ModulationFunction
 from ...core.scene.values import Contact, HapticObject, Listener, Pose, Settings, Source, Vector
-from ..authoring import materials
 from ..blender.single_precision import shortest
-from ..live_output import player
+from ..properties.actuators import MUTED as ACTUATORS_MUTED
+from ..properties.materials import add_material, own_values
 from ..properties.modalities import SHOWN
 from ..scene_reader.imported import kept_contacts, near, text_of, text_of_contacts, text_with
 from ..scene_reader.reader import read_function
@@ -123,7 +123,7 @@ class _Builder:
                 extras={key: value for key, value in item.extras.items() if key != NAMED or not material},
             )
             if material and material not in self.scene.haptics.materials.items:
-                materials.add(self.scene, material, materials.own_values(obj))
+                add_material(self.scene, material, own_values(obj))
                 haptics.material.name = material
             if read_function(haptics) != item.propagation:
                 self.lose(f"function {item.propagation.name!r} as the file has it", item.name)
@@ -142,7 +142,7 @@ class _Builder:
         for loss in write_listener(obj.haptics.listener, replace(item, extras=extras)):
             self.lose(loss, item.name)
         if muted:
-            obj.haptics.live_output.actuators = player.MUTED
+            obj.haptics.live_output.actuators = ACTUATORS_MUTED
 
     def add_emitters(self) -> None:
         """Sources of other modalities, each on what is a source or listener of its name already, if it stands there."""

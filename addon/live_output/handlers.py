@@ -10,15 +10,18 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.types import Scene
 
-from ..bake import playback
-from ..properties import live_output
+from ..changes import revisions
+from ..changes.events import device_adjusted, preview_volume_changed
+from ..properties.live_output import HapticDeviceProperties
 from ..scene_reader.reader import seconds_of
 from ..session import session
 from . import outputs, player, preview, refresh
+from .adjustment import adjustment_of
 
 
-def frame_changed(scene: Scene) -> None:
-    """Let the frame be felt that has just been traced; be silent where it was not, because tracing failed or is off."""
+def frame_changed(scene: Scene, recorded: bool = False) -> None:
+    """Let the frame be felt that has just been traced; be silent where it was not, because tracing failed or is off. ``recorded``: it was
+    read from a baked track."""
     if not player.is_wanted():
         return
     try:
@@ -28,7 +31,7 @@ def frame_changed(scene: Scene) -> None:
         if result is None or result.number != scene.frame_current:
             player.rest()
             return
-        player.play(scene.session_uid, result, frame_seconds(scene), choices(result), playback.plays(scene))
+        player.play(scene.session_uid, result, frame_seconds(scene), choices(result), recorded)
     except Exception:
         player.rest()
         raise
@@ -84,7 +87,7 @@ def frame_seconds(scene: Scene) -> float:
 def choices(result: Any) -> dict[str, str]:
     """What the listeners of a frame are to be felt through, where that is not automatic. Read where something was chosen since."""
     global _chosen
-    key = (live_output.choices_made(), tuple(listener.name for listener in result.listeners))
+    key = (revisions.actuators(), tuple(listener.name for listener in result.listeners))
     if _chosen[0] != key:
         objects = ((name, bpy.data.objects.get(name)) for name in key[1])
         found = {name: obj.haptics.live_output.actuators for name, obj in objects if obj is not None}
@@ -98,7 +101,14 @@ _chosen: tuple[Any, dict[str, str]] = (None, {})
 @persistent
 def choose_again(*_: Any) -> None:
     """After undo, redo and another file any choice may be another."""
-    live_output.choose()
+    revisions.mark_actuators()
+
+
+def adjust(settings: HapticDeviceProperties) -> None:
+    """Drive a device as its settings say now."""
+    output = outputs.running().get(settings.name)
+    if output is not None:
+        output.adjust(adjustment_of(settings, output.profile))
 
 
 def stop_everything() -> None:
@@ -126,11 +136,15 @@ def register() -> None:
     for event, handler in _HANDLERS.items():
         if hasattr(bpy.app.handlers, event):  # exit_pre: Blender 5.1 on
             getattr(bpy.app.handlers, event).append(handler)
+    device_adjusted.subscribe(adjust)
+    preview_volume_changed.subscribe(preview.set_volume)
     atexit.register(stop_everything)
     choose_again()
 
 
 def unregister() -> None:
+    device_adjusted.unsubscribe(adjust)
+    preview_volume_changed.unsubscribe(preview.set_volume)
     atexit.unregister(stop_everything)
     for event, handler in _HANDLERS.items():
         handlers = getattr(bpy.app.handlers, event, [])

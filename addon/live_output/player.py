@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,14 +13,10 @@ from ...core.message import Cause, Message, Names
 from ...core.render.frame_result import FrameResult
 from ...core.render.playback import Playback, grain, recorded_grain
 from ...core.signals import Automation, Decay, Product, Signal, Sine
+from ..properties.actuators import places_of
 from ..properties.preferences import preferences
 from . import outputs, preview
 
-AUTOMATIC = ""
-"""A listener's choice: the actuators at its body part."""
-MUTED = "-"
-"""A listener's choice: none."""
-_GAIN = re.compile(r"\d{1,10}(\.\d+)?(e-?\d{1,2})?", re.ASCII)
 SLOW = 20.0
 """Milliseconds: where the tracing of a few frames in a row takes longer, the next is not waited for."""
 _SLOW_FRAMES = 3
@@ -123,29 +118,6 @@ def mapping_of(result: FrameResult, choices: Mapping[str, str]) -> ActuatorMappi
     if _state.mapping is None or _state.mapped != key:
         _state.mapping, _state.mapped = _mapped(dict(listeners), choices, bands), key
     return _state.mapping
-
-
-def places_of(choice: str) -> list[Place] | None:
-    """The actuators of a choice, as "device/actuator" or "device/actuator*gain" separated by semicolons; None where it is automatic."""
-    if choice == AUTOMATIC:
-        return None
-    places = []
-    for text in choice.split(";"):
-        device, slash, actuator = text.rpartition("/")
-        name, _, gain = actuator.rpartition("*")
-        if slash:
-            places.append(Place(device, name, float(gain)) if name and _GAIN.fullmatch(gain) else Place(device, actuator))
-    return places
-
-
-def choice_of(places: Sequence[Place]) -> str:
-    """The choice that stands for actuators."""
-    return ";".join(map(_text, places)) or MUTED
-
-
-def _text(place: Place) -> str:
-    plain = place.gain == 1.0 and "*" not in place.actuator
-    return f"{place.device}/{place.actuator}" if plain else f"{place.device}/{place.actuator}*{place.gain!r}"
 
 
 def _bands(result: FrameResult) -> dict[str, tuple[float, float]]:

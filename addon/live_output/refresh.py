@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..changes.redraw import redraw_sidebars
 from . import outputs
 
 _SECONDS = 0.5
@@ -21,18 +22,8 @@ def stop() -> None:
         bpy.app.timers.unregister(_tick)
 
 
-def redraw() -> None:
-    """Draw the sidebars anew."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                for region in area.regions:
-                    if region.type == "UI":
-                        region.tag_redraw()
-
-
 def _tick() -> float | None:
-    redraw()
+    redraw_sidebars()
     return _SECONDS if outputs.running() or outputs.is_finding() else None
 
 

@@ -10,7 +10,7 @@ from bpy.types import Context, Event, Operator, Timer
 from ..bake import curves, playback, sound, storage
 from ..bake.baking import Baking
 from ..blender.polling import UNDO, poll_object_mode
-from ..view import overlay
+from ..changes.redraw import redraw_viewports
 
 _rpt = bpy.app.translations.pgettext_rpt
 
@@ -84,7 +84,7 @@ class HAPTIC_OT_bake(Operator):
             return {"CANCELLED"}
         context.window_manager.progress_update(100 * baking.part)
         context.workspace.status_text_set(f"{baking.words}   ({100 * baking.part:.0f} %)   Esc to cancel")
-        overlay.redraw()
+        redraw_viewports()
         if not done:
             return {"RUNNING_MODAL"}
         self._end(context)
@@ -109,10 +109,10 @@ class HAPTIC_OT_bake(Operator):
             manager.progress_end()
         if context.workspace is not None:
             context.workspace.status_text_set(None)
-        overlay.redraw()
+        redraw_viewports()
 
     def _finished(self, baking: Baking) -> set[str]:
-        overlay.redraw()
+        redraw_viewports()
         done = _rpt("1 frame baked") if baking.frame_count == 1 else _rpt("{} frames baked").format(baking.frame_count)
         self.report({"WARNING"} if baking.warnings else {"INFO"}, "; ".join((done, *baking.warnings)))
         return {"FINISHED"}
@@ -147,10 +147,8 @@ class HAPTIC_OT_delete_bake(Operator):
 
 CLASSES = (HAPTIC_OT_bake, HAPTIC_OT_delete_bake)
 
-register, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
 
-
-def unregister() -> None:
+def stop() -> None:
+    """Cancel a bake that is going on: the add-on is disabled."""
     while _running:
         _running.pop().close()
-    _unregister_classes()

@@ -113,5 +113,3 @@ def _side(obj: Object) -> str:
 
 
 CLASSES = (HAPTIC_OT_add_default_listeners, HAPTIC_OT_mirror_listeners)
-
-register, unregister = bpy.utils.register_classes_factory(CLASSES)

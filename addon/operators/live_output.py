@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import bpy
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Operator
 
 from ...core.devices.mapping import Place
+from ..blender.extension import profile_folders
 from ..blender.polling import UNDO
 from ..live_output import outputs, player, preview, refresh
-from ..properties.live_output import adjustment_of
+from ..live_output.adjustment import adjustment_of
+from ..properties.actuators import AUTOMATIC, MUTED, choice_of, places_of
 from ..properties.preferences import preferences
 
 _rpt = bpy.app.translations.pgettext_rpt
@@ -113,11 +113,11 @@ class HAPTIC_OT_choose_actuator(Operator):
             return {"CANCELLED"}
         settings = obj.haptics.live_output
         if self.place in (_AUTOMATIC, _NONE):
-            settings.actuators = player.AUTOMATIC if self.place == _AUTOMATIC else player.MUTED
+            settings.actuators = AUTOMATIC if self.place == _AUTOMATIC else MUTED
             return {"FINISHED"}
         place = Place(*self.place.rsplit("/", 1))
-        places = player.places_of(settings.actuators) or []
-        settings.actuators = player.choice_of([p for p in places if p != place] if place in places else [*places, place])
+        places = places_of(settings.actuators) or []
+        settings.actuators = choice_of([p for p in places if p != place] if place in places else [*places, place])
         return {"FINISHED"}
 
 
@@ -161,12 +161,3 @@ CLASSES = (
     HAPTIC_OT_toggle_preview,
     HAPTIC_OT_panic,
 )
-register, unregister = bpy.utils.register_classes_factory(CLASSES)
-
-
-def profile_folders() -> tuple[Path, ...]:
-    """The folder for device profiles of the user's own: "devices" in the extension's folder, where the add-on is an extension."""
-    package = __package__.rsplit(".addon", 1)[0]
-    if not package.startswith("bl_ext."):
-        return ()
-    return (Path(bpy.utils.extension_path_user(package, path="devices")),)

@@ -10,7 +10,7 @@ from ...core.scene.materials import MATERIALS
 from ..authoring import materials as library
 from ..blender.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode, poll_selected
 from ..blender.progress import progress
-from ..properties.materials import TARGET_ITEMS, made_of
+from ..properties.materials import TARGET_ITEMS, add_material, made_of, own_values
 
 PRESET_ITEMS = tuple((material.name, material.title, "") for material in MATERIALS.values())
 
@@ -101,7 +101,7 @@ class HAPTIC_OT_new_material(Operator):
 
     def execute(self, context: Context) -> set[str]:
         obj = context.object
-        item = library.add(context.scene, obj.haptics.material.name or obj.name, library.own_values(obj))
+        item = add_material(context.scene, obj.haptics.material.name or obj.name, own_values(obj))
         library.apply([obj], item)
         return {"FINISHED"}
 
@@ -167,5 +167,3 @@ CLASSES = (
     HAPTIC_OT_remove_material,
     HAPTIC_OT_unlink_material,
 )
-
-register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-import bpy
 from bpy.app.translations import pgettext_tip as tip_
 from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from ..bake import playback
 from ..blender.polling import UNDO
+from ..changes.redraw import redraw_viewports
 from ..properties.haptics import MODE_ITEMS
 from ..session import session
-from ..view import overlay
 
 _ITEMS = (*MODE_ITEMS, ("NEXT", "Next", "The one after the current: HT, SD, MD, MN, HT"))
 
@@ -41,10 +40,8 @@ class HAPTIC_OT_set_mode(Operator):
         following = modes[(modes.index(haptics.mode) + 1) % len(modes)]
         haptics.mode = following if self.mode == "NEXT" else self.mode
         session.trace(context.scene, context.evaluated_depsgraph_get())
-        overlay.redraw()
+        redraw_viewports()
         return {"FINISHED"}
 
 
 CLASSES = (HAPTIC_OT_set_mode,)
-
-register, unregister = bpy.utils.register_classes_factory(CLASSES)

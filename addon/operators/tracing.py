@@ -5,8 +5,8 @@ from __future__ import annotations
 from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Context, Operator
 
+from ..changes.redraw import redraw_viewports
 from ..session import session
-from ..view import overlay
 
 
 class HAPTIC_OT_trace_frame(Operator):
@@ -23,7 +23,7 @@ class HAPTIC_OT_trace_frame(Operator):
             nothing = "Nothing is tagged: select objects and press Make Haptic"
             self.report({"WARNING"}, problems[0].message if problems else _rpt(nothing))
             return {"CANCELLED"}
-        overlay.redraw()
+        redraw_viewports()
         return {"FINISHED"}
 
 
@@ -38,7 +38,7 @@ class HAPTIC_OT_toggle_tracing(Operator):
         haptics = context.scene.haptics
         haptics.tracing = not haptics.tracing
         self.report({"INFO"}, "Tracing is on" if haptics.tracing else "Tracing is off")
-        overlay.redraw()
+        redraw_viewports()
         return {"FINISHED"}
 
 

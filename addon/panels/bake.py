@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import bpy
 from bpy.types import Context, Panel, Scene, UILayout
 
 from ..bake import playback, storage
 from ..bake.track import HapticTrack
+from ..blender.text import wrapped
 from ..operators.bake import running
-from .drawing import HapticsPanel, wrapped
+from .drawing import HapticsPanel
 
 
 class HAPTIC_PT_bake(HapticsPanel, Panel):
@@ -62,5 +62,3 @@ def _draw_track(layout: UILayout, scene: Scene, track: HapticTrack | None) -> No
 
 
 CLASSES = (HAPTIC_PT_bake,)
-
-register, unregister = bpy.utils.register_classes_factory(CLASSES)

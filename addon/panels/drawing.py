@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import textwrap
-
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Object, UILayout
 
+from ..blender.text import wrapped
+from ..changes.redraw import SIDEBAR_TAB
 from ..scene_reader.reader import haptic_carrier
 from ..session import session
 
 
 class HapticsPanel:
-    """Where the panels are: the tab "Haptics" of the 3D viewport's sidebar."""
+    """Mixin: a panel in the add-on's tab of the 3D viewport's sidebar."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
-    bl_category = "Haptics"
+    bl_category = SIDEBAR_TAB
 
 
 _SHOWN_PROBLEMS = 5
@@ -63,8 +63,3 @@ def draw_problems(layout: UILayout, context: Context) -> None:
             button.name = problem.object
         for line in wrapped(problem.message):
             column.label(text=line, translate=False)
-
-
-def wrapped(text: str, width: int = 40) -> list[str]:
-    """A sentence as lines that fit into the sidebar."""
-    return textwrap.wrap(text[:1].upper() + text[1:], width)

@@ -10,8 +10,8 @@ import bpy
 from bpy.types import UILayout
 
 from ...core.scene.functions import Finding, check_expression, excerpt
+from ..blender.text import wrapped
 from ..properties.function import PARAMETERS
-from .drawing import wrapped
 
 _checked = lru_cache(maxsize=256)(check_expression)
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import bpy
 from bpy.types import Context, Panel, Scene, UILayout
 
 from ...core.devices.connection import UDEV_FILE
 from ...core.devices.mapping import LATEST, ActuatorMapping
 from ...core.devices.output import Status
 from ...core.render.mixing import LOOK_AHEAD
+from ..blender.text import wrapped
 from ..live_output import handlers, outputs, player, preview
 from ..session import session
 from ..translations.sentences import sentence
-from .drawing import HapticsPanel, draw_pair, wrapped
+from .drawing import HapticsPanel, draw_pair
 
 EARLIEST = -0.015
 """Seconds by which touch may lead the picture unnoticed (Di Luca and Mahnan, 2019)."""
@@ -154,4 +154,3 @@ def _draw_text(layout: UILayout, text: str, icon: str = "NONE") -> None:
 
 
 CLASSES = (HAPTIC_PT_live_output, HAPTIC_PT_actuators)
-register, unregister = bpy.utils.register_classes_factory(CLASSES)

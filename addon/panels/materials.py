@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import bpy
 from bpy.types import Context, Menu, Panel
 
 from ...core.scene.materials import MATERIALS
@@ -52,5 +51,3 @@ class HAPTIC_PT_materials(HapticsPanel, Panel):
 
 
 CLASSES = (HAPTIC_UL_materials, HAPTIC_MT_materials, HAPTIC_PT_materials)
-
-register, unregister = bpy.utils.register_classes_factory(CLASSES)

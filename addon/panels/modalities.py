@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import bpy
 from bpy.types import Context, Panel
 
 from ...core.modalities import Felt, Modality
@@ -82,5 +81,3 @@ def _panel(modality: Modality, part: str, values: dict[str, object]) -> type[Pan
 
 
 CLASSES = tuple(panel(modality) for modality in SHOWN for panel in (_scene_panel, _object_panel))
-
-register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -10,16 +10,18 @@ from bpy.types import Context, Panel, UILayout
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Mode
 from ..bake import playback
+from ..blender.text import wrapped
+from ..live_output.unfelt import device_words
 from ..scene_reader import reader
 from ..session import session
 from ..translations.sentences import sentence
 from ..view import meter_pictures, meters
 from ..view.comparison import compared
-from ..view.explanation import device_words, why_silent
+from ..view.explanation import why_silent
 from ..view.levels import Level, decibels
 from ..view.meter_board import full_scale
 from ..view.panel_picture import theme_ink
-from .drawing import HapticsPanel, draw_pair, wrapped
+from .drawing import HapticsPanel, draw_pair
 
 _SHOWN_SOURCES = 4
 _PICTURE = 5.0  # lines high

@@ -5,11 +5,11 @@ from __future__ import annotations
 from bpy.props import BoolProperty, FloatProperty, IntProperty, PointerProperty
 from bpy.types import Context, PropertyGroup, Sound, Text
 
+from ..changes.events import track_switched
+
 
 def _played_otherwise(self: PropertyGroup, context: Context) -> None:
-    from ..bake import playback
-
-    playback.show_current(context.scene)
+    track_switched(context.scene)
 
 
 class HapticBakeProperties(PropertyGroup):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from bpy.props import FloatProperty, StringProperty
 from bpy.types import Context, PropertyGroup
 
+from ..changes.revisions import mark_changed
+
 FUNCTION_ITEMS = (
     ("haptic_tracing", "Haptic Tracing", "K e^(-max(K, ε) d) with K = (1 - κ) ρ: fades with distance as the two properties say"),
     ("exponential", "Exponential", "e^(-α d): fades with distance alone"),
@@ -27,9 +29,7 @@ PARAMETERS = {
 
 def changed(self: PropertyGroup, context: Context) -> None:
     """An author changed what is traced."""
-    from ..session import session
-
-    session.mark_changed()
+    mark_changed()
 
 
 class FunctionParameters:

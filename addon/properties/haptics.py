@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
-from bpy.types import Context, Object, PropertyGroup, Scene
+from bpy.types import Context, Object, PropertyGroup
 
 from ...core.scene.body import BODY_PARTS
 from ...core.scene.functions import FUNCTIONS
-from ..session import session
+from ..changes.redraw import redraw_viewports
+from ..changes.revisions import mark_changed
 from . import bake, live_output, materials, meters, modalities
 from . import gltf as formats
 from .function import FUNCTION_TITLES, FunctionParameters
@@ -41,7 +41,7 @@ BODY_PART_ITEMS = (
 
 
 def _changed(self: PropertyGroup, context: Context) -> None:
-    session.mark_changed()
+    mark_changed()
 
 
 def _radius_changed(self: PropertyGroup, context: Context) -> None:
@@ -49,13 +49,11 @@ def _radius_changed(self: PropertyGroup, context: Context) -> None:
     empty = self.id_data
     if empty.type == "EMPTY" and empty.empty_display_type == "SPHERE":
         empty.empty_display_size = self.radius
-    session.mark_changed()
+    mark_changed()
 
 
 def _view_changed(self: PropertyGroup, context: Context) -> None:
-    from ..view import overlay
-
-    overlay.redraw()
+    redraw_viewports()
 
 
 class HapticFunction(FunctionParameters):
@@ -404,17 +402,3 @@ CLASSES = (
     HapticObjectProperties,
     HapticSceneProperties,
 )
-
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
-
-
-def register() -> None:
-    _register_classes()
-    Object.haptics = PointerProperty(type=HapticObjectProperties, name="Haptics")
-    Scene.haptics = PointerProperty(type=HapticSceneProperties, name="Haptics")
-
-
-def unregister() -> None:
-    del Scene.haptics
-    del Object.haptics
-    _unregister_classes()

@@ -5,37 +5,21 @@ from __future__ import annotations
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, StringProperty
 from bpy.types import Context, PropertyGroup
 
-from ...core.devices.mapping import ActuatedDevice
-from ...core.devices.profiles import EARLIEST, Adjustment, Calibration
-from ..live_output import outputs, preview
+from ...core.devices.profiles import EARLIEST
+from ..changes.events import device_adjusted, preview_volume_changed
+from ..changes.revisions import mark_actuators
 
 
 def _device_changed(self: PropertyGroup, context: Context) -> None:
-    output = outputs.running().get(self.name)
-    if output is not None:
-        output.adjust(adjustment_of(self, output.profile))
-
-
-_choices = 0
-
-
-def choose() -> None:
-    """Something else was chosen, for some listener."""
-    global _choices
-    _choices += 1
-
-
-def choices_made() -> int:
-    """A number that changes with every choice of actuators."""
-    return _choices
+    device_adjusted(self)
 
 
 def _actuators_chosen(self: PropertyGroup, context: Context) -> None:
-    choose()
+    mark_actuators()
 
 
 def _volume_changed(self: PropertyGroup, context: Context) -> None:
-    preview.set_volume(self.preview_volume)
+    preview_volume_changed(self.preview_volume)
 
 
 class HapticDeviceProperties(PropertyGroup):
@@ -127,19 +111,3 @@ class HapticActuatorProperties(PropertyGroup):
 
 
 CLASSES = (HapticDeviceProperties, HapticLiveOutputProperties, HapticActuatorProperties)
-
-
-def adjustment_of(settings: HapticDeviceProperties, device: ActuatedDevice) -> Adjustment:
-    """The user's settings of a device, on top of its profile."""
-    return Adjustment(
-        calibrations={
-            actuator.name: Calibration(
-                gain=min(actuator.calibration.gain * settings.gain, 10.0),
-                floor=max(actuator.calibration.floor, settings.floor),
-                exponent=min(max(actuator.calibration.exponent * settings.curve, 0.1), 10.0),
-            )
-            for actuator in device.actuators
-        },
-        ceiling=settings.ceiling,
-        delay=settings.offset / 1000,
-    )

@@ -216,3 +216,30 @@ class HAPTIC_UL_materials(UIList):
 
 
 CLASSES = (HapticMaterial, HapticObjectMaterial, HapticMaterialLibrary)
+
+
+def add_material(scene: Scene, name: str, values: dict[str, object]) -> HapticMaterial:
+    """A new material of the scene's library, which gets a number where its name is taken."""
+    library = scene.haptics.materials
+    name = unique_name(name, {item.name for item in library.items})
+    item = library.items.add()
+    item.known_as = name
+    item.name = name
+    for key, value in values.items():
+        setattr(item, key, value)
+    library.active = len(library.items) - 1
+    return item
+
+
+def own_values(obj: Object) -> dict[str, object]:
+    """The values that an object has itself, as a material of the library holds them."""
+    values = _held(obj)
+    return {**values, "use_delay": values["wave_speed"] > 0}
+
+
+def _held(obj: Object) -> dict[str, object]:
+    return {
+        name: tuple(value) if name == "band_decays" else value
+        for name, holder in holders(obj).items()
+        for value in (getattr(holder, name),)
+    }

@@ -5,11 +5,11 @@ from __future__ import annotations
 from bpy.props import BoolProperty
 from bpy.types import Context, PropertyGroup
 
+from ..changes.redraw import redraw_viewports
+
 
 def _view_changed(self: PropertyGroup, context: Context) -> None:
-    from ..view import overlay
-
-    overlay.redraw()
+    redraw_viewports()
 
 
 class HapticMetersProperties(PropertyGroup):

@@ -10,8 +10,8 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 from bpy.types import AddonPreferences, Context
 
-ROOT = __package__.rsplit(".addon", 1)[0]
-"""The extension's own package: the key of its preferences."""
+from ..blender.extension import ROOT
+from ..changes.redraw import redraw_viewports
 
 GAIN_UNIT_ITEMS = (
     ("BOTH", "Factor and Decibel", "0.50  -6 dB"),
@@ -20,14 +20,12 @@ GAIN_UNIT_ITEMS = (
 )
 
 
-def _redraw(self: HapticTracingPreferences, context: Context) -> None:
-    from ..view import overlay
-
-    overlay.redraw()
+def _redraw(self: AddonPreferences, context: Context) -> None:
+    redraw_viewports()
 
 
-class HapticTracingPreferences(AddonPreferences):
-    bl_idname = ROOT
+class PreferenceProperties:
+    """Mixin: the properties of the add-on's preferences."""
 
     gain_unit: EnumProperty(name="Gains", description="How panels write gains", items=GAIN_UNIT_ITEMS, default="BOTH", update=_redraw)
     curve_colour: FloatVectorProperty(
@@ -58,21 +56,6 @@ class HapticTracingPreferences(AddonPreferences):
         default=False,
     )
 
-    def draw(self, context: Context) -> None:
-        from ..registration import keymap
-
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        column = layout.column(heading="Display")
-        column.prop(self, "gain_unit")
-        column.prop(self, "overlay_size")
-        column.prop(self, "curve_colour")
-        column = layout.column(heading="Devices")
-        column.prop(self, "default_device")
-        column.prop(self, "keep_awake")
-        keymap.draw(layout, context)
-
 
 _DEFAULTS = SimpleNamespace(gain_unit="BOTH", curve_colour=(1.0, 0.62, 0.2), overlay_size=1.0, default_device="", keep_awake=False)
 
@@ -93,11 +76,3 @@ def gain_text(gain: float) -> str:
         case "DECIBEL":
             return decibel
     return f"{factor}  {decibel}"
-
-
-def register() -> None:
-    bpy.utils.register_class(HapticTracingPreferences)
-
-
-def unregister() -> None:
-    bpy.utils.unregister_class(HapticTracingPreferences)

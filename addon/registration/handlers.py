@@ -10,10 +10,14 @@ from bpy.app.handlers import persistent
 from bpy.types import Depsgraph, Scene
 
 from ..bake import playback
+from ..blender import job
+from ..changes.redraw import redraw_viewports
+from ..changes.revisions import mark_changed, mark_edited
 from ..changes.suspension import is_stepped, is_suspended
 from ..live_output import handlers as live_output
+from ..operators import bake
 from ..session import session
-from ..view import explanation, meters, overlay
+from ..view import explanation, gain_plot, meter_pictures, meters, overlay
 
 
 @persistent
@@ -35,7 +39,7 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
         if scene.haptics.tracing and not playback.play(scene):
             session.begin(scene, depsgraph, live=True)
     finally:
-        live_output.frame_changed(scene)
+        live_output.frame_changed(scene, playback.plays(scene))
 
 
 @persistent
@@ -43,13 +47,13 @@ def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
     """Trace the frame again after an edit; while the timeline plays, `frame_change_post` does it."""
     if is_suspended() or is_stepped(scene) or depsgraph.mode == "RENDER" or _is_playing():
         return
-    session.mark_edited()
+    mark_edited()
     if not scene.haptics.tracing or playback.keep_up(scene):
         return
     if _edited(depsgraph):
         session.of(scene).reader.forget()
     if session.trace(scene, depsgraph, live=True) is not None:
-        overlay.redraw()
+        redraw_viewports()
 
 
 @persistent
@@ -65,7 +69,7 @@ def forget_everything(*_: Any) -> None:
 @persistent
 def reread(*_: Any) -> None:
     """After undo and redo any property may be another."""
-    session.mark_changed()
+    mark_changed()
 
 
 def _is_playing() -> bool:
@@ -90,13 +94,23 @@ _HANDLERS: dict[str, Callable[..., None]] = {
 
 
 def register() -> None:
+    """Start listening to Blender's events."""
     for event, handler in _HANDLERS.items():
         getattr(bpy.app.handlers, event).append(handler)
+    playback.register()
+    live_output.register()
 
 
 def unregister() -> None:
+    """Stop listening, end what is going on, and forget everything."""
+    job.stop()
+    bake.stop()
+    live_output.unregister()
+    playback.unregister()
     for event, handler in _HANDLERS.items():
         handlers = getattr(bpy.app.handlers, event)
         if handler in handlers:
             handlers.remove(handler)
-    session.clear()
+    forget_everything()
+    gain_plot.forget()
+    meter_pictures.forget()

@@ -24,6 +24,7 @@ from ...core.render.history import History
 from ...core.scene.values import Settings
 from ...core.tracer import Frame, Tracer
 from ..blender import progress
+from ..changes import revisions
 from ..scene_reader.reader import Problem, Reading, SceneReader, read_settings, seconds_of
 from ..translations.sentences import sentence
 from . import modalities, worker
@@ -85,28 +86,9 @@ class Session:
 
 
 _sessions: dict[int, Session] = {}
-_version = 0
-_edits = 0
 _begun = 0.0
 _evaluating = 0.0
 _serials = itertools.count(1)
-
-
-def mark_changed() -> None:
-    """Something an author can change has changed, in some scene."""
-    global _version
-    _version += 1
-
-
-def mark_edited() -> None:
-    """Something in Blender was edited, that an author's settings may or may not depend on."""
-    global _edits
-    _edits += 1
-
-
-def edits() -> int:
-    """A number that changes with every edit."""
-    return _version + _edits
 
 
 def of(scene: Scene) -> Session:
@@ -192,7 +174,7 @@ def clear() -> None:
     """Forget every scene."""
     worker.shut_down()
     _sessions.clear()
-    mark_changed()
+    revisions.mark_changed()
 
 
 def frame_begins() -> None:
@@ -219,9 +201,9 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     session = of(scene)
     _finish(scene, session)
     session.previous = session.result
-    if session.version != _version:
+    if session.version != revisions.authored():
         session.reader.forget()
-        session.version = _version
+        session.version = revisions.authored()
     started = time.perf_counter()
     reading = None if session.reader.is_empty else session.reader.read(scene, depsgraph)
     if reading is None or session.reader.is_empty:

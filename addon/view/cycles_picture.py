@@ -19,9 +19,11 @@ from ...core.render.frame_result import FrameResult
 from ..changes.suspension import suspended
 from ..scene_reader import reader
 from .annotations import furniture, plate_of
+from .camera import camera_view, picture_scale
 from .colour_map import FloatArray
 from .graph_mesh import add_graph
-from .picture import camera_view, meters_above, picture_scale, shown_options
+from .meters import meters_above
+from .options import shown_options
 from .raster import paint, text_width
 from .render_data import render_data
 from .solids import Solid, seen_unit, solid_graph

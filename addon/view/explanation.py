@@ -16,7 +16,6 @@ from ...core.message import Message
 from ...core.render.frame_result import FrameResult
 from ..scene_reader import reader
 from ..session import session
-from ..translations.sentences import sentence
 from .levels import RMS_SECONDS
 
 _PATIENCE = 0.004  # seconds that looking may take while the timeline plays
@@ -39,26 +38,6 @@ def why_silent(scene: Scene, listener: str) -> tuple[str, tuple[Message, ...]]:
         return iface_("It was no listener when this frame was traced"), ()
     stale = iface_("Tracing is switched off: this is how the scene was before.") if not haptics.tracing else ""
     return stale, _reasons(scene, result, names.index(listener))
-
-
-def device_words(scene: Scene, listener: str) -> str:
-    """Whether a connected device lets the listener be felt: words where not, "" where it does, or where no device is connected."""
-    result = session.result_of(scene)
-    try:
-        from ..live_output import handlers, outputs, player
-    except ImportError:
-        return ""
-    if result is None or not outputs.running():
-        return ""
-    names = [item.name for item in result.listeners]
-    if listener not in names:
-        return ""
-    mapping = player.mapping_of(result, handlers.choices(result))
-    column = names.index(listener)
-    if any(weights[:, column].any() for weights in mapping.weights.values()):
-        return ""
-    losses = [loss.message for loss in mapping.losses if loss.listener == listener]
-    return sentence(losses[0]) if losses else iface_("'{}' is muted: no actuator is chosen for it").format(listener)
 
 
 def _reasons(scene: Scene, result: FrameResult, index: int) -> tuple[Message, ...]:

@@ -6,17 +6,16 @@ from typing import Any
 
 import bpy
 import numpy as np
-from bpy.app.translations import pgettext_rpt as _rpt
-from bpy.props import BoolProperty, FloatProperty
-from bpy.types import Collection, Context, Material, Mesh, Object, Operator, Scene
+from bpy.types import Collection, Material, Mesh, Object, Scene
 
-from ..scene_reader import reader
-from ..session import session
+from ...core.render.frame_result import FrameResult
+from ..scene_reader.reader import read_settings
 from .annotations import INK, Furniture, furniture
+from .camera import camera_view, picture_scale
 from .colour_map import FloatArray, linear
-from .overlay import options_of, text_width
-from .picture import camera_view, picture_scale
+from .options import options_of
 from .render_data import Label, render_data
+from .screen import text_width
 from .solids import Solid, extent_unit, flat, seen_unit, solid_graph
 
 NAME = "Haptic Graph"
@@ -25,57 +24,37 @@ _MARK = "haptic_graph"
 _FRONT = 4.0  # times the camera's near end: how far before it the nearest part of a graph in front stands
 
 
-class HAPTIC_OT_graph_to_geometry(Operator):
-    """Make a mesh of the haptic graph as it is drawn now, for renderings; an earlier one of this scene is replaced"""
+def graph_in_collection(scene: Scene, result: FrameResult, thickness: float, *, in_front: bool, labels: bool) -> tuple[Object, Collection]:
+    """Make geometry of the graph of ``result`` as it is drawn now, in the scene's collection for it, which is emptied first.
 
-    bl_idname = "haptic.graph_to_geometry"
-    bl_label = "Graph to Geometry"
-    bl_options = {"REGISTER", "UNDO"}
+    Args:
+        scene: The scene that was traced.
+        result: Its traced frame.
+        thickness: Factor of lines and symbols.
+        in_front: Whether the graph is brought close to the camera.
+        labels: Whether names, gains and the legend are added.
 
-    in_front: BoolProperty(
-        name="In Front",
-        description="Bring the graph close to the camera, so that objects do not hide it. It looks right from where the camera is now",
-        default=True,
-    )
-    thickness: FloatProperty(
-        name="Thickness", description="How thick lines and symbols are", default=1.0, min=0.01, soft_min=0.2, soft_max=5.0
-    )
-    labels: BoolProperty(name="Labels", description="Add names and gains, and the legend where there is a camera", default=True)
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Switch to Object Mode first")
-            return False
-        if session.result_of(context.scene) is None:
-            cls.poll_message_set("Nothing has been traced yet: tag objects, then play or change the frame")
-            return False
-        return True
-
-    def execute(self, context: Context) -> set[str]:
-        scene = context.scene
-        result = session.result_of(scene)
-        data = render_data(result, reader.read_settings(scene), options_of(scene, result))
-        collection = _emptied_collection(scene)
-        if scene.camera is None:
-            unit = extent_unit(data) * self.thickness
-            graph = add_graph(collection, solid_graph(data, unit))
-        else:
-            size = scene.render.resolution_x, scene.render.resolution_y
-            scale = picture_scale(size)
-            view, projection = (np.array(matrix, dtype=np.float64) for matrix in camera_view(scene, size))
-            unit = seen_unit(data, projection, view, size[1] / scale) * self.thickness
-            graph = add_graph(collection, solid_graph(data, unit))
-            if self.in_front:
-                _bring_to_front(graph, view, projection, scene.camera.data.clip_start)
-            if self.labels:
-                items = furniture(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width)
-                _add_furniture(collection, items, scale, scene.camera, projection, size)
-        if self.labels and scene.camera is None:
-            for label in data.labels:
-                _add_label(collection, label, unit)
-        self.report({"INFO"}, _rpt("{:,} vertices in collection '{}'").format(len(graph.data.vertices), collection.name))
-        return {"FINISHED"}
+    Returns:
+        The mesh object and its collection.
+    """
+    data = render_data(result, read_settings(scene), options_of(scene, result))
+    collection = _emptied_collection(scene)
+    if scene.camera is None:
+        unit = extent_unit(data) * thickness
+        graph = add_graph(collection, solid_graph(data, unit))
+        for label in data.labels if labels else ():
+            _add_label(collection, label, unit)
+        return graph, collection
+    size = scene.render.resolution_x, scene.render.resolution_y
+    scale = picture_scale(size)
+    view, projection = (np.array(matrix, dtype=np.float64) for matrix in camera_view(scene, size))
+    graph = add_graph(collection, solid_graph(data, seen_unit(data, projection, view, size[1] / scale) * thickness))
+    if in_front:
+        _bring_to_front(graph, view, projection, scene.camera.data.clip_start)
+    if labels:
+        items = furniture(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width)
+        _add_furniture(collection, items, scale, scene.camera, projection, size)
+    return graph, collection
 
 
 def _emptied_collection(scene: Scene) -> Collection:
@@ -263,11 +242,3 @@ def _shining_material(name: str) -> tuple[Material, Any, Any]:
     emission.location = (-220, 0)
     links.new(emission.outputs[0], output.inputs["Surface"])
     return material, nodes, links
-
-
-def register() -> None:
-    bpy.utils.register_class(HAPTIC_OT_graph_to_geometry)
-
-
-def unregister() -> None:
-    bpy.utils.unregister_class(HAPTIC_OT_graph_to_geometry)

@@ -11,13 +11,17 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Scene, SpaceView3D
 
 from ...core.render.frame_result import FrameResult
+from ...core.render.history import History
+from ..changes.redraw import SIDEBAR_TAB
 from ..properties.preferences import preferences
 from ..session import session
-from . import overlay
-from .annotations import Furniture, Rectangle, legend_width, plate_of
+from . import shader
+from .annotations import Furniture, Rectangle, legend_width, moved, plate_of
+from .layout import free_rectangle
 from .levels import Level, levels
 from .meter_board import Scope, meters
 from .quads import quads_of
+from .screen import draw_flat, shared_atlas, text_width
 
 _MARGIN = 12.0  # points to the edges of what is free
 _SHARE = 0.6  # of the free height
@@ -78,7 +82,16 @@ def scope_of(scene: Scene) -> Scope | None:
 def board_of(scene: Scene, corner: tuple[float, float], room: tuple[float, float], scale: float) -> Furniture:
     """The scene's meters as shapes."""
     title, body = iface_("Mode {}").format(scene.haptics.mode), scene.haptics.meters.show_body
-    return meters(levels_of(scene), scope_of(scene), corner, room, scale, overlay.text_width, title=title, body=body)
+    return meters(levels_of(scene), scope_of(scene), corner, room, scale, text_width, title=title, body=body)
+
+
+def meters_above(scene: Scene, result: FrameResult, size: tuple[int, int], scale: float) -> Furniture:
+    """The meters at the upper left of a picture."""
+    shown, margin = levels(result, History()), 12 * scale
+    room = (0.35 * size[0], 0.5 * size[1])
+    items = meters(shown, None, (0.0, 0.0), room, scale, text_width, title=iface_("Mode {}").format(scene.haptics.mode))
+    high = max((plate[3] for plate in plate_of(items)), default=0.0)
+    return moved(items, round(margin), round(size[1] - margin - high))
 
 
 def _draw_pixels() -> None:
@@ -100,11 +113,9 @@ def _refresh_panels(context: Context) -> None:
     """Have the sidebar drawn again: while the timeline plays, Blender leaves it as it is. Not more often than one can read."""
     if context.screen is None or not context.screen.is_animation_playing:
         return
-    from ..panels.drawing import HapticsPanel
-
     now = time.perf_counter()
     for region in context.area.regions:
-        if region.type != "UI" or region.width <= 1 or region.active_panel_category != HapticsPanel.bl_category:
+        if region.type != "UI" or region.width <= 1 or region.active_panel_category != SIDEBAR_TAB:
             continue
         address = region.as_pointer()
         if now - _refreshed.get(address, 0.0) >= _PANEL_SECONDS:
@@ -116,19 +127,17 @@ def _refresh_panels(context: Context) -> None:
 
 def draw_board(context: Context, scene: Scene, result: FrameResult) -> None:
     """The meters at the lower left of what is free of the viewport."""
-    from . import shader
-
     region, scale = context.region, context.preferences.system.ui_scale * preferences().overlay_size
-    left, bottom, right, top = overlay.free_rectangle(context)
+    left, bottom, right, top = free_rectangle(context)
     margin = _MARGIN * scale
     corner = (round(left + margin), round(bottom + margin))
     width = right - left - 2 * margin
-    beside_legend = width - legend_width(scale, overlay.text_width) - margin
+    beside_legend = width - legend_width(scale, text_width) - margin
     if scene.haptics.show_overlay and beside_legend >= _LEAST_WIDTH * scale:
         width = beside_legend
     room = (width, _SHARE * (top - bottom) - margin)
     chosen = scene.haptics.meters
-    atlas = overlay.shared_atlas()
+    atlas = shared_atlas()
     key = (corner, room, scale, chosen.show_scope, chosen.show_body, scene.haptics.mode, watched(scene), bpy.app.translations.locale)
     known = _shown.get(region.as_pointer())
     if known is None or known.result is not result or known.key != key or known.generation != atlas.generation:
@@ -138,7 +147,7 @@ def draw_board(context: Context, scene: Scene, result: FrameResult) -> None:
         if len(_shown) > 16:
             _shown.clear()
         _shown[region.as_pointer()] = known
-    overlay.draw_flat(known.batch, (region.width, region.height), scale)
+    draw_flat(known.batch, (region.width, region.height), scale)
 
 
 def taken(context: Context) -> tuple[Rectangle, ...]:

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import dataclass, field
-from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import bpy
+import gpu
 import numpy as np
 from bpy.types import Context, Scene, SpaceView3D
 
@@ -19,13 +19,14 @@ from ...core.scene.values import Settings
 from ..properties.preferences import preferences
 from ..scene_reader import reader
 from ..session import session
-from .annotations import Furniture, Rectangle, furniture
+from . import meters, shader
+from .annotations import Rectangle, furniture
 from .colour_map import FloatArray
+from .layout import free_rectangle
+from .options import options_of
 from .quads import quads, quads_of
 from .render_data import Options, RenderData, render_data
-
-if TYPE_CHECKING:
-    from .text_atlas import TextAtlas
+from .screen import draw_flat, free_texts, shared_atlas, text_width
 
 HIDDEN = 0.15  # opacity of what objects hide, where the graph is not drawn in front
 PULSE_LENGTH = 0.8  # metres between two pulses of the signal flow
@@ -55,8 +56,6 @@ class Drawing:
 
 def drawing_of(scene_id: int, result: FrameResult, settings: Settings, options: Options) -> Drawing:
     """What is drawn of ``result``, kept until what it shows, the settings, the options or the language change."""
-    from . import shader
-
     known = _drawings.get(scene_id)
     locale = bpy.app.translations.locale
     if known is not None and known.shows(result) and (known.settings, known.options, known.locale) == (settings, options, locale):
@@ -69,35 +68,10 @@ def drawing_of(scene_id: int, result: FrameResult, settings: Settings, options: 
     return drawing
 
 
-def options_of(scene: Scene, result: FrameResult) -> Options:
-    """The scene's choices, and which sources and listeners are selected."""
-    haptics = scene.haptics
-    return Options(
-        show_intra=haptics.show_intra,
-        show_best_paths=haptics.show_best_paths,
-        show_labels=haptics.show_labels,
-        sources=frozenset(source.name for source in result.sources if _is_selected(source.name)),
-        listeners=frozenset(listener.name for listener in result.listeners if _is_selected(listener.name)),
-    )
-
-
-def _is_selected(full_name: str) -> bool:
-    obj = bpy.data.objects.get(full_name)
-    if obj is None and full_name.endswith("]"):
-        name, _, library = full_name[:-1].rpartition(" [")
-        linked = bpy.data.libraries.get(library)
-        obj = bpy.data.objects.get((name, linked.filepath)) if linked is not None else None
-    return obj is not None and obj.select_get()
-
-
 def draw_graph(
     drawing: Drawing, projection: Any, view: Any, size: tuple[float, float], scale: float, *, xray: bool, flow: float | None
 ) -> None:
     """Lines and points, in world space. ``flow``: seconds of the signal flow, None for no flow."""
-    import gpu
-
-    from . import shader
-
     if drawing.batch is None:
         return
     passes = (("NONE", 1.0),) if xray else (("GREATER", HIDDEN), ("LESS_EQUAL", 1.0))
@@ -136,8 +110,6 @@ def draw_furniture(
     taken: tuple[Rectangle, ...] = (),
 ) -> None:
     """Labels and legend, in pixels; within ``free`` and off what is ``taken``."""
-    from . import shader
-
     atlas = shared_atlas()
     key = (perspective.tobytes(), size, scale, free, taken)
     known = drawing.views.get((*key, atlas.generation))
@@ -149,46 +121,6 @@ def draw_furniture(
         while len(drawing.views) > _KEPT_VIEWS:
             drawing.views.popitem(last=False)
     draw_flat(known, size, scale)
-
-
-def draw_board(items: Furniture, size: tuple[float, float], scale: float) -> None:
-    """Plates, lines, symbols and texts once, without keeping them."""
-    from . import shader
-
-    texts = shared_atlas().lines(items.texts)
-    draw_flat(shader.upload(quads_of((items.lines, texts), items.points)), size, scale)
-
-
-def draw_flat(batch: Any, size: tuple[float, float], scale: float) -> None:
-    """One draw call in pixels of a viewport of ``size``; ``batch`` may be None."""
-    import gpu
-
-    from . import shader
-    from .text_atlas import pixels_to_clip
-
-    if batch is None:
-        return
-    gpu.state.blend_set("ALPHA_PREMULT")
-    gpu.state.depth_test_set("NONE")
-    shader.draw(batch, pixels_to_clip(size), size, pixels_per_point=scale, texts=shared_atlas().texture)
-    gpu.state.blend_set("NONE")
-
-
-@cache
-def shared_atlas() -> TextAtlas:
-    """The texture of all texts that are drawn over viewports."""
-    from .text_atlas import TextAtlas
-
-    return TextAtlas()
-
-
-@lru_cache(maxsize=4096)
-def text_width(words: str, size: float) -> float:
-    """Width of a text in Blender's own font [pixels]."""
-    import blf
-
-    blf.size(0, size)
-    return float(blf.dimensions(0, words)[0])
 
 
 def _shown(context: Context) -> tuple[Scene, FrameResult] | None:
@@ -229,8 +161,6 @@ def _draw_pixels() -> None:
     drawing = _drawings.get(shown[0].session_uid) if shown is not None else None  # `_draw_view` has just drawn it
     if shown is None or drawing is None:
         return
-    from . import meters
-
     region = context.region
     perspective = np.array(context.region_data.perspective_matrix, dtype=np.float64)
     with session.drawing(shown[0]):
@@ -249,42 +179,10 @@ def seconds_shown(scene: Scene) -> float:
     return reader.seconds_of(scene, scene.frame_current_final)
 
 
-def free_rectangle(context: Context) -> Rectangle:
-    """What toolbar, sidebar and headers leave free of the viewport, in its pixels: they may lie over it."""
-    region = context.region
-    left, bottom, right, top = 0.0, 0.0, float(region.width), float(region.height)
-    for other in context.area.regions:
-        if other == region or other.width <= 1 or other.height <= 1:
-            continue
-        x, y = other.x - region.x, other.y - region.y
-        if x >= region.width or y >= region.height or x + other.width <= 0 or y + other.height <= 0:
-            continue  # beside the viewport, not over it
-        if other.type in {"TOOLS", "UI"}:
-            if 2 * x + other.width < region.width:
-                left = max(left, float(x + other.width))
-            else:
-                right = min(right, float(x))
-        elif other.type in {"HEADER", "TOOL_HEADER", "ASSET_SHELF", "ASSET_SHELF_HEADER"}:
-            if 2 * y + other.height < region.height:
-                bottom = max(bottom, float(y + other.height))
-            else:
-                top = min(top, float(y))
-    return left, bottom, max(right, left), max(top, bottom)
-
-
-def redraw() -> None:
-    """Have every 3D viewport of every window drawn again."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
-
-
 def forget() -> None:
     """Drop what is kept between redraws."""
     _drawings.clear()
-    if shared_atlas.cache_info().currsize:
-        shared_atlas().free()
+    free_texts()
 
 
 def register() -> None:

@@ -12,19 +12,24 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import gpu
 import numpy as np
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Scene
-from mathutils import Matrix
+from gpu.types import GPUOffScreen
 from numpy.typing import NDArray
 
 from ...core.render.frame_result import FrameResult
 from ..blender import compatibility
 from ..scene_reader import reader
 from . import overlay
-from .annotations import Furniture, moved, plate_of
+from .annotations import plate_of
+from .camera import camera_view, picture_scale
+from .cycles_picture import rendered_picture
+from .meters import meters_above
+from .options import shown_options
 from .png import write_png
 from .render_data import Options
+from .screen import draw_board
 
 SMOOTHING = 2
 """Pictures are drawn this much larger and averaged down, which smooths edges."""
@@ -41,8 +46,6 @@ def draw_picture(scene: Scene, result: FrameResult, path: str | Path, size: tupl
     if starts_gpu():
         pixels = viewport_picture(scene, result, size, meters=meters)
     else:
-        from .cycles_picture import rendered_picture
-
         pixels = rendered_picture(scene, result, size, meters=meters)
     write_png(path, pixels)
 
@@ -55,8 +58,6 @@ def starts_gpu() -> bool:
     os.environ.setdefault("MESA_GL_VERSION_OVERRIDE", "4.6")
     if not compatibility.can_draw_off_screen() or (sys.platform == "linux" and not _has_surfaceless_egl()):
         return False
-    import gpu
-
     try:
         gpu.init()
     except (RuntimeError, SystemError):
@@ -83,9 +84,6 @@ def viewport_picture(
     scene: Scene, result: FrameResult, size: tuple[int, int], options: Options | None = None, *, meters: bool = False
 ) -> NDArray[np.uint8]:
     """Pixels (height, width, 3), top row first: the 3D viewport from the scene's camera with the graph over it."""
-    import gpu
-    from gpu.types import GPUOffScreen
-
     drawing = overlay.drawing_of(scene.session_uid, result, reader.read_settings(scene), options or shown_options(scene))
     width, height = (SMOOTHING * side for side in size)
     scale = SMOOTHING * picture_scale(size)
@@ -100,7 +98,7 @@ def viewport_picture(
             perspective, free = np.array(projection @ view, dtype=np.float64), (0.0, 0.0, float(width), float(height))
             overlay.draw_furniture(drawing, perspective, (width, height), scale, free, plate_of(board))
             if board is not None:
-                overlay.draw_board(board, (width, height), scale)
+                draw_board(board, (width, height), scale)
             buffer = gpu.state.active_framebuffer_get().read_color(0, 0, width, height, 4, 0, "UBYTE")
     finally:
         off_screen.free()
@@ -108,39 +106,6 @@ def viewport_picture(
     buffer.dimensions = width * height * 4
     pixels = np.array(buffer, dtype=np.uint8).reshape(height, width, 4)[::-1, :, :3]
     return averaged(pixels, SMOOTHING)
-
-
-def camera_view(scene: Scene, size: tuple[int, int]) -> tuple[Matrix, Matrix]:
-    """World to camera, and camera to clip space, of the scene's camera as it stands now, for a picture of ``size`` pixels."""
-    view_layer = scene.view_layers[0]
-    view_layer.update()
-    camera = scene.camera.evaluated_get(view_layer.depsgraph)
-    view = camera.matrix_world.normalized().inverted()
-    return view, camera.calc_matrix_camera(view_layer.depsgraph, x=size[0], y=size[1])
-
-
-def meters_above(scene: Scene, result: FrameResult, size: tuple[int, int], scale: float) -> Furniture:
-    """The meters at the upper left of a picture."""
-    from ...core.render.history import History
-    from .levels import levels
-    from .meter_board import meters
-
-    shown, margin = levels(result, History()), 12 * scale
-    room = (0.35 * size[0], 0.5 * size[1])
-    items = meters(shown, None, (0.0, 0.0), room, scale, overlay.text_width, title=iface_("Mode {}").format(scene.haptics.mode))
-    high = max((plate[3] for plate in plate_of(items)), default=0.0)
-    return moved(items, round(margin), round(size[1] - margin - high))
-
-
-def shown_options(scene: Scene) -> Options:
-    """The scene's choices, with nothing selected: a picture shows everything."""
-    haptics = scene.haptics
-    return Options(haptics.show_intra, haptics.show_best_paths, haptics.show_labels)
-
-
-def picture_scale(size: tuple[int, int]) -> float:
-    """Pixels per point of a picture: 1 at a height of 700, so that labels can be read where it is shown smaller."""
-    return max(0.75, size[1] / 700)
 
 
 def averaged(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:

@@ -14,6 +14,7 @@ import numpy as np
 from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.addon.session import session, timeline
 from haptic_tracing.addon.view import cycles_picture, picture
+from haptic_tracing.addon.view.options import shown_options
 from haptic_tracing.addon.view.png import write_png
 from haptic_tracing.sample_scenes import build_sample
 
@@ -32,7 +33,7 @@ def main() -> None:
     if not picture.starts_gpu():
         raise SystemExit("nothing can be drawn off-screen here: this needs bpy 5.2 and Mesa (libegl1, libgl1-mesa-dri)")
     with suspended():
-        everything = picture.shown_options(scene)
+        everything = shown_options(scene)
         ear = replace(everything, listeners=frozenset({result.listeners[0].name}))
         write_png(FOLDER / "overlay.png", picture.viewport_picture(scene, result, SIZE, meters=True))
         write_png(FOLDER / "overlay-selected-listener.png", picture.viewport_picture(scene, result, SIZE, ear))

@@ -12,9 +12,9 @@ _spec.loader.exec_module(recording_layout)
 
 
 def _panels():
-    from haptic_tracing.addon import panels
+    from haptic_tracing.addon.panels import export, listener, object, result, scene, source
 
-    return panels.CLASSES
+    return [panel for module in (scene, object, source, listener, result, export) for panel in module.CLASSES]
 
 
 def _draw(panel):

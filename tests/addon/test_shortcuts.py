@@ -7,9 +7,8 @@ from types import SimpleNamespace
 import bpy
 import haptic_tracing
 import pytest
-from haptic_tracing.addon.panels import menus
+from haptic_tracing.addon.panels import object_menus, preferences
 from haptic_tracing.addon.properties.haptics import MODE_ITEMS
-from haptic_tracing.addon.registration import keymap
 
 _spec = importlib.util.spec_from_file_location("recording_layout_of_shortcuts", Path(__file__).parent / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)
@@ -21,7 +20,7 @@ MODIFIERS = ("ctrl", "shift", "alt", "oskey")
 def own_items():
     """The add-on's shortcuts, and the keymaps that they are in."""
     configuration = bpy.context.window_manager.keyconfigs.addon
-    return [(name.name, item) for name in configuration.keymaps for item in name.keymap_items if keymap.is_own(item)]
+    return [(name.name, item) for name in configuration.keymaps for item in name.keymap_items if preferences.is_own(item)]
 
 
 def blenders_items():
@@ -68,7 +67,7 @@ def test_they_are_taken_away():
 def test_the_mode_menu_offers_every_mode_and_marks_the_current_one(scene, mode):
     scene.haptics.mode = mode
     pie = recording_layout.RecordingLayout()
-    menus.HAPTIC_MT_mode_pie.draw(SimpleNamespace(layout=pie), bpy.context)
+    object_menus.HAPTIC_MT_mode_pie.draw(SimpleNamespace(layout=pie), bpy.context)
     assert pie.operators == ["haptic.set_mode"] * 4
     assert pie.labels == [f"{title} ({name})" for name, title, _ in MODE_ITEMS]
     assert [icon == "RADIOBUT_ON" for icon in pie.operator_icons] == [name == mode for name, *_ in MODE_ITEMS]
@@ -82,5 +81,5 @@ def test_preferences_list_them_where_they_can_be_changed(monkeypatch):
     configurations = bpy.context.window_manager.keyconfigs
     layout = recording_layout.RecordingLayout()
     context = SimpleNamespace(window_manager=SimpleNamespace(keyconfigs=SimpleNamespace(user=configurations.addon)))
-    keymap.draw(layout, context)
+    preferences.draw_shortcuts(layout, context)
     assert sorted(drawn) == ["haptic.panic", "haptic.toggle_preview", "haptic.toggle_tracing", "wm.call_menu_pie"]

@@ -99,8 +99,9 @@ def test_every_panel_and_menu_of_authoring_draws(add_box, add_empty):
     bpy.context.scene.collection.objects.link(armature)
     box.select_set(True)
     bpy.context.scene.haptics.modalities.thermal.enabled = True
-    from haptic_tracing.addon import panels
-    from haptic_tracing.addon.panels import materials, menus, modalities
+    from haptic_tracing.addon.panels import export, listener, materials, modalities, object, object_menus, result, scene, source
+
+    drawn = (scene, object, source, listener, result, export, materials, modalities, object_menus)
 
     for active in (None, box, empty, armature):
         bpy.context.view_layer.objects.active = active
@@ -110,7 +111,7 @@ def test_every_panel_and_menu_of_authoring_draws(add_box, add_empty):
                 bpy.context.scene.haptics.materials.items[0].use_bands = True
                 box.haptics.modalities.thermal.is_source = True
                 bpy.context.scene.frame_set(2)
-            for cls in (*panels.CLASSES, *materials.CLASSES, *modalities.CLASSES, *menus.CLASSES):
+            for cls in (cls for module in drawn for cls in module.CLASSES):
                 if hasattr(cls, "draw") and (not hasattr(cls, "poll") or cls.poll(bpy.context)):
                     layout = _draw(cls)
                     assert layout.labels or layout.properties or layout.operators or layout.menus, cls
@@ -126,10 +127,10 @@ def test_panels_draw_with_an_object_of_another_library(add_box):
 
 
 def test_every_operator_is_in_a_menu():
-    from haptic_tracing.addon.panels import menus
+    from haptic_tracing.addon.panels import object_menus
 
-    offered = set(menus.NEEDS_MORE)
-    for menu in menus.CLASSES:
+    offered = set(object_menus.NEEDS_MORE)
+    for menu in object_menus.CLASSES:
         offered |= set(_draw(menu).operators)
     assert {f"haptic.{name}" for name in dir(bpy.ops.haptic)} <= offered
 

@@ -98,7 +98,7 @@ def test_what_blender_has_no_words_for_is_kept(hands, tmp_path, recwarn):
 
 def test_gains_are_felt():
     """What the text of a choice says is what the samples are multiplied by."""
-    from haptic_tracing.addon.live_output.player import choice_of, places_of
+    from haptic_tracing.addon.properties.actuators import choice_of, places_of
     from haptic_tracing.core.devices.mapping import Place
 
     places = places_of("dualsense AB:12/left grip*0.25;dualsense AB:12/right grip;odd/a*b*1.0;odd/a*b")

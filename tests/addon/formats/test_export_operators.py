@@ -137,23 +137,23 @@ def test_a_job_goes_in_pieces_and_is_cancelled_without_a_trace(shaken, tmp_path)
 
 
 def test_a_bake_is_exported_without_tracing(shaken, tmp_path):
-    from haptic_tracing.addon.io import capture
+    from haptic_tracing.addon.bake.playback import fitting_track
 
     arguments = {"format": "wav", "frame_start": 2, "frame_end": 9}
     bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "traced.wav"), **arguments)
-    assert capture.baked(shaken, 1, 13) is None
+    assert fitting_track(shaken, 1, 13) is None
     bpy.ops.haptic.bake()
-    assert capture.baked(shaken, 1, 13) is not None and capture.baked(shaken, 1, 14) is None
+    assert fitting_track(shaken, 1, 13) is not None and fitting_track(shaken, 1, 14) is None
     bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "baked.wav"), **arguments)
     one, two = (registry.read(tmp_path / f"{name}.wav").channels for name in ("traced", "baked"))
     for first, second in zip(one, two, strict=True):
         np.testing.assert_allclose(first.samples[1000:], second.samples[1000:], atol=2e-3)
     bpy.data.objects["crate"].haptics.kappa = 0.9
-    assert capture.baked(shaken, 1, 13) is None
+    assert fitting_track(shaken, 1, 13) is None
 
 
 def test_losses_are_drawn_before_anything_is_written(shaken, recording_layout):
-    from haptic_tracing.addon.io.export_operators import draw_losses, expected
+    from haptic_tracing.addon.operators.exporting import draw_losses, expected
 
     layout = recording_layout()
     draw_losses(layout, "tact", expected(shaken, True), {})
@@ -169,7 +169,7 @@ def test_losses_are_drawn_before_anything_is_written(shaken, recording_layout):
 
 
 def test_endings_follow_the_format():
-    from haptic_tracing.addon.io.export_operators import export_name, with_ending
+    from haptic_tracing.addon.operators.exporting import export_name, with_ending
 
     assert with_ending("/a/b.json", (".json.gz", ".json"), ".json.gz") == "/a/b.json.gz"
     assert with_ending("/a/b.JSON.GZ", (".json.gz", ".json"), ".json") == "/a/b.json"

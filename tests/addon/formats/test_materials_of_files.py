@@ -5,6 +5,7 @@ import json
 import bpy
 import pytest
 from haptic_tracing.addon.authoring import materials
+from haptic_tracing.addon.properties.materials import add_material
 from haptic_tracing.core.formats.haptic_scene import read_export
 from haptic_tracing.core.formats.scene.materials_json import LibraryMaterial
 from scene_files import exported, imported
@@ -17,8 +18,8 @@ def oak(add_box):
     decays = (0.0, 0.01, 0.02, 0.05, 0.1, 0.2)
     values = {"kappa": 0.3, "rho": 0.7, "use_delay": False, "wave_speed": 3800.0, "use_bands": True, "band_decays": decays}
     values["conductivity"] = 0.2
-    item = materials.add(scene, "oak", values)
-    materials.add(scene, "nothing is made of it", {"kappa": 0.9})
+    item = add_material(scene, "oak", values)
+    add_material(scene, "nothing is made of it", {"kappa": 0.9})
     boxes = [add_box(name, (x, 0, 0), (1, 1, 1)) for name, x in (("first", 0), ("second", 1), ("third", 5))]
     materials.apply(boxes[:2], item)
     boxes[1].haptics.kappa, boxes[1].haptics.modalities.thermal.conductivity = 0.45, 1.0

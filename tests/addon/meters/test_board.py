@@ -7,7 +7,7 @@ import pytest
 from haptic_tracing.addon.view.annotations import plate_of
 from haptic_tracing.addon.view.levels import Level
 from haptic_tracing.addon.view.meter_board import MOST_ROWS, ROW, Scope, colour_of, meters
-from haptic_tracing.addon.view.overlay import text_width
+from haptic_tracing.addon.view.screen import text_width
 from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 from hypothesis import given, settings
 from hypothesis import strategies as st

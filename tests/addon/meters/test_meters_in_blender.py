@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
+from haptic_tracing.addon.live_output.unfelt import device_words
 from haptic_tracing.addon.panels import result as result_panel
 from haptic_tracing.addon.session import session
 from haptic_tracing.addon.view import explanation, meter_pictures, picture
@@ -87,7 +88,7 @@ def test_why_silent_says_when_nothing_is_traced(felt):
 
 
 def test_without_a_device_nothing_is_said_of_devices(felt):
-    assert explanation.device_words(felt, "hand") == ""
+    assert device_words(felt, "hand") == ""
 
 
 def test_silence_panel_has_a_button_to_what_is_to_blame(felt):
@@ -174,7 +175,7 @@ def test_picture_has_the_meters_at_the_upper_left(felt, tmp_path):
     result, size = session.result_of(felt), (960, 540)
     plain, metered = (picture.viewport_picture(felt, result, size, meters=meters).astype(int) for meters in (False, True))
     changed = np.abs(plain - metered).max(axis=2) > 20
-    ((left, bottom, right, top),) = plate_of(picture.meters_above(felt, result, size, 1.0))
+    ((left, bottom, right, top),) = plate_of(draw.meters_above(felt, result, size, 1.0))
     inside = np.zeros(size[::-1], dtype=bool)
     inside[: size[1] - int(bottom) + 3, : int(right) + 3] = True
     assert changed[inside].mean() > 0.5 * (right - left) * (top - bottom) / inside.sum()
@@ -208,7 +209,7 @@ def test_a_device_that_is_not_felt_at_the_listener_is_named(felt, monkeypatch):
     profile = next(p for p in profiles.values() if any("hand.R" in a.body_parts for a in p.actuators))
     monkeypatch.setattr(outputs, "running", lambda: {"pad": SimpleNamespace(profile=profile)})
     monkeypatch.setattr(outputs, "version", lambda: -1)
-    assert explanation.device_words(felt, "hand") == ""
-    assert "no device has an actuator at foot.L" in explanation.device_words(felt, "foot")
+    assert device_words(felt, "hand") == ""
+    assert "no device has an actuator at foot.L" in device_words(felt, "foot")
     _activate("foot")
     assert any("actuator" in label for label in _drawn(result_panel.HAPTIC_PT_silence).labels)

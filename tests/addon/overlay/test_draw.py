@@ -5,9 +5,11 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
+from haptic_tracing.addon.changes import redraw
 from haptic_tracing.addon.properties import haptics
 from haptic_tracing.addon.view import overlay as draw
 from haptic_tracing.addon.view import shader
+from haptic_tracing.addon.view.options import options_of
 from haptic_tracing.addon.view.render_data import Options
 
 from .conftest import BRIDGE
@@ -58,12 +60,12 @@ def test_selection_is_read_from_the_scene(scene, bridge, add_empty):
     bpy.context.view_layer.update()
     for obj in objects.values():
         obj.select_set(False)
-    assert draw.options_of(scene, bridge) == Options()
+    assert options_of(scene, bridge) == Options()
     objects["truck"].select_set(True)
     objects["walker"].select_set(True)
-    assert draw.options_of(scene, bridge) == Options(sources=frozenset({"truck"}), listeners=frozenset({"walker"}))
+    assert options_of(scene, bridge) == Options(sources=frozenset({"truck"}), listeners=frozenset({"walker"}))
     scene.haptics.show_labels = False
-    assert not draw.options_of(scene, bridge).show_labels
+    assert not options_of(scene, bridge).show_labels
 
 
 def test_handlers_come_and_go_any_number_of_times():
@@ -80,8 +82,8 @@ def test_redraw_tags_every_3d_viewport_and_nothing_else(monkeypatch):
     tagged = []
     areas = [SimpleNamespace(type=kind, tag_redraw=lambda kind=kind: tagged.append(kind)) for kind in ("VIEW_3D", "TEXT_EDITOR", "VIEW_3D")]
     windows = [SimpleNamespace(screen=SimpleNamespace(areas=chosen)) for chosen in (areas, areas[1:2])]
-    monkeypatch.setattr(draw, "bpy", SimpleNamespace(context=SimpleNamespace(window_manager=SimpleNamespace(windows=windows))))
-    draw.redraw()
+    monkeypatch.setattr(redraw, "bpy", SimpleNamespace(context=SimpleNamespace(window_manager=SimpleNamespace(windows=windows))))
+    redraw.redraw_viewports()
     assert tagged == ["VIEW_3D", "VIEW_3D"]
 
 

@@ -6,8 +6,8 @@ import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from haptic_tracing.addon.view.annotations import furniture
 from haptic_tracing.addon.view.label_placement import place_labels, project
-from haptic_tracing.addon.view.overlay import text_width
 from haptic_tracing.addon.view.render_data import Options, Shape, render_data
+from haptic_tracing.addon.view.screen import text_width
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mathutils import Vector

@@ -6,6 +6,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Menu
 
+from ...sample_scenes import SAMPLES
 from ..operators.adding import SOURCE_ITEMS
 from ..properties.haptics import MODE_ITEMS
 
@@ -101,8 +102,6 @@ class HAPTIC_MT_samples(Menu):
     bl_label = "Sample Scenes"
 
     def draw(self, context: Context) -> None:
-        from ...sample_scenes import SAMPLES
-
         for sample in SAMPLES.values():
             self.layout.operator("haptic.add_sample", text=sample.title).sample = sample.name
 
@@ -121,28 +120,16 @@ class HAPTIC_MT_mode_pie(Menu):
             pie.operator("haptic.set_mode", text=text, icon="RADIOBUT_ON" if current else "RADIOBUT_OFF", translate=False).mode = mode
 
 
-def _draw_object_menu(self: Menu, context: Context) -> None:
+def draw_object_menu(self: Menu, context: Context) -> None:
+    """Entry of the Object menu."""
     self.layout.separator()
     self.layout.menu("HAPTIC_MT_object", icon="OUTLINER_OB_LIGHTPROBE")
 
 
-def _draw_add_menu(self: Menu, context: Context) -> None:
+def draw_add_menu(self: Menu, context: Context) -> None:
+    """Entry of the Add menu."""
     self.layout.separator()
     self.layout.menu("HAPTIC_MT_add", icon="OUTLINER_OB_LIGHTPROBE")
 
 
 CLASSES = (HAPTIC_MT_more, HAPTIC_MT_object, HAPTIC_MT_samples, HAPTIC_MT_add, HAPTIC_MT_mode_pie)
-
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
-
-
-def register() -> None:
-    _register_classes()
-    bpy.types.VIEW3D_MT_object.append(_draw_object_menu)
-    bpy.types.VIEW3D_MT_add.append(_draw_add_menu)
-
-
-def unregister() -> None:
-    bpy.types.VIEW3D_MT_add.remove(_draw_add_menu)
-    bpy.types.VIEW3D_MT_object.remove(_draw_object_menu)
-    _unregister_classes()

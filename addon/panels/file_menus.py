@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import bpy
 from bpy.types import Context, FileHandler, Menu
-
-from ..blender import job
-from . import export_operators, import_operators
 
 
 class HAPTIC_FH_scene(FileHandler):
@@ -41,30 +37,16 @@ def _in_viewport(context: Context) -> bool:
     return context.area is not None and context.area.type == "VIEW_3D"
 
 
-def _export_menu(self: Menu, context: Context) -> None:
+def draw_export(self: Menu, context: Context) -> None:
+    """Entries of File > Export."""
     self.layout.operator("export_scene.haptic_scene", text="Haptic Scene (.json)")
     self.layout.operator("export_scene.haptic_tracks", text="Haptic Tracks (.hjif/.wav/.haptic/.ahap/...)")
 
 
-def _import_menu(self: Menu, context: Context) -> None:
+def draw_import(self: Menu, context: Context) -> None:
+    """Entries of File > Import."""
     self.layout.operator("import_scene.haptic_scene", text="Haptic Scene (.json)")
     self.layout.operator("haptic.import_signal", text="Haptic Signal for the Active Object (.hjif/.wav/.haptic/.ahap/.haps)")
 
 
-CLASSES = (*job.CLASSES, *export_operators.CLASSES, *import_operators.CLASSES, HAPTIC_FH_scene, HAPTIC_FH_tracks)
-
-
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
-
-
-def register() -> None:
-    _register_classes()
-    bpy.types.TOPBAR_MT_file_export.append(_export_menu)
-    bpy.types.TOPBAR_MT_file_import.append(_import_menu)
-
-
-def unregister() -> None:
-    job.stop()
-    bpy.types.TOPBAR_MT_file_import.remove(_import_menu)
-    bpy.types.TOPBAR_MT_file_export.remove(_export_menu)
-    _unregister_classes()
+CLASSES = (HAPTIC_FH_scene, HAPTIC_FH_tracks)

@@ -14,10 +14,10 @@ from ...core.formats.tracks.vibration_file import Channel, VibrationFile
 from ...core.signals import Loop, Sampled, Signal
 from ..blender.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode
 from ..blender.single_precision import shortest
+from ..io.scene_builder import build
 from ..scene_reader.imported import text_of
 from ..scene_reader.reader import haptic_carrier
-from .export_operators import MOST_REPORTED
-from .scene_builder import build
+from .exporting import MOST_REPORTED
 
 _rpt = bpy.app.translations.pgettext_rpt
 

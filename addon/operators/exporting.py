@@ -19,13 +19,14 @@ from ...core.formats.scene.recording import Recording
 from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ...core.modalities import ModalityScene
 from ...core.scene.values import HapticScene
+from ..bake.playback import fitting_track
 from ..blender import job
-from ..panels.drawing import wrapped
+from ..blender.text import wrapped
+from ..io.capture import Capture
+from ..io.frame_scene import scene_of_frame, scene_of_result, within, written_export
 from ..properties.modalities import SHOWN
 from ..session import session
-from .capture import Capture
 from .format_options import chosen, draw_options, option_properties
-from .frame_scene import scene_of_frame, scene_of_result, within, written_export
 
 TRACK_FORMATS = tuple(name for name in registry.FORMATS if name != "scene")
 SCENE_ENDINGS = (".json.gz", ".json")
@@ -61,7 +62,9 @@ class RangeExport(ExportHelper):
 
     def captured(self, context: Context, recorded: bool, felt: bool, finish: Callable[[Export], list[job.Report]]) -> set[str]:
         """Step through the range, then ``finish``."""
-        capture = Capture(context.scene, self.frame_start, self.frame_end, recorded, felt, self.names())
+        scene, start, end = context.scene, self.frame_start, self.frame_end
+        track = None if recorded else fitting_track(scene, start, end)
+        capture = Capture(scene, start, end, recorded, felt, self.names(), track)
         name = export_name(self.filepath)
         return job.run(self, context, job.Job("Exporting", capture.frames, capture.steps(), lambda: finish(capture.export(name))))
 

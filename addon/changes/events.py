@@ -1,0 +1,34 @@
+"""Changes of properties that a floor above has to follow at once. Properties raise them, the registration subscribes to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+
+class Event:
+    """A kind of change. Calling it calls every subscriber with the same arguments."""
+
+    def __init__(self) -> None:
+        self._subscribers: list[Callable[..., None]] = []
+
+    def subscribe(self, subscriber: Callable[..., None]) -> None:
+        """Call ``subscriber`` from now on."""
+        self._subscribers.append(subscriber)
+
+    def unsubscribe(self, subscriber: Callable[..., None]) -> None:
+        """No longer call ``subscriber``; nothing where it is not subscribed."""
+        if subscriber in self._subscribers:
+            self._subscribers.remove(subscriber)
+
+    def __call__(self, *arguments: Any) -> None:
+        for subscriber in tuple(self._subscribers):
+            subscriber(*arguments)
+
+
+device_adjusted = Event()
+"""The settings of a device (HapticDeviceProperties)."""
+preview_volume_changed = Event()
+"""The volume, 0 to 1."""
+track_switched = Event()
+"""Playing the baked track was switched on or off, in a scene (bpy.types.Scene)."""

@@ -1,0 +1,26 @@
+"""Why connected devices do not let a listener be felt."""
+
+from __future__ import annotations
+
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.types import Scene
+
+from ..session import session
+from ..translations.sentences import sentence
+from . import handlers, outputs, player
+
+
+def device_words(scene: Scene, listener: str) -> str:
+    """Whether a connected device lets the listener be felt: words where not, "" where it does, or where no device is connected."""
+    result = session.result_of(scene)
+    if result is None or not outputs.running():
+        return ""
+    names = [item.name for item in result.listeners]
+    if listener not in names:
+        return ""
+    mapping = player.mapping_of(result, handlers.choices(result))
+    column = names.index(listener)
+    if any(weights[:, column].any() for weights in mapping.weights.values()):
+        return ""
+    losses = [loss.message for loss in mapping.losses if loss.listener == listener]
+    return sentence(losses[0]) if losses else iface_("'{}' is muted: no actuator is chosen for it").format(listener)

@@ -1,0 +1,47 @@
+"""Operator that makes geometry of the haptic graph."""
+
+from __future__ import annotations
+
+from bpy.app.translations import pgettext_rpt as _rpt
+from bpy.props import BoolProperty, FloatProperty
+from bpy.types import Context, Operator
+
+from ..blender.polling import UNDO, poll_object_mode
+from ..session import session
+from ..view.graph_mesh import graph_in_collection
+
+
+class HAPTIC_OT_graph_to_geometry(Operator):
+    """Make a mesh of the haptic graph as it is drawn now, for renderings; an earlier one of this scene is replaced"""
+
+    bl_idname = "haptic.graph_to_geometry"
+    bl_label = "Graph to Geometry"
+    bl_options = UNDO
+
+    in_front: BoolProperty(
+        name="In Front",
+        description="Bring the graph close to the camera, so that objects do not hide it. It looks right from where the camera is now",
+        default=True,
+    )
+    thickness: FloatProperty(
+        name="Thickness", description="How thick lines and symbols are", default=1.0, min=0.01, soft_min=0.2, soft_max=5.0
+    )
+    labels: BoolProperty(name="Labels", description="Add names and gains, and the legend where there is a camera", default=True)
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not poll_object_mode(cls, context):
+            return False
+        if session.result_of(context.scene) is None:
+            cls.poll_message_set("Nothing has been traced yet: tag objects, then play or change the frame")
+            return False
+        return True
+
+    def execute(self, context: Context) -> set[str]:
+        result = session.result_of(context.scene)
+        graph, collection = graph_in_collection(context.scene, result, self.thickness, in_front=self.in_front, labels=self.labels)
+        self.report({"INFO"}, _rpt("{:,} vertices in collection '{}'").format(len(graph.data.vertices), collection.name))
+        return {"FINISHED"}
+
+
+CLASSES = (HAPTIC_OT_graph_to_geometry,)

@@ -1,0 +1,51 @@
+"""The add-on's preferences, as Blender draws them."""
+
+from __future__ import annotations
+
+import rna_keymap_ui
+from bpy.types import AddonPreferences, Context, KeyMapItem, UILayout
+
+from ..blender.extension import ROOT
+from ..properties.preferences import PreferenceProperties
+
+_KEYMAPS = ("3D View", "Screen")
+
+
+class HapticTracingPreferences(PreferenceProperties, AddonPreferences):
+    bl_idname = ROOT
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column(heading="Display")
+        column.prop(self, "gain_unit")
+        column.prop(self, "overlay_size")
+        column.prop(self, "curve_colour")
+        column = layout.column(heading="Devices")
+        column.prop(self, "default_device")
+        column.prop(self, "keep_awake")
+        draw_shortcuts(layout, context)
+
+
+def draw_shortcuts(layout: UILayout, context: Context) -> None:
+    """The add-on's shortcuts, where the user can change them."""
+    configuration = context.window_manager.keyconfigs.user
+    column = layout.column()
+    column.label(text="Shortcuts")
+    for name in _KEYMAPS:
+        keymap = configuration.keymaps.get(name) if configuration is not None else None
+        for item in keymap.keymap_items if keymap is not None else ():
+            if is_own(item):
+                column.context_pointer_set("keymap", keymap)
+                rna_keymap_ui.draw_kmi([], configuration, keymap, item, column, 0)
+
+
+def is_own(item: KeyMapItem) -> bool:
+    """Whether a shortcut runs an operator of the add-on or opens one of its menus."""
+    return item.idname.startswith("haptic.") or (
+        item.idname == "wm.call_menu_pie" and item.properties is not None and item.properties.name.startswith("HAPTIC_")
+    )
+
+
+CLASSES = (HapticTracingPreferences,)

@@ -1,0 +1,37 @@
+"""The property that names the actuators of a listener: written to text and read from it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from ...core.devices.mapping import Place
+
+AUTOMATIC = ""
+"""A listener's choice: the actuators at its body part."""
+MUTED = "-"
+"""A listener's choice: none."""
+_GAIN = re.compile(r"\d{1,10}(\.\d+)?(e-?\d{1,2})?", re.ASCII)
+
+
+def places_of(choice: str) -> list[Place] | None:
+    """The actuators of a choice, as "device/actuator" or "device/actuator*gain" separated by semicolons; None where it is automatic."""
+    if choice == AUTOMATIC:
+        return None
+    places = []
+    for text in choice.split(";"):
+        device, slash, actuator = text.rpartition("/")
+        name, _, gain = actuator.rpartition("*")
+        if slash:
+            places.append(Place(device, name, float(gain)) if name and _GAIN.fullmatch(gain) else Place(device, actuator))
+    return places
+
+
+def choice_of(places: Sequence[Place]) -> str:
+    """The choice that stands for actuators."""
+    return ";".join(map(_text, places)) or MUTED
+
+
+def _text(place: Place) -> str:
+    plain = place.gain == 1.0 and "*" not in place.actuator
+    return f"{place.device}/{place.actuator}" if plain else f"{place.device}/{place.actuator}*{place.gain!r}"

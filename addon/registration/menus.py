@@ -1,0 +1,26 @@
+"""The add-on's entries in Blender's own menus."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..panels import file_menus, object_menus
+
+_ENTRIES = (
+    ("TOPBAR_MT_file_export", file_menus.draw_export),
+    ("TOPBAR_MT_file_import", file_menus.draw_import),
+    ("VIEW3D_MT_object", object_menus.draw_object_menu),
+    ("VIEW3D_MT_add", object_menus.draw_add_menu),
+)
+
+
+def register() -> None:
+    """Append the entries."""
+    for menu, entry in _ENTRIES:
+        getattr(bpy.types, menu).append(entry)
+
+
+def unregister() -> None:
+    """Remove them."""
+    for menu, entry in reversed(_ENTRIES):
+        getattr(bpy.types, menu).remove(entry)

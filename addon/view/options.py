@@ -1,0 +1,36 @@
+"""What a scene chooses to have drawn."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.types import Scene
+
+from ...core.render.frame_result import FrameResult
+from .render_data import Options
+
+
+def options_of(scene: Scene, result: FrameResult) -> Options:
+    """The scene's choices, and which sources and listeners are selected."""
+    haptics = scene.haptics
+    return Options(
+        show_intra=haptics.show_intra,
+        show_best_paths=haptics.show_best_paths,
+        show_labels=haptics.show_labels,
+        sources=frozenset(source.name for source in result.sources if _is_selected(source.name)),
+        listeners=frozenset(listener.name for listener in result.listeners if _is_selected(listener.name)),
+    )
+
+
+def _is_selected(full_name: str) -> bool:
+    obj = bpy.data.objects.get(full_name)
+    if obj is None and full_name.endswith("]"):
+        name, _, library = full_name[:-1].rpartition(" [")
+        linked = bpy.data.libraries.get(library)
+        obj = bpy.data.objects.get((name, linked.filepath)) if linked is not None else None
+    return obj is not None and obj.select_get()
+
+
+def shown_options(scene: Scene) -> Options:
+    """The scene's choices, with nothing selected: a picture shows everything."""
+    haptics = scene.haptics
+    return Options(haptics.show_intra, haptics.show_best_paths, haptics.show_labels)

@@ -1,0 +1,49 @@
+"""Shapes and texts in the pixels of a viewport, on the GPU."""
+
+from __future__ import annotations
+
+from functools import cache, lru_cache
+from typing import Any
+
+import blf
+import gpu
+
+from . import shader
+from .annotations import Furniture
+from .quads import quads_of
+from .text_atlas import TextAtlas, pixels_to_clip
+
+
+def draw_board(items: Furniture, size: tuple[float, float], scale: float) -> None:
+    """Plates, lines, symbols and texts once, without keeping them."""
+    texts = shared_atlas().lines(items.texts)
+    draw_flat(shader.upload(quads_of((items.lines, texts), items.points)), size, scale)
+
+
+def draw_flat(batch: Any, size: tuple[float, float], scale: float) -> None:
+    """One draw call in pixels of a viewport of ``size``; ``batch`` may be None."""
+    if batch is None:
+        return
+    gpu.state.blend_set("ALPHA_PREMULT")
+    gpu.state.depth_test_set("NONE")
+    shader.draw(batch, pixels_to_clip(size), size, pixels_per_point=scale, texts=shared_atlas().texture)
+    gpu.state.blend_set("NONE")
+
+
+@cache
+def shared_atlas() -> TextAtlas:
+    """The texture of all texts that are drawn over viewports."""
+    return TextAtlas()
+
+
+@lru_cache(maxsize=4096)
+def text_width(words: str, size: float) -> float:
+    """Width of a text in Blender's own font [pixels]."""
+    blf.size(0, size)
+    return float(blf.dimensions(0, words)[0])
+
+
+def free_texts() -> None:
+    """Free the texture of texts."""
+    if shared_atlas.cache_info().currsize:
+        shared_atlas().free()
