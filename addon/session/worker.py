@@ -12,6 +12,8 @@ from typing import Any, TypeVar
 
 import bpy
 
+from ..changes.redraw import redraw_viewports
+
 Value = TypeVar("Value")
 
 _INTERVAL = 0.02
@@ -58,12 +60,5 @@ def _look() -> float | None:
     is_idle = _state.last is None or _state.last.done()
     if _state.owes_redraw and not any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows):
         _state.owes_redraw = False
-        _redraw()
+        redraw_viewports()
     return None if is_idle and not _state.owes_redraw else _INTERVAL
-
-
-def _redraw() -> None:
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
