@@ -14,9 +14,9 @@ from .contacts.contact_set import ContactSet
 from .contacts.gain_bound import Reach
 from .contacts.impact_sources import ImpactSources
 from .contacts.tracker import Body, ContactSettings, ContactTracker, FrameContacts, Impact
+from .graph.gain_bounds import object_bounds, signal_reach
 from .graph.haptic_graph import ObjectTable
 from .message import Message
-from .propagation.gain_bounds import object_bounds, signal_reach
 from .scene.functions import ModulationFunction
 from .scene.values import HapticObject, Listener, Settings, Source, Vector
 from .signals import Signal

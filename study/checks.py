@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..core.arrays import FloatArray
-from ..core.propagation.modes import DISTANCE_ONLY
+from ..core.graph.distance_only import DISTANCE_ONLY
 from ..core.scene.values import Mode
 from .measures import balance, dynamic_range, variety
 from .rendition import MODES, Ride, Sounding

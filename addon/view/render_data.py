@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.arrays import BoolArray, IntArray
+from ...core.graph.distance_only import distance_only
 from ...core.graph.haptic_graph import HapticGraph, distances
-from ...core.propagation.modes import distance_only
 from ...core.propagation.spread import Spread, spread
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Mode, Settings, SourceKind

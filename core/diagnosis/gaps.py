@@ -12,9 +12,9 @@ from ..arrays import FloatArray, IntArray
 from ..contacts.narrow.narrow_phase import NarrowPhase, relative_pose
 from ..contacts.shapes import transformed_bounds
 from ..contacts.tracker import Body, ContactSettings, ContactTracker
+from ..graph.distance_only import distance_only
 from ..graph.haptic_graph import HapticGraph, build_graph
 from ..message import Argument, Cause, Message, Metres
-from ..propagation.modes import distance_only
 from ..render.frame_result import FrameResult
 from ..scene.values import Mode, Settings
 

@@ -8,12 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..graph.distance_only import DISTANCE_ONLY
 from ..graph.haptic_graph import HapticGraph
 from ..message import Cause, Chain, Decibels, Message, Metres
 from ..propagation import objects_on
 from ..propagation.best_path import best_paths
 from ..propagation.connections import amplifying, intra_costs
-from ..propagation.modes import DISTANCE_ONLY, straight_distances
+from ..propagation.modes import straight_distances
 from ..propagation.strategies import BUDGET
 from ..render.frame_result import FrameResult
 from ..scene.coefficients import transfer_coefficient

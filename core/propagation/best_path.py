@@ -10,27 +10,27 @@ import numpy as np
 
 from ..graph.haptic_graph import HapticGraph
 from .connections import cost_limit, intra_costs, path_costs
-from .hop_constrained import Layers, layers
-from .shortest_paths import Labels, label
+from .hop_constrained import HopConstrainedPaths, hop_constrained_paths
+from .shortest_paths import ShortestPaths, shortest_paths
 from .strongest_paths import StrongestPaths
 
 Pair = tuple[int, int]
 Path = tuple[int, ...]
 
 SLACK = 1e-9
-"""Labels are rounded, so they are computed a little beyond the limit; the path found is then judged by its exactly rounded cost."""
+"""ShortestPaths are rounded, so they are computed a little beyond the limit; the path found is then judged by its exactly rounded cost."""
 
-LABELS_AT_ONCE = 1 << 22
-"""Labels of so many root and node pairs are held at a time, a bound on memory."""
+COSTS_AT_ONCE = 1 << 22
+"""ShortestPaths of so many root and node pairs are held at a time, a bound on memory."""
 
 EXPANSION = 32
 """One partial path of this search takes as long as so many states elsewhere, which is what a budget counts."""
 
-LAYERS_UNLIMITED = 64
-"""Layers computed where gains exceed 1 and nothing limits the connections."""
+HOPS_UNLIMITED = 64
+"""HopConstrainedPaths computed where gains exceed 1 and nothing limits the connections."""
 
 ERROR_LIMIT = 1e300
-"""Bounds above this are reported as this: the sum or product may be larger than a number can say."""
+"""WalkBounds above this are reported as this: the sum or product may be larger than a number can say."""
 
 
 @dataclass(slots=True)
@@ -65,13 +65,13 @@ def best_paths(
     threshold: float,
     budget: int,
     amplified: bool,
-    known: Mapping[int, tuple[Labels, int]],
+    known: Mapping[int, tuple[ShortestPaths, int]],
 ) -> BestPaths:
     """The best path of each pair. ``budget`` bounds the search that is needed where labels are not enough, per source.
     ``amplified``: some gain exceeds 1. ``known``: labels that are known already, and the row in them, by row of the source."""
     result = BestPaths()
     wanted = sorted(pairs)
-    result.visited = max((labels.visited() for labels, _ in known.values()), default=0)
+    result.visited = max((trees.visited() for trees, _ in known.values()), default=0)
     crossings = crossings_of(max_connections)
     if not wanted or crossings < 0:
         return result
@@ -79,9 +79,9 @@ def best_paths(
     if amplified:
         left = wanted
     else:
-        candidates = _label_paths(graph, [pair for pair in wanted if pair[0] not in known], limit, result)
+        candidates = _unconstrained_paths(graph, [pair for pair in wanted if pair[0] not in known], limit, result)
         for row, column in wanted:
-            if row in known and (path := known[row][0].trace(graph, known[row][1], int(graph.listener_nodes[column]))):
+            if row in known and (path := known[row][0].path(graph, known[row][1], int(graph.listener_nodes[column]))):
                 candidates[row, column] = path
         judged = bool(graph.table.special)
         left = [pair for pair, path in candidates.items() if len(path) > 2 * crossings + 2 or (judged and crosses_twice(graph, path))]
@@ -100,8 +100,8 @@ def _accept(graph: HapticGraph, candidates: dict[Pair, Path], limit: float, resu
             result.nodes[pair], result.cost[pair] = path, cost
 
 
-def _label_paths(graph: HapticGraph, wanted: Sequence[Pair], limit: float, result: BestPaths) -> dict[Pair, Path]:
-    """Cheapest walks by labels, from the side that has fewer nodes."""
+def _unconstrained_paths(graph: HapticGraph, wanted: Sequence[Pair], limit: float, result: BestPaths) -> dict[Pair, Path]:
+    """Cheapest walks by trees, from the side that has fewer nodes."""
     if not wanted:
         return {}
     rows, columns = sorted({row for row, _ in wanted}), sorted({column for _, column in wanted})
@@ -110,25 +110,25 @@ def _label_paths(graph: HapticGraph, wanted: Sequence[Pair], limit: float, resul
     ends = [graph.sources[row].nodes for row in rows], [(listener_nodes[column],) for column in columns]
     roots, targets = ends if forward else (ends[1], ends[0])
     target_nodes = np.array(sorted({node for nodes in targets for node in nodes}), dtype=np.int64)
-    at_once = max(1, LABELS_AT_ONCE // max(1, graph.node_count))
+    at_once = max(1, COSTS_AT_ONCE // max(1, graph.node_count))
     found: dict[Pair, Path] = {}
     for first in range(0, len(roots), at_once):
         part = roots[first : first + at_once]
-        labels = label(graph, part, np.full(len(part), limit + SLACK), target_nodes)
-        result.relaxed += labels.relaxed
-        result.visited = max(result.visited, labels.visited())
+        trees = shortest_paths(graph, part, np.full(len(part), limit + SLACK), target_nodes)
+        result.relaxed += trees.relaxed
+        result.visited = max(result.visited, trees.visited())
         for row, column in wanted:
             root = (rows.index(row) if forward else columns.index(column)) - first
             if 0 <= root < len(part):
-                path = _nearest(graph, labels, root, (listener_nodes[column],) if forward else graph.sources[row].nodes)
+                path = _nearest(graph, trees, root, (listener_nodes[column],) if forward else graph.sources[row].nodes)
                 if path:
                     found[row, column] = path if forward else path[::-1]
     return found
 
 
-def _nearest(graph: HapticGraph, labels: Labels, root: int, targets: Sequence[int]) -> Path:
-    arrival = labels.arrival[root]
-    return labels.trace(graph, root, min(targets, key=lambda node: (arrival[node], node)))
+def _nearest(graph: HapticGraph, trees: ShortestPaths, root: int, targets: Sequence[int]) -> Path:
+    arrival = trees.cost[root]
+    return trees.path(graph, root, min(targets, key=lambda node: (arrival[node], node)))
 
 
 def _search_row(
@@ -137,15 +137,15 @@ def _search_row(
     """Best paths of one source where labels don't do: by layers, and where their walk is no path, by search."""
     roots = graph.sources[row].nodes
     most = min(crossings, graph.contact_count)
-    count = int(min(most, LAYERS_UNLIMITED) if amplified and crossings == math.inf else most)
-    walks = layers(graph, roots, limit + SLACK, count)
+    count = int(min(most, HOPS_UNLIMITED) if amplified and crossings == math.inf else most)
+    walks = hop_constrained_paths(graph, roots, limit + SLACK, count)
     result.relaxed += walks.relaxed
     result.visited = max(result.visited, walks.visited())
     certain = walks.complete or count == most
     share = budget // (EXPANSION * len(columns))
     for column in columns:
         target = int(graph.listener_nodes[column])
-        path = walks.trace(graph, target)
+        path = walks.walk(graph, target)
         if path and certain and not crosses_twice(graph, path):
             _accept(graph, {(row, column): path}, limit, result)
         elif path or not certain:
@@ -153,11 +153,18 @@ def _search_row(
 
 
 def _search_pair(
-    graph: HapticGraph, pair: Pair, walks: Layers, crossings: float, limit: float, budget: int, certain: bool, result: BestPaths
+    graph: HapticGraph,
+    pair: Pair,
+    walks: HopConstrainedPaths,
+    crossings: float,
+    limit: float,
+    budget: int,
+    certain: bool,
+    result: BestPaths,
 ) -> None:
     target = int(graph.listener_nodes[pair[1]])
     if certain:
-        back = layers(graph, (target,), math.inf, len(walks.changes) - 1, complete=True)
+        back = hop_constrained_paths(graph, (target,), math.inf, len(walks.changes) - 1, complete=True)
         result.relaxed += back.relaxed
         ahead = back.costs(graph.node_count)
     else:
@@ -168,7 +175,7 @@ def _search_pair(
     if found is not None:
         _accept(graph, {pair: found.nodes}, limit, result)
     elif search.bound < math.inf:
-        simple = {path for k in range(len(walks.changes)) if (path := walks.trace(graph, target, k)) and not crosses_twice(graph, path)}
+        simple = {path for k in range(len(walks.changes)) if (path := walks.walk(graph, target, k)) and not crosses_twice(graph, path)}
         ranked = sorted(zip(path_costs(graph, sorted(simple)), sorted(simple), strict=True))
         if ranked:
             _accept(graph, {pair: ranked[0][1]}, limit, result)

@@ -1,4 +1,4 @@
-"""Single connections along given nodes: their costs, band gains and delays, and which functions amplify."""
+"""Costs, band gains and delays of connections and of paths, and whether some gain exceeds 1."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
 
 ROUNDING = 1e-12
-"""Relative slack of comparisons with the threshold: one that is met exactly stays met, however its product was rounded."""
+"""Relative slack of comparisons with the threshold: one that is met exactly stays met, however the product is rounded."""
 
 PAIRS_EVALUATED = 1 << 18
-"""Up to so many intra-connections of one object are evaluated to see whether its function really exceeds 1 where its bounds allow it."""
+"""Most intra-connections of one object evaluated to see whether a function whose bounds allow gains above 1 has any."""
 
 
 def cost_of(gain: FloatArray) -> FloatArray:
@@ -26,12 +26,12 @@ def cost_of(gain: FloatArray) -> FloatArray:
 
 
 def cost_limit(threshold: float) -> float:
-    """The largest cost that still meets the threshold, rounding allowed for."""
+    """Largest cost that meets the threshold, with slack for rounding."""
     return math.inf if threshold == 0 else -math.log(threshold) + ROUNDING
 
 
 def _intra(graph: HapticGraph, a: IntArray, b: IntArray, distance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Cost of intra-connections in two terms, the constant one and that of the distance."""
+    """Costs of intra-connections in two terms, the constant one and that of the distance."""
     index = graph.node_object[a]
     constant, varying = graph.table.loss[index], graph.table.decay[index] * distance
     for number in set(index.tolist()) & graph.table.special if graph.table.special else ():
@@ -48,13 +48,13 @@ def intra_costs(graph: HapticGraph, a: IntArray, b: IntArray) -> FloatArray:
 
 
 def path_costs(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> list[float]:
-    """The cost ``-log(gain)`` of each path, to the last digit: the exactly rounded sum of the costs of its connections."""
+    """The cost ``-log(gain)`` of each path: the exactly rounded sum of the costs of its connections."""
     if not paths:
         return []
     nodes = np.array([node for path in paths for node in path], dtype=np.int64)
     a, b = nodes[:-1], nodes[1:]
     ends = list(itertools.accumulate(map(len, paths)))
-    joints = [end - 1 for end in ends[:-1]]  # from the last node of a path to the first one of the next
+    joints = [end - 1 for end in ends[:-1]]  # between the last node of a path and the first of the next
     across = graph.partner[a] == b
     inside = ~across
     across[joints] = inside[joints] = False
@@ -72,7 +72,7 @@ def path_costs(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> list[flo
 
 
 def path_bands(graph: HapticGraph, path: tuple[int, ...]) -> FloatArray:
-    """Gain of a path in each band relative to its plain gain, (bands,)."""
+    """Gain of a path in each band (bands,), relative to its plain gain."""
     product = np.ones(BAND_COUNT)
     for a, b in itertools.pairwise(path):
         if graph.partner[a] == b:
@@ -88,7 +88,7 @@ def path_bands(graph: HapticGraph, path: tuple[int, ...]) -> FloatArray:
 
 
 def path_delay(graph: HapticGraph, path: tuple[int, ...]) -> float:
-    """Delay of a path in seconds: distance by wave speed inside the objects, and that of the contacts."""
+    """Delay of a path [s]: distance over wave speed inside the objects, plus the delays of the contacts."""
     delays = []
     for a, b in itertools.pairwise(path):
         if graph.partner[a] == b:
@@ -101,8 +101,7 @@ def path_delay(graph: HapticGraph, path: tuple[int, ...]) -> float:
 
 
 def amplifying(graph: HapticGraph) -> bool:
-    """True where some connection of the graph has a gain above 1, by the bounds of its function or, where these are not tight, by its
-    values."""
+    """Whether some connection of the graph has a gain above 1, by the bounds of its function or, where these are loose, by its values."""
     if np.any(graph.transmission > 1) or np.any(graph.table.loss < 0):
         return True
     for index in sorted(graph.table.special):

@@ -7,12 +7,12 @@ import math
 
 import numpy as np
 
+from ..graph.contact_patches import contact_patches
 from ..graph.haptic_graph import HapticGraph
 from .best_path import bounded_exp
 from .connections import cost_limit, path_delay
-from .exact.bridge_decomposition import patches_of
-from .hop_constrained import layers
-from .shortest_paths import label
+from .hop_constrained import hop_constrained_paths
+from .shortest_paths import shortest_paths
 from .strongest_paths import StrongestPaths
 
 TAPS = 8
@@ -21,22 +21,22 @@ TAPS = 8
 SEARCHED = 4096
 """Partial paths looked at for one pair."""
 
-LAYERS = 64
+HOPS = 64
 
 
-def strongest_taps(
+def delay_taps(
     graph: HapticGraph, row: int, column: int, crossings: float, threshold: float, amplified: bool
 ) -> tuple[tuple[float, float], ...]:
     """(delay [s], gain with shares) of up to `TAPS` of the strongest paths of a pair, the strongest first, within both limits."""
     target = int(graph.listener_nodes[column])
     limit = cost_limit(threshold)
     if amplified:
-        most = int(min(crossings, graph.contact_count, LAYERS))
-        ahead = layers(graph, (target,), math.inf, most, complete=True).costs(graph.node_count)
+        most = int(min(crossings, graph.contact_count, HOPS))
+        ahead = hop_constrained_paths(graph, (target,), math.inf, most, complete=True).costs(graph.node_count)
         crossings = min(crossings, most)
     else:
-        ahead = label(graph, [(target,)], np.array([limit]), complete=True).arrival
-    patch = patches_of(graph)
+        ahead = shortest_paths(graph, [(target,)], np.array([limit]), complete=True).cost
+    patch = contact_patches(graph)
     found: list[tuple[float, float]] = []
     for path in StrongestPaths(graph, graph.sources[row].nodes, target, ahead, crossings, limit, SEARCHED):
         contacts = [int(graph.contact[a]) for a, b in itertools.pairwise(path.nodes) if graph.partner[a] == b]

@@ -21,10 +21,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..graph.contact_patches import contact_patches
 from ..graph.haptic_graph import HapticGraph, NodeKind, distances
 from ..scene.bands import BAND_COUNT
 from .elimination import Elimination, eliminated
-from .exact.bridge_decomposition import patches_of
 
 REGIONS = 256
 """Regions of one object at most."""
@@ -227,7 +227,7 @@ def _centres(graph: HapticGraph, contacts: IntArray, of_node: IntArray, count: i
     position = graph.node_position[contacts]
     centre = np.stack([np.bincount(region, weights=share * position[:, k], minlength=count) for k in range(3)], axis=1) / safe[:, None]
     spread = np.bincount(region, weights=share * np.minimum(distances(position, centre[region]), HIGHEST) ** 2, minlength=count)
-    patch = patches_of(graph)[graph.contact[contacts]]
+    patch = contact_patches(graph)[graph.contact[contacts]]
     keys, which = np.unique(np.column_stack([region, patch]), axis=0, return_inverse=True)
     of_patch = np.bincount(which.reshape(-1), weights=share, minlength=len(keys))
     own = np.bincount(keys[:, 0], weights=of_patch**2, minlength=count) if len(keys) else np.zeros(count)

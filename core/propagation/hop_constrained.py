@@ -1,8 +1,8 @@
-"""Cheapest ways by number of contacts crossed: right under a limit of connections, and for gains above 1.
+"""Hop-constrained shortest paths: right under a limit of connections, and for gains above 1.
 
-Layer k holds the nodes that get cheaper with k contacts than with fewer (Bellman, "On a routing problem", Quarterly of Applied Mathematics
-16, 1958). Costs may be negative. Ways are walks: with negative costs, or functions that are no metric plus a constant, the cheapest one may
-cross a contact twice; whoever needs a path checks that, and has a bound in any case.
+Round k finds the nodes that get cheaper with k contacts than with fewer (R. Bellman, "On a routing problem", Quarterly of Applied
+Mathematics 16, 1958). Costs may be negative. The results are walks: with negative costs, or functions that are no metric plus a constant,
+the cheapest one may cross a contact twice. A caller that needs a path checks that, and has a bound in any case.
 """
 
 from __future__ import annotations
@@ -18,24 +18,30 @@ from ..graph.haptic_graph import HapticGraph
 from .connections import intra_costs
 
 CHUNK = 1 << 18
-"""Connections looked at in one vectorised step, a bound on memory."""
+"""Connections relaxed in one vectorised step, a bound on memory."""
 
 
 @dataclass(frozen=True, slots=True)
-class Layers:
-    """``changes[k]``: nodes (sorted) that get cheaper with k contacts, their costs and the nodes through which their object is entered.
-    ``complete`` is False where there were more layers to come."""
+class HopConstrainedPaths:
+    """Cheapest walks by number of contacts crossed.
+
+    Attributes:
+        changes: of each number k of contacts: the nodes (sorted) that get cheaper with k contacts, their costs, and the nodes through which
+            their object is entered.
+        complete: False where more contacts would change something.
+        relaxed: number of connections relaxed.
+    """
 
     changes: tuple[tuple[IntArray, FloatArray, IntArray], ...]
     complete: bool
     relaxed: int
 
     def visited(self) -> int:
-        """Nodes that are reached."""
+        """Number of nodes reached."""
         return len(np.unique(np.concatenate([nodes for nodes, _, _ in self.changes]))) if self.changes else 0
 
     def costs(self, count: int) -> FloatArray:
-        """(layers, count): cheapest cost of arriving at each node with at most k contacts."""
+        """(k, n) least cost of arriving at each of ``count`` nodes with at most k contacts."""
         table = np.full((max(1, len(self.changes)), count), math.inf)
         for k, (nodes, cost, _) in enumerate(self.changes):
             if k:
@@ -43,8 +49,8 @@ class Layers:
             table[k, nodes] = cost
         return table
 
-    def trace(self, graph: HapticGraph, target: int, crossings: int | None = None) -> tuple[int, ...]:
-        """The nodes of the cheapest walk to ``target`` (with at most ``crossings`` contacts), () where nothing arrives."""
+    def walk(self, graph: HapticGraph, target: int, crossings: int | None = None) -> tuple[int, ...]:
+        """Nodes of the cheapest walk to ``target`` with at most ``crossings`` contacts; () where nothing arrives."""
         nodes: list[int] = []
         node, k = target, len(self.changes) - 1 if crossings is None else crossings
         while k >= 0:
@@ -59,9 +65,11 @@ class Layers:
         return ()
 
 
-def layers(graph: HapticGraph, roots: Sequence[int], limit: float, crossings: int, complete: bool = False) -> Layers:
-    """Cheapest walks from ``roots`` with at most ``crossings`` contacts that nowhere cost more than ``limit``. ``complete``
-    as in `label`."""
+def hop_constrained_paths(
+    graph: HapticGraph, roots: Sequence[int], limit: float, crossings: int, complete: bool = False
+) -> HopConstrainedPaths:
+    """Cheapest walks from ``roots`` over at most ``crossings`` contacts that nowhere cost more than ``limit``. ``complete`` as in
+    `shortest_paths`."""
     count = graph.node_count
     arrival = np.full(count, math.inf)
     crossing = np.append(graph.transmission_loss, math.inf)[graph.contact]
@@ -87,18 +95,18 @@ def layers(graph: HapticGraph, roots: Sequence[int], limit: float, crossings: in
             relaxed += _relax(graph, node, cost, limit, which, other, best, entry)
         changed = np.flatnonzero(entry >= 0)
         if len(changed) == 0:
-            return Layers(tuple(changes), True, relaxed)
+            return HopConstrainedPaths(tuple(changes), True, relaxed)
         arrival = best
         origin[changed] = entry[changed]
         changes.append((changed, best[changed], entry[changed]))
         onwards = best[changed] + crossing[changed]
         go = (onwards <= limit) & (onwards < math.inf)
         node, cost = graph.partner[changed[go]], onwards[go]
-    return Layers(tuple(changes), len(node) == 0, relaxed)
+    return HopConstrainedPaths(tuple(changes), len(node) == 0, relaxed)
 
 
 def _chunks(size: IntArray) -> list[IntArray]:
-    """Numbers of entries, in groups of about `CHUNK` connections."""
+    """Numbers of entries in groups of about `CHUNK` connections."""
     return np.split(np.arange(len(size)), np.flatnonzero(np.diff(np.cumsum(size) // CHUNK)) + 1)
 
 

@@ -7,28 +7,9 @@ import dataclasses
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray
+from ..graph.distance_only import DISTANCE_ONLY
 from ..graph.haptic_graph import HapticGraph, distances
-from ..scene.functions import Exponential
 from .result import Propagation
-
-DISTANCE_ONLY = Exponential(alpha=0.2)
-"""The paper's distance-only function (equation 4)."""
-
-
-def distance_only(graph: HapticGraph) -> HapticGraph:
-    """The graph with the gains of `DISTANCE_ONLY` for every object's propagation function; its objects are left as they are."""
-    count = len(graph.table.names)
-    table = dataclasses.replace(
-        graph.table,
-        factor=np.ones(count),
-        decay=np.full(count, DISTANCE_ONLY.alpha),
-        loss=np.zeros(count),
-        special=frozenset(),
-        band_gains=None,
-        band_decays=None,
-        slowness=None,
-    )
-    return dataclasses.replace(graph, table=table)
 
 
 def straight_distances(graph: HapticGraph) -> FloatArray:

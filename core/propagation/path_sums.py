@@ -1,7 +1,7 @@
 """`all_paths`: the sum of the products of gains over all paths from a source to its listeners.
 
 With a threshold, whether a path counts depends on its own gain, so paths are searched one by one, as arrays, with everything left out that
-can't meet the threshold (`path_search`). Without one, the sum is taken apart at the bridges (`pieces`), and inside a piece it is found
+can't meet the threshold (`path_search`). Without one, the sum is taken apart at the bridges (`pieces`), and inside a component it is found
 without enumeration (`piece_sums`). What is found is exact, or an interval: a lower bound that was summed, and a bound of the rest.
 """
 
@@ -14,24 +14,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..graph.contact_patches import contact_patches
 from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
 from .best_path import bounded_exp
 from .connections import cost_limit, path_bands, path_costs
-from .exact.bridge_decomposition import Piece, acyclic, patches_of, pieces
-from .exact.component_sums import ROUNDING, PieceProblem
-from .exact.path_search import Limits, Ranking, search
-from .exact.search_graph import band_factors, build_arena
-from .exact.walk_bounds import LARGEST, Bounds
-from .hop_constrained import layers
-from .shortest_paths import Labels, label
+from .exact.bridge_decomposition import Component, decompose, is_forest
+from .exact.component_sums import ROUNDING, ComponentSum
+from .exact.path_search import ArcRanking, Limits, search
+from .exact.search_graph import band_factors, build_search_graph
+from .exact.walk_bounds import LARGEST, WalkBounds
+from .hop_constrained import hop_constrained_paths
+from .shortest_paths import ShortestPaths, shortest_paths
 
 SLACK = 1e-9
-"""Labels are rounded, so what they leave out is a little beyond the limit; the search then judges exactly."""
+"""ShortestPaths are rounded, so what they leave out is a little beyond the limit; the search then judges exactly."""
 
-LAYERS = 64
-"""Layers computed where gains exceed 1, to leave out what is never reached above the threshold; and contacts from which on paths count as
-long."""
+HOPS = 64
+"""Contacts up to which walks are examined where gains exceed 1, to leave out what no path reaches above the threshold; and the length from
+which on a limit of contacts does not matter to a forest."""
 
 
 @dataclass(slots=True)
@@ -46,18 +47,18 @@ class PathSums:
 
 
 @dataclass(frozen=True, slots=True)
-class Reach:
+class ThresholdCosts:
     """What meets a threshold: ``forward`` labels of each source (a row), ``behind`` (n,) cost from entering at a node to a listener."""
 
-    forward: Labels
+    forward: ShortestPaths
     behind: FloatArray
 
 
-def reach(graph: HapticGraph, sources: Sequence[Sequence[int]], threshold: float) -> Reach:
-    """Labels of the nodes of each source and of all listeners together, up to the threshold. No gain may exceed 1."""
+def threshold_costs(graph: HapticGraph, sources: Sequence[Sequence[int]], threshold: float) -> ThresholdCosts:
+    """ShortestPaths of the nodes of each source and of all listeners together, up to the threshold. No gain may exceed 1."""
     limit = cost_limit(threshold) + SLACK
-    labels = label(graph, [*sources, graph.listener_nodes.tolist()], np.full(len(sources) + 1, limit), complete=True)
-    return Reach(Labels(labels.arrival[:-1], labels.entry[:-1], labels.relaxed), labels.arrival[-1])
+    trees = shortest_paths(graph, [*sources, graph.listener_nodes.tolist()], np.full(len(sources) + 1, limit), complete=True)
+    return ThresholdCosts(ShortestPaths(trees.cost[:-1], trees.entry[:-1], trees.relaxed), trees.cost[-1])
 
 
 def limited_sums(
@@ -67,7 +68,7 @@ def limited_sums(
     crossings: float,
     threshold: float,
     budget: int,
-    known: Reach | None,
+    known: ThresholdCosts | None,
     row: int,
 ) -> PathSums:
     """Sum over the paths from the nodes ``roots`` of a source to each of the nodes ``listeners`` whose gain stays at the threshold or
@@ -76,33 +77,33 @@ def limited_sums(
     limit = cost_limit(threshold) + SLACK
     if known is None:
         most = int(min(crossings, graph.contact_count))
-        reached = layers(graph, roots, limit, min(most, LAYERS), complete=True)
-        certain = reached.complete or most <= LAYERS
+        reached = hop_constrained_paths(graph, roots, limit, min(most, HOPS), complete=True)
+        certain = reached.complete or most <= HOPS
         arrival = reached.costs(graph.node_count)[-1] if certain else np.zeros(graph.node_count)
         behind = np.zeros(graph.node_count)
     else:
-        arrival, behind = known.forward.arrival[row], known.behind
+        arrival, behind = known.forward.cost[row], known.behind
     crossing = np.append(graph.transmission_loss, math.inf)[graph.contact]
     before = arrival[graph.partner] + crossing
     before[list(roots)] = 0.0
     entries = np.flatnonzero((graph.partner >= 0) & (before + behind <= limit))
-    patch = patches_of(graph)
+    patch = contact_patches(graph)
     single = known is not None and len(roots) == 1 and bool(np.all(graph.share == 1))
-    if known is not None and single and crossings > LAYERS and acyclic(graph, entries, patch):
+    if known is not None and single and crossings > HOPS and is_forest(graph, entries, patch):
         return _only_paths(graph, listeners, known.forward, row, limit)
-    arena = build_arena(graph, entries, roots, listeners, patch, (before, behind, limit))
-    ahead = np.full(len(arena.nodes), math.inf) if known is None else np.exp(-behind[arena.nodes])
+    search_graph = build_search_graph(graph, entries, roots, listeners, patch, (before, behind, limit))
+    ahead = np.full(len(search_graph.nodes), math.inf) if known is None else np.exp(-behind[search_graph.nodes])
     limits = Limits(crossings, threshold, ahead, 0.0, np.zeros(len(listeners)), max(1, budget // 4), budget)
-    starts = np.ones((len(roots), arena.lanes))
-    found = search(arena, starts, limits, Bounds(arena, crossings), False, Ranking.of(arena, ahead))
+    starts = np.ones((len(roots), search_graph.lanes))
+    found = search(search_graph, starts, limits, WalkBounds(search_graph, crossings), False, ArcRanking.of(search_graph, ahead))
     sums = np.minimum(found.sums.sum(axis=0), LARGEST)
     return PathSums(sums, np.minimum(found.missing * (1 + ROUNDING), LARGEST), found.paths, found.work)
 
 
-def _only_paths(graph: HapticGraph, listeners: Sequence[int], forward: Labels, row: int, limit: float) -> PathSums:
+def _only_paths(graph: HapticGraph, listeners: Sequence[int], forward: ShortestPaths, row: int, limit: float) -> PathSums:
     """Without a cycle, and without patches of several points, there is one path to each listener, the best one."""
     sums = PathSums(np.zeros((len(listeners), lanes_of(graph))), np.zeros(len(listeners)), np.zeros(len(listeners), dtype=np.int64), 0)
-    paths = {number: path for number, node in enumerate(listeners) if (path := forward.trace(graph, row, node))}
+    paths = {number: path for number, node in enumerate(listeners) if (path := forward.path(graph, row, node))}
     for (number, path), cost in zip(paths.items(), path_costs(graph, list(paths.values())), strict=True):
         if cost <= limit - SLACK:
             sums.gain[number] = math.exp(-cost)
@@ -154,7 +155,7 @@ class _Amplitude:
 
 
 class _Unlimited:
-    """The sum from one root without a threshold: from piece to piece, over the bridges."""
+    """The sum from one root without a threshold: from component to component, over the bridges."""
 
     def __init__(
         self, graph: HapticGraph, root: int, listeners: Sequence[int], crossings: float, tolerance: float, budget: int, sums: PathSums
@@ -164,7 +165,7 @@ class _Unlimited:
         self.listeners = listeners
         self.budget = budget
         self.sums = sums
-        self.patch = patches_of(graph)
+        self.patch = contact_patches(graph)
         self.crossings = min(crossings, graph.contact_count)
         self.limited = crossings < graph.contact_count
         self.steps = int(crossings) + 1 if self.limited else 1
@@ -172,26 +173,26 @@ class _Unlimited:
         self.tolerance = tolerance
 
     def run(self) -> None:
-        piece = pieces(self.graph, self.root, self.listeners)
-        if piece is None:
+        component = decompose(self.graph, self.root, self.listeners)
+        if component is None:
             return
         columns: dict[int, list[int]] = {}
         for column, node in enumerate(self.listeners):
             columns.setdefault(node, []).append(column)
-        deepest = _chain(piece)
+        deepest = _chain(component)
         if deepest > 1:
             self.tolerance = math.expm1(math.log1p(self.tolerance) / deepest)
         value = np.zeros((self.steps, self.lanes))
         value[0] = 1.0
-        stack: list[tuple[Piece, dict[int, _Amplitude]]] = [(piece, {self.root: _Amplitude(value, 0.0, 0.0, 0.0)})]
+        stack: list[tuple[Component, dict[int, _Amplitude]]] = [(component, {self.root: _Amplitude(value, 0.0, 0.0, 0.0)})]
         while stack:
-            piece, entrances = stack.pop()
-            exits = list(dict.fromkeys([*piece.listeners, *(node for nodes, _ in piece.bridges for node, _ in nodes)]))
-            arrived = self._through(piece, entrances, exits)
-            for node in piece.listeners:
+            component, entrances = stack.pop()
+            exits = list(dict.fromkeys([*component.listeners, *(node for nodes, _ in component.bridges for node, _ in nodes)]))
+            arrived = self._through(component, entrances, exits)
+            for node in component.listeners:
                 if node in arrived:
                     self._hear(arrived[node], columns[node])
-            for nodes, behind in piece.bridges:
+            for nodes, behind in component.bridges:
                 onwards = {there: self._cross(arrived[here], here) for here, there in nodes if here in arrived}
                 onwards = {node: amplitude for node, amplitude in onwards.items() if amplitude.value.any() or amplitude.excess}
                 if onwards:
@@ -215,14 +216,14 @@ class _Unlimited:
         crossed = _Amplitude(value, amplitude.cost, amplitude.rest, amplitude.excess * float(self.graph.share[contact]))
         return crossed.further(float(self.graph.transmission_loss[contact]))
 
-    def _through(self, piece: Piece, entrances: dict[int, _Amplitude], exits: Sequence[int]) -> dict[int, _Amplitude]:
-        """What arrives at the exits of a piece from what has entered it."""
-        if not piece.patches and len(entrances) == 1:
+    def _through(self, component: Component, entrances: dict[int, _Amplitude], exits: Sequence[int]) -> dict[int, _Amplitude]:
+        """What arrives at the exits of a component from what has entered it."""
+        if not component.patches and len(entrances) == 1:
             ((node, amplitude),) = entrances.items()
             return {other: on for other in exits if other != node and (on := self._inside(node, other, amplitude)) is not None}
         arrived: dict[int, _Amplitude] = {}
         for node, amplitude in entrances.items():
-            factors, missing = self._solve(piece, node, exits)
+            factors, missing = self._solve(component, node, exits)
             for number, other in enumerate(exits):
                 factor, error = factors[number], float(missing[number])
                 if not factor.any() and error == 0:
@@ -235,10 +236,10 @@ class _Unlimited:
                 arrived[other] = _add(arrived[other], on) if other in arrived else on
         return arrived
 
-    def _solve(self, piece: Piece, entrance: int, exits: Sequence[int]) -> tuple[FloatArray, FloatArray]:
-        """Sums (exits, k, lanes) over all paths inside a piece from its entrance to its exits, and bounds (exits,) of what is missing."""
+    def _solve(self, component: Component, entrance: int, exits: Sequence[int]) -> tuple[FloatArray, FloatArray]:
+        """Sums (exits, k, lanes) over all paths inside a component from entrance to exits, and bounds (exits,) on what is missing."""
         others = [node for node in exits if node != entrance]
-        problem = PieceProblem(self.graph, piece, entrance, others, self.crossings if self.limited else math.inf, self.patch)
+        problem = ComponentSum(self.graph, component, entrance, others, self.crossings if self.limited else math.inf, self.patch)
         found, left, work = problem.solve(self.tolerance, self.budget)
         self.sums.work += work
         places = [number for number, node in enumerate(exits) if node != entrance]
@@ -284,13 +285,13 @@ def _convolve(a: FloatArray, b: FloatArray) -> FloatArray:
     return result
 
 
-def _chain(root: Piece) -> int:
+def _chain(root: Component) -> int:
     """The largest number of pieces with patches inside on one way from the root."""
     most = 0
     stack = [(root, 0)]
     while stack:
-        piece, before = stack.pop()
-        here = before + bool(piece.patches)
+        component, before = stack.pop()
+        here = before + bool(component.patches)
         most = max(most, here)
-        stack += [(behind, here) for _, behind in piece.bridges]
+        stack += [(behind, here) for _, behind in component.bridges]
     return most

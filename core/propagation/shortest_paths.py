@@ -1,20 +1,20 @@
-"""Cheapest ways from some nodes to all others, on the graph whose intra-connections are implied.
+"""Single-source shortest paths on a graph whose intra-connections are implied.
 
-Costs are ``-log(gain)``, none of them negative. A node has two labels: the cost of *entering* its object through it, by its
-inter-connection, and the cost of *arriving* at it inside its object, by an intra-connection. What arrives leaves through the
-inter-connection only: that is the rule that no two intra-connections follow each other, whatever the objects' functions are.
+Edge costs are ``-log(gain)`` and never negative. Two costs belong to a node: that of *entering* its object through it, over its
+inter-connection, and that of *arriving* at it inside its object, over an intra-connection. What has arrived leaves through the
+inter-connection only: so no two intra-connections follow each other, whatever the objects' functions are.
 
-An object is relaxed in one vectorised step, from many entries of many roots at once, the cheapest first (label correcting in batches:
-Bertsekas, *Network Optimization*, 1998, section 2.4). Where there is only a trickle of entries, as along a chain, a heap and scalars take
-over (Dijkstra, Numerische Mathematik 1, 1959).
+An object is relaxed in one vectorised step, from many entries of many roots at once, the cheapest first (a label-correcting method in
+batches: D. P. Bertsekas, *Network Optimization*, 1998, section 2.4). Where few entries are pending, as along a chain, Dijkstra's algorithm
+with a binary heap takes over (E. W. Dijkstra, Numerische Mathematik 1, 1959).
 
-Why a hub of n contacts costs O(n): let the cost inside an object be ``a + b d`` with a, b >= 0 and d the distance, and let x have been
-reached inside it at the cost A(x) from an entry e. Entering through x at the cost E(x) >= A(x) - a is useless: for every node y of the
-object, ``E(x) + a + b d(x, y) >= A(x) + b d(x, y) = E(e) + a + b (d(e, x) + d(x, y)) >= E(e) + a + b d(e, y)``, by the triangle
-inequality. So once a cheap entry has been relaxed, the others of the same object drop out one comparison each. Only y = e is left out
-of this, and that one connection is relaxed where it matters (`complete`): to know the way from e to a root that does not lead back through
-e's own contact, and where the object on the other side of that contact has a function of another form. Elsewhere no cheapest path goes
-back to where a cheaper one came in.
+A hub of n contacts costs O(n), not O(n²): let the cost inside an object be ``a + b d`` with a, b >= 0 and d the distance, and let node x
+have been reached inside it at the cost A(x) from an entry e. Entering through x at a cost E(x) >= A(x) - a improves nothing: for every node
+y of the object, ``E(x) + a + b d(x, y) >= A(x) + b d(x, y) = E(e) + a + b (d(e, x) + d(x, y)) >= E(e) + a + b d(e, y)``, by the triangle
+inequality. So once a cheap entry has been relaxed, each other entry of the object drops out with one comparison. The argument does not
+cover y = e. That single connection is relaxed where it matters (`complete`): for the cost from e to a root by a path that does not lead
+back through e's own contact, and where the object beyond that contact has a function of another form. Otherwise no shortest path returns to
+the contact of a cheaper entry.
 """
 
 from __future__ import annotations
@@ -32,36 +32,41 @@ from ..graph.haptic_graph import HapticGraph
 from .connections import intra_costs
 
 BATCH = 1 << 15
-"""Connections relaxed in one vectorised step: enough to hide its overhead, few enough that later entries profit from earlier ones."""
+"""Connections relaxed in one vectorised step: enough to outweigh its overhead, few enough that later entries gain from earlier ones."""
 
-TRICKLE_ROUNDS, TRICKLE = 32, 300
-"""After so many steps that relaxed fewer connections each on average, scalars are faster."""
+SPARSE_ROUNDS, SPARSE = 32, 300
+"""After this many steps with fewer relaxed connections each on average, the heap is faster."""
 
 FEW = 400
-"""Up to so many labels scalars are faster from the beginning."""
+"""Up to this many root and node pairs the heap is faster from the beginning."""
 
 SMALL = 1024
-"""Up to so many nodes or objects, their numbers are copied into lists for the scalars."""
+"""Up to this many nodes or objects, arrays are copied into lists for access element by element."""
 
 LARGE = 48
-"""From this many nodes on, an object is relaxed as an array even when everything else is scalar."""
+"""From this many nodes on, Dijkstra's algorithm relaxes an object as an array."""
 
 
 @dataclass(frozen=True, slots=True)
-class Labels:
-    """Per root set (row) and node: ``arrival`` (r, n) the cost of arriving inside the object, infinite where nothing does, and ``entry``
-    (r, n) the node through which that object was entered (a root in its own object) or -1. ``relaxed`` counts the connections looked at."""
+class ShortestPaths:
+    """Shortest-path trees: costs and predecessors per set of roots (row) and node.
 
-    arrival: FloatArray
+    Attributes:
+        cost: (r, n) cost of arriving inside the node's object; infinite where nothing arrives.
+        entry: (r, n) the node through which that object was entered (a root in its own object), or -1.
+        relaxed: number of connections relaxed.
+    """
+
+    cost: FloatArray
     entry: IntArray
     relaxed: int
 
     def visited(self) -> int:
-        """The most nodes that any root set reaches."""
+        """Number of nodes reached, the largest over the sets of roots."""
         return int(np.count_nonzero(self.entry >= 0, axis=1).max(initial=0))
 
-    def trace(self, graph: HapticGraph, row: int, target: int) -> tuple[int, ...]:
-        """The nodes from a root of the row to ``target``, () where nothing arrives."""
+    def path(self, graph: HapticGraph, row: int, target: int) -> tuple[int, ...]:
+        """Nodes of the shortest path from a root of the row to ``target``; () where nothing arrives."""
         entry, partner = self.entry[row].data, graph.partner.data
         if entry[target] < 0:
             return ()
@@ -76,8 +81,8 @@ class Labels:
             nodes.append(node)
 
 
-class _Work:
-    """Arrays that every step needs."""
+class _Relaxation:
+    """State of the relaxation: costs and entries so far, and what every step reads."""
 
     def __init__(self, graph: HapticGraph, rows: int, limits: FloatArray, complete: bool) -> None:
         self.graph = graph
@@ -96,35 +101,39 @@ class _Work:
         self.relaxed = 0
 
 
-def label(
+def shortest_paths(
     graph: HapticGraph, roots: Sequence[Sequence[int]], limits: FloatArray, targets: IntArray | None = None, complete: bool = False
-) -> Labels:
-    """Labels of each set of roots (source or listener nodes) up to ``limits`` (r,) in cost.
+) -> ShortestPaths:
+    """Shortest-path trees from each set of roots.
 
-    With ``targets`` (nodes), a row is only as complete as they need: it stops where no target can get cheaper. With ``complete``, labels
-    are right also for the nodes through which an object is entered. Gains above 1 count as 1 here.
+    Args:
+        graph: gains above 1 count as 1.
+        roots: source or listener nodes, one set per row.
+        limits: (r,) largest cost of interest.
+        targets: nodes of interest; a row stops where none of them can get cheaper, and is complete only as far as they need. None: all.
+        complete: costs are right also for the nodes through which an object is entered.
     """
-    work = _Work(graph, len(roots), np.array(limits, dtype=np.float64), complete)
+    work = _Relaxation(graph, len(roots), np.array(limits, dtype=np.float64), complete)
     row = np.array([r for r, nodes in enumerate(roots) for _ in nodes], dtype=np.int64)
     node = np.array([n for nodes in roots for n in nodes], dtype=np.int64)
     pending = row, node, np.zeros(len(node))
     rounds = 0
     if len(roots) * graph.node_count <= FEW:
-        _finish_with_heap(work, *pending, targets)
-        return Labels(work.arrival, work.entry, work.relaxed)
+        _finish_by_dijkstra(work, *pending, targets)
+        return ShortestPaths(work.arrival, work.entry, work.relaxed)
     while len(pending[0]):
-        pending = _step(work, *pending)
+        pending = _relax_cheapest(work, *pending)
         rounds += 1
         if targets is not None and len(targets):
             np.minimum(work.limits, work.arrival[:, targets].max(axis=1), out=work.limits)
-        if rounds >= TRICKLE_ROUNDS and work.relaxed < TRICKLE * rounds:
-            _finish_with_heap(work, *pending, targets)
+        if rounds >= SPARSE_ROUNDS and work.relaxed < SPARSE * rounds:
+            _finish_by_dijkstra(work, *pending, targets)
             break
-    return Labels(work.arrival, work.entry, work.relaxed)
+    return ShortestPaths(work.arrival, work.entry, work.relaxed)
 
 
-def _step(work: _Work, row: IntArray, node: IntArray, cost: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
-    """Relax the cheapest pending entries; the pending ones afterwards."""
+def _relax_cheapest(work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+    """Relax the cheapest pending entries. Returns the entries pending afterwards."""
     graph = work.graph
     index = graph.node_object[node]
     within = cost <= work.limits[row]
@@ -135,7 +144,7 @@ def _step(work: _Work, row: IntArray, node: IntArray, cost: FloatArray) -> tuple
         back = back[graph.partner[work.entry[row[back], node[back]]] >= 0]
         if len(back):
             other = work.entry[row[back], node[back]]
-            batches.append(_improve(work, row[back], node[back], cost[back], np.arange(len(back)), other))
+            batches.append(_relax(work, row[back], node[back], cost[back], np.arange(len(back)), other))
     if not useful.all():
         row, node, cost, index = row[useful], node[useful], cost[useful], index[useful]
     if len(row):
@@ -149,7 +158,7 @@ def _step(work: _Work, row: IntArray, node: IntArray, cost: FloatArray) -> tuple
         which = np.arange(len(row)).repeat(size)
         other = np.arange(len(which)) + (graph.start[index] - size.cumsum() + size)[which]
         other += other >= node[which]  # all nodes of the object but the entry itself
-        batches.append(_improve(work, row, node, cost, which, other))
+        batches.append(_relax(work, row, node, cost, which, other))
     if len(batches) == 1:
         return batches[0]
     if not batches:
@@ -158,10 +167,10 @@ def _step(work: _Work, row: IntArray, node: IntArray, cost: FloatArray) -> tuple
     return np.concatenate(rows), np.concatenate(nodes), np.concatenate(costs)
 
 
-def _improve(
-    work: _Work, row: IntArray, node: IntArray, cost: FloatArray, which: IntArray, other: IntArray
+def _relax(
+    work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray, which: IntArray, other: IntArray
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """Relax the connections from entries ``node[which]`` to nodes ``other`` of the same objects; the entries that follow from it."""
+    """Relax the connections from entries ``node[which]`` to nodes ``other`` of the same objects. Returns the new pending entries."""
     graph, arrivals, entries = work.graph, work.arrivals, work.entries
     work.relaxed += len(other)
     begin = node[which]
@@ -174,7 +183,7 @@ def _improve(
     place = (row * work.count)[which] + other
     better = ((candidate < arrivals[place]) & (candidate <= work.limits[row][which])).nonzero()[0]
     place, candidate = place[better], candidate[better]
-    # Of several ways to one node the cheapest, of equal ones that from the first entry.
+    # Several connections to one node: the cheapest wins, among equal ones that from the lowest entry.
     np.minimum.at(arrivals, place, candidate)
     cheapest = (candidate == arrivals[place]).nonzero()[0]
     better, place, candidate = better[cheapest], place[cheapest], candidate[cheapest]
@@ -191,24 +200,24 @@ def _improve(
     return row[go], graph.partner[other[go]], onwards[go]
 
 
-def _finish_with_heap(work: _Work, row: IntArray, node: IntArray, cost: FloatArray, targets: IntArray | None) -> None:
-    scalars = _Scalars(work)
+def _finish_by_dijkstra(work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray, targets: IntArray | None) -> None:
+    elements = _Elements(work)
     for number in sorted(set(row.tolist())):
         mine = row == number
         arrives, enters = _items(work.arrival[number]), _items(work.entry[number])
-        _heap_row(work, scalars, number, list(zip(cost[mine].tolist(), node[mine].tolist(), strict=True)), arrives, enters, targets)
+        _dijkstra(work, elements, number, list(zip(cost[mine].tolist(), node[mine].tolist(), strict=True)), arrives, enters, targets)
         work.arrival[number], work.entry[number] = arrives, enters
 
 
 def _items(array: FloatArray | IntArray) -> Any:
-    """Its numbers to read and write one by one: a list where that is small, because it is faster, else the memory itself."""
+    """The array for access element by element: a list where it is small, because that is faster, else its buffer."""
     return array.tolist() if len(array) <= SMALL else array.data
 
 
-class _Scalars:
-    """What is read one by one. ``points``: positions of the nodes, in a large graph only of the objects met so far."""
+class _Elements:
+    """The graph for access element by element. ``points``: positions of the nodes, in a large graph those of the objects visited so far."""
 
-    def __init__(self, work: _Work) -> None:
+    def __init__(self, work: _Relaxation) -> None:
         graph = work.graph
         self.objects, self.partner, self.start = _items(graph.node_object), _items(graph.partner), _items(graph.start)
         self.crossing, self.loss, self.decay = _items(work.crossing), _items(work.loss), _items(graph.table.decay)
@@ -217,15 +226,15 @@ class _Scalars:
             self.points.update(enumerate(graph.node_position.tolist()))
 
 
-def _heap_row(
-    work: _Work, scalars: _Scalars, row: int, queue: list[tuple[float, int]], arrives: Any, enters: Any, targets: IntArray | None
+def _dijkstra(
+    work: _Relaxation, elements: _Elements, row: int, queue: list[tuple[float, int]], arrives: Any, enters: Any, targets: IntArray | None
 ) -> None:
-    """Dijkstra's algorithm from the pending entries of one row on."""
+    """Dijkstra's algorithm for one row, from its pending entries."""
     graph = work.graph
     heapq.heapify(queue)
     limit = float(work.limits[row])
-    objects, partner, crossing, start = scalars.objects, scalars.partner, scalars.crossing, scalars.start
-    loss, decay, special, points = scalars.loss, scalars.decay, graph.table.special, scalars.points
+    objects, partner, crossing, start = elements.objects, elements.partner, elements.crossing, elements.start
+    loss, decay, special, points = elements.loss, elements.decay, graph.table.special, elements.points
     sought = set() if targets is None else set(targets.tolist())
     settled: set[int] = set()
     push, pop, distance, infinite = heapq.heappush, heapq.heappop, math.dist, math.inf

@@ -1,7 +1,7 @@
-"""How a signal spreads: the strongest arrival at every node from any of the sources, and where it came from.
+"""How a signal spreads: the strongest arrival at every node from any of the sources, and its predecessor.
 
-All implied intra-connections of a frame can't be drawn, and say little: this tree of strongest arrivals has at most one connection per
-node and shows where the signal goes.
+A frame has too many implied intra-connections to draw them all. This forest of strongest arrivals has at most one connection per node and
+shows where the signal goes.
 """
 
 from __future__ import annotations
@@ -17,28 +17,35 @@ from ..graph.haptic_graph import HapticGraph
 from ..scene.values import Settings
 from .best_path import ERROR_LIMIT, SLACK, crossings_of
 from .connections import amplifying, cost_limit
-from .hop_constrained import layers
-from .shortest_paths import label
+from .hop_constrained import hop_constrained_paths
+from .shortest_paths import shortest_paths
 
 ROWS_AT_ONCE = 1 << 20
-"""Nodes of several sources are labelled together up to this number, a bound on memory."""
-LAYERS_UNLIMITED = 64
-"""Contacts crossed where gains exceed 1 and nothing limits the connections."""
+"""Sources are treated together up to this number of pairs of source and node, a bound on memory."""
+HOPS_UNLIMITED = 64
+"""Most contacts on a path where gains exceed 1 and nothing limits the connections."""
 
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """``gain`` (n,): the largest product from any source to each node, the source's amplitude included, 0 where nothing arrives;
-    a source's own node has its amplitude. ``predecessor`` (n,): the node that it came from, -1 at sources and where nothing arrives.
-    Where no gain exceeds 1, following predecessors never lowers the gain."""
+    """The strongest arrival at each node.
+
+    Attributes:
+        gain: (n,) largest product of gains from any source to the node times the source's amplitude; 0 where nothing arrives. A source's
+            own node has its amplitude.
+        predecessor: (n,) the node before it; -1 at sources and where nothing arrives. Where no gain exceeds 1, following predecessors never
+            lowers the gain.
+    """
 
     gain: FloatArray
     predecessor: IntArray
 
 
 def spread(graph: HapticGraph, settings: Settings, sources: Collection[str] | None = None) -> Spread:
-    """The spread from all sources of ``graph``, or from those named in ``sources``, within the two limits of ``settings``. The graph is
-    taken as it is: a rendering that exchanges its functions does so before."""
+    """The spread from all sources of ``graph``, or from those named in ``sources``, within the two limits of ``settings``.
+
+    The graph is used as it is: a caller that shows another mode passes that mode's graph.
+    """
     result = Spread(np.zeros(graph.node_count), np.full(graph.node_count, -1, dtype=np.int64))
     emitting = [s for s in graph.sources if s.amplitude > 0 and (sources is None or s.name in sources)]
     at_once = max(1, ROWS_AT_ONCE // max(graph.node_count, 1))
@@ -55,7 +62,7 @@ def spread(graph: HapticGraph, settings: Settings, sources: Collection[str] | No
 
 
 def _strongest(graph: HapticGraph, roots: list[tuple[int, ...]], settings: Settings) -> tuple[FloatArray, IntArray]:
-    """Cost and predecessor of every node (r, n) from each set of roots, by whichever connection costs less."""
+    """Cost and predecessor (r, n) of every node from each set of roots, over its intra- or its inter-connection."""
     limit = cost_limit(settings.threshold)
     most = settings.max_connections
     inside, entry, contacts = _arrivals(graph, roots, limit, crossings_of(most))
@@ -67,7 +74,7 @@ def _strongest(graph: HapticGraph, roots: list[tuple[int, ...]], settings: Setti
     across = np.full(inside.shape, math.inf)
     across[:, crossed] = before[:, over[crossed]] + graph.transmission_loss[graph.contact[crossed]]
     across[across > limit] = math.inf
-    # Of equal ways the shorter one, so that following predecessors always comes closer to the source.
+    # Of equal costs the one with fewer contacts, so that following predecessors always gets closer to the source.
     crosses = (across < inside) | ((across == inside) & (crossed_before[:, over] < contacts))
     cost = np.minimum(inside, across)
     came_from = np.where(np.isinf(cost), -1, np.where(crosses, over, entry))
@@ -77,7 +84,7 @@ def _strongest(graph: HapticGraph, roots: list[tuple[int, ...]], settings: Setti
 
 
 def _arrivals(graph: HapticGraph, roots: list[tuple[int, ...]], limit: float, crossings: float) -> tuple[FloatArray, IntArray, IntArray]:
-    """Cost of arriving at every node inside its object, the node through which that was entered, and the contacts crossed, each (r, n)."""
+    """Cost of arriving at every node inside its object, the node through which that was entered, and the contacts crossed; each (r, n)."""
     shape = len(roots), graph.node_count
     if crossings < 0:
         return np.full(shape, math.inf), np.full(shape, -1, dtype=np.int64), np.zeros(shape, dtype=np.int64)
@@ -85,23 +92,23 @@ def _arrivals(graph: HapticGraph, roots: list[tuple[int, ...]], limit: float, cr
         rows = np.arange(len(roots))
         arrival, entry, contacts = np.full(shape, math.inf), np.full(shape, -1, dtype=np.int64), np.zeros(shape, dtype=np.int64)
     else:
-        labels = label(graph, roots, np.full(len(roots), limit + SLACK))
-        arrival, entry, contacts = labels.arrival, labels.entry, contacts_crossed(graph, labels.entry)
+        trees = shortest_paths(graph, roots, np.full(len(roots), limit + SLACK))
+        arrival, entry, contacts = trees.cost, trees.entry, contacts_crossed(graph, trees.entry)
         rows = np.flatnonzero((contacts > crossings).any(axis=1))
-    most = int(min(crossings, graph.contact_count, LAYERS_UNLIMITED if crossings == math.inf else math.inf))
+    most = int(min(crossings, graph.contact_count, HOPS_UNLIMITED if crossings == math.inf else math.inf))
     for row in rows.tolist():
         arrival[row], entry[row], contacts[row] = math.inf, -1, 0
-        for k, (nodes, cost, entered) in enumerate(layers(graph, roots[row], limit + SLACK, most).changes):
+        for k, (nodes, cost, entered) in enumerate(hop_constrained_paths(graph, roots[row], limit + SLACK, most).changes):
             arrival[row, nodes], entry[row, nodes], contacts[row, nodes] = cost, entered, k
     arrival[arrival > limit] = math.inf
     return arrival, entry, contacts
 
 
 def contacts_crossed(graph: HapticGraph, entry: IntArray) -> IntArray:
-    """(r, n) number of contacts on the way to each node of trees given by ``entry`` (r, n), see `Labels`; 0 where there is no way."""
+    """(r, n) number of contacts on the path to each node of the trees with ``entry`` (r, n) as in `ShortestPaths`; 0 where none arrives."""
     rows, nodes = entry.shape
     before = np.where(entry >= 0, graph.partner[entry], -1) if nodes else entry
-    # Pointer doubling: each node adds up its way back to a node whose sum is already known, twice as far in every round.
+    # Pointer jumping: in every round each node adds the count of the node that it points to and then points twice as far back.
     pointer = np.where(before >= 0, before + nodes * np.arange(rows)[:, None], -1).reshape(-1)
     count = (pointer >= 0).astype(np.int64)
     pending = np.flatnonzero(pointer >= 0)

@@ -7,17 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray
+from ..graph.distance_only import distance_only
 from ..graph.haptic_graph import HapticGraph
 from ..message import Cause, Message
 from ..scene.bands import BAND_COUNT
 from ..scene.values import Mode, Settings, SourceKind, Strategy
 from .best_path import BestPaths, best_paths, crossings_of, gain_and_error
 from .connections import ROUNDING, amplifying, path_bands, path_delay
-from .delay_taps import strongest_taps
+from .delay_taps import delay_taps
 from .energy_balance import energy_gains
 from .exact.walk_bounds import LARGEST
-from .modes import direct_gains, distance_only, localised, nearest_listener
-from .path_sums import PathSums, limited_sums, reach, unlimited_sums
+from .modes import direct_gains, localised, nearest_listener
+from .path_sums import PathSums, limited_sums, threshold_costs, unlimited_sums
 from .result import Propagation
 
 BUDGET = 1_000_000
@@ -69,7 +70,7 @@ class _Run:
         amplified = amplifying(graph)
         known = None
         if rows and settings.threshold > 0 and not amplified:
-            known = reach(graph, [graph.sources[row].nodes for row in rows], settings.threshold)
+            known = threshold_costs(graph, [graph.sources[row].nodes for row in rows], settings.threshold)
         best = best_paths(
             graph,
             [(int(row), int(column)) for row, column in np.argwhere(self.wanted)],
@@ -154,7 +155,7 @@ class _Run:
         crossings = crossings_of(self.settings.max_connections)
         for pair, nodes in best.nodes.items():
             if self.strategies[pair[0]] is Strategy.ALL_PATHS:
-                taps[pair] = strongest_taps(self.graph, *pair, crossings, self.settings.threshold, amplified)
+                taps[pair] = delay_taps(self.graph, *pair, crossings, self.settings.threshold, amplified)
             else:
                 taps[pair] = ((path_delay(self.graph, nodes), float(gain[pair])),)
         return taps

@@ -1,9 +1,9 @@
-"""Paths in the order of their gain, the strongest first: best-first search over partial paths.
+"""Paths in the order of their gain, the strongest first: best-first search (A*) over partial paths.
 
-A partial path is ranked by its cost plus a lower bound of what is left (the cheapest walk to the target, which may cross contacts that the
-path has crossed already). So the first path that is complete is the cheapest one, the second the next, and so on: Hart, Nilsson, Raphael,
+A partial path is ranked by its cost plus a lower bound on the rest (the cheapest walk to the target, which may cross contacts that the path
+has crossed already). So the first path completed is the cheapest one, the second the next, and so on: P. E. Hart, N. Nilsson, B. Raphael,
 "A formal basis for the heuristic determination of minimum cost paths", IEEE Transactions on Systems Science and Cybernetics 4, 1968. Unlike
-labels this needs no assumption on the objects' functions; its price is that it may have to look at many partial paths, hence the budget.
+a shortest-path tree this needs no assumption about the objects' functions; but it may have to examine many partial paths, hence the budget.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ..graph.haptic_graph import HapticGraph
 from .connections import intra_costs
 
 WALKED = 64
-"""To look at so many nodes of the way so far takes about as long as one partial path does else."""
+"""Nodes of the path so far that are examined in about the time of one partial path."""
 
 _NOTHING = np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0)
 
@@ -39,14 +39,14 @@ class _Partial:
     """A partial path that has just entered an object through ``node``, and its continuations, the most promising first."""
 
     node: int
-    before: tuple[_Partial, int] | None  # what it continues, and by which of the continuations
+    before: tuple[_Partial, int] | None  # the partial path that it continues, and the number of the continuation
     contacts: int
     ends: IntArray
     bounds: FloatArray
     costs: FloatArray
 
     def trail(self) -> list[int]:
-        """The nodes from the root to its own, backwards."""
+        """Its nodes, from the last one back to the root."""
         nodes = [self.node]
         before = self.before
         while before is not None:
@@ -59,9 +59,12 @@ class _Partial:
 class StrongestPaths(Iterator[FoundPath]):
     """Iterates over the paths from any of ``roots`` to ``target``, the strongest first.
 
-    ``ahead`` (k, n): lower bounds of the cost from entering at a node to the target with at most 0, 1, ... contacts more to cross; the
-    last row holds for any larger number. ``crossings`` bounds the contacts of a path, ``limit`` the cost of every beginning of it. After
-    ``budget`` partial paths the iteration stops; `bound` then is a lower bound of the cost of all paths not returned.
+    Args:
+        ahead: (k, n) lower bounds on the cost from entering at a node to the target with at most 0, 1, ... further contacts; the last row
+            holds for any larger number.
+        crossings: most contacts on a path.
+        limit: largest cost of a path and of each of its beginnings.
+        budget: partial paths after which the iteration stops; `bound` then is a lower bound on the cost of all paths not returned.
     """
 
     def __init__(
@@ -82,7 +85,7 @@ class StrongestPaths(Iterator[FoundPath]):
 
     @property
     def bound(self) -> float:
-        """No path that has not been returned costs less."""
+        """Lower bound on the cost of the paths not yet returned."""
         return self._queue[0][0] if self._queue else math.inf
 
     def __next__(self) -> FoundPath:

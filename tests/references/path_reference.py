@@ -113,7 +113,7 @@ def connected_scene(
     size: float = 1.0,
     refined: bool = False,
 ) -> HapticScene:
-    """A scene in one piece with up to ``extra`` contacts more than a tree needs: longer paths than `scenes` draws."""
+    """A scene in one component with up to ``extra`` contacts more than a tree needs: longer paths than `scenes` draws."""
     random = Random(seed)
     count = random.randint(2, most_objects)
     names = [f"o{i}" for i in range(count)]

@@ -1,8 +1,8 @@
-"""The sum over all paths of one piece, exact or to a tolerance.
+"""The sum over all paths of one 2-edge-connected component, exact or to a tolerance.
 
-Two methods compete: the frontier's dynamic programme, whose time grows with the width of the piece and which is exact, and the search that
-merges partial paths, which finds most of the sum where paths lose gain fast and bounds the rest. Each is tried with a small part of the
-budget first, then with more, so that the better one for this piece costs little more than it alone would.
+Two methods compete: the Simpath programme, exact, whose time grows with the width of the component; and the search that merges partial
+paths, which finds most of the sum where paths lose gain fast and bounds the rest. Each is tried with a small part of the budget first, then
+with more, so that the result costs little more than the better method alone.
 """
 
 from __future__ import annotations
@@ -15,40 +15,45 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...graph.haptic_graph import HapticGraph
 from ...scene.bands import BAND_COUNT
-from ..shortest_paths import label
+from ..shortest_paths import shortest_paths
 from . import simpath
-from .bridge_decomposition import Piece
-from .path_search import Found, Limits, Ranking, search
-from .search_graph import Arena, band_factors, build_arena, intra_gains
-from .walk_bounds import LARGEST, Bounds
+from .bridge_decomposition import Component
+from .path_search import ArcRanking, Limits, SearchResult, search
+from .search_graph import SearchGraph, band_factors, build_search_graph, intra_gains
+from .walk_bounds import LARGEST, WalkBounds
 
 STAGES = (1 / 1024, 1 / 256, 1 / 64, 1 / 16, 1 / 4, 1.0)
-"""Parts of the budget that each method is given in turn, until one of them succeeds."""
+"""Parts of the budget given to each method in turn, until one of them succeeds."""
 
 NARROW = 4
-"""So many times the states that its order lets expect the frontier takes in pieces as narrow as a wall: tried before anything else."""
+"""Work allowed to a first attempt with Simpath, as a multiple of the states that its order predicts: enough for a component as narrow as a
+wall."""
 
 SLOWER = 0.4
-"""A unit of the frontier's work takes so much longer than one of the search's that it gets this part of what the search gets, but of all of
-the budget in the end."""
+"""Part of the search's share given to Simpath, a unit of whose work takes longer; in the last stage it gets the whole share."""
 
 EXPECTED = 60
-"""The frontier takes from 1 to 170 times as many transitions as its order lets expect, measured on the benchmark's families: where so many
-times are within the budget, it is tried before the search."""
+"""Simpath takes from 1 to 170 times as many transitions as its order predicts, measured on the benchmark's families: where this multiple is
+within the budget, it is tried before the search."""
 
 PAIRS = 1 << 22
-"""Pairs of nodes that a search holds at most; of a larger piece it takes the strongest part, without a bound of the rest."""
+"""Most pairs of nodes that a search holds; of a larger component it takes the strongest part, without a bound on the rest."""
 
 ROUNDING = 1e-11
-"""Relative allowance for rounding in the bound of a sum that is not exact."""
+"""Relative allowance for rounding in the bound on a sum that is not exact."""
 
 
-class PieceProblem:
-    """The paths of a piece from its entrance to its exits, over at most ``crossings`` contacts. ``patch`` as of `patches_of`."""
+class ComponentSum:
+    """The sum over the paths of a component from its entrance to its exits, over at most ``crossings`` contacts.
 
-    def __init__(self, graph: HapticGraph, piece: Piece, entrance: int, exits: Sequence[int], crossings: float, patch: IntArray) -> None:
+    ``patch`` (c,) as of `contact_patches`.
+    """
+
+    def __init__(
+        self, graph: HapticGraph, component: Component, entrance: int, exits: Sequence[int], crossings: float, patch: IntArray
+    ) -> None:
         self.graph = graph
-        self.piece = piece
+        self.component = component
         self.entrance = entrance
         self.exits = exits
         self.crossings = crossings
@@ -57,31 +62,31 @@ class PieceProblem:
 
     @property
     def limited(self) -> bool:
-        """Whether the number of contacts matters."""
+        """Whether the number of contacts on a path is limited."""
         return self.crossings < math.inf
 
     @property
     def steps(self) -> int:
-        """Numbers of contacts that are told apart."""
+        """Numbers of crossed contacts that are distinguished."""
         return int(self.crossings) + 1 if self.limited else 1
 
     def solve(self, tolerance: float, budget: int) -> tuple[FloatArray, FloatArray, int]:
-        """Sums (exits, contacts crossed, lanes), bounds (exits,) of what is missing of them, and the work done."""
-        programme = Programme(self)
-        exact, spent = programme.sum(int(min(NARROW * programme.width, budget * STAGES[-3])))
+        """Sums (exits, contacts crossed, lanes), bounds (exits,) on what is missing from them, and the work done."""
+        simpath_sum = SimpathSum(self)
+        exact, spent = simpath_sum.sum(int(min(NARROW * simpath_sum.width, budget * STAGES[-3])))
         if exact is not None:
             return exact, np.zeros(len(self.exits)), spent
         entries, whole = self._entries()
-        arena = build_arena(self.graph, entries, [self.entrance], self.exits, self.patch)
-        bounds = Bounds(arena, self.crossings, whole)
-        known, unknown = np.zeros(len(self.exits)), np.full(len(arena.nodes), math.inf)
-        best: Found | None = None
+        search_graph = build_search_graph(self.graph, entries, [self.entrance], self.exits, self.patch)
+        bounds = WalkBounds(search_graph, self.crossings, whole)
+        known, unknown = np.zeros(len(self.exits)), np.full(len(search_graph.nodes), math.inf)
+        best: SearchResult | None = None
         for part in STAGES:
             share = int(budget * part)
-            first = part == STAGES[0] or programme.width * EXPECTED <= share
-            for method in ("frontier", "search") if first else ("search", "frontier"):
-                if method == "frontier":
-                    exact, work = programme.sum(share if part == STAGES[-1] else int(share * SLOWER))
+            first = part == STAGES[0] or simpath_sum.width * EXPECTED <= share
+            for method in ("simpath", "search") if first else ("search", "simpath"):
+                if method == "simpath":
+                    exact, work = simpath_sum.sum(share if part == STAGES[-1] else int(share * SLOWER))
                     spent += work
                     if exact is not None:
                         return exact, np.zeros(len(self.exits)), spent
@@ -89,7 +94,7 @@ class PieceProblem:
                 # A limited sum is asked for exactly; so is one that costs next to nothing.
                 accepted = 0.0 if self.limited and part != STAGES[-1] else tolerance
                 limits = Limits(self.crossings, 0.0, unknown, 0.0 if first else accepted, known, max(1, share // 4), share)
-                found = search(arena, np.ones((1, arena.lanes)), limits, bounds, merge=True)
+                found = search(search_graph, np.ones((1, search_graph.lanes)), limits, bounds, merge=True)
                 if not whole:
                     found.missing[:] = LARGEST
                 spent += found.work
@@ -100,29 +105,28 @@ class PieceProblem:
                     return self._by_count(best), best.missing * (1 + ROUNDING), spent
         assert best is not None
         if np.any(best.missing > best.sums.sum(axis=0)[:, 0]):
-            best, work = self._strongest(arena, bounds, best, budget)
+            best, work = self._strongest(search_graph, bounds, best, budget)
             spent += work
         return self._by_count(best), best.missing * (1 + ROUNDING), spent
 
-    def _strongest(self, arena: Arena, bounds: Bounds, best: Found, budget: int) -> tuple[Found, int]:
-        """Where the bounds say little: the sum over the strongest paths, as far down as the budget allows, if that is more than what was
-        found. The upper bound stays."""
+    def _strongest(self, search_graph: SearchGraph, bounds: WalkBounds, best: SearchResult, budget: int) -> tuple[SearchResult, int]:
+        """The sum over the strongest paths, as far down as the budget allows, if it is more than ``best``; the upper bound stays."""
         upper = best.sums.sum(axis=0)[:, 0] + best.missing
         ahead = bounds.strongest().max(axis=1)
         threshold = float(ahead[-1])
-        ranking = Ranking.of(arena, ahead)
+        ranking = ArcRanking.of(search_graph, ahead)
         spent = 0
         while spent < budget and threshold > 0:
             threshold *= 0.1
             limits = Limits(self.crossings, threshold, ahead, 0.0, np.zeros(len(self.exits)), budget, budget - spent)
-            found = search(arena, np.ones((1, arena.lanes)), limits, bounds, False, ranking)
+            found = search(search_graph, np.ones((1, search_graph.lanes)), limits, bounds, False, ranking)
             spent += found.work
             if found.sums[..., 0].sum() > best.sums[..., 0].sum():
                 missing = np.maximum(upper - found.sums.sum(axis=0)[:, 0], 0.0)
-                best = Found(found.sums, np.where(upper >= LARGEST, LARGEST, missing), found.paths, found.work)
+                best = SearchResult(found.sums, np.where(upper >= LARGEST, LARGEST, missing), found.paths, found.work)
         return best, spent
 
-    def _by_count(self, found: Found) -> FloatArray:
+    def _by_count(self, found: SearchResult) -> FloatArray:
         sums = np.zeros((len(self.exits), self.steps, self.lanes))
         by_count = found.sums.transpose(1, 0, 2)
         if not self.limited:
@@ -133,16 +137,16 @@ class PieceProblem:
         return sums
 
     def _entries(self) -> tuple[IntArray, bool]:
-        """The contact nodes that a search has to enter objects through, and whether these are all that there are."""
+        """The contact nodes through which a search enters objects, and whether these are all of them."""
         graph = self.graph
-        nodes = np.array([node for patch in self.piece.patches for pair in patch for node in pair], dtype=np.int64)
+        nodes = np.array([node for patch in self.component.patches for pair in patch for node in pair], dtype=np.int64)
         if self.limited:
             nodes = nodes[self._contacts_needed(nodes) <= self.crossings]
         if _pairs(graph, nodes) <= PAIRS:
             return nodes, True
         limits = np.array([math.inf])
-        arrival = label(graph, [(self.entrance,)], limits, complete=True).arrival[0]
-        behind = label(graph, [self.exits], limits, complete=True).arrival[0]
+        arrival = shortest_paths(graph, [(self.entrance,)], limits, complete=True).cost[0]
+        behind = shortest_paths(graph, [self.exits], limits, complete=True).cost[0]
         cost = arrival[graph.partner[nodes]] + graph.transmission_loss[graph.contact[nodes]] + behind[nodes]
         order = np.lexsort((nodes, cost))
         few, many = 0, len(nodes)
@@ -181,28 +185,30 @@ def _pairs(graph: HapticGraph, nodes: IntArray) -> int:
     return int((sizes * sizes).sum())
 
 
-def _better(found: Found, best: Found) -> bool:
-    """Less is missing, or, where nothing is known of that, more is found."""
+def _better(found: SearchResult, best: SearchResult) -> bool:
+    """Whether less is missing, or, where nothing bounds what is missing, more is found."""
     if np.max(found.missing, initial=0.0) >= LARGEST:
         return bool(found.sums[..., 0].sum() > best.sums[..., 0].sum())
     return bool(found.missing.sum() <= best.missing.sum())
 
 
-class Programme:
-    """The frontier dynamic programme of a piece, prepared once for several attempts."""
+class SimpathSum:
+    """The Simpath programme of a component, prepared once for several attempts."""
 
-    def __init__(self, problem: PieceProblem) -> None:
+    def __init__(self, problem: ComponentSum) -> None:
         self.problem = problem
         self.graph = problem.graph
         self.lanes = problem.lanes
         self.exits = np.array(problem.exits, dtype=np.int64)
-        piece, entrance = problem.piece, problem.entrance
+        component, entrance = problem.component, problem.entrance
         objects, position = self.graph.node_object, self.graph.node_position
-        edges = [(int(objects[patch[0][0]]), int(objects[patch[0][1]])) for patch in piece.patches]
-        places = {index: position[a].tolist() for patch in piece.patches for a, b in patch for index in (int(objects[a]), int(objects[b]))}
+        edges = [(int(objects[patch[0][0]]), int(objects[patch[0][1]])) for patch in component.patches]
+        places = {
+            index: position[a].tolist() for patch in component.patches for a, b in patch for index in (int(objects[a]), int(objects[b]))
+        }
         start = int(objects[entrance])
         order, self.expected = simpath.order_patches(edges, places, start)
-        ordered = [[(int(objects[a]), a, int(objects[b]), b) for a, b in piece.patches[number]] for number in order]
+        ordered = [[(int(objects[a]), a, int(objects[b]), b) for a, b in component.patches[number]] for number in order]
         self.width = self.expected[-1] if self.expected else 0.0
         try:
             self.crossings = simpath.plan(ordered, (start, entrance))
@@ -252,7 +258,7 @@ class Programme:
         return weights
 
     def sum(self, allowed: int) -> tuple[FloatArray | None, int]:
-        """(exits, k, lanes), or None where ``allowed`` altogether is not enough; and the work done this time."""
+        """Sums (exits, contacts crossed, lanes), or None where ``allowed`` work in all is not enough; and the work done by this call."""
         if self.width > allowed:
             return None, 0
         with np.errstate(over="ignore", invalid="ignore"):
@@ -260,7 +266,7 @@ class Programme:
                 self.running = self._begin()
             before = self.running.work
             total = self.running.run(allowed)
-        # What is larger than any number is no sum: the search reports it as one without bound.
+        # Overflow: the search reports such a sum as a lower bound.
         found = total if total is not None and np.all(total <= LARGEST) else None
         return found, int(self.running.work - before)
 

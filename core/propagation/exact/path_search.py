@@ -1,12 +1,12 @@
-"""Sums over paths by search: all partial paths with the same number of contacts are taken one step further at once, as arrays.
+"""Sums over paths by breadth-first search: all partial paths with the same number of contacts take their next step at once, as arrays.
 
-Without a threshold, partial paths that have crossed the same patches in different orders and stand at the same entry are one state from
-there on: they are merged, their gains added. (A ground with m arches has m! orders of its arches but only 2^m sets of them.) With a
-threshold each keeps its own gain, because each may or may not fall below it further on; what can't meet it any more, even on the cheapest
-way to a listener, is not followed.
+Without a threshold, partial paths that have crossed the same patches in different orders and stand at the same entry have the same
+continuations: they are merged into one state, their gains added. (A ground with m arches has m! orders of its arches but only 2^m sets of
+them.) With a threshold each partial path keeps its own gain, because each may or may not fall below the threshold later; what can't meet
+it any more, even over the cheapest path to a listener, is not continued.
 
 States of little weight may be dropped: the sum over all walks onwards (`walk_sums`) bounds what is lost, so the result is an interval, the
-sum of what was found and a bound of the rest. How much is dropped follows from the tolerance wanted and from the number of states allowed.
+sum found and a bound on the rest. How much is dropped follows from the tolerance and from the number of states allowed.
 """
 
 from __future__ import annotations
@@ -19,42 +19,50 @@ from numpy.typing import NDArray
 
 from ...arrays import BoolArray, FloatArray, IntArray
 from ..connections import ROUNDING
-from .search_graph import Arena, Rows
-from .walk_bounds import LARGEST, Bounds
+from .search_graph import Arcs, SearchGraph
+from .walk_bounds import LARGEST, WalkBounds
 
 KeyArray = NDArray[np.uint64]
 BitArray = NDArray[np.uint8] | NDArray[np.uint64]
 
 PAIRS = 4
-"""So many steps are looked at as quickly as one unit of work elsewhere is done."""
+"""Steps examined in the time of one unit of work."""
 
 FEW = 1000
-"""Up to so many steps or paths, plain ways are faster, and precise enough."""
+"""Up to this many steps or paths, plain loops and sums are faster, and precise enough."""
 
 BINS, TABLE = 64, 1 << 20
-"""The costs of steps are told apart this finely, in less detail where that would take so many numbers."""
+"""Bins of the costs of steps, fewer where the table of counts would exceed this size."""
 
 BITES = 256
-"""To copy so many bytes of crossed patches takes as long as one unit of work elsewhere."""
+"""Bytes of crossed patches copied in the time of one unit of work."""
 
 WORD = 64
-"""Patches that one number has bits for."""
+"""Patches that fit the bits of one number."""
 
 BYTES = 1 << 28
-"""What the states may take together."""
+"""Most bytes that the states may take."""
 
 SPENT_ON_LEVEL = 0.5
-"""Part of the work still allowed that one level may take: something has to be left for the deeper ones."""
+"""Part of the remaining work that one level may take, so that some is left for the deeper ones."""
 
 SPENT_PER_LEVEL = 0.15
-"""Part of the error still allowed that one level may use: enough to thin the states out, and something is left for the deeper ones."""
+"""Part of the remaining error that one level may use: enough to thin out the states, with some left for the deeper levels."""
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """``crossings`` contacts on a path at most; ``threshold`` of its gain; ``ahead`` (e,) the largest gain from each entry to a listener
-    (infinite where it is not known). ``tolerance`` relative error allowed; ``known`` (l,) lower bounds of the sums; ``states`` kept at most
-    at a time, and ``work`` allowed altogether."""
+    """Limits of a search.
+
+    Attributes:
+        crossings: most contacts on a path.
+        threshold: least gain of a path.
+        ahead: (e,) largest gain from each entry to a listener; infinite where it is not known.
+        tolerance: relative error allowed.
+        known: (l,) lower bounds on the sums.
+        states: most states held at a time.
+        work: most work in all.
+    """
 
     crossings: float
     threshold: float
@@ -66,9 +74,15 @@ class Limits:
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
-    """``sums`` (k, l, lanes) over the paths with k contacts; ``missing`` (l,) a bound of all paths not in them; ``paths`` (l,) their
-    number; ``work`` that was done."""
+class SearchResult:
+    """What a search found.
+
+    Attributes:
+        sums: (k, l, lanes) over the paths with k contacts to each listener.
+        missing: (l,) bound on the sum of all paths left out.
+        paths: (l,) number of paths summed.
+        work: work done.
+    """
 
     sums: FloatArray
     missing: FloatArray
@@ -76,10 +90,10 @@ class Found:
     work: int
 
 
-class Ranking:
-    """``steps`` of each entry with the most promising first, by the ``cost`` of a step and the strongest way on together."""
+class ArcRanking:
+    """The steps of each entry, the most promising first: ranked by the cost of the step and of the strongest path onwards."""
 
-    def __init__(self, steps: Rows, cost: FloatArray) -> None:
+    def __init__(self, steps: Arcs, cost: FloatArray) -> None:
         self.steps = steps
         self._cost = cost
         self._bins = max(1, min(BINS, TABLE // len(steps.size)))
@@ -87,20 +101,20 @@ class Ranking:
         self._within = np.zeros(0, dtype=np.int64)
 
     @classmethod
-    def of(cls, arena: Arena, ahead: FloatArray) -> Ranking | None:
-        """Ranked where that is worth it and it is known what is ahead, else None."""
-        steps = arena.steps
+    def of(cls, search_graph: SearchGraph, ahead: FloatArray) -> ArcRanking | None:
+        """The ranking, or None where it is not worth its time or the gains ahead are not known."""
+        steps = search_graph.steps
         if len(steps.to) <= FEW or not np.all(np.isfinite(ahead)):
             return None
-        entry = np.arange(len(arena.nodes)).repeat(steps.size)
+        entry = np.arange(len(search_graph.nodes)).repeat(steps.size)
         with np.errstate(divide="ignore"):
             cost = np.minimum(-np.log(steps.gain * ahead[steps.to]), 800.0)
         order = np.argsort(entry * _SCALE + cost, kind="stable")
         ranked = steps.to[order], steps.inside[order], steps.gain[order], steps.weight.take(order, axis=0)
-        return cls(Rows(steps.start, steps.size, *ranked), cost[order])
+        return cls(Arcs(steps.start, steps.size, *ranked), cost[order])
 
     def promising(self, entry: IntArray, gain: FloatArray, least: float) -> IntArray:
-        """How many of the ranked steps may still meet the threshold from each state (or a few more: it is checked again exactly)."""
+        """How many of the ranked steps may still meet the threshold from each state, or a few more: the search checks exactly."""
         scale = self._bins / (1e-6 - math.log(least))
         if least != self._least:
             self._least, self._within = least, self._counted(scale)
@@ -109,7 +123,7 @@ class Ranking:
         return np.asarray(self._within[allowed])
 
     def _counted(self, scale: float) -> IntArray:
-        """By entry and by cost in bins, the last one for any cost: how many steps of the entry cost as much or less."""
+        """Cumulative counts of steps by entry and bin of cost, the last bin for any cost."""
         count = len(self.steps.size)
         step = np.clip(self._cost * scale, 0, self._bins + 1).astype(np.int64)
         step += np.arange(count).repeat(self.steps.size) * (self._bins + 2)
@@ -123,8 +137,8 @@ _SCALE = 1024.0
 
 @dataclass(slots=True)
 class _States:
-    """Partial paths: the entry where each stands, its ``gain``, its ``value`` (n, lanes) with shares and bands, a bit for each of the
-    patches ``crossed`` ((n, bytes), or (n,) where they are few), and the sum of their keys where they are merged."""
+    """Partial paths: the entry where each stands, its gain, its value (n, lanes) with shares and bands, the bit set of the patches crossed
+    ((n, bytes), or (n,) where they are few), and the hash of that set where states are merged."""
 
     entry: IntArray
     gain: FloatArray
@@ -141,29 +155,31 @@ class _States:
         return _States(self.entry[chosen], self.gain[chosen], self.value.take(chosen, axis=0), crossed, key)
 
 
-def search(arena: Arena, starts: FloatArray, limits: Limits, bounds: Bounds, merge: bool, ranking: Ranking | None = None) -> Found:
-    """Sum over all paths from the arena's roots, which have the values ``starts`` (r, lanes), to its listeners.
+def search(
+    search_graph: SearchGraph, starts: FloatArray, limits: Limits, bounds: WalkBounds, merge: bool, ranking: ArcRanking | None = None
+) -> SearchResult:
+    """Sum over all paths from the roots of the search graph, which have the values ``starts`` (r, lanes), to its listeners.
 
-    ``bounds`` are asked for only when something has to be dropped. ``merge`` only without a threshold.
-    ``ranking`` of the arena's steps by the same ``ahead`` as in the limits makes a search with a threshold faster where there are many.
+    ``bounds`` are computed only when something has to be dropped. ``merge`` only without a threshold. ``ranking``: steps ranked by the
+    same ``ahead`` as in the limits, which makes a search with a threshold faster where there are many.
     """
-    count = len(arena.nodes)
+    count = len(search_graph.nodes)
     roots = np.arange(count - len(starts), count)
     least = limits.threshold * (1 - ROUNDING)
-    steps = arena.steps if ranking is None else ranking.steps
+    steps = search_graph.steps if ranking is None else ranking.steps
     promise = limits.ahead[steps.to] if least == 0 else steps.gain * limits.ahead[steps.to]
-    growing = bool(np.max(steps.gain, initial=0.0) > 1 or np.max(arena.ends.gain, initial=0.0) > 1)
+    growing = bool(np.max(steps.gain, initial=0.0) > 1 or np.max(search_graph.ends.gain, initial=0.0) > 1)
     amplified = not np.all(np.isfinite(limits.ahead))
-    keys = _keys(arena) if merge else None
-    plain = not merge and arena.lanes == 1 and np.all(starts == 1) and np.array_equal(steps.weight[:, 0], steps.gain)
-    marks = _Marks(arena.patch)
+    keys = _keys(search_graph) if merge else None
+    plain = not merge and search_graph.lanes == 1 and np.all(starts == 1) and np.array_equal(steps.weight[:, 0], steps.gain)
+    marks = _PatchSets(search_graph.patch)
     each = 1 / PAIRS + marks.size / BITES
     states = _States(roots, np.ones(len(roots)), starts, marks.none(len(roots)), np.zeros(len(roots), dtype=np.uint64))
     room = min(limits.states, BYTES // (marks.size + 64))
     standing: list[_States] = []
     ended: list[tuple[IntArray, FloatArray]] = []
-    missing = np.zeros(arena.listeners)
-    total = np.zeros(arena.listeners)
+    missing = np.zeros(search_graph.listeners)
+    total = np.zeros(search_graph.listeners)
     work = 0
     level = levels = 0
     while len(states):
@@ -179,11 +195,11 @@ def search(arena: Arena, starts: FloatArray, limits: Limits, bounds: Bounds, mer
         standing.append(states)
         levels = level + 1
         if limits.tolerance > 0 or sum(map(len, standing)) > FEW:
-            ended.append(_end(arena, standing, levels, least))
+            ended.append(_end(search_graph, standing, levels, least))
             standing = []
         if limits.tolerance > 0:
             cell, value = ended[-1]
-            total += np.bincount(cell - level * arena.listeners, weights=value[:, 0], minlength=arena.listeners)
+            total += np.bincount(cell - level * search_graph.listeners, weights=value[:, 0], minlength=search_graph.listeners)
         if level >= limits.crossings:
             break
         which, step = steps.expand(states.entry, sizes)
@@ -212,16 +228,16 @@ def search(arena: Arena, starts: FloatArray, limits: Limits, bounds: Bounds, mer
             missing[:] = LARGEST
         level += 1
     if standing:
-        ended.append(_end(arena, standing, levels, least))
-    sums, paths = _add_up(ended, levels, arena)
+        ended.append(_end(search_graph, standing, levels, least))
+    sums, paths = _add_up(ended, levels, search_graph)
     if growing:
         missing[(sums[..., 0].sum(axis=0) > LARGEST) | (np.max(steps.gain) > LARGEST)] = LARGEST
         np.minimum(sums, LARGEST, out=sums)
-    return Found(sums, missing, paths, work)
+    return SearchResult(sums, missing, paths, work)
 
 
-class _Marks:
-    """Sets of the patches that lead into the entries, a bit for each: of up to 64 one number a set, of more a row of bytes."""
+class _PatchSets:
+    """Bit sets of patches: one number per set of up to 64 patches, a row of bytes for more."""
 
     def __init__(self, patch: IntArray) -> None:
         which, count = patch, int(patch.max()) + 1
@@ -230,7 +246,7 @@ class _Marks:
             none = int(numbers[0] == -1)
             which, count = which - none, len(numbers) - none
         self.size = count // 8 + 1
-        """Bytes that a set takes."""
+        """Bytes per set."""
         self._few = count <= WORD
         if self._few:
             self._bit = np.where(patch == -1, 0, np.left_shift(1, which.astype(np.uint64) & np.uint64(63), dtype=np.uint64))
@@ -239,11 +255,11 @@ class _Marks:
             self._place = np.maximum(which, 0) >> 3
 
     def none(self, count: int) -> BitArray:
-        """So many empty sets."""
+        """``count`` empty sets."""
         return np.zeros(count, dtype=np.uint64) if self._few else np.zeros((count, self.size), dtype=np.uint8)
 
     def missing(self, crossed: BitArray, which: IntArray, entry: IntArray) -> BoolArray:
-        """Whether the patch that leads into ``entry[k]`` is not in the set ``crossed[which[k]]``."""
+        """Whether the patch that leads into ``entry[k]`` is missing from the set ``crossed[which[k]]``."""
         there = crossed[which] if self._few else crossed.reshape(-1)[which * self.size + self._place[entry]]
         return np.asarray((there & self._bit[entry]) == 0)
 
@@ -257,41 +273,40 @@ class _Marks:
         return sets
 
 
-def _keys(arena: Arena) -> tuple[KeyArray, KeyArray]:
-    """Random keys of the patches that lead into the entries, and of the entries. Sets of patches are told apart by the sums of their keys,
-    and compared in full before they are merged."""
+def _keys(search_graph: SearchGraph) -> tuple[KeyArray, KeyArray]:
+    """Random keys of the patches that lead into the entries, and of the entries. A set is hashed by the sum of its keys, and compared in
+    full before states are merged."""
     generator = np.random.default_rng(0)
-    count = len(arena.patch)
-    _, patch = np.unique(arena.patch, return_inverse=True)
+    count = len(search_graph.patch)
+    _, patch = np.unique(search_graph.patch, return_inverse=True)
     of_patches: KeyArray = generator.integers(0, 1 << 63, count, dtype=np.uint64)
     of_entries: KeyArray = generator.integers(0, 1 << 63, count, dtype=np.uint64)
     return of_patches[patch], of_entries
 
 
-def _end(arena: Arena, standing: list[_States], levels: int, least: float) -> tuple[IntArray, FloatArray]:
-    """The paths that end at a listener from states of the last ones of ``levels``: numbers ``level * listeners + listener``, and their
-    values (n, lanes)."""
+def _end(search_graph: SearchGraph, standing: list[_States], levels: int, least: float) -> tuple[IntArray, FloatArray]:
+    """The paths that end at a listener from the states of the last levels: their cells ``level * listeners + listener``, and their values
+    (n, lanes)."""
     entry = np.concatenate([states.entry for states in standing])
     gain = np.concatenate([states.gain for states in standing])
     value = np.concatenate([states.value for states in standing])
-    cell = (np.arange(levels - len(standing), levels) * arena.listeners).repeat([len(states) for states in standing])
-    which, end = arena.ends.expand(entry)
+    cell = (np.arange(levels - len(standing), levels) * search_graph.listeners).repeat([len(states) for states in standing])
+    which, end = search_graph.ends.expand(entry)
     if least > 0:
-        kept = (gain[which] * arena.ends.gain[end] >= least).nonzero()[0]
+        kept = (gain[which] * search_graph.ends.gain[end] >= least).nonzero()[0]
         which, end = which[kept], end[kept]
-    return cell[which] + arena.ends.to[end], value.take(which, axis=0) * arena.ends.weight.take(end, axis=0)
+    return cell[which] + search_graph.ends.to[end], value.take(which, axis=0) * search_graph.ends.weight.take(end, axis=0)
 
 
-def _add_up(ended: list[tuple[IntArray, FloatArray]], levels: int, arena: Arena) -> tuple[FloatArray, IntArray]:
-    """Sums (k, l, lanes) and numbers (l,) of paths, from those that ended with 0, 1, ... contacts. Added pairwise, so that small terms are
-    not lost among many."""
-    cells = levels * arena.listeners
+def _add_up(ended: list[tuple[IntArray, FloatArray]], levels: int, search_graph: SearchGraph) -> tuple[FloatArray, IntArray]:
+    """Sums (k, l, lanes) and numbers (l,) of paths by contacts crossed. Many terms are added pairwise, so that small ones are not lost."""
+    cells = levels * search_graph.listeners
     cell = np.concatenate([cell for cell, _ in ended])
     values = np.concatenate([values for _, values in ended])
     numbers = np.bincount(cell, minlength=cells)
-    sums = np.zeros((cells, arena.lanes))
+    sums = np.zeros((cells, search_graph.lanes))
     if len(cell) <= FEW:
-        for lane in range(arena.lanes):
+        for lane in range(search_graph.lanes):
             sums[:, lane] = np.bincount(cell, weights=values[:, lane], minlength=cells)
     else:
         ordered = values.take(np.argsort(cell, kind="stable"), axis=0)
@@ -299,11 +314,11 @@ def _add_up(ended: list[tuple[IntArray, FloatArray]], levels: int, arena: Arena)
         for place in np.flatnonzero(numbers).tolist():
             first, last = last, last + int(numbers[place])
             sums[place] = np.ascontiguousarray(ordered[first:last].T).sum(axis=1)
-    return sums.reshape(levels, arena.listeners, arena.lanes), numbers.reshape(levels, -1).sum(axis=0)
+    return sums.reshape(levels, search_graph.listeners, search_graph.lanes), numbers.reshape(levels, -1).sum(axis=0)
 
 
 def _merge(states: _States, entry_key: KeyArray) -> _States:
-    """One state for all that stand at the same entry with the same patches crossed."""
+    """The states with those merged that stand at the same entry and have crossed the same patches."""
     if len(states) < 2:
         return states
     key = states.key ^ entry_key[states.entry]
@@ -325,7 +340,7 @@ def _merge(states: _States, entry_key: KeyArray) -> _States:
 def _kept(
     states: _States,
     limits: Limits,
-    bounds: Bounds,
+    bounds: WalkBounds,
     level: int,
     total: FloatArray,
     missing: FloatArray,
@@ -333,8 +348,8 @@ def _kept(
     cost: FloatArray,
     allowed: float,
 ) -> IntArray:
-    """The states that stay. Those of least weight are left out: as many as the tolerance allows at this level, and all above the number
-    ``most`` or the work ``allowed`` (of which each takes its ``cost``). What they might have added goes to ``missing``."""
+    """Numbers of the states that stay. Those of least weight are dropped: as many as the tolerance allows at this level, and all beyond the
+    number ``most`` or the work ``allowed`` (each state takes its ``cost``). What they might have added is added to ``missing``."""
     value = states.value[:, :1]
     left = np.minimum(value * bounds.sums(level)[states.entry], LARGEST)
     with np.errstate(divide="ignore", over="ignore"):

@@ -1,7 +1,7 @@
-"""The part of a graph that a search over paths moves in, as arrays.
+"""The part of a haptic graph that a search over paths uses, as arrays.
 
-A search is at an *entry*: a contact node through which an object has just been entered, or a root. From an entry it steps, by one
-intra-connection and one inter-connection, to other entries, or it ends, by one intra-connection, at a listener.
+A partial path stands at an *entry*: a contact node through which an object has just been entered, or a root. From an entry it steps, over
+one intra-connection and one inter-connection, to other entries, or it ends, over one intra-connection, at a listener.
 """
 
 from __future__ import annotations
@@ -16,17 +16,22 @@ from ...graph.haptic_graph import HapticGraph
 from ...scene.bands import BAND_COUNT
 
 OVERFLOWN = 2e300
-"""Products above this are given as this: above all that is taken for a sum, and still a number."""
+"""Products above this are cut to this: above `LARGEST`, and still a number."""
 
 CHUNK = 1 << 18
-"""Pairs of nodes looked at in one vectorised step, a bound on memory."""
+"""Pairs of nodes examined in one vectorised step, a bound on memory."""
 
 
 @dataclass(frozen=True, slots=True)
-class Rows:
-    """Connections by the entry that they start from: those of entry e are the ``size[e]`` from ``start[e]`` on. ``to`` an entry or the
-    number of a listener; ``inside`` gain of the intra-connection; ``gain`` with that of the inter-connection; ``weight`` (n, lanes) is
-    ``gain`` times the share of the contact, in lane 0 alone and in the others with the gain of each band."""
+class Arcs:
+    """Steps in compressed rows: those of entry e are the ``size[e]`` from ``start[e]`` on.
+
+    Attributes:
+        to: the entry or the number of the listener that a step leads to.
+        inside: gain of its intra-connection.
+        gain: that times the gain of its inter-connection.
+        weight: (n, lanes) gain times the share of the contact; lane 0 the plain gain, the others those of the bands.
+    """
 
     start: IntArray
     size: IntArray
@@ -36,7 +41,7 @@ class Rows:
     weight: FloatArray
 
     def expand(self, entry: IntArray, count: IntArray | None = None) -> tuple[IntArray, IntArray]:
-        """For states at ``entry``: which state, and which connection, for all connections of each (or its first ``count``)."""
+        """For states at ``entry``: which state and which step, for all steps of each state or its first ``count``."""
         first = self.start[entry]
         size = self.size[entry] if count is None else count
         last = size.cumsum()
@@ -45,14 +50,21 @@ class Rows:
 
 
 @dataclass(frozen=True, slots=True)
-class Arena:
-    """``nodes`` (e,) of the graph that are entries, the roots last; ``steps`` to other entries and ``ends`` at listeners; ``patch`` (e,)
-    number of the patch that leads into the entry, -1 for a root."""
+class SearchGraph:
+    """Entries and steps.
+
+    Attributes:
+        nodes: (e,) nodes of the haptic graph that are entries, the roots last.
+        patch: (e,) number of the patch that leads into the entry, -1 for a root.
+        steps: steps to other entries.
+        ends: steps to listeners.
+        listeners: number of listeners.
+    """
 
     nodes: IntArray
     patch: IntArray
-    steps: Rows
-    ends: Rows
+    steps: Arcs
+    ends: Arcs
     listeners: int
 
     @property
@@ -87,18 +99,18 @@ def band_factors(graph: HapticGraph, index: IntArray, distance: FloatArray) -> F
     return factors
 
 
-def build_arena(
+def build_search_graph(
     graph: HapticGraph,
     entries: IntArray,
     roots: Sequence[int],
     listeners: Sequence[int],
     patch: IntArray,
-    reach: tuple[FloatArray, FloatArray, float] | None = None,
-) -> Arena:
-    """Arrays of the search from ``roots`` over ``entries`` (contact nodes) to ``listeners``.
+    within: tuple[FloatArray, FloatArray, float] | None = None,
+) -> SearchGraph:
+    """The search graph from ``roots`` over ``entries`` (contact nodes) to ``listeners``.
 
-    ``patch`` as of `patches_of`. ``reach``: costs of getting to each node of the graph as an entry and of getting on from it to a listener,
-    and a limit: connections on no path within the limit are left out.
+    ``patch`` as of `contact_patches`. ``within``: (n,) least cost from a root to each node as an entry, (n,) least cost from it to a
+    listener, and a limit: steps on no path within the limit are left out.
     """
     entries = np.sort(entries)
     nodes = np.concatenate([entries, np.array(roots, dtype=np.int64)])
@@ -106,11 +118,11 @@ def build_arena(
     local[nodes] = np.arange(len(nodes))
     exits = np.array(listeners, dtype=np.int64)
     number = np.argsort(graph.node_object[exits], kind="stable")
-    steps = _rows(graph, nodes, np.sort(graph.partner[entries]), None, local, reach)
-    ends = _rows(graph, nodes, exits[number], number, local, reach)
+    steps = _rows(graph, nodes, np.sort(graph.partner[entries]), None, local, within)
+    ends = _rows(graph, nodes, exits[number], number, local, within)
     entered = np.full(len(nodes), -1, dtype=np.int64)
     entered[: len(entries)] = patch[graph.contact[entries]]
-    return Arena(nodes, entered, steps, ends, len(exits))
+    return SearchGraph(nodes, entered, steps, ends, len(exits))
 
 
 def _rows(
@@ -119,13 +131,13 @@ def _rows(
     targets: IntArray,
     number: IntArray | None,
     local: IntArray,
-    reach: tuple[FloatArray, FloatArray, float] | None,
-) -> Rows:
-    """Connections from entries to contact nodes (and through them), or to listeners with their ``number``; ``targets`` sorted by object."""
+    within: tuple[FloatArray, FloatArray, float] | None,
+) -> Arcs:
+    """Steps from entries through the contact nodes ``targets``, or to the listeners ``targets`` with their ``number``; sorted by object."""
     index, there = graph.node_object[nodes], graph.node_object[targets]
     first = there.searchsorted(index, side="left")
     size = there.searchsorted(index, side="right") - first
-    before, behind, limit = (np.zeros(graph.node_count), np.zeros(graph.node_count), np.inf) if reach is None else reach
+    before, behind, limit = (np.zeros(graph.node_count), np.zeros(graph.node_count), np.inf) if within is None else within
     parts = []
     for begin, end in _chunks(size):
         count = size[begin:end]
@@ -156,11 +168,11 @@ def _rows(
         parts.append((which[useful], local[to] if number is None else to, inside[useful], gain[useful], lanes))
     which, to, inside, gain, lanes = parts[0] if len(parts) == 1 else (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     size = np.bincount(which, minlength=len(nodes))
-    return Rows(np.concatenate([[0], size.cumsum()]), size, to, inside, gain, lanes)
+    return Arcs(np.concatenate([[0], size.cumsum()]), size, to, inside, gain, lanes)
 
 
 def _chunks(size: IntArray) -> list[tuple[int, int]]:
-    """Groups (first, last) of entries with these numbers of connections, about `CHUNK` in each."""
+    """Ranges (first, last) of entries with about `CHUNK` connections each."""
     last = size.cumsum()
     if len(size) == 0 or last[-1] < CHUNK:
         return [(0, len(size))]

@@ -1,10 +1,10 @@
-"""The sum over all paths of a piece by a frontier dynamic programme: exact, in a time that grows with the width of the piece.
+"""The sum over all paths of a component by a dynamic programme over its patches (Simpath): exact, in a time that grows with the width.
 
 The patches are taken one after the other, each crossed or not. What is crossed so far is a set of path fragments; only their open ends
-matter for what can still come, so fragments sets with the same open ends are one *state*, and its value is the sum of the products of all
-of them. An open end waits at a contact node of an object until a later contact of that object, or a listener, is joined to it by their
+matter for what can still follow, so sets of fragments with the same open ends are one *state*, and its value is the sum of the products of
+all of them. An open end waits at a contact node of an object until a later contact of that object, or a listener, is joined to it by their
 intra-connection. A state says which ends wait and which of them belong together; one of them is the fragment that begins at the source,
-and one may be the fragment that ends at a listener. A path is finished when these two meet and nothing else is open.
+and one may be the fragment that ends at a listener. A path is complete when these two meet and nothing else is open.
 
 Source: D. E. Knuth, *The Art of Computer Programming*, volume 4A, section 7.1.4, algorithm Simpath, here with weights instead of counts,
 and with the open ends of an object (which a path may pass several times) instead of vertices (which it may not).

@@ -1,11 +1,11 @@
-"""Upper bounds of what is left: sums over all walks to the listeners.
+"""Upper bounds on sums over paths: sums over all walks to the listeners.
 
 A walk takes steps like a path but may cross a patch again (though not turn round at once), so the sum over all walks from an entry is an
-upper bound of the sum over all ways in which a path can go on from there. It solves the linear equations ``S = R + W S``, where R holds the
-gains of ending at once and W those of a step. The series converges where the spectral radius of W is below 1; then the rest after any
-number of terms is bounded by Collatz and Wielandt: if ``W d <= q d`` element by element with q < 1, the terms after d sum to at most
-``d q / (1 - q)`` (R. S. Varga, *Matrix Iterative Analysis*, Springer 2000, theorem 2.2). Where it does not converge, a path still crosses
-each patch at most once, which bounds the number of terms.
+upper bound on the sum over all continuations of a path from there. It solves the linear equations ``S = R + W S``, where R holds the gains
+of ending at once and W, the walk operator, those of a step. The series converges where the spectral radius of W is below 1; then the rest
+after any number of terms is bounded by Collatz and Wielandt: if ``W d <= q d`` element by element with q < 1, the terms after d sum to at
+most ``d q / (1 - q)`` (R. S. Varga, *Matrix Iterative Analysis*, Springer 2000, theorem 2.2). Where it diverges, a path still crosses each
+patch at most once, which bounds the number of terms.
 """
 
 from __future__ import annotations
@@ -13,39 +13,39 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from .search_graph import Arena
+from .search_graph import SearchGraph
 
 LARGEST = 1e300
-"""Sums above this are given as this."""
+"""Sums above this are cut to this."""
 
 TERMS = 400
-"""Terms of the series summed before it is taken to diverge."""
+"""Most terms of the series; after them it is taken to diverge."""
 
 SETTLED = 8
-"""Terms after which their ratio is worth trusting."""
+"""Terms before the ratio of consecutive ones is used."""
 
 GROWING = 20
-"""A series whose terms grow so many times in a row is taken to diverge."""
+"""A series whose terms grow this many times in a row is taken to diverge."""
 
 MEANINGLESS = 1e4
-"""Bounds so many times above the strongest path say nothing of what matters."""
+"""Bounds this many times above the strongest path are no use for ranking."""
 
 FEW = 8
-"""Contacts of the walks among which the strongest is looked for."""
+"""Contacts of the walks among which the strongest is searched."""
 
 KEPT = 64
-"""So many partial sums are kept, to bound paths that may cross only so many contacts more."""
+"""Most partial sums held, for paths that may cross only few contacts more."""
 
 
-class Bounds:
-    """Computed when they are first asked for: upper bounds of what is left at each entry (`walk_sums`), and the strongest that is left.
+class WalkBounds:
+    """Upper bounds on the continuations from each entry (`walk_sums`) and the strongest continuation, computed on first use.
 
-    ``crossings``: contacts that a path may cross; ``whole`` False where the arena is only a part, so that nothing bounds the rest.
+    ``crossings``: most contacts on a path; ``whole`` False where the search graph is only a part, so that nothing bounds the rest.
     """
 
-    def __init__(self, arena: Arena, crossings: float, whole: bool = True) -> None:
-        self._arena = arena
-        self._crossings = min(crossings, arena.patches)
+    def __init__(self, search_graph: SearchGraph, crossings: float, whole: bool = True) -> None:
+        self._search_graph = search_graph
+        self._crossings = min(crossings, search_graph.patches)
         self._whole = whole
         self._sums: FloatArray | None = None
         self._strongest: FloatArray | None = None
@@ -53,34 +53,36 @@ class Bounds:
     def sums(self, level: int) -> FloatArray:
         """(e, l) for paths that have crossed ``level`` contacts. A path crosses each patch once, so only the others are left."""
         if self._sums is None:
-            self._sums = walk_sums(self._arena, int(self._crossings)) if self._whole else np.full((1, *self.strongest().shape), LARGEST)
+            self._sums = (
+                walk_sums(self._search_graph, int(self._crossings)) if self._whole else np.full((1, *self.strongest().shape), LARGEST)
+            )
         return np.asarray(self._sums[min(int(self._crossings) - level, len(self._sums) - 1)])
 
     def strongest(self) -> FloatArray:
-        """(e, l) the largest gain of any walk over a few contacts from each entry to each listener."""
+        """(e, l) largest gain of any walk over a few contacts from each entry to each listener."""
         if self._strongest is None:
-            self._strongest = _ends(self._arena)
+            self._strongest = _ends(self._search_graph)
             for _ in range(min(int(self._crossings), FEW)):
-                better = np.minimum(np.maximum(self._strongest, _step(self._arena, self._strongest, np.maximum)), LARGEST)
+                better = np.minimum(np.maximum(self._strongest, _step(self._search_graph, self._strongest, np.maximum)), LARGEST)
                 if np.array_equal(better, self._strongest):
                     break
                 self._strongest = better
         return self._strongest
 
     def importance(self, level: int) -> FloatArray:
-        """(e, l) by which to rank paths that have crossed ``level`` contacts: the bounds, or where they say nothing the strongest way."""
+        """(e, l) rank of paths that have crossed ``level`` contacts: the bounds, or where they are no use the strongest continuation."""
         sums, strongest = self.sums(level), self.strongest()
         return strongest if np.any(sums[-1] > MEANINGLESS * strongest[-1]) else sums
 
 
-def walk_sums(arena: Arena, crossings: int) -> FloatArray:
-    """(k, e, l): bounds of the sum over all continuations from each entry to each listener with at most 0, 1, ... ``crossings`` contacts;
-    the last one holds for any number. `LARGEST` where there is no bound."""
-    term = _ends(arena)
+def walk_sums(search_graph: SearchGraph, crossings: int) -> FloatArray:
+    """(k, e, l) bounds on the sum over all continuations from each entry to each listener with at most 0, 1, ... ``crossings`` contacts;
+    the last one holds for any number. `LARGEST` where nothing bounds it."""
+    term = _ends(search_graph)
     sums = [term]
     growing = 0
     for k in range(crossings):
-        following = _step(arena, term, np.add)
+        following = _step(search_graph, term, np.add)
         if not following.any():
             break
         growing = growing + 1 if following.sum() > term.sum() else 0
@@ -96,17 +98,19 @@ def walk_sums(arena: Arena, crossings: int) -> FloatArray:
     return np.stack(sums)
 
 
-def _ends(arena: Arena) -> FloatArray:
+def _ends(search_graph: SearchGraph) -> FloatArray:
     """(e, l) gain of ending at once."""
-    ends = np.zeros((len(arena.nodes), arena.listeners))
-    ends[np.repeat(np.arange(len(ends)), np.diff(arena.ends.start)), arena.ends.to] = np.minimum(arena.ends.weight[:, 0], LARGEST)
+    ends = np.zeros((len(search_graph.nodes), search_graph.listeners))
+    ends[np.repeat(np.arange(len(ends)), np.diff(search_graph.ends.start)), search_graph.ends.to] = np.minimum(
+        search_graph.ends.weight[:, 0], LARGEST
+    )
     return ends
 
 
-def _step(arena: Arena, values: FloatArray, together: np.ufunc) -> FloatArray:
-    """Values (e, l) one step before, those of all steps taken together by adding or as the maximum."""
+def _step(search_graph: SearchGraph, values: FloatArray, together: np.ufunc) -> FloatArray:
+    """Values (e, l) one step earlier: over all steps, combined by ``together`` (sum or maximum)."""
     result = np.zeros_like(values)
-    rows = arena.steps
+    rows = search_graph.steps
     filled = np.flatnonzero(np.diff(rows.start))
     if len(filled):
         with np.errstate(over="ignore"):

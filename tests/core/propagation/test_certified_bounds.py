@@ -8,14 +8,14 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from haptic_tracing.core.graph.contact_patches import contact_patches
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.message import Cause
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.propagation.exact import simpath
-from haptic_tracing.core.propagation.exact.bridge_decomposition import patches_of
 from haptic_tracing.core.propagation.exact.path_search import Limits, search
-from haptic_tracing.core.propagation.exact.search_graph import build_arena
-from haptic_tracing.core.propagation.exact.walk_bounds import LARGEST, Bounds
+from haptic_tracing.core.propagation.exact.search_graph import build_search_graph
+from haptic_tracing.core.propagation.exact.walk_bounds import LARGEST, WalkBounds
 from haptic_tracing.core.scene.functions import Constant, Expression, Identity
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
 from hypothesis import given, settings
@@ -73,9 +73,9 @@ def test_search_with_and_without_merging(seed, merge, crossings):
     graph = graph_of_scene(connected_scene(seed, METRIC[:3], extra=4, listeners=3))
     entries = np.flatnonzero(graph.partner >= 0)
     roots, listeners = list(graph.sources[0].nodes), graph.listener_nodes.tolist()
-    arena = build_arena(graph, entries, roots, listeners, patches_of(graph))
-    limits = Limits(crossings, 0.0, np.full(len(arena.nodes), math.inf), 0.0, np.zeros(len(listeners)), 10**6, 10**7)
-    found = search(arena, np.ones((len(roots), 1)), limits, Bounds(arena, crossings), merge)
+    search_graph = build_search_graph(graph, entries, roots, listeners, contact_patches(graph))
+    limits = Limits(crossings, 0.0, np.full(len(search_graph.nodes), math.inf), 0.0, np.zeros(len(listeners)), 10**6, 10**7)
+    found = search(search_graph, np.ones((len(roots), 1)), limits, WalkBounds(search_graph, crossings), merge)
     true = true_sums(graph, None if crossings == math.inf else 9)
     assert found.sums.sum(axis=0)[:, 0].tolist() == pytest.approx(true, rel=1e-12)
     assert found.missing.tolist() == [0.0] * len(listeners)

@@ -10,11 +10,11 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import pytest
+from haptic_tracing.core.graph.contact_patches import contact_patches
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import energy_balance, propagate
 from haptic_tracing.core.propagation.elimination import Elimination
-from haptic_tracing.core.propagation.exact.bridge_decomposition import patches_of
-from haptic_tracing.core.propagation.exact.search_graph import build_arena
+from haptic_tracing.core.propagation.exact.search_graph import build_search_graph
 from haptic_tracing.core.propagation.exact.walk_bounds import walk_sums
 from haptic_tracing.core.scene.functions import Constant, Exponential
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
@@ -192,28 +192,28 @@ def test_walks(seed):
     """The bound of all walks is none too small, and not larger than rounding and its own remainder make it."""
     graph = graph_of_scene(connected_scene(seed, (Exponential(alpha=0.4), Constant(gain_value=0.3), Constant(gain_value=0.1)), extra=3))
     entries = np.flatnonzero(graph.partner >= 0)
-    arena = build_arena(graph, entries, list(graph.sources[0].nodes), graph.listener_nodes.tolist(), patches_of(graph))
-    count = len(arena.nodes)
+    search_graph = build_search_graph(graph, entries, list(graph.sources[0].nodes), graph.listener_nodes.tolist(), contact_patches(graph))
+    count = len(search_graph.nodes)
     with mpmath.workdps(40):
         step = mpmath.zeros(count, count)
-        ends = mpmath.zeros(count, arena.listeners)
-        for rows, matrix in ((arena.steps, step), (arena.ends, ends)):
+        ends = mpmath.zeros(count, search_graph.listeners)
+        for rows, matrix in ((search_graph.steps, step), (search_graph.ends, ends)):
             for entry in range(count):
                 for place in range(int(rows.start[entry]), int(rows.start[entry + 1])):
                     matrix[entry, int(rows.to[place])] += mpmath.mpf(float(rows.weight[place, 0]))
-        few = walk_sums(arena, 5)
+        few = walk_sums(search_graph, 5)
         term = total = ends
         for k in range(1, 6):
             term = step * term
             total = total + term
             got = few[min(k, len(few) - 1)]
-            assert all(close(got[i, j], total[i, j]) for i in range(count) for j in range(arena.listeners))
+            assert all(close(got[i, j], total[i, j]) for i in range(count) for j in range(search_graph.listeners))
         largest = max((abs(value) for value in mpmath.eig(step, left=False, right=False)), default=0)
-        bound = walk_sums(arena, 1000)[-1]
+        bound = walk_sums(search_graph, 1000)[-1]
         if largest < 0.9:
             exact = (mpmath.eye(count) - step) ** -1 * ends
             for i in range(count):
-                for j in range(arena.listeners):
+                for j in range(search_graph.listeners):
                     assert exact[i, j] * (1 - mpmath.mpf(1e-12)) <= bound[i, j]
                     assert math.isfinite(bound[i, j])
         else:

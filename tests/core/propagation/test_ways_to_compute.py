@@ -23,7 +23,7 @@ WAYS = {
     "scalars in place": {"FEW": 10**9, "SMALL": 0},
     "arrays": {"FEW": 0},
     "parts of arrays": {"FEW": 0, "BATCH": 3},
-    "arrays, then scalars": {"FEW": 0, "TRICKLE_ROUNDS": 2, "TRICKLE": 10**9},
+    "arrays, then the heap": {"FEW": 0, "SPARSE_ROUNDS": 2, "SPARSE": 10**9},
 }
 
 
@@ -39,7 +39,7 @@ def sums_and_bests(scene: HapticScene, limits: tuple[int | None, float]) -> tupl
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_labels(way):
+def test_shortest_paths(way):
     @settings(max_examples=150, deadline=None, derandomize=True)
     @given(SEEDS, LIMITS)
     def check(seed, limits):

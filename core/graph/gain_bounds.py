@@ -6,10 +6,10 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..contacts.gain_bound import Reach
-from ..graph.haptic_graph import ObjectTable
 from ..scene.functions import ModulationFunction
 from ..scene.values import Mode, Settings, Strategy
-from .modes import DISTANCE_ONLY
+from .distance_only import DISTANCE_ONLY
+from .haptic_graph import ObjectTable
 
 _FAR = 1e6
 """Metres within which a designer's formula is bounded."""
