@@ -19,7 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from haptic_tracing.core.render.mixing import MixingMethod
-from haptic_tracing.core.render.renderer import SAMPLE_RATE, ListenerMix, Renderer, Voice
+from haptic_tracing.core.render.renderer import SAMPLE_RATE, ListenerMix, Renderer
+from haptic_tracing.core.render.voices import Voice
 from haptic_tracing.core.scene.bands import BAND_COUNT
 from haptic_tracing.core.signals import Adsr, Loop, Noise, Sampled, Signal, Sine, impact_template, ramp
 

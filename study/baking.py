@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,9 +13,12 @@ import numpy as np
 
 from ..core.arrays import FloatArray
 from ..core.formats.tracks.track_recorder import TrackRecorder
+from ..core.propagation import propagate
 from ..core.render.frame_result import FrameResult
-from ..core.render.mode_rendering import ModeRendering
-from ..core.scene.values import Mode, Source
+from ..core.render.mixdown import Mixdown
+from ..core.render.renderer import SAMPLE_RATE
+from ..core.scene.values import Mode, Settings, Source
+from ..core.signals import DEFAULT_IMPACT, Signal
 from .rendition import MODES, Rendition, Ride, Sounding
 
 if TYPE_CHECKING:
@@ -22,6 +26,34 @@ if TYPE_CHECKING:
 
 RUN_UP = 8
 """Frames traced before one that is drawn."""
+
+
+class ModeRendering:
+    """Renders the consecutive frames of a tracer in another mode, as the tracer itself would in that mode.
+
+    Contacts, impacts and sources are the same in all modes, so they are found only once.
+    """
+
+    def __init__(self, mode: Mode, impact_signal: Signal = DEFAULT_IMPACT, sample_rate: float = SAMPLE_RATE) -> None:
+        self.mode = mode
+        self._mixdown = Mixdown(impact_signal, sample_rate)
+        self._time: float | None = None
+
+    def of(self, result: FrameResult, settings: Settings) -> FrameResult:
+        """The frame in this mode, the rest of ``settings`` as they are. A frame that the tracer began afresh begins afresh here."""
+        if result.block is None:
+            self._mixdown.reset()
+            self._time = None
+        propagation = propagate(result.graph, replace(settings, mode=self.mode), sounding_only=True)
+        block = self._mixdown.render(self._time, result.time, result.sources, result.listeners, propagation)
+        self._time = result.time
+        return replace(
+            result,
+            propagation=propagation,
+            gains=propagation.gain * np.array([source.amplitude for source in result.sources]).reshape(-1, 1),
+            block=block,
+            warnings=propagation.warnings,
+        )
 
 
 def bake_ride(

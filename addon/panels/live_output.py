@@ -7,7 +7,7 @@ from bpy.types import Context, Panel, Scene, UILayout
 from ...core.devices.connection import UDEV_FILE
 from ...core.devices.mapping import LATEST, ActuatorMapping
 from ...core.devices.output import Status
-from ...core.render.mixing import LOOK_AHEAD
+from ...core.render.limiter import LOOK_AHEAD
 from ..blender.text import wrapped
 from ..live_output import handlers, outputs, player, preview
 from ..session import session

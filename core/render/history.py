@@ -6,7 +6,8 @@ import numpy as np
 
 from ..arrays import FloatArray
 from .frame_result import FrameResult
-from .still import still_samples
+from .mixdown import listener_mixes, source_voices
+from .renderer import Renderer
 
 SECONDS = 1.0
 STILL_SECONDS = 0.25
@@ -53,3 +54,14 @@ class History:
         """The last ``seconds`` of every listener, (l, n)."""
         count = min(round(seconds * self.sample_rate), self._samples.shape[1])
         return self._samples[:, self._samples.shape[1] - count :]
+
+
+def still_samples(result: FrameResult, seconds: float) -> FloatArray:
+    """Samples (l, n) of the ``seconds`` up to the frame, with the gains that it has."""
+    if not result.listeners:
+        return np.zeros((0, 0))
+    renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
+    voices = source_voices(result.sources, result.listeners, result.propagation)
+    start = result.time - seconds
+    renderer.render_frame(start - seconds / 2, start, voices)  # sources fade in over the first frame in which they are seen
+    return renderer.render_frame(start, result.time, voices)

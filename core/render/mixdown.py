@@ -11,7 +11,8 @@ from ..propagation import Propagation
 from ..scene.values import Listener, Source, SourceKind
 from ..signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Signal
 from .mixing import MixingExpression, MixingMethod
-from .renderer import SAMPLE_RATE, ListenerMix, Renderer, Voice
+from .renderer import SAMPLE_RATE, ListenerMix, Renderer
+from .voices import Voice
 
 
 class Mixdown:

@@ -13,7 +13,8 @@ import numpy as np
 from ..arrays import FloatArray
 from .frame_result import FrameResult
 from .mixdown import listener_mixes, source_voices
-from .renderer import ListenerMix, Renderer, Voice, sample_index
+from .renderer import ListenerMix, Renderer, sample_index
+from .voices import Voice
 
 GRAIN = 0.100
 """Seconds that a frame is felt for when it is scrubbed to."""

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.session import session
 from haptic_tracing.addon.session.timeline import steps
-from haptic_tracing.core.render.mode_rendering import ModeRendering
 from haptic_tracing.core.scene.values import Mode
+from haptic_tracing.study.baking import ModeRendering
 
 FIRST, LAST = 2108, 2120  # the shock wave: several impacts at a time
 

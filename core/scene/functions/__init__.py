@@ -5,10 +5,10 @@ function of their contact. A function returns the gain of a signal over a distan
 """
 
 from .checking import Finding, check_expression, excerpt
-from .conduction import Conduction
 from .expression import MIXING_VARIABLES, compile_expression
 from .modulation import (
     FUNCTIONS,
+    Conduction,
     Constant,
     Exponential,
     Expression,

@@ -15,7 +15,7 @@ from haptic_tracing.addon.panels.listener import HAPTIC_PT_listener
 from haptic_tracing.addon.panels.source import HAPTIC_PT_source
 from haptic_tracing.addon.session import session
 from haptic_tracing.core.formats.scene.scene_json import scene_from_dict, scene_to_dict
-from haptic_tracing.core.render.mixing import LOOK_AHEAD
+from haptic_tracing.core.render.limiter import LOOK_AHEAD
 from haptic_tracing.core.render.renderer import sample_index
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")

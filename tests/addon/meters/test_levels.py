@@ -11,8 +11,7 @@ from haptic_tracing.addon.view.levels import FLOOR, decibels, levels, place_of
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.perception import threshold_level
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.render.history import History
-from haptic_tracing.core.render.still import still_samples
+from haptic_tracing.core.render.history import History, still_samples
 from haptic_tracing.core.scene.body import BODY_PARTS
 from haptic_tracing.core.scene.functions import Exponential
 from haptic_tracing.core.scene.values import HapticObject, Listener, Mode, Settings, Source

@@ -7,7 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from haptic_tracing.core.render.renderer import ListenerMix, Renderer, Voice, sample_index
+from haptic_tracing.core.render.renderer import ListenerMix, Renderer, sample_index
+from haptic_tracing.core.render.voices import Voice
 from haptic_tracing.core.signals import Sine
 
 MINUTES_30 = 1800

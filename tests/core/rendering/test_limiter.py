@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from haptic_tracing.core.render.mixing import HOLD, LOOK_AHEAD, RELEASE, Limiter
-from haptic_tracing.core.render.renderer import ListenerMix, Renderer, Voice, bake
+from haptic_tracing.core.render.limiter import HOLD, LOOK_AHEAD, RELEASE, Limiter
+from haptic_tracing.core.render.renderer import ListenerMix, Renderer
+from haptic_tracing.core.render.voices import Voice
 from haptic_tracing.core.signals import DecayingSine, Sine
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -87,7 +88,8 @@ def test_renderer_holds_s_max_and_keeps_listeners_together() -> None:
     renderer = Renderer(listeners)
     assert renderer.latency == 40
     voices = [Voice("blow", DecayingSine(120.0, 0.05), np.ones(3), onset=0.1017), Voice("hum", Sine(60.0), np.full(3, 0.4), onset=0.0)]
-    samples = bake(renderer, [(number / 25, (number + 1) / 25, voices) for number in range(25)])
+    blocks = [renderer.render_frame(number / 25, (number + 1) / 25, voices) for number in range(25)]
+    samples = np.concatenate([*blocks, renderer.flush()], axis=1)[:, renderer.latency :]
     assert samples.shape == (3, 8000)
     times = np.arange(8000) / RATE
     since = times - 0.1017

@@ -19,7 +19,8 @@ from haptic_tracing.core.render.mixing import (
     strongest,
     weighted,
 )
-from haptic_tracing.core.render.renderer import ListenerMix, Renderer, Voice
+from haptic_tracing.core.render.renderer import ListenerMix, Renderer
+from haptic_tracing.core.render.voices import Voice
 from haptic_tracing.core.scene.functions import MIXING_VARIABLES
 from haptic_tracing.core.scene.values import Listener
 from haptic_tracing.core.signals import Constant, Decay, Sine

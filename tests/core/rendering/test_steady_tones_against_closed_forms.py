@@ -6,8 +6,9 @@ import mpmath
 import numpy as np
 import pytest
 from haptic_tracing.core.render.filter_bank import bank_reach, bank_response, split_bands
-from haptic_tracing.core.render.renderer import ListenerMix, Renderer, Voice
+from haptic_tracing.core.render.renderer import ListenerMix, Renderer
 from haptic_tracing.core.render.tone_paths import TonePaths
+from haptic_tracing.core.render.voices import Voice
 from haptic_tracing.core.signals import Adsr, Noise, Sampled, Signal, Sine
 from haptic_tracing.core.signals.interpolation import interpolate, local_polynomials
 from haptic_tracing.core.signals.oscillators import sine

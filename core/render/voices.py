@@ -1,0 +1,116 @@
+"""Voices: what a source plays, and its samples rendered ahead of the frames."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..scene.bands import BAND_COUNT
+from ..signals import Automation, Sampled, Signal, Sine
+from .filter_bank import bank_reach, split_bands
+
+_CHUNK = 4096
+"""Samples of a signal are rendered in runs that begin at multiples of this: so they are the same to the last bit whatever the frames."""
+
+
+class Voice(NamedTuple):
+    """What one source does at the end of a frame.
+
+    key: the source's identity from frame to frame.
+    gains: shape (n_listeners,), or (n_listeners, 6) by frequency band; multiplied by `amplitude`.
+    onset: seconds at which the signal begins, on the frames' clock, any real number.
+    delays: seconds on the way to each listener, shape (n_listeners,), from 0 to 60; where the gain is 0 the delay does not matter.
+    priority: weight in `weighted` mixing, from 0 to 1e6.
+    """
+
+    key: Hashable
+    signal: Signal
+    gains: FloatArray
+    onset: float = 0.0
+    amplitude: float = 1.0
+    delays: FloatArray | None = None
+    priority: float = 1.0
+
+
+class Stream:
+    """A voice from frame to frame: where its gains and delays stand, and samples rendered ahead.
+
+    Ahead, because a few long runs cost less than many short ones; a sample depends on its own time alone, so they are the same.
+    """
+
+    __slots__ = (
+        "_first", "_known", "delays", "end", "gains", "is_recorded", "key", "kind", "onset", "priority", "row_count", "sample_rate",
+        "settled", "signal", "tone",
+    )  # fmt: skip
+
+    def __init__(self, voice: Voice, sample_rate: float) -> None:
+        self.key = voice.key
+        self.signal = voice.signal
+        self.onset = voice.onset
+        self.priority = voice.priority
+        self.row_count = 1 if voice.gains.ndim == 1 else BAND_COUNT
+        self.sample_rate = sample_rate
+        self.gains = np.zeros_like(voice.gains)
+        self.delays = voice.delays
+        self.kind = voice.delays is not None, self.row_count
+        self._first = 0
+        self._known = np.empty((self.row_count, 0))
+        tail = 0.0 if self.row_count == 1 else bank_reach(sample_rate) / sample_rate
+        self.end = self.onset + self.signal.duration + tail
+        self.settled = self.onset + tail
+        self.tone = _steady_tone(self.signal, sample_rate)
+        self.is_recorded = voice.delays is not None and _is_recorded(self.signal)
+
+    def plays(self, voice: Voice) -> bool:
+        """Whether `voice` is this one with other gains, delays or amplitude."""
+        if self.onset != voice.onset or (self.delays is None) != (voice.delays is None) or self.gains.shape != voice.gains.shape:
+            return False
+        return self.signal is voice.signal or self.signal == voice.signal
+
+    def is_steady(self, time: float) -> bool:
+        """Whether what is heard from `time` on (seconds), in all bands, is one tone for ever."""
+        return self.tone is not None and time >= self.settled
+
+    def sounds(self, start: float, end: float) -> bool:
+        """Whether there is anything of the signal from start to end (seconds)."""
+        return self.onset < end and start < self.end
+
+    def rows(self, first: int, last: int) -> FloatArray:
+        """Return samples first to last - 1 of the signal, shape (1, n), or of its bands, shape (6, n)."""
+        begin, known = self._first, self._first + self._known.shape[1]
+        if not begin <= first <= known:
+            begin = self._first = known = first // _CHUNK * _CHUNK
+            self._known = np.empty((self.row_count, 0))
+        if last > known:
+            kept = max((first - _CHUNK) // _CHUNK * _CHUNK, begin)
+            runs = [self._sampled(run, run + _CHUNK) for run in range(known, last, _CHUNK)]
+            self._known = np.concatenate((self._known[:, kept - begin :], *runs), axis=1)
+            self._first = kept
+        return self._known[:, first - self._first : last - self._first]
+
+    def _sampled(self, first: int, last: int) -> FloatArray:
+        if self.row_count == 1:
+            return self.signal.sample(first, last - first, self.sample_rate, self.onset)[None, :]
+        reach = bank_reach(self.sample_rate)
+        samples = self.signal.sample(first - reach, last - first + 2 * reach, self.sample_rate, self.onset)
+        # The filters look ahead, but nothing may be felt before the onset.
+        begun = np.arange(first, last) / self.sample_rate >= self.onset
+        return split_bands(samples, self.sample_rate) * begun
+
+
+def _is_recorded(signal: Signal) -> bool:
+    """Whether a signal has a recording in it, whose values between samples are costly."""
+    if isinstance(signal, Sampled):
+        return True
+    within = getattr(signal, "of", ())
+    return any(_is_recorded(part) for part in (within if isinstance(within, tuple) else (within,)))
+
+
+def _steady_tone(signal: Signal, sample_rate: float) -> Sine | None:
+    """Return the signal where it is a tone of one frequency and strength that the samples can carry."""
+    if type(signal) is not Sine or isinstance(signal.frequency, Automation) or isinstance(signal.amplitude, Automation):
+        return None
+    return signal if signal.frequency < sample_rate / 2 else None
