@@ -1,4 +1,4 @@
-"""The haptic scene file with all that it can hold: scene, materials, devices, modalities, frames and tracks."""
+"""The haptic scene file: scene, materials, devices, modalities, frames and tracks."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from .tracks.track_export import scene_file
 LABEL = "Haptic scene (JSON)"
 SUFFIX = ".json"
 OPTIONS = (
-    Option("frames", True, "Frames", "What changes over time"),
+    Option("frames", True, "Frames", "Changes over time"),
     Option("tracks", "none", "Tracks", "Rendered tracks: not written, in the file itself, or in a WAV file", ("none", "inline", "wav")),
-    Option("encoding", "pcm16", "Encoding", "Of the tracks: 16 bit, or float", ("pcm16", "float32")),
-    Option("compressed", False, "Compressed", "As .json.gz"),
+    Option("encoding", "pcm16", "Encoding", "Encoding of the tracks: 16 bit, or float", ("pcm16", "float32")),
+    Option("compressed", False, "Compressed", "Write .json.gz"),
 )
 
 
 def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
-    """What the file leaves out, in words."""
+    """What the file does not carry, one sentence each."""
     export.need_scene()
     losses = []
     if export.recording is not None and not options["frames"]:
@@ -51,7 +51,7 @@ def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path
 
 
 def write_export(export: Export, path: Path, frames: bool = True, tracks: str = "none", encoding: str = "pcm16") -> list[Path]:
-    """Write to ``path``, packed if it ends in ``.gz``. Raises ValueError or OSError."""
+    """Write to ``path``, compressed if it ends in ``.gz``. Raises ValueError or OSError."""
     scene = scene_to_dict(export.need_scene())
     extras = {"extras": scene.pop("extras")} if "extras" in scene else {}
     files = [path]
@@ -81,7 +81,7 @@ def write_export(export: Export, path: Path, frames: bool = True, tracks: str = 
 
 
 def read_export(path: str | Path) -> Export:
-    """All that a ``.json`` or ``.json.gz`` file holds. Raises FormatError or OSError."""
+    """The content of a ``.json`` or ``.json.gz`` file. Raises FormatError or OSError."""
     path = Path(path)
     document = current_document(read_json(path), path)
     scene = scene_from_dict(document, path)

@@ -1,7 +1,7 @@
-"""All formats by name: each is a module with a writer, a reader if it has one, options, and a report of what it can't carry.
+"""All formats by name.
 
-A module has ``LABEL``, ``SUFFIX``, ``OPTIONS``, ``write(export, folder, options)`` and ``loss(export, options)``; one that can be imported
-has ``read(path)`` too.
+A format is a module with ``LABEL``, ``SUFFIX``, ``OPTIONS``, ``write(export, folder, options)`` and ``loss(export, options)``; one that can
+be imported also has ``read(path)``.
 """
 
 from __future__ import annotations
@@ -33,27 +33,27 @@ FORMATS: Mapping[str, str] = MappingProxyType(
         "npz": "tracks.npz",
     }
 )
-"""The module of each format, imported when it is asked for."""
+"""The module of each format, imported when it is used."""
 
 READERS: Mapping[str, str] = MappingProxyType({".wav": "wav", ".hjif": "hjif", ".haptic": "haptic", ".ahap": "ahap", ".haps": "wyvrn"})
-"""The format of each kind of file that vibrations can be imported from."""
+"""The format of each file suffix that can be imported."""
 
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """What writing gave: ``files`` in the order of writing, ``losses`` in words."""
+    """Result of writing: ``files`` in the order of writing, ``losses`` one sentence each."""
 
     files: tuple[Path, ...]
     losses: tuple[str, ...]
 
 
 def label(name: str) -> str:
-    """What menus call a format."""
+    """The name of a format in menus."""
     return str(_module(name).LABEL)
 
 
 def suffix(name: str) -> str:
-    """How the names of its files end."""
+    """The suffix of a format's files."""
     return str(_module(name).SUFFIX)
 
 
@@ -63,13 +63,13 @@ def options(name: str) -> tuple[Option, ...]:
 
 
 def losses(name: str, export: Export, chosen: Mapping[str, Value] = MappingProxyType({})) -> tuple[str, ...]:
-    """What a format can't carry of an export, in words. Raises ValueError where it can't be written at all."""
+    """What a format does not carry of an export, one sentence each. Raises ValueError if it can't be written at all."""
     module = _module(name)
     return cast(tuple[str, ...], module.loss(export, complete(module.OPTIONS, chosen)))
 
 
 def write(name: str, export: Export, folder: str | Path, chosen: Mapping[str, Value] = MappingProxyType({})) -> Written:
-    """Write an export into an existing folder. Raises ValueError for options or contents that don't fit, OSError."""
+    """Write an export into an existing folder. Raises ValueError for invalid options or contents, and OSError."""
     module = _module(name)
     values = complete(module.OPTIONS, chosen)
     lost = module.loss(export, values)
@@ -77,7 +77,7 @@ def write(name: str, export: Export, folder: str | Path, chosen: Mapping[str, Va
 
 
 def read(path: str | Path) -> VibrationFile:
-    """The vibrations in a file, by its ending. Raises FormatError or OSError."""
+    """The vibrations in a file, by its suffix. Raises FormatError or OSError."""
     path = Path(path)
     if path.suffix.lower() not in READERS:
         raise FormatError(path, "/", f"can't be imported: the ending must be one of {', '.join(READERS)}")

@@ -1,4 +1,4 @@
-"""File names from the names that people give to objects: the same on every system, and never a way out of the folder."""
+"""File names made from object names: valid on every system, without path separators."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import unicodedata
 from collections.abc import Iterable
 
 LONGEST = 80
-"""Characters of a file name without its ending."""
+"""Maximum number of characters of a file name without its suffix."""
 
 _FORBIDDEN = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ufeff\ud800-\udfff]+')
 _RESERVED = re.compile(r"(CON|PRN|AUX|NUL|CONIN\$|CONOUT\$|(COM|LPT)[0-9¹²³])(\..*)?", re.IGNORECASE)
 
 
 def file_stem(name: str) -> str:
-    """``name`` as a file name without ending: what some system forbids becomes ``_``, what Windows reserves gets a ``_`` in front."""
+    """``name`` as a file name without suffix: forbidden characters become ``_``, names reserved by Windows get a leading ``_``."""
     stem = _FORBIDDEN.sub("_", unicodedata.normalize("NFC", name))[:LONGEST].strip(" .")
     if not stem or stem.startswith("-") or _RESERVED.fullmatch(stem):
         stem = f"_{stem}"
@@ -22,7 +22,7 @@ def file_stem(name: str) -> str:
 
 
 def file_stems(names: Iterable[str]) -> list[str]:
-    """File stems that differ even where upper and lower case are the same: a number tells equal ones apart."""
+    """File stems that are unique on case-insensitive file systems; equal ones are numbered."""
     stems: list[str] = []
     taken: set[str] = set()
     for name in names:

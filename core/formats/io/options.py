@@ -1,4 +1,4 @@
-"""Options of a format, described so that menus and command lines can offer them."""
+"""Options of a format, described for menus and the command line."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Value = bool | int | float | str
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """``default`` tells the type: bool, int, float or one of ``choices``. ``minimum`` and ``maximum`` bound numbers."""
+    """An option. The type is that of ``default``: bool, int, float, or str with ``choices``. ``minimum`` and ``maximum`` bound numbers."""
 
     name: str
     default: Value
@@ -23,7 +23,7 @@ class Option:
     maximum: float = math.inf
 
     def parse(self, text: str) -> Value:
-        """The value written as ``text``. Raises ValueError that names the option."""
+        """Parse ``text``. Raises ValueError that names the option."""
         if isinstance(self.default, bool):
             if text.lower() not in ("true", "false"):
                 raise ValueError(f"{self.name}: must be true or false, not {text!r}")
@@ -36,7 +36,7 @@ class Option:
             raise ValueError(f"{self.name}: must be {self._range()}, not {text!r}") from None
 
     def checked(self, value: Value) -> Value:
-        """``value`` if it is allowed. Raises ValueError that names the option."""
+        """Return ``value`` if it is allowed. Raises ValueError that names the option."""
         if isinstance(self.default, bool):
             good = isinstance(value, bool)
         elif isinstance(self.default, str):
@@ -58,7 +58,7 @@ class Option:
 
 
 def complete(options: Sequence[Option], chosen: Mapping[str, Value]) -> dict[str, Any]:
-    """Every option's value: the chosen ones checked, the others by default. Raises ValueError for an unknown one."""
+    """The value of every option: the chosen one, checked, or the default. Raises ValueError for an unknown option."""
     known = {option.name: option for option in options}
     for name in chosen:
         if name not in known:

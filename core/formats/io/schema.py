@@ -1,4 +1,4 @@
-"""Validation by the JSON Schemas of this folder, with errors that give file, pointer and reason."""
+"""Validation by the JSON Schemas of core/formats/schemas, with errors that give file, JSON pointer and reason."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LONGEST_VALUE = 60
 
 
 def validate(document: Any, schema: str, file: str | Path) -> None:
-    """Raise FormatError unless ``document``, read from ``file``, follows ``schemas/<schema>.schema.json``."""
+    """Raise FormatError unless ``document``, read from ``file``, is valid by ``schemas/<schema>.schema.json``."""
     import fastjsonschema
 
     try:
@@ -32,7 +32,7 @@ def validate(document: Any, schema: str, file: str | Path) -> None:
 
 
 def load_schema(schema: str) -> dict[str, Any]:
-    """The schema as a document."""
+    """The schema as a JSON document."""
     document: dict[str, Any] = json.loads((SCHEMAS / f"{schema}.schema.json").read_text("utf-8"))
     return document
 
@@ -41,14 +41,14 @@ def load_schema(schema: str) -> dict[str, Any]:
 def _validator(schema: str) -> Callable[[Any], Any]:
     import fastjsonschema
 
-    # The published schemas keep to the keywords that mean the same in both drafts; the validator knows the older one.
+    # The schemas use only keywords with the same meaning in draft 2020-12 and in draft 7, which the validator implements.
     definition = load_schema(schema) | {"$schema": "http://json-schema.org/draft-07/schema#"}
     validator: Callable[[Any], Any] = fastjsonschema.compile(definition, use_default=False)
     return validator
 
 
 def _readings(value: Any, name: str, parts: Place) -> Iterator[tuple[Place, Any]]:
-    """The keys and indices, with the value there, that the validator's ``.objects[0].kappa`` may stand for: dots may be part of a key."""
+    """Every place that the validator's name ``.objects[0].kappa`` may mean, since keys may contain dots, with the value there."""
     if not name:
         yield parts, value
     elif isinstance(value, list) and name.startswith("["):
@@ -61,7 +61,7 @@ def _readings(value: Any, name: str, parts: Place) -> Iterator[tuple[Place, Any]
 
 
 def _reason(error: Any) -> tuple[str | None, str]:
-    """What is wrong, in words, and the key it is about where that is not the value itself."""
+    """The key that is wrong, None for the value itself, and the reason."""
     rule, limit, value = error.rule, error.rule_definition, error.value
     match rule:
         case "required":

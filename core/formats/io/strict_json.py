@@ -1,7 +1,7 @@
-"""Reading JSON from strangers: bounded in size, depth and number of values, without NaN, duplicate keys or half a character.
+"""Strict JSON: bounded in size, depth and number of values; NaN, duplicate keys and unpaired surrogates are errors.
 
-What the standard library lets through is found with its place: a value that JSON does not have is kept as a marker while parsing, and a
-walk over the document, done only when there is one, gives the pointer.
+The parser of the standard library accepts some of these. They are replaced by a marker while parsing; only if there is a marker, the
+document is searched for it, so that the error gives its JSON pointer.
 """
 
 from __future__ import annotations
@@ -29,14 +29,16 @@ _SURROGATE_ESCAPE = re.compile(rb"\\u[dD][89a-fA-F]")
 
 @dataclass(frozen=True, slots=True)
 class _Misplaced:
-    """Stands where something is that JSON does not allow."""
+    """Marker of a value that JSON does not allow."""
 
     reason: str
 
 
 def read_bytes(path: Path, max_bytes: int = MAX_BYTES) -> bytes:
-    """The content of a file, unpacked if its name ends in ``.gz``. Raises FormatError beyond ``max_bytes``, however small the packed
-    file is, and OSError."""
+    """The content of a file, decompressed if its name ends in ``.gz``.
+
+    Raises FormatError if it is larger than ``max_bytes`` after decompression, and OSError.
+    """
     with path.open("rb") as file:
         try:
             if path.suffix.lower() == ".gz":
@@ -52,7 +54,7 @@ def read_bytes(path: Path, max_bytes: int = MAX_BYTES) -> bytes:
 
 
 def _read_up_to(file: BinaryIO | gzip.GzipFile, most: int) -> bytes:
-    """At most so many bytes, piece by piece: asked for all at once, room for all would be made."""
+    """Read at most ``most`` bytes in chunks, since a single read would allocate ``most`` bytes."""
     pieces = []
     while most > 0 and (piece := file.read(min(_CHUNK, most))):
         pieces.append(piece)
@@ -83,9 +85,9 @@ def parse_json(data: bytes, file: str | Path) -> Any:
         seen: set[str] = set()
         for key, _ in pairs:
             if key in seen:
-                return mark(f"the key {key!r} stands twice")
+                return mark(f"the key {key!r} occurs twice")
             seen.add(key)
-        raise AssertionError("unreachable: some key stands twice")
+        raise AssertionError("unreachable: some key occurs twice")
 
     try:
         document = json.loads(text, object_pairs_hook=members, parse_constant=lambda name: mark(f"{name} is not a JSON number"))
@@ -107,13 +109,13 @@ def read_json(path: str | Path, max_bytes: int = MAX_BYTES) -> Any:
 
 
 def _check_extent(data: bytes, file: str | Path) -> None:
-    """Depth and number of values, before anything is built from them; in chunks, so that it costs no memory to speak of."""
+    """Check depth and number of values before parsing, in chunks to save memory."""
     if b"\\" in data:
         data = data.replace(b"\\\\", b"__").replace(b'\\"', b"__")
     quotes = depth = values = 0
     for start in range(0, len(data), _CHUNK):
         codes = np.frombuffer(data, dtype=np.uint8, count=min(_CHUNK, len(data) - start), offset=start)
-        # An odd number of quotes before a byte: it stands in a string. Counting modulo 256 keeps the parity.
+        # A byte after an odd number of quotes is inside a string. The count modulo 256 keeps the parity.
         before = np.cumsum(codes == ord('"'), dtype=np.uint8) + np.uint8(quotes % 256)
         outside = before & 1 == 0
         quotes = int(before[-1])
@@ -137,11 +139,11 @@ def _find_misplaced(document: Any, file: str | Path) -> None:
         strings = [value] if isinstance(value, str) else list(value) if isinstance(value, dict) else []
         for text in strings:
             if any("\ud800" <= c <= "\udfff" for c in text):
-                raise FormatError(file, json_pointer(parts), f"{text!r} holds half a character (a lone surrogate)")
+                raise FormatError(file, json_pointer(parts), f"{text!r} has an unpaired surrogate")
 
 
 def _walk(document: Any) -> Iterator[tuple[tuple[str | int, ...], Any]]:
-    """Every value with the keys and indices that lead to it, in document order."""
+    """Every value with its keys and indices, in document order."""
     stack: list[tuple[tuple[str | int, ...], Any]] = [((), document)]
     while stack:
         parts, value = stack.pop()

@@ -23,7 +23,7 @@ class ActuatorMapping:
 
 @dataclass(frozen=True, slots=True)
 class DeviceMapping:
-    """A device of the scene; ``profile`` is the name of its profile (see `core.devices.profiles`)."""
+    """A device of the scene; ``profile``: name of its profile (see `core.devices.profiles`)."""
 
     name: str
     profile: str

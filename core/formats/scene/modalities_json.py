@@ -1,4 +1,4 @@
-"""The part of a haptic scene file that is about modalities beside vibration, such as warmth."""
+"""The modalities of a haptic scene file beside vibration, such as warmth."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from ...scene.values import HapticScene
 from ..io.error import errors_in
 
 CARRIED: Mapping[str, Modality] = {name: modality for name, modality in MODALITIES.items() if not modality.sampled}
-"""The modalities that files have a section for."""
+"""The modalities that have a section in files."""
 
 
 def modalities_to_dict(scenes: Iterable[ModalityScene]) -> dict[str, Any]:
-    """As the file has them, without what says nothing."""
+    """The JSON objects of the modalities that are not empty."""
     return {item.modality.name: _form(item) for item in sorted(scenes, key=lambda item: item.modality.name) if not item.is_empty}
 
 
@@ -57,7 +57,7 @@ def _read(name: str, form: Mapping[str, Any], objects: set[str]) -> ModalityScen
         own, called = (*place, "objects", i), item["object"]
         require_known(called, objects, "object", (*own, "object"))
         if called in values:
-            raise PlacedError((*own, "object"), f"{called!r} stands here twice")
+            raise PlacedError((*own, "object"), f"{called!r} occurs twice")
         values[called] = item.get("values", {})
         _check_values(modality, values[called], (*own, "values"))
         if "propagation" in item:
@@ -81,10 +81,10 @@ def _read(name: str, form: Mapping[str, Any], objects: set[str]) -> ModalityScen
 
 
 def _function(modality: Modality, form: Mapping[str, Any], place: Place) -> Mapping[str, Any]:
-    """The form of a function, whose parameters are not those that objects have values for."""
+    """The JSON object of a function; its parameters must not be values of the object."""
     for key in modality.defaults():
         if key in form:
-            raise PlacedError((*place, key), "is a value of the object: it stands under values")
+            raise PlacedError((*place, key), "is a value of the object: it belongs under values")
     try:
         propagation_function(modality, modality.defaults(), form)
     except (ValueError, TypeError) as error:

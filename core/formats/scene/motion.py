@@ -1,10 +1,10 @@
-"""Poses over time in few bytes: of an object that moves from frame to frame, what its path does beyond going straight on.
+"""Compressed poses of objects that move in many consecutive frames.
 
-In a file a motion is ``{"object", "frame", "count", "poses"}``: the poses of ``count`` frames in a row, the first of them ``frame``. They
-are whole numbers of 1e-5 (position x, y, z in metres, rotation w, x, y, z), a table of ``count`` rows. Each column is replaced by its
-second difference (the first row stays, the second is the difference, from then on a[n] - 2 a[n - 1] + a[n - 2]), the table is read column
-by column, negative numbers are folded in (n to 2 n, -n to 2 n - 1), and the numbers' bytes, 64 bits of which the lowest byte is first, are
-put plane by plane: the first byte of each, then the second of each. That is packed by zlib (RFC 1950) and stands in base64.
+In a file a motion is ``{"object", "frame", "count", "poses"}``: the poses of ``count`` consecutive frames, the first of which is
+``frame``. They are a table of ``count`` rows of integers in units of 1e-5 (position x, y, z in metres, rotation w, x, y, z). Each column
+is replaced by its second difference (the first row is unchanged, the second is the first difference, then a[n] - 2 a[n - 1] + a[n - 2]).
+The table is read column by column, signs are folded (n to 2 n, -n to 2 n - 1), and the little-endian 64 bit integers are written as byte
+planes: the first byte of each, then the second of each. The result is compressed by zlib (RFC 1950) and encoded in base64.
 """
 
 from __future__ import annotations
@@ -24,19 +24,21 @@ from .poses import PER_UNIT, PoseRow, Poses, pose_row
 from .recording import RecordedFrame
 
 FEWEST = 8
-"""Frames in a row that are worth a motion; fewer stand in the frames themselves."""
+"""Minimum number of consecutive frames of a motion; shorter ones are written in the frames."""
 MANY = 20_000
-"""Poses of a recording that are packed; fewer stand in the frames, where people can read them."""
+"""Number of poses from which a recording has motions; fewer are written in the frames, where people can read them."""
 MOST = 4_500_000
-"""Poses that are read."""
+"""Maximum number of poses that are read."""
 
 _FARTHEST = 10**9 * PER_UNIT
 _LEVEL = 6
 
 
 def packed(frames: Sequence[RecordedFrame]) -> tuple[list[dict[str, Any]], Sequence[RecordedFrame]]:
-    """Motions in the order of the objects' names, and the frames without what is in them. Where there are few poses, or finer ones than
-    motions keep, all stay in the frames."""
+    """Motions in the order of the objects' names, and the frames without the poses in these motions.
+
+    There are no motions if there are fewer than ``MANY`` poses, or poses that are not multiples of 1e-5.
+    """
     if sum(len(frame.poses) for frame in frames) < MANY or not all(_is_rounded(frame.poses) for frame in frames):
         return [], frames
     names = sorted({name for frame in frames for name in frame.poses})
@@ -63,7 +65,7 @@ def packed(frames: Sequence[RecordedFrame]) -> tuple[list[dict[str, Any]], Seque
 
 
 def _is_rounded(poses: Mapping[str, PoseRow]) -> bool:
-    """Whether nothing is lost when poses become whole numbers."""
+    """Whether poses are multiples of 1e-5."""
     if isinstance(poses, Poses) or not poses:
         return True
     values = np.array(list(poses.values()), dtype=np.float64)
@@ -108,7 +110,7 @@ def unpacked(forms: Sequence[Mapping[str, Any]], objects: set[str]) -> dict[int,
 
 
 def encoded(ticks: IntArray) -> str:
-    """A table (n, 7) of whole numbers as text."""
+    """A table (n, 7) of integers as text."""
     table = ticks.copy()
     table[1:] -= ticks[:-1]
     table[2:] -= ticks[1:-1] - ticks[:-2]
@@ -119,7 +121,7 @@ def encoded(ticks: IntArray) -> str:
 
 
 def decoded(text: str, count: int) -> IntArray:
-    """The table (count, 7) of a text. Raises ValueError in words."""
+    """The table (count, 7) of a text. Raises ValueError."""
     try:
         data = base64.b64decode(text, validate=True)
     except (binascii.Error, ValueError):
@@ -129,7 +131,7 @@ def decoded(text: str, count: int) -> IntArray:
     try:
         planes = unpacker.decompress(data, size + 1)
     except zlib.error as error:
-        raise ValueError(f"is not packed by zlib: {error}") from None
+        raise ValueError(f"is not compressed by zlib: {error}") from None
     if len(planes) != size or not unpacker.eof or unpacker.unused_data:
         raise ValueError(f"does not hold {count} poses")
     folded = np.frombuffer(planes, dtype=np.uint8).reshape(8, -1).T.copy().view("<u8").ravel()

@@ -11,12 +11,12 @@ from ...arrays import IntArray
 PoseRow = tuple[float, float, float, float, float, float, float]
 
 POSE_DIGITS = 5
-"""Decimals of poses, which are there to be looked at: the contacts that they make are kept as well."""
+"""Decimals of recorded poses. Gains do not depend on them, since contacts are recorded as well."""
 PER_UNIT = 10**POSE_DIGITS
 
 
 class Poses(Mapping[str, PoseRow]):
-    """Poses by object, as whole numbers (n, 7) of 1e-5: a seventh of what a dictionary of tuples takes."""
+    """Poses by object, stored as integers (n, 7) in units of 1e-5: a seventh of the memory of a dictionary of tuples."""
 
     __slots__ = ("_rows", "names", "ticks")
 
@@ -45,6 +45,6 @@ class Poses(Mapping[str, PoseRow]):
 
 
 def pose_row(ticks: IntArray) -> PoseRow:
-    """A pose from its whole numbers."""
+    """A pose from its integers."""
     a, b, c, d, e, f, g = (ticks / PER_UNIT).tolist()
     return a, b, c, d, e, f, g

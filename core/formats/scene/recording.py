@@ -1,4 +1,4 @@
-"""A scene over time: what changes from frame to frame, and how to trace it again."""
+"""A scene over time: the changes from frame to frame, and tracing them again."""
 
 from __future__ import annotations
 
@@ -22,18 +22,17 @@ from .poses import POSE_DIGITS, PoseRow, Poses
 Pair = tuple[str, str]
 
 DIGITS = 6
-"""Decimals that are kept of what gains depend on: a micrometre changes none that anyone could measure."""
+"""Decimals of recorded values that gains depend on (metres: micrometres)."""
 
 
 @dataclass(frozen=True, slots=True)
 class RecordedFrame:
-    """What differs from the frame before; the first one differs from the scene itself.
+    """The changes since the frame before; the changes since the scene itself for the first frame.
 
-    poses: by object, position x, y, z and rotation w, x, y, z. properties: (kappa, rho) by object, functions: what it passes on.
-    amplitudes and source_positions: by source; a source of two objects has a position on each. listener_positions and gains: by listener.
-    contacts: all those of every pair of objects
-    that began to touch, or touch otherwise than before. parted: pairs that touch no longer. sources: those that begin; a temporary one ends
-    by itself when its signal is over.
+    poses: by object, position x, y, z and rotation w, x, y, z. properties: (kappa, rho) by object. functions: propagation function by
+    object. amplitudes and source_positions: by source; a source of two objects has a position on each. listener_positions and gains: by
+    listener. contacts: all contacts of every pair of objects whose contacts changed. parted: pairs that no longer touch. sources: those
+    that begin; a temporary source ends when its signal has ended.
     """
 
     number: int
@@ -51,8 +50,7 @@ class RecordedFrame:
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """``frames`` in ascending order, each the one after the last unless numbers are missing: those changed nothing. Frame ``frame_start``
-    is at 0 seconds."""
+    """``frames`` in ascending order; in frames without an entry nothing changed. Frame ``frame_start`` is at 0 seconds."""
 
     frame_rate: float
     frame_start: int
@@ -69,7 +67,7 @@ def pair_of(contact: Contact) -> Pair:
 
 
 def states(scene: HapticScene, recording: Recording) -> Iterator[tuple[int, HapticScene]]:
-    """Every frame from the first recorded to the last, with the scene as it is then: the sources that sound, the contacts there are."""
+    """Every frame number from the first to the last recorded, with the scene in it: its sounding sources and its contacts."""
     objects = {item.name: item for item in scene.objects}
     sources = {item.name: item for item in scene.sources}
     listeners = {item.name: item for item in scene.listeners}
@@ -98,7 +96,7 @@ def states(scene: HapticScene, recording: Recording) -> Iterator[tuple[int, Hapt
 
 
 def _is_over(source: Source, time: float) -> bool:
-    """Whether nothing of a temporary source is left to be heard after ``time``, but for a rounding error."""
+    """Whether a temporary source has ended before ``time``, up to rounding."""
     return source.kind is SourceKind.TEMPORARY and source.onset + (source.signal or DEFAULT_IMPACT).duration <= time + 1e-9
 
 
@@ -138,7 +136,7 @@ def _apply(
 
 
 def traced(scene: HapticScene, recording: Recording, sample_rate: float = SAMPLE_RATE) -> Iterator[FrameResult]:
-    """Trace every frame. Contacts are those recorded; where there are none at all, they are found from shapes and poses."""
+    """Trace every frame with the recorded contacts; if there are none at all, contacts are found from shapes and poses."""
     tracer = Tracer(sample_rate=sample_rate)
     detect = not scene.contacts and not any(frame.contacts or frame.parted for frame in recording.frames)
     for number, state in states(scene, recording):
@@ -146,7 +144,7 @@ def traced(scene: HapticScene, recording: Recording, sample_rate: float = SAMPLE
 
 
 def frame_of(scene: HapticScene, number: int, time: float, detect: bool) -> Frame:
-    """What the tracer is told of a scene as it is at ``time``; ``detect``: to find the contacts from shapes and poses."""
+    """The tracer's input for a scene at ``time``; ``detect``: find contacts from shapes and poses."""
     frame = Frame(number, time, scene.objects, scene.sources, scene.listeners, scene.settings)
     if detect:
         shaped = [item for item in scene.objects if item.shape is not None]
@@ -158,10 +156,10 @@ def frame_of(scene: HapticScene, number: int, time: float, detect: bool) -> Fram
 
 
 class SceneRecorder:
-    """Takes a scene frame by frame and keeps what changes.
+    """Records the changes of a scene frame by frame.
 
-    An object, source or listener belongs to the scene from the frame in which it is first seen. A persistent source that is gone has the
-    amplitude 0 until it is back; objects and listeners stay.
+    An object, source or listener belongs to the scene from the frame in which it is first seen. A persistent source that disappears gets
+    the amplitude 0 until it is back; objects and listeners stay.
     """
 
     def __init__(self, frame_rate: float, frame_start: int, settings: Settings | None = None) -> None:
@@ -179,7 +177,7 @@ class SceneRecorder:
         self._frames: list[RecordedFrame] = []
 
     def add_result(self, result: FrameResult, objects: Sequence[HapticObject]) -> None:
-        """A traced frame; ``objects`` with the poses that they had in it. Raises ValueError unless its number is above that of the last."""
+        """Add a traced frame; ``objects`` have their poses in this frame. Raises ValueError unless frame numbers ascend."""
         self.add(result.number, objects, result.sources, result.listeners, result.contacts, result.objects)
 
     def add(
@@ -191,7 +189,7 @@ class SceneRecorder:
         contacts: ContactSet,
         names: Sequence[str],
     ) -> None:
-        """A frame; ``names`` are those of the objects that ``contacts`` numbers. Raises ValueError unless ``number`` ascends."""
+        """Add a frame; ``names`` of objects by the indices in ``contacts``. Raises ValueError unless ``number`` ascends."""
         if self._frames and number <= self._frames[-1].number:
             raise ValueError(f"number: frame {number} does not come after frame {self._frames[-1].number}")
         begun = not self._frames
@@ -216,7 +214,7 @@ class SceneRecorder:
             )
 
     def scene(self) -> HapticScene:
-        """The scene as the recording begins with it."""
+        """The scene in the first frame."""
         return HapticScene(
             objects=tuple(self._first_objects.values()),
             contacts=self._first_contacts,
@@ -226,7 +224,7 @@ class SceneRecorder:
         )
 
     def recording(self) -> Recording:
-        """What has changed since."""
+        """The changes since the first frame."""
         return Recording(self._rate, self._start, tuple(self._frames))
 
     def _changed_objects(
@@ -301,14 +299,14 @@ def _pose_row(pose: Pose) -> PoseRow:
 
 
 def _rows(contacts: ContactSet, numbers: FloatArray) -> FloatArray:
-    """One row per contact: positions, normal, distance, area, share, all rounded, and the number of its transmission function."""
+    """One row per contact: positions, normal, distance, area, share, all rounded, and the index of its transmission function."""
     parts = (contacts.positions.reshape(-1, 6), contacts.normal, contacts.distance, contacts.area, contacts.share)
     # Adding 0 turns -0 into 0.
     return np.column_stack([np.round(np.column_stack(parts), DIGITS) + 0.0, numbers[contacts.transmission]])
 
 
 def _touching(contacts: ContactSet, rows: FloatArray, names: Sequence[str]) -> dict[Pair, bytes]:
-    """What there is between each two objects, in a form that is quick to compare."""
+    """The contacts of each pair of objects as bytes, which are quick to compare."""
     result: dict[Pair, bytes] = {}
     for (first, second), row in zip(contacts.pairs.tolist(), rows, strict=True):
         pair = _sorted_pair(names[first], names[second])

@@ -18,15 +18,17 @@ from ..tracks.listener_tracks import ListenerTrack, Tracks
 from ..tracks.wav import MAX_RIFF, encoded
 
 MAX_INLINE = 192 * 2**20
-"""Bytes of samples that may stand in a scene file itself."""
+"""Maximum number of bytes of samples in a scene file itself."""
 
 _TYPES = {"pcm16": "<i2", "float32": "<f4"}
 _FULL_SCALE = {"pcm16": 32768.0, "float32": 1.0}
 
 
 def tracks_to_dict(tracks: Tracks, encoding: str, sidecar: str | None) -> dict[str, Any]:
-    """The tracks as the file has them: with the name of the WAV file beside it, or with their samples. Raises ValueError where those are
-    too many to stand in a file."""
+    """The JSON object of the tracks, with the name of the WAV file beside it, or with their samples.
+
+    Raises ValueError for more than ``MAX_INLINE`` bytes of samples.
+    """
     form: dict[str, Any] = {"sample_rate": tracks.sample_rate, "start": tracks.start}
     listeners: list[dict[str, Any]] = [
         {"name": track.name, "body_part": track.body_part, "impacts": track.impacts.tolist()} for track in tracks.listeners
@@ -35,7 +37,7 @@ def tracks_to_dict(tracks: Tracks, encoding: str, sidecar: str | None) -> dict[s
         return {**form, "file": sidecar, "listeners": listeners}
     size = len(listeners) * tracks.count * np.dtype(_TYPES[encoding]).itemsize
     if size > MAX_INLINE:
-        raise ValueError(f"tracks: {size / 2**20:.0f} MiB are too many to stand in the scene file: put them into a WAV file beside it")
+        raise ValueError(f"tracks: {size / 2**20:.0f} MiB are too many for the scene file: write them into a WAV file beside it")
     blocks = list(encoded(tracks, encoding))
     for number, listener in enumerate(listeners):
         listener["samples"] = base64.b64encode(b"".join(block[number].tobytes() for block in blocks)).decode("ascii")

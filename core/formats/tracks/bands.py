@@ -1,4 +1,4 @@
-"""How the spectrum is cut for keyframes: narrow around what sounds steadily, where few keys then last long, wide elsewhere."""
+"""Partition of the spectrum for keyframes: narrow bands around steady tones, which need few keys, wide bands elsewhere."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from .fitting import Band
 
 GRID_RATES = (62.5, 125.0, 250.0, 500.0, 1000.0, 2000.0)
-"""Points a second that keys may lie on: whole milliseconds."""
+"""Rates (hertz) of the grids of key times; the periods are multiples of 0.5 ms."""
 FADE = 0.15
-"""Wide bands fade into each other over this share of the frequency between them, on either side."""
+"""Half-width of the crossfade of two wide bands relative to the frequency between them."""
 HIGHEST_FADE = 40.0
-"""Hertz on either side of the last edge, and half of the first: all that lies beyond is left out."""
+"""Half-width (hertz) of the fade at the last edge; that of the first is half its frequency."""
 HALF_TONE = 10.0
-"""Hertz on either side of a tone that belong to it, or half way to the next one."""
+"""Half-width (hertz) of the band of a tone, or half the distance to the next one."""
 MOST_TONES = 50
 MOST_HERTZ = 1100.0
 
@@ -33,8 +33,10 @@ def wide_bands(edges: Sequence[float]) -> tuple[Band, ...]:
 
 
 def bands_for(samples: NDArray[np.floating], sample_rate: int, edges: Sequence[float]) -> tuple[Band, ...]:
-    """Bands between the first and the last of the ascending ``edges`` (hertz): narrow ones around the tones of ``samples`` (n,), the rest
-    cut at the edges in between."""
+    """Bands between the first and the last of the ascending ``edges`` (hertz).
+
+    Narrow ones around the tones of ``samples`` (n,); the rest is divided at the edges in between.
+    """
     lowest, highest = edges[0], edges[-1]
     cuts: dict[float, float] = {lowest: lowest / 2, highest: HIGHEST_FADE}
     tones = [tone for tone in _tones(samples, sample_rate) if 2 * lowest <= tone <= highest - HIGHEST_FADE - 2 * HALF_TONE]
@@ -64,7 +66,7 @@ def _grid_rate(width: float) -> float:
 
 
 def _tones(samples: NDArray[np.floating], sample_rate: int) -> list[float]:
-    """Frequencies (hertz, ascending) that stand out of the spectrum half of the time: what comes and goes between is no tone."""
+    """Frequencies (hertz, ascending) of peaks in the median of the short-time power spectra, that is, of steady tones."""
     size = round(_WINDOW * sample_rate)
     if len(samples) < 2 * size:
         return []

@@ -1,35 +1,33 @@
-"""A vibration as keyframes: one oscillation whose amplitude and frequency go in straight lines from key to key."""
+"""A keyframed oscillation: amplitude and frequency are linear between keys."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...signals import Automation, Delay, Keyed, Saw, Signal, Sine, Square, Triangle
+from ...signals.oscillators import Oscillator
 
-
-def _triangle(cycles: FloatArray) -> FloatArray:
-    return np.asarray(1 - 4 * np.abs((cycles + 0.25) % 1.0 - 0.5))
-
-
-WAVES: dict[str, Callable[[FloatArray], FloatArray]] = {
-    "sine": lambda cycles: np.sin(2 * math.pi * (cycles - np.floor(cycles))),
-    "square": lambda cycles: np.where(cycles - np.floor(cycles) < 0.5, 1.0, -1.0),
-    "triangle": _triangle,
-    "saw": lambda cycles: 2 * ((cycles + 0.5) % 1.0) - 1,
+_OSCILLATORS: dict[str, tuple[Oscillator, float]] = {
+    "sine": (Sine(), 0.0),
+    "square": (Square(), 0.0),
+    "triangle": (Triangle(), 0.0),
+    "saw": (Saw(), 0.5),
 }
-"""Waves of period 1 that begin at 0 and rise."""
+"""Waves by name, with the cycles to add so that each begins at 0 (a square at its edge) and rises."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Carrier:
     """``a(t) sin(phase + 2π ∫ f dt)``, or another wave of that phase, from ``start`` to ``end`` (seconds), silent elsewhere.
 
-    phase: radians at the start. amplitude_times, amplitudes (n,) and frequency_times, frequencies (m,): keys, n and m >= 1, times in
-    seconds from the start and never decreasing; the values hold before the first key and after the last. wave: a key of `WAVES`.
+    phase: radians at the start. amplitude_times, amplitudes (n,) and frequency_times, frequencies (m,): keys, n and m >= 1, in seconds
+    from the start, never decreasing, hertz; the values are constant before the first key and after the last. wave: sine, square, triangle
+    or saw.
     """
 
     start: float
@@ -44,22 +42,48 @@ class Carrier:
     def at(self, times: FloatArray) -> FloatArray:
         """The values at ``times`` (seconds, n), 0 outside [start, end)."""
         local = times - self.start
-        amplitude = np.interp(local, self.amplitude_times, self.amplitudes)
-        cycles = ramp_integral(local, self.frequency_times, self.frequencies)
+        oscillator, offset = _OSCILLATORS[self.wave]
+        cycles = self.cycles(local) + (self.phase / (2 * math.pi) + offset)
         sounding = (times >= self.start) & (times < self.end)
-        return np.where(sounding, amplitude * WAVES[self.wave](cycles + self.phase / (2 * math.pi)), 0.0)
+        return np.where(sounding, np.interp(local, self.amplitude_times, self.amplitudes) * oscillator.wave(cycles, 0.0), 0.0)
+
+    def cycles(self, times: FloatArray) -> FloatArray:
+        """Cycles since the start at ``times`` (seconds from the start, n)."""
+        return Automation(self.frequency_times, self.frequencies).integral(times)
+
+    def part(self, begin: float, end: float) -> Carrier:
+        """The carrier from ``begin`` to ``end`` seconds after its start."""
+
+        def keys(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+            inside = (times > begin) & (times < end)
+            ends = np.interp([begin, end], times, values)
+            return np.concatenate([[0.0], times[inside] - begin, [end - begin]]), np.concatenate([ends[:1], values[inside], ends[1:]])
+
+        return Carrier(
+            self.start + begin,
+            self.start + end,
+            (self.phase + 2 * math.pi * float(self.cycles(np.array([begin]))[0])) % (2 * math.pi),
+            *keys(self.amplitude_times, self.amplitudes),
+            *keys(self.frequency_times, self.frequencies),
+            self.wave,
+        )
+
+    def to_signal(self) -> Signal:
+        """An oscillator with a keyed frequency times a keyed envelope, which can be edited."""
+        oscillator, offset = _OSCILLATORS[self.wave]
+        keyed = replace(
+            oscillator, frequency=_automation(self.frequency_times, self.frequencies), phase=self.phase / (2 * math.pi) + offset
+        )
+        length = self.end - self.start
+        before = self.amplitude_times < length
+        times = np.append(self.amplitude_times[before], length)
+        values = np.append(self.amplitudes[before], np.interp(length, self.amplitude_times, self.amplitudes))
+        signal = keyed * Keyed(Automation(times, values))
+        return Delay(signal, self.start) if self.start else signal
 
 
-def ramp_integral(times: FloatArray, key_times: FloatArray, values: FloatArray) -> FloatArray:
-    """Integral from 0 of the straight lines through the keys, at ``times`` >= 0."""
-    widths = np.diff(key_times)
-    steps = np.concatenate([[0.0], np.cumsum(widths * (values[1:] + values[:-1]) / 2)])
-    slopes = np.append(np.divide(np.diff(values), widths, out=np.zeros_like(widths), where=widths > 0), 0.0)
-    index = np.maximum(np.searchsorted(key_times, times, side="right") - 1, 0)
-    since = times - key_times[index]
-    inside = np.maximum(since, 0.0)
-    # Before the first key its value holds, so that the integral from 0 begins with that rectangle.
-    return np.asarray(steps[index] + since * values[index] + slopes[index] * inside * inside / 2 + key_times[0] * values[0])
+def _automation(times: FloatArray, values: FloatArray) -> float | Automation:
+    return float(values[0]) if (values == values[0]).all() else Automation(times, values)
 
 
 def rendered(carriers: Iterable[Carrier], count: int, sample_rate: float) -> FloatArray:

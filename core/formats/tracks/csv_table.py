@@ -1,4 +1,4 @@
-"""CSV: a line per sample, the time and what each listener feels."""
+"""CSV: one line per sample with the time and the value of each listener."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _LINES = 2**15
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
-    """What the file leaves out, in words."""
+    """What the file does not carry, one sentence each."""
     return (*common_losses(export.need_tracks(), body=False), "what lies below 1/65,536 of full scale", "impacts as such")
 
 
@@ -48,7 +48,7 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list
 
 
 def _lines(tracks: Tracks, first: int, block: NDArray[np.int16]) -> bytes:
-    """Lines of one width each: every number is looked up as text."""
+    """Lines of equal width: the text of every 16 bit value is looked up."""
     listeners, count = block.shape
     microseconds = np.rint(np.arange(first, first + count) * (1e6 / tracks.sample_rate)).astype(np.int64)
     digits = max(len(str(int(microseconds[-1]))), 7)
@@ -66,6 +66,6 @@ def _lines(tracks: Tracks, first: int, block: NDArray[np.int16]) -> bytes:
 
 @cache
 def _texts() -> NDArray[np.uint8]:
-    """The text of each 16 bit value, in one width."""
+    """The text of each 16 bit value, all of equal width."""
     text = "".join(f"{value / 32768:{_WIDTH}.5f}" for value in range(-32768, 32768))
     return np.frombuffer(text.encode(), dtype=np.uint8).reshape(-1, _WIDTH)

@@ -1,4 +1,4 @@
-"""One amplitude and one frequency over time, for targets that know no more."""
+"""One amplitude and one frequency over time, for formats without waves."""
 
 from __future__ import annotations
 
@@ -9,29 +9,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray, IntArray
-from .carrier import Carrier, ramp_integral
+from .carrier import Carrier
 from .fitting import Band, Fit, fit_bands, needed_keys
 
 WHOLE = Band(5, 700, 2.5, 90, 1600)
-"""All that skin feels, as one oscillation."""
+"""The frequencies that skin feels as one band."""
 SETTLING = 0.05
-"""Seconds in which a carrier that follows another at once gets into phase."""
+"""Time (seconds) in which a carrier that directly follows another one gets into phase."""
 
 
 def single_carrier(samples: NDArray[np.floating], sample_rate: int, fit: Fit) -> Carrier:
-    """The one oscillation, phase 0 at time 0, that comes nearest to the samples (n,), n >= 1; its amplitude is 0 where nothing is felt."""
+    """The samples (n,), n >= 1, as one oscillation of phase 0 at time 0, with amplitude 0 in silence."""
     return joined(fit_bands(samples, sample_rate, [WHOLE], fit)[0], len(samples) / sample_rate, fit)
 
 
 def joined(carriers: Sequence[Carrier], duration: float, fit: Fit) -> Carrier:
-    """One carrier in place of several that follow each other: in between, the frequency goes so that the next begins in phase."""
+    """One carrier in place of consecutive ones; the frequency in the gaps is such that the next one starts in phase."""
     amplitude_keys = [np.array([[0.0], [0.0]])]
     frequency_keys = [np.array([[0.0], [float(carriers[0].frequencies[0]) if carriers else fit.lowest]])]
     cycles = end = 0.0
     for carrier in carriers:
         begin = carrier.start if carrier.start > end else end + min(SETTLING, (carrier.end - end) / 2)
         local = begin - carrier.start
-        passed, total = ramp_integral(np.array([local, carrier.end - carrier.start]), carrier.frequency_times, carrier.frequencies)
+        passed, total = carrier.cycles(np.array([local, carrier.end - carrier.start]))
         before, after = float(frequency_keys[-1][1, -1]), float(np.interp(local, carrier.frequency_times, carrier.frequencies))
         middle = _between(before, after, begin - end, carrier.phase / (2 * math.pi) + float(passed) - cycles, fit)
         cycles += (begin - end) / 4 * (before + 2 * middle + after) + float(total - passed)
@@ -51,7 +51,7 @@ def joined(carriers: Sequence[Carrier], duration: float, fit: Fit) -> Carrier:
 
 
 def _between(before: float, after: float, gap: float, cycles: float, fit: Fit) -> float:
-    """The frequency in the middle of a gap of ``gap`` seconds with which it takes ``cycles``, give or take whole ones."""
+    """The frequency in the middle of a gap of ``gap`` seconds that makes it last ``cycles``, up to whole cycles."""
     if gap <= 0:
         return after
     near = gap / 2 * (before + after)
@@ -64,7 +64,7 @@ def _between(before: float, after: float, gap: float, cycles: float, fit: Fit) -
 
 
 def _cleaned(keys: Sequence[FloatArray], tolerance: float) -> tuple[FloatArray, FloatArray]:
-    """Times and values of the keys, of several at one time the last, without those that change nothing."""
+    """Times and values of the keys without redundant ones; the last of several at one time."""
     times, values = np.concatenate(keys, axis=1)
     last = np.append(np.diff(times) > 1e-9, True)
     times, values = times[last], values[last]
@@ -73,10 +73,10 @@ def _cleaned(keys: Sequence[FloatArray], tolerance: float) -> tuple[FloatArray, 
 
 
 def coarse_envelope(samples: NDArray[np.floating], sample_rate: int, step: float) -> tuple[FloatArray, FloatArray]:
-    """Amplitude and frequency (hertz) of each ``step`` seconds and the one before: those of the sine with the same power and the same power
-    of change. With the one before, so that blows in quick succession are one strength, and never one after, so that nothing is felt early.
+    """Amplitude and frequency (hertz) every ``step`` seconds: of the sine with the same power and the same power of first differences.
 
-    The change from sample to sample of a sine of frequency f has 4 sin²(π f / rate) times its power.
+    Each value covers its step and the step before, so that quick blows merge; none covers the step after, so that nothing comes early.
+    The first difference of a sine of frequency f has 4 sin²(π f / rate) times its power.
     """
     count = max(math.ceil(len(samples) / sample_rate / step - 1e-9), 1)
     borders = np.minimum(np.round(np.arange(count + 1) * step * sample_rate).astype(np.int64), len(samples))

@@ -1,8 +1,8 @@
-"""From samples to keyframes: as few as an error allows.
+"""Fitting keyframed oscillations to samples with a bounded error.
 
-The spectrum is cut into bands that overlap and add up to one. Within a band the analytic signal has one amplitude and one phase; a stretch
-of it is replaced by an amplitude that goes in a straight line and a frequency that goes in two, so that the phase is right at both ends.
-Stretches are halved until the power of the error in each is within its share of the signal's power there.
+The spectrum is divided into overlapping bands whose weights add up to 1. The analytic signal of a band has one amplitude and one phase. A
+segment of it is replaced by a linear amplitude and a frequency of two linear pieces, such that the phase is right at both ends. Segments
+are halved until the power of the error in each is within its share of the signal's power there.
 """
 
 from __future__ import annotations
@@ -20,34 +20,36 @@ from .carrier import Carrier
 ComplexArray = NDArray[np.complex128]
 
 BLOCK = 32
-"""Seconds that are transformed at once."""
+"""Length of a transformed block (seconds)."""
 MARGIN = 1
-"""Seconds by which blocks overlap on either side."""
+"""Overlap of blocks on either side (seconds)."""
 POWER_RATE = 125
-"""Points a second at which the signal's power is taken."""
+"""Rate (hertz) at which the signal's power is evaluated."""
 POWER_WINDOW = 0.064
-"""Seconds over which it is averaged."""
-LONGEST_STRETCH = 0.5
-"""Seconds between keys at most, before what is redundant goes."""
+"""Length of the window that averages the power (seconds)."""
+LONGEST_SEGMENT = 0.5
+"""Maximum time between keys (seconds) before redundant ones are removed."""
 LONGEST_STEPS = 256
-"""Points of a band's grid between keys at most."""
+"""Maximum number of grid points between keys."""
 EVEN = 0.002
-"""Hertz by which a frequency key may be off the line between its neighbours and go."""
+"""Distance (hertz) from the line between its neighbours within which a frequency key is redundant."""
 ROUNDING = 0.1
-"""Cycles by which rounded frequencies may lag within a stretch."""
+"""Maximum phase error (cycles) within a segment due to rounded frequencies."""
 RARE = 200
-"""Where fewer than one key in so many goes, looking for more is over."""
+"""Thinning stops when fewer than one key in ``RARE`` is removed."""
 SAMPLED = 8
-"""Points of a stretch that are looked at first."""
+"""Points of a segment that are evaluated first."""
 LONGEST_REST = 0.03
-"""Seconds of silence that do not end a carrier."""
+"""Maximum silence within a carrier (seconds)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Band:
-    """A part of the spectrum from ``low`` to ``high`` hertz. It fades in and out over ``low_fade`` and ``high_fade`` hertz on either side
-    of its edges. Keys lie on a grid of ``grid_rate`` points a second, at least twice the width with both
-    fades."""
+    """A part of the spectrum from ``low`` to ``high`` hertz.
+
+    Its weight fades over ``low_fade`` and ``high_fade`` hertz on either side of its edges. Keys lie on a grid of ``grid_rate`` hertz, at
+    least twice the width with both fades.
+    """
 
     low: float
     high: float
@@ -57,17 +59,17 @@ class Band:
 
     @property
     def centre(self) -> float:
-        """The frequency (hertz) that the band's analytic signal is shifted down by: whole cycles in every block."""
+        """The frequency (hertz) that the analytic signal is shifted down by; an integer, so that blocks have whole cycles."""
         return float(round((self.low - self.low_fade + self.high + self.high_fade) / 2))
 
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """What is asked of a fit.
+    """Requirements of a fit.
 
-    error: power of the error allowed in relation to the signal's power around each moment. floor: amplitude below which nothing is felt.
-    lowest, highest: frequency of a key in hertz. frequency_step (hertz), amplitude_step and time_step (seconds): keys are multiples of
-    them, 0: any. shortest: seconds between keys at least, whatever that costs. signed: amplitudes may be negative.
+    error: allowed power of the error relative to the signal's power at each time. floor: amplitude that counts as silence. lowest,
+    highest: range of frequency keys (hertz). frequency_step (hertz), amplitude_step and time_step (seconds): keys are multiples of these;
+    0: any value. shortest: minimum time between keys (seconds), which takes precedence over ``error``. signed: allow negative amplitudes.
     """
 
     error: float = 0.03
@@ -82,7 +84,7 @@ class Fit:
 
 
 def fit_bands(samples: NDArray[np.floating], sample_rate: int, bands: Sequence[Band], fit: Fit) -> list[list[Carrier]]:
-    """The carriers of each band in the order of time, for ``samples`` (n,) of one listener. Times are seconds from the first sample."""
+    """The carriers of each band in the order of time, fitted to ``samples`` (n,). Times are seconds from the first sample."""
     count = len(samples)
     parts = [
         np.concatenate(pieces)[: math.ceil(count / sample_rate * band.grid_rate) + 1]
@@ -93,7 +95,7 @@ def fit_bands(samples: NDArray[np.floating], sample_rate: int, bands: Sequence[B
 
 
 def _analytic_blocks(samples: NDArray[np.floating], sample_rate: int, bands: Sequence[Band]) -> Iterator[list[ComplexArray]]:
-    """Block by block, each band's complex amplitude on its grid: the band is ``Re(z exp(2πi centre t))``."""
+    """For each block the complex amplitude z of each band on its grid; the band is ``Re(z exp(2πi centre t))``."""
     length = BLOCK + 2 * MARGIN
     weights = [_weights(band, length, sample_rate) for band in bands]
     for start in range(0, len(samples) + 1, BLOCK * sample_rate):
@@ -113,8 +115,10 @@ def _analytic_blocks(samples: NDArray[np.floating], sample_rate: int, bands: Seq
 
 
 def _weights(band: Band, length: int, sample_rate: int) -> tuple[IntArray, FloatArray]:
-    """The frequencies of ``length`` seconds that belong to the band, and how much of each: fades are a raised cosine, so that neighbours
-    add up to one."""
+    """The bins of a spectrum of ``length`` seconds that belong to the band, and their weights.
+
+    Fades are raised cosines, so that the weights of neighbouring bands add up to 1.
+    """
     first = max(math.ceil((band.low - band.low_fade) * length), 1)
     last = min(math.floor((band.high + band.high_fade) * length), length * sample_rate // 2)
     bins = np.arange(first, last + 1)
@@ -162,7 +166,7 @@ def _moving_mean(values: FloatArray, rate: float, times: FloatArray) -> FloatArr
 
 
 def _runs(active: BoolArray, rest: int) -> Iterator[tuple[int, int]]:
-    """First and last index of each run of True, runs at most ``rest`` apart taken as one."""
+    """First and last index of each run of True; runs at most ``rest`` apart are merged."""
     indices = np.flatnonzero(active)
     if not len(indices):
         return
@@ -175,7 +179,7 @@ def _runs(active: BoolArray, rest: int) -> Iterator[tuple[int, int]]:
 def _fit_band(z: ComplexArray, band: Band, allowed: FloatArray, duration: float, fit: Fit) -> list[Carrier]:
     rate, centre = band.grid_rate, band.centre
     strength = _moving_mean(np.abs(z) ** 2, rate, np.arange(len(z)) / rate)
-    # One point more on either side: the straight lines begin and end where there is next to nothing left.
+    # One more point on either side, so that the amplitude begins and ends near 0.
     runs = [(max(first - 1, 0), min(last + 1, len(z) - 1)) for first, last in _runs(strength > allowed, round(LONGEST_REST * rate))]
     if not runs:
         return []
@@ -187,7 +191,7 @@ def _fit_band(z: ComplexArray, band: Band, allowed: FloatArray, duration: float,
 
 
 def _slope(z: ComplexArray, rate: float, signed: bool) -> FloatArray:
-    """Frequency (hertz) around each point from the turns to and from its neighbours, each with the weight of its magnitude."""
+    """Frequency (hertz) at each point from the phase differences to its neighbours, weighted by magnitude."""
     turns = z[1:] * z[:-1].conj()
     if signed:
         turns = turns * turns
@@ -203,7 +207,7 @@ def _stepped(values: FloatArray, step: float) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class _Grid:
-    """A band on its grid: ``phase`` and frequency ``offset`` in relation to the ``centre``."""
+    """A band on its grid; ``phase`` and frequency ``offset`` are relative to ``centre``."""
 
     rate: float
     phase: FloatArray
@@ -216,7 +220,7 @@ class _Grid:
     def keys(self, runs: Sequence[tuple[int, int]]) -> list[IntArray]:
         """The grid points that become keys, for each run."""
         step = self.fit.frequency_step
-        seconds = min(LONGEST_STRETCH, ROUNDING / step) if step else LONGEST_STRETCH
+        seconds = min(LONGEST_SEGMENT, ROUNDING / step) if step else LONGEST_SEGMENT
         longest = max(min(int(seconds * self.rate), LONGEST_STEPS), 1)
         borders = [np.append(np.arange(first, last, longest), last) for first, last in runs]
         start = np.concatenate([border[:-1] for border in borders]).astype(np.int64)
@@ -238,8 +242,10 @@ class _Grid:
         return [points[first:last] for first, last in zip(firsts.tolist(), lasts.tolist(), strict=True)]
 
     def _error(self, start: IntArray, end: IntArray, most: int | None = None) -> FloatArray:
-        """Error above what is allowed (squared magnitude, summed over the points, or over at most so many of them) of each stretch if it
-        had no key inside."""
+        """Excess of the error over the allowed one for each segment without a key inside.
+
+        Squared magnitude, summed over all points, or over at most ``most``.
+        """
         if not len(start):
             return np.zeros(0)
         length = end - start
@@ -266,11 +272,11 @@ class _Grid:
         return np.asarray(np.add.reduceat(error, np.cumsum(count) - count))
 
     def _allowance(self, start: IntArray, end: IntArray) -> FloatArray:
-        """How far the error of some points may be above what is allowed before all of them are looked at."""
+        """Excess of the error at ``SAMPLED`` points beyond which a segment is divided without evaluating all of its points."""
         return SAMPLED * (self.allowed[start] + self.allowed[end]) / 2
 
     def _halves(self, length: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Seconds before and after the frequency key in the middle of a stretch of ``length`` grid steps."""
+        """Time (seconds) before and after the frequency key in the middle of a segment of ``length`` grid steps."""
         whole = length / self.rate
         before = whole / 2
         if self.fit.time_step:
@@ -278,13 +284,13 @@ class _Grid:
         return before, whole - before
 
     def _middle_offset(self, start: IntArray, end: IntArray, phase: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray:
-        """The frequency in the middle that takes ``phase`` at the start to the signal's phase at the end."""
+        """The frequency in the middle with which ``phase`` at the start becomes the signal's phase at the end."""
         cycles = (self.phase[end] - phase) / (2 * math.pi)
         middle = (2 * cycles - self.offset[start] * before - self.offset[end] * after) / (before + after)
         return _stepped(np.clip(middle + self.centre, self.fit.lowest, self.fit.highest), self.fit.frequency_step) - self.centre
 
     def carriers(self, runs: Sequence[IntArray], duration: float) -> list[Carrier]:
-        """The carriers with keys at the given grid points, without those that change nothing. All runs are handled at once."""
+        """The carriers with keys at the given grid points, without redundant keys, for all runs at once."""
         fit = self.fit
         lengths = np.array([len(keys) for keys in runs])
         keys = np.concatenate(runs)
@@ -310,28 +316,28 @@ class _Grid:
         return result
 
     def _frequencies(self, keys: IntArray, times: FloatArray, run: IntArray) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Runs, times and values of the frequency keys, one within each stretch, so that the phase is the signal's at every border.
+        """Runs, times and values of the frequency keys, one in each segment, such that the phase is right at every border.
 
-        Straight lines between keys make a tridiagonal system, strictly diagonally dominant: nothing of it rings far.
+        Linear interpolation between keys gives a tridiagonal, strictly diagonally dominant system.
         """
-        stretch = np.flatnonzero(run[1:] == run[:-1])
-        before, after = self._halves(keys[stretch + 1] - keys[stretch])
-        key_run = run[stretch]
+        segment = np.flatnonzero(run[1:] == run[:-1])
+        before, after = self._halves(keys[segment + 1] - keys[segment])
+        key_run = run[segment]
         together = key_run[1:] == key_run[:-1]
-        # How near the border between two keys lies to the later one: its frequency is that far on the line between theirs.
+        # Position of the border between two keys on the line between them.
         share = after[:-1] / (after[:-1] + before[1:])
         from_last = np.append(0.0, np.where(together, before[1:] * (1 - share) / 2, 0.0))
         from_next = np.append(np.where(together, after[:-1] * share / 2, 0.0), 0.0)
         own = before * (1 + np.append(1.0, np.where(together, share, 1.0))) / 2
         own += after * (1 + np.append(np.where(together, 1 - share, 1.0), 1.0)) / 2
-        cycles = (self.phase[keys[stretch + 1]] - self.phase[keys[stretch]]) / (2 * math.pi)
+        cycles = (self.phase[keys[segment + 1]] - self.phase[keys[segment]]) / (2 * math.pi)
         longest = int(np.bincount(key_run).max())
         frequencies = _tridiagonal(from_last, own, from_next, cycles, longest) + self.centre
         weights = own + np.append(from_last[1:], 0.0) + np.append(0.0, from_next[:-1])
-        return key_run, times[stretch] + before, self._rounded(frequencies, weights, key_run)
+        return key_run, times[segment] + before, self._rounded(frequencies, weights, key_run)
 
     def _rounded(self, frequencies: FloatArray, weights: FloatArray, run: IntArray) -> FloatArray:
-        """The frequencies in steps and within limits; what that costs in phase is made up for by the keys that follow in a run."""
+        """The frequencies rounded and limited; the phase error of each is compensated by the following keys of its run."""
         fit = self.fit
         within = np.clip(frequencies, fit.lowest, fit.highest)
         if not fit.frequency_step and (within == frequencies).all():
@@ -351,8 +357,11 @@ class _Grid:
 
 
 def _tridiagonal(lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray, longest: int) -> FloatArray:
-    """Solve ``lower[k] x[k-1] + diagonal[k] x[k] + upper[k] x[k+1] = right[k]``, in which at most ``longest`` equations in a row hang
-    together, by cyclic reduction: in each round, every equation takes in its neighbours' and then knows only those twice as far away."""
+    """Solve ``lower[k] x[k-1] + diagonal[k] x[k] + upper[k] x[k+1] = right[k]`` by parallel cyclic reduction.
+
+    ``longest``: maximum number of consecutive coupled equations. Each round eliminates the neighbours of every equation, which then depends
+    on those twice as far away.
+    """
     step = 1
     while step < longest:
         to_last = np.zeros_like(right)
@@ -373,8 +382,10 @@ def _tridiagonal(lower: FloatArray, diagonal: FloatArray, upper: FloatArray, rig
 
 
 def needed_keys(times: FloatArray, values: FloatArray, tolerance: FloatArray, run: IntArray | None = None) -> IntArray:
-    """Indices of the keys that remain when those go that lie on the line between their neighbours, every second one at a time. The first
-    and the last of each ``run`` stay; None: all keys are one."""
+    """Indices of the keys that remain when redundant ones are removed: those within ``tolerance`` of the line between their neighbours.
+
+    Every second key is tested at a time. The first and the last of each ``run`` stay; None: one run.
+    """
     kept = np.arange(len(times))
     inside = np.zeros(len(times), dtype=np.bool_)
     inside[1:-1] = True if run is None else (run[1:-1] == run[:-2]) & (run[1:-1] == run[2:])

@@ -23,7 +23,7 @@ from ..io.options import Option
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .bands import bands_for
-from .carrier import Carrier, ramp_integral
+from .carrier import Carrier
 from .fitting import Fit, fit_bands
 from .listener_tracks import ListenerTrack, Tracks
 from .track_export import TrackExport, body_part_of, clipped, common_losses, scene_file
@@ -156,30 +156,11 @@ def _pieces(carrier: Carrier) -> Iterator[Carrier]:
     length = LONGEST_EFFECT / TIMESCALE
     while carrier.end - carrier.start > length:
         ticks = np.arange(LONGEST_EFFECT - 100, LONGEST_EFFECT + 1) / TIMESCALE
-        cycles = carrier.phase / (2 * math.pi) + ramp_integral(ticks, carrier.frequency_times, carrier.frequencies)
+        cycles = carrier.phase / (2 * math.pi) + carrier.cycles(ticks)
         cut = float(ticks[np.argmin(np.abs(np.sin(2 * math.pi * cycles)))])
-        yield part_of(carrier, 0.0, cut)
-        carrier = part_of(carrier, cut, carrier.end - carrier.start)
+        yield carrier.part(0.0, cut)
+        carrier = carrier.part(cut, carrier.end - carrier.start)
     yield carrier
-
-
-def part_of(carrier: Carrier, begin: float, end: float) -> Carrier:
-    """The carrier from ``begin`` to ``end`` seconds after its start."""
-
-    def keys(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        inside = (times > begin) & (times < end)
-        ends = np.interp([begin, end], times, values)
-        return np.concatenate([[0.0], times[inside] - begin, [end - begin]]), np.concatenate([ends[:1], values[inside], ends[1:]])
-
-    cycles = float(ramp_integral(np.array([begin]), carrier.frequency_times, carrier.frequencies)[0])
-    return Carrier(
-        carrier.start + begin,
-        carrier.start + end,
-        (carrier.phase + 2 * math.pi * cycles) % (2 * math.pi),
-        *keys(carrier.amplitude_times, carrier.amplitudes),
-        *keys(carrier.frequency_times, carrier.frequencies),
-        carrier.wave,
-    )
 
 
 def _effect(carrier: Carrier) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""HLA (Hapticlabs, Android): a file per listener, amplitudes in steps."""
+"""HLA (Hapticlabs, Android): one file per listener with stepped amplitudes."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ OPTIONS = (Option("step", 20, "Step", "Milliseconds between changes", (), 5, 100
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
-    """What the files leave out, in words."""
+    """What the files do not carry, one sentence each."""
     return (
         *common_losses(export.need_tracks(), body=False),
-        "the place on the body: a phone has one actuator, the file name says whose it is",
+        "the place on the body: a phone has one actuator; the file name gives the listener",
         f"frequencies: the strength every {options['step']} ms remains, in 255 steps",
         "impacts between two steps",
     )

@@ -1,4 +1,4 @@
-"""What the listeners feel: rendered samples with the impacts among them."""
+"""Rendered samples of the listeners, with the impacts among them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ...scene.values import Source
 from ...signals import DEFAULT_IMPACT
 
 CHUNK = 2**18
-"""Samples of a listener that are handled at once."""
+"""Samples that are processed at once."""
 MAX_SAMPLE_RATE = 192_000
 
 
@@ -23,7 +23,7 @@ def _no_impacts() -> FloatArray:
 
 
 class Felt(Protocol):
-    """An impact, and the gains of its source at the listeners, amplitude included."""
+    """An impact and the gains of its source at the listeners, its amplitude included."""
 
     @property
     def source(self) -> Source: ...
@@ -32,7 +32,7 @@ class Felt(Protocol):
 
 
 class Played(Protocol):
-    """What playing a range of frames gave."""
+    """Samples and impacts of a played range of frames."""
 
     @property
     def listeners(self) -> Sequence[str]: ...
@@ -49,21 +49,24 @@ class Played(Protocol):
 
 
 def strengths(source: Source, gains: FloatArray) -> list[float]:
-    """The peak that an impact's vibration reaches at each listener, at most 1."""
+    """Peak of an impact's vibration at each listener, at most 1."""
     peak = min((source.signal or DEFAULT_IMPACT).peak, 1.0)
     result: list[float] = np.minimum(gains * peak, 1.0).tolist()
     return result
 
 
 def sorted_impacts(impacts: Iterable[tuple[float, float]]) -> FloatArray:
-    """Those that are felt, (k, 2), in the order of time; one from before the first sample is left out."""
+    """Impacts (k, 2) of time and strength, sorted by time, without those of strength 0 and those before the first sample."""
     return np.array(sorted((time, strength) for time, strength in impacts if time >= 0 and strength > 0), dtype=np.float64).reshape(-1, 2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ListenerTrack:
-    """Whose track it is. ``impacts`` (k, 2): time in seconds from the tracks' beginning, ascending, and strength, the peak that the
-    impact's signal reaches at this listener, in [0, 1]. Their vibration is part of the samples."""
+    """The listener of a track.
+
+    ``impacts`` (k, 2): time in seconds from the start of the tracks, ascending, and strength, the peak of the impact's signal at this
+    listener, in [0, 1]. Their vibration is part of the samples.
+    """
 
     name: str
     body_part: str = ""
@@ -80,9 +83,9 @@ class ListenerTrack:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tracks:
-    """``samples`` (n_listeners, n) at ``sample_rate`` a second; the first is at ``start`` seconds of the scene.
+    """``samples`` (n_listeners, n) at ``sample_rate`` (hertz), nominal range [-1, 1]; the first is at ``start`` seconds of the scene.
 
-    Nominal range [-1, 1]. Any array will do, one on disk (`numpy.memmap`) too: it is only ever looked at in pieces.
+    The array may be on disk (`numpy.memmap`), since it is read in pieces.
     """
 
     listeners: tuple[ListenerTrack, ...]
@@ -107,7 +110,7 @@ class Tracks:
 
     @classmethod
     def of(cls, played: Played) -> Tracks:
-        """The tracks of what was played."""
+        """The tracks of a played range of frames."""
         felt = [(impact.source.onset - played.start, strengths(impact.source, impact.gains)) for impact in played.impacts]
         listeners = (
             ListenerTrack(name, body_part, sorted_impacts((time, row[number]) for time, row in felt))
@@ -126,11 +129,11 @@ class Tracks:
         return self.count / self.sample_rate
 
     def blocks(self) -> Iterator[tuple[int, NDArray[np.floating]]]:
-        """The samples in pieces (n_listeners, k) that fit in memory, each with the number of its first sample."""
+        """The samples in pieces (n_listeners, k), each with the index of its first sample."""
         size = max(CHUNK // max(len(self.listeners), 1), 1)
         for first in range(0, self.count, size):
             yield first, self.samples[:, first : first + size]
 
     def clipped(self) -> int:
-        """How many samples lie beyond ±1: a target of fixed range cuts them."""
+        """Number of samples beyond ±1, which formats of fixed range clip."""
         return sum(int(np.count_nonzero(np.abs(block) > 1)) for _, block in self.blocks())

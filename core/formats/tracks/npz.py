@@ -21,13 +21,16 @@ OPTIONS = (Option("compressed", False, "Compressed", "Smaller, but slower to wri
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
-    """What the file leaves out, in words."""
+    """What the file does not carry, one sentence each."""
     return tuple(text for text in common_losses(export.need_tracks(), body=False) if "full scale" not in text)
 
 
 def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
-    """Write ``<scene>.npz``: ``samples`` (n_listeners, n) of float32, ``sample_rate``, ``start``, ``names``, ``body_parts`` and ``impacts``
-    (k, 3) of listener number, time and strength."""
+    """Write ``<scene>.npz``.
+
+    Arrays: ``samples`` (n_listeners, n) of float32, ``sample_rate``, ``start``, ``names``, ``body_parts`` and ``impacts`` (k, 3) of
+    listener index, time and strength.
+    """
     tracks = export.need_tracks()
     path = scene_file(export.name, folder, SUFFIX)
     method = zipfile.ZIP_DEFLATED if options["compressed"] else zipfile.ZIP_STORED

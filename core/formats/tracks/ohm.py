@@ -1,4 +1,4 @@
-"""OHM: what the reference encoder of MPEG haptics wants to know of a WAV file's channels. The WAV file is written along."""
+"""OHM: the description of a WAV file's channels for the reference encoder of MPEG haptics, written with the WAV file."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _ENCODING = "pcm16"
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
-    """What the files leave out, in words."""
+    """What the files do not carry, one sentence each."""
     long = [listener.name for listener in export.need_tracks().listeners if len(listener.name.encode()) > 32]
     return (*wav.loss(export, {"encoding": _ENCODING, "sample_rate": 0}), *([f"names beyond 32 bytes: {', '.join(long)}"] if long else []))
 
@@ -42,10 +42,10 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list
 def _channels(listeners: tuple[ListenerTrack, ...]) -> Iterator[bytes]:
     for listener in listeners:
         part = body_part_of(listener)
-        # The gain is little-endian, unlike all the rest: that is how the reference software has it.
+        # The gain is little-endian, unlike everything else: so the reference software reads it.
         yield _text(listener.name, 32) + struct.pack("<f", 1.0) + struct.pack(">I", 0 if part is None else part.mpeg_mask)
 
 
 def _text(text: str, size: int) -> bytes:
-    """UTF-8 cut at ``size`` bytes, never within a character, and filled up with zeros."""
+    """UTF-8 cut to ``size`` bytes at a character boundary and padded with zeros."""
     return text.encode()[:size].decode(errors="ignore").encode().ljust(size, b"\0")

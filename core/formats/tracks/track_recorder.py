@@ -1,4 +1,4 @@
-"""Traced frames gathered into tracks."""
+"""Recording traced frames as tracks."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .listener_tracks import ListenerTrack, Tracks, sorted_impacts, strengths
 
 
 class TrackRecorder:
-    """Takes one traced frame after the other. Samples go to a file that vanishes with the tracks, so that length costs no memory."""
+    """Records traced frames. Samples are written to a temporary file, which is removed with the tracks, to save memory."""
 
     def __init__(self) -> None:
         self._file: IO[bytes] = tempfile.TemporaryFile(prefix="haptic-tracks-")  # noqa: SIM115
@@ -25,7 +25,7 @@ class TrackRecorder:
         self._impacts: dict[str, tuple[float, list[float]]] = {}
 
     def add(self, result: FrameResult) -> None:
-        """A frame. Raises ValueError where it does not follow the one before, or where the listeners have changed."""
+        """Add a frame. Raises ValueError unless it follows the frame before and has the same listeners."""
         if not self._sample_rate:
             self._listeners, self._sample_rate = result.listeners, round(result.sample_rate)
         if [item.name for item in result.listeners] != [item.name for item in self._listeners]:
@@ -43,7 +43,7 @@ class TrackRecorder:
         self._count += result.block.shape[1]
 
     def tracks(self) -> Tracks:
-        """All that was taken."""
+        """The recorded tracks."""
         start = self._first / (self._sample_rate or 1)
         felt = tuple(self._impacts.values())
         shape = (self._count, len(self._listeners))

@@ -1,4 +1,4 @@
-"""Impacts as transients: short bursts that a player adds to the continuous vibration."""
+"""Impacts as transients: short bursts that players add to the continuous vibration."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from ...arrays import FloatArray
 
 TRANSIENT_SECONDS = 0.022
 TRANSIENT_CYCLES = 2
-"""Two sine cycles over 22 ms: what the reference renderer of MPEG haptics plays, and the length that all clips of Razer's kit give."""
+"""Two sine cycles over 22 ms, as the reference renderer of MPEG haptics plays; published `.haps` clips have the same length."""
 LEAST_STRENGTH = 0.01
-"""A weaker impact says nothing that the continuous vibration does not."""
+"""Minimum strength; weaker impacts stay in the continuous vibration."""
 LEAST_SHARE = 0.3
-"""Of an impact's strength that its transient has at least, however little it resembles it: to devices it is a click."""
+"""Minimum strength of a transient relative to its impact's, whatever their similarity, since devices render it as a click."""
 
 
 def without_transients(samples: FloatArray, sample_rate: int, impacts: FloatArray, time_step: float) -> tuple[FloatArray, FloatArray]:
-    """The samples (n,) less a transient per impact, and the transients (k, 2): times, multiples of ``time_step`` seconds, and strengths.
+    """The samples (n,) minus one transient per impact, and the transients (k, 2): time, a multiple of ``time_step`` seconds, and strength.
 
-    A transient has the strength with which it takes most out of the samples, within limits; both together are what there was.
+    The strength is the least-squares fit to the samples, within limits. Samples and transients add up to the input.
     """
     if not len(impacts):
         return samples, np.zeros((0, 2))
@@ -43,6 +43,6 @@ def without_transients(samples: FloatArray, sample_rate: int, impacts: FloatArra
 
 
 def burst(times: FloatArray) -> FloatArray:
-    """A transient of strength 1 at ``times`` seconds after its beginning."""
+    """A transient of strength 1 at ``times`` seconds after its start."""
     inside = (times >= 0) & (times < TRANSIENT_SECONDS)
     return np.where(inside, np.sin(2 * math.pi * TRANSIENT_CYCLES / TRANSIENT_SECONDS * times), 0.0)

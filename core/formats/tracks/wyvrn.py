@@ -18,9 +18,9 @@ from ..io.options import Option
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .bands import wide_bands
-from .carrier import Carrier, ramp_integral
+from .carrier import Carrier
 from .fitting import Fit, fit_bands
-from .hjif import part_of, transient
+from .hjif import transient
 from .listener_tracks import ListenerTrack
 from .track_export import TrackExport, body_part_of, clipped, common_losses
 from .transients import TRANSIENT_SECONDS, without_transients
@@ -129,9 +129,9 @@ def from_zero_phase(carrier: Carrier) -> Carrier | None:
     if missing < 1e-6:
         return carrier
     times = np.linspace(0.0, carrier.end - carrier.start, 4001)[: 2 + int(4000 * min(1.0, 1.0 / (carrier.end - carrier.start)))]
-    cycles = ramp_integral(times, carrier.frequency_times, carrier.frequencies)
+    cycles = carrier.cycles(times)
     begin = float(np.interp(missing, cycles, times))
-    return part_of(carrier, begin, carrier.end - carrier.start) if cycles[-1] > missing else None
+    return carrier.part(begin, carrier.end - carrier.start) if cycles[-1] > missing else None
 
 
 def _note(carrier: Carrier) -> str:

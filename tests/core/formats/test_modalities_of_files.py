@@ -91,7 +91,7 @@ FIRE = {"name": "fire", "object": "hearth", "position": [0, 0, 0], "value": 60}
         ({"thermal": 3}, "/modalities/thermal", "must be an object"),
         ({"thermal": {"warm": 1}}, "/modalities/thermal/warm", "unknown key"),
         ({"thermal": {"objects": [{"object": "moon"}]}}, "/modalities/thermal/objects/0/object", "there is no object 'moon'"),
-        ({"thermal": {"objects": [{"object": "rug"}] * 2}}, "/modalities/thermal/objects/1/object", "stands here twice"),
+        ({"thermal": {"objects": [{"object": "rug"}] * 2}}, "/modalities/thermal/objects/1/object", "occurs twice"),
         (
             {"thermal": {"objects": [{"object": "rug", "values": {"kappa": 1}}]}},
             "/modalities/thermal/objects/0/values/kappa",

@@ -114,7 +114,7 @@ BOMB = base64.b64encode(zlib.compress(bytes(50_000_000))).decode()
         ([GOOD, {**GOOD, "count": 4_500_000}], "/motions/1/count: more than 4500000 poses"),
         ([{**GOOD, "poses": BOMB}], "/motions/0/poses: does not hold 2 poses"),
         ([{**GOOD, "poses": "%"}], "/motions/0/poses: is not base64"),
-        ([{**GOOD, "poses": "AAAA"}], "/motions/0/poses: is not packed by zlib"),
+        ([{**GOOD, "poses": "AAAA"}], "/motions/0/poses: is not compressed by zlib"),
         ([{**GOOD, "poses": encoded(np.zeros((2, 7), dtype=np.int64))}], "/motions/0/poses: a quaternion of length 0 is no rotation"),
         ([{**GOOD, "poses": encoded(np.full((2, 7), 10**15))}], "/motions/0/poses: beyond 1e9 metres"),
         ([GOOD, GOOD], "/motions: 'a' has two poses in frame 1"),
