@@ -136,7 +136,7 @@ def _allowed(
 ) -> list[FloatArray]:
     """The error (squared magnitude) allowed to each band at each point of its grid.
 
-    Around each moment, up to half of what is allowed goes for leaving out the weakest bands; those that remain share the rest.
+    At each time up to half of the total is spent by leaving out the weakest bands; the others share the rest equally.
     """
     count = math.ceil(len(samples) / sample_rate * POWER_RATE) + 1
     times = np.arange(count) / POWER_RATE
@@ -151,13 +151,13 @@ def _allowed(
     share = (budget - spent) / np.maximum(len(bands) - number, 1)
     allowed = np.empty_like(powers)
     np.put_along_axis(allowed, order, np.where(left_out, np.inf, share), axis=0)
-    # What is left out may be off by all it has; a finite number can be interpolated.
+    # A band that is left out may have any error; a finite limit can be interpolated.
     allowed = np.minimum(allowed, 4 * np.maximum(total, budget))
     return [np.interp(np.arange(len(z)) / band.grid_rate, times, row) for z, band, row in zip(parts, bands, allowed, strict=True)]
 
 
 def _moving_mean(values: FloatArray, rate: float, times: FloatArray) -> FloatArray:
-    """Mean of ``values`` (``rate`` a second) over the power window around each of ``times``."""
+    """Mean of ``values`` (at ``rate`` hertz) over the power window around each of ``times``."""
     sums = np.concatenate([[0.0], np.cumsum(values)])
     half = max(POWER_WINDOW / 2, 1 / rate)
     low = np.clip(np.floor((times - half) * rate).astype(np.int64), 0, len(values))

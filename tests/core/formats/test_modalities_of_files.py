@@ -115,7 +115,7 @@ FIRE = {"name": "fire", "object": "hearth", "position": [0, 0, 0], "value": 60}
         (
             {"thermal": {"objects": [{"object": "rug", "propagation": {"function": "conduction", "thickness": 1}}]}},
             "/modalities/thermal/objects/0/propagation/thickness",
-            "stands under values",
+            "belongs under values",
         ),
         ({"thermal": {"sources": [{**FIRE, "object": "moon"}]}}, "/modalities/thermal/sources/0/object", "there is no object 'moon'"),
         ({"thermal": {"sources": [FIRE, FIRE]}}, "/modalities/thermal/sources/1/name", "there is a source 'fire' already"),
