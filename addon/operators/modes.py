@@ -11,7 +11,7 @@ from bpy.types import Context, Operator
 from ..bake import playback
 from ..blender.polling import UNDO
 from ..changes.redraw import redraw_viewports
-from ..properties.haptics import MODE_ITEMS
+from ..properties.scene import MODE_ITEMS
 from ..session import session
 
 _ITEMS = (*MODE_ITEMS, ("NEXT", "Next", "The one after the current: HT, SD, MD, MN, HT"))

@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, Menu, Panel
+from bpy.types import Context, Menu, Panel, UIList
 
+from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.materials import MATERIALS
-from ..properties.materials import HAPTIC_UL_materials
 from .drawing import HapticsPanel
+
+
+class HAPTIC_UL_materials(UIList):
+    """The haptic materials of the scene, each with the one number that counts, (1 - κ) ρ."""
+
+    bl_idname = "HAPTIC_UL_materials"
+
+    def draw_item(self, context: Context, layout, data, item, icon, active_data, active_property, index=0, flags=0) -> None:
+        row = layout.row(align=True)
+        row.prop(item, "name", text="", emboss=False, icon="MATERIAL")
+        side = row.row()
+        side.alignment = "RIGHT"
+        side.label(text=f"{transfer_coefficient(item.kappa, item.rho):.2f}")
 
 
 class HAPTIC_MT_materials(Menu):

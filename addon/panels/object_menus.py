@@ -8,7 +8,7 @@ from bpy.types import Context, Menu
 
 from ...sample_scenes import SAMPLES
 from ..operators.adding import SOURCE_ITEMS
-from ..properties.haptics import MODE_ITEMS
+from ..properties.scene import MODE_ITEMS
 
 # What works on the selection, on the scene, on materials; an operator that is not there is left out.
 _SELECTION = (

@@ -1,35 +1,43 @@
-"""The properties of a modulation function: which one, and its parameters."""
+"""Properties of a modulation function: which one, and its parameters."""
 
 from __future__ import annotations
 
-from bpy.props import FloatProperty, StringProperty
-from bpy.types import Context, PropertyGroup
+from bpy.props import EnumProperty, FloatProperty, StringProperty
 
-from ..changes.revisions import mark_changed
+from .callbacks import edited
 
-FUNCTION_ITEMS = (
-    ("haptic_tracing", "Haptic Tracing", "K e^(-max(K, ε) d) with K = (1 - κ) ρ: fades with distance as the two properties say"),
-    ("exponential", "Exponential", "e^(-α d): fades with distance alone"),
-    ("linear", "Linear", "1 - d / range: silent from the range on"),
-    ("constant", "Constant", "The same gain over any distance"),
-    ("identity", "Identity", "Passes everything on unchanged"),
-    ("expression", "Expression", "Your own formula of x, d, kappa, rho, epsilon"),
-    ("conduction", "Conduction", "e^(-m d) with m = √(2 h / (k t)): fades as heat does that leaks into the air on its way"),
-)
-FUNCTION_TITLES = {name: (title, description) for name, title, description in FUNCTION_ITEMS}
+FUNCTIONS = {
+    "haptic_tracing": ("Haptic Tracing", "K e^(-max(K, ε) d) with K = (1 - κ) ρ: fades with distance as the two properties say"),
+    "exponential": ("Exponential", "e^(-α d): fades with distance alone"),
+    "linear": ("Linear", "1 - d / range: silent from the range on"),
+    "constant": ("Constant", "The same gain over any distance"),
+    "identity": ("Identity", "Passes everything on unchanged"),
+    "expression": ("Expression", "Your own formula of x, d, kappa, rho, epsilon"),
+    "conduction": ("Conduction", "e^(-m d) with m = √(2 h / (k t)): fades as heat does that leaks into the air on its way"),
+}
+"""Title and description of each function of the core, by its name."""
 
-# Which properties are the parameters of which function, and their names in the core.
+VIBRATION_FUNCTIONS = tuple(name for name in FUNCTIONS if name != "conduction")
+"""Those that vibration can pass through."""
+
 PARAMETERS = {
     "exponential": {"alpha": "alpha"},
     "linear": {"range": "range"},
     "constant": {"gain": "constant"},
     "expression": {"expression": "expression"},
 }
+"""Which properties are the parameters of which function, by their names in the core."""
 
 
-def changed(self: PropertyGroup, context: Context) -> None:
-    """An author changed what is traced."""
-    mark_changed()
+def function_property(names: tuple[str, ...], default: str) -> EnumProperty:
+    """The choice of one of the functions ``names``."""
+    return EnumProperty(
+        name="Function",
+        description="How the signal fades on its way through",
+        items=tuple((name, *FUNCTIONS[name]) for name in names),
+        default=default,
+        update=edited("function"),
+    )
 
 
 class FunctionParameters:
@@ -42,7 +50,7 @@ class FunctionParameters:
         min=0.0,
         soft_max=5.0,
         precision=3,
-        update=changed,
+        update=edited("alpha"),
     )
     range: FloatProperty(
         name="Range",
@@ -51,10 +59,16 @@ class FunctionParameters:
         min=0.001,
         soft_max=100.0,
         unit="LENGTH",
-        update=changed,
+        update=edited("range"),
     )
     constant: FloatProperty(
-        name="Gain", description="The gain over any distance", default=0.5, min=0.0, max=1.0, subtype="FACTOR", update=changed
+        name="Gain",
+        description="The gain over any distance",
+        default=0.5,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=edited("constant"),
     )
     expression: StringProperty(
         name="Expression",
@@ -62,5 +76,5 @@ class FunctionParameters:
         "Functions: exp, log, sqrt, tanh, atan, sin, cos, abs, min, max, where",
         default="x * exp(-0.2 * d)",
         maxlen=500,
-        update=changed,
+        update=edited("expression"),
     )

@@ -5,7 +5,6 @@ from __future__ import annotations
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, StringProperty
 from bpy.types import Context, PropertyGroup
 
-from ...core.devices.profiles import EARLIEST
 from ..changes.events import device_adjusted, preview_volume_changed
 from ..changes.revisions import mark_actuators
 
@@ -66,7 +65,7 @@ class HapticDeviceProperties(PropertyGroup):
         name="Latency Offset",
         description="Holds touch back, in milliseconds, where the picture is slow; below 0 brings it forward",
         default=0.0,
-        min=1000 * EARLIEST,
+        min=-50.0,
         max=1000.0,
         soft_max=200.0,
         precision=0,

@@ -9,15 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
-from bpy.types import Context, Object, PropertyGroup, Scene, UIList
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.types import Context, Object, PropertyGroup, Scene
 
-from ...core.scene.bands import BAND_COUNT
-from ...core.scene.coefficients import transfer_coefficient
 from ..blender.progress import progress
-from .function import changed
-
-SHARED = ("kappa", "rho", "wave_speed", "use_bands", "band_decays", "conductivity")
+from . import material_values
+from .callbacks import edited
 
 TARGET_ITEMS = (
     ("SELECTED", "Selected", "The selected objects", "RESTRICT_SELECT_OFF", 0),
@@ -41,7 +38,7 @@ def holders(obj: Object) -> dict[str, Any]:
 
 def values_of(item: HapticMaterial) -> dict[str, Any]:
     """The values that objects made of a material of the library have."""
-    values = {name: tuple(value) if name == "band_decays" else value for name in SHARED for value in (getattr(item, name),)}
+    values = {name: tuple(value) if name == "band_decays" else value for name in material_values.NAMES for value in (getattr(item, name),)}
     return {**values, "wave_speed": item.wave_speed if item.use_delay else 0.0}
 
 
@@ -91,29 +88,8 @@ class HapticMaterial(PropertyGroup):
 
     name: StringProperty(name="Name", description="Name of the material in this scene's library", update=_material_renamed)
     known_as: StringProperty(options={"HIDDEN"})
-    kappa: FloatProperty(
-        name="Kappa (κ)",
-        description="The paper's transmissibility. As its function is published, only (1 - κ) ρ counts: a higher κ passes on less, "
-        "but over a longer distance; 1 passes on nothing",
-        default=0.1,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        precision=3,
-        options=set(),
-        update=_material_changed,
-    )
-    rho: FloatProperty(
-        name="Rho (ρ)",
-        description="The paper's density coefficient. A higher ρ passes on more but fades faster with distance; 0 passes on nothing",
-        default=0.9,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        precision=3,
-        options=set(),
-        update=_material_changed,
-    )
+    kappa: material_values.kappa(options=set(), update=_material_changed)
+    rho: material_values.rho(options=set(), update=_material_changed)
     use_delay: BoolProperty(
         name="Delay",
         description="Signals take their time through this material, as its wave speed says; costs time to trace",
@@ -121,34 +97,9 @@ class HapticMaterial(PropertyGroup):
         options=set(),
         update=_material_changed,
     )
-    wave_speed: FloatProperty(
-        name="Wave Speed",
-        description="Speed of vibration in this material; 0 passes signals on without delay",
-        default=0.0,
-        min=0.0,
-        soft_max=5000.0,
-        unit="VELOCITY",
-        options=set(),
-        update=_material_changed,
-    )
-    use_bands: BoolProperty(
-        name="Frequency Bands",
-        description="High frequencies fade faster than low ones, as the values per band say",
-        default=False,
-        options=set(),
-        update=_material_changed,
-    )
-    band_decays: FloatVectorProperty(
-        name="Band Attenuation",
-        description="Extra attenuation per metre in this band of frequencies; 0 adds none",
-        size=BAND_COUNT,
-        default=(0.0,) * BAND_COUNT,
-        min=0.0,
-        soft_max=5.0,
-        precision=3,
-        options=set(),
-        update=_material_changed,
-    )
+    wave_speed: material_values.wave_speed(options=set(), update=_material_changed)
+    use_bands: material_values.use_bands(options=set(), update=_material_changed)
+    band_decays: material_values.band_decays(options=set(), update=_material_changed)
     conductivity: FloatProperty(
         name="Conductivity",
         description="How well heat is conducted, in W/(m·K): steel 50, stone 2.8, wood 0.15",
@@ -176,22 +127,12 @@ class HapticObjectMaterial(PropertyGroup):
         options=set(),
         update=_chosen,
     )
-    use_bands: BoolProperty(
-        name="Frequency Bands",
-        description="High frequencies fade faster than low ones, as the values per band say",
-        default=False,
-        update=changed,
-    )
-    band_decays: FloatVectorProperty(
-        name="Band Attenuation",
-        description="Extra attenuation per metre in this band of frequencies; 0 adds none",
-        size=BAND_COUNT,
-        default=(0.0,) * BAND_COUNT,
-        min=0.0,
-        soft_max=5.0,
-        precision=3,
-        update=changed,
-    )
+    use_bands: material_values.use_bands(update=edited("use_bands"))
+    band_decays: material_values.band_decays(update=edited("band_decays"))
+
+    def drop_imported(self, name: str) -> None:
+        """See `HapticObjectProperties.drop_imported`."""
+        self.id_data.haptics.drop_imported(name)
 
 
 class HapticMaterialLibrary(PropertyGroup):
@@ -200,19 +141,6 @@ class HapticMaterialLibrary(PropertyGroup):
     items: CollectionProperty(type=HapticMaterial)
     active: IntProperty(name="Active Material", default=0, min=0, options=set())
     target: EnumProperty(name="Apply To", description="What a material is applied to", items=TARGET_ITEMS, options=set())
-
-
-class HAPTIC_UL_materials(UIList):
-    """The haptic materials of the scene, each with the one number that counts, (1 - κ) ρ."""
-
-    bl_idname = "HAPTIC_UL_materials"
-
-    def draw_item(self, context: Context, layout, data, item, icon, active_data, active_property, index=0, flags=0) -> None:
-        row = layout.row(align=True)
-        row.prop(item, "name", text="", emboss=False, icon="MATERIAL")
-        side = row.row()
-        side.alignment = "RIGHT"
-        side.label(text=f"{transfer_coefficient(item.kappa, item.rho):.2f}")
 
 
 CLASSES = (HapticMaterial, HapticObjectMaterial, HapticMaterialLibrary)

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 from bpy.props import BoolProperty
-from bpy.types import Context, PropertyGroup
+from bpy.types import PropertyGroup
 
-from ..changes.redraw import redraw_viewports
-
-
-def _view_changed(self: PropertyGroup, context: Context) -> None:
-    redraw_viewports()
+from .callbacks import view_changed
 
 
 class HapticMetersProperties(PropertyGroup):
@@ -19,16 +15,16 @@ class HapticMetersProperties(PropertyGroup):
         name="Meters",
         description="Draw meters over the 3D viewport: how much each listener feels",
         default=True,
-        update=_view_changed,
+        update=view_changed,
     )
     show_scope: BoolProperty(
         name="Scope",
         description="Draw the last second of the selected listener, or of the one that feels the most",
         default=True,
-        update=_view_changed,
+        update=view_changed,
     )
     show_body: BoolProperty(
-        name="Body", description="Draw a body whose parts light up where they feel something", default=True, update=_view_changed
+        name="Body", description="Draw a body whose parts light up where they feel something", default=True, update=view_changed
     )
 
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
+from bpy.props import BoolProperty, FloatProperty, PointerProperty
 from bpy.types import PropertyGroup
 
 from ...core.modalities import MODALITIES, Modality, Quantity
-from .function import FUNCTION_TITLES, FunctionParameters, changed
+from .callbacks import changed, edited
+from .function import FunctionParameters, function_property
+from .imported import drop
 
 SHOWN: tuple[Modality, ...] = tuple(modality for modality in MODALITIES.values() if not modality.sampled)
 """The modalities beside vibration, which has properties and panels of its own."""
 
 
-def _property(quantity: Quantity) -> Any:
+def _property(quantity: Quantity, name: str) -> Any:
+    """The property ``name`` that holds a quantity."""
     unit = "" if quantity.unit in ("", "m") else f", in {quantity.unit}"
     return FloatProperty(
         name=quantity.title,
@@ -23,23 +26,26 @@ def _property(quantity: Quantity) -> Any:
         min=quantity.low,
         max=quantity.high,
         unit="LENGTH" if quantity.unit == "m" else "NONE",
-        update=changed,
+        update=edited(name),
     )
 
 
 def _object_group(modality: Modality) -> type[PropertyGroup]:
     """What an object has for a modality, and whether it is a source of it."""
-    items = tuple((name, *FUNCTION_TITLES[name]) for name in modality.functions)
     annotations = {
-        "function": EnumProperty(name="Function", description="How the signal fades on its way through", items=items, update=changed),
-        **{quantity.name: _property(quantity) for quantity in modality.object_values},
+        "function": function_property(tuple(modality.functions), modality.default_function),
+        **{quantity.name: _property(quantity, quantity.name) for quantity in modality.object_values},
         "is_source": BoolProperty(name="Source", description="This object emits it", default=False, update=changed),
-        "source_value": _property(modality.source_value),
+        "source_value": _property(modality.source_value, "source_value"),
     }
+
+    def drop_imported(self: PropertyGroup, name: str) -> None:
+        drop(self.id_data.haptics, "numbers", f"{modality.name}.{name}")
+
     return type(
         f"Haptic{modality.name.title()}Object",
-        (PropertyGroup, FunctionParameters),
-        {"__annotations__": annotations, "__doc__": modality.description, "__module__": __name__},
+        (FunctionParameters, PropertyGroup),
+        {"__annotations__": annotations, "__doc__": modality.description, "__module__": __name__, "drop_imported": drop_imported},
     )
 
 

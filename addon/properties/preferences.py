@@ -8,10 +8,9 @@ from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
-from bpy.types import AddonPreferences, Context
 
 from ..blender.extension import ROOT
-from ..changes.redraw import redraw_viewports
+from .callbacks import view_changed
 
 GAIN_UNIT_ITEMS = (
     ("BOTH", "Factor and Decibel", "0.50  -6 dB"),
@@ -20,14 +19,10 @@ GAIN_UNIT_ITEMS = (
 )
 
 
-def _redraw(self: AddonPreferences, context: Context) -> None:
-    redraw_viewports()
-
-
 class PreferenceProperties:
     """Mixin: the properties of the add-on's preferences."""
 
-    gain_unit: EnumProperty(name="Gains", description="How panels write gains", items=GAIN_UNIT_ITEMS, default="BOTH", update=_redraw)
+    gain_unit: EnumProperty(name="Gains", description="How panels write gains", items=GAIN_UNIT_ITEMS, default="BOTH", update=view_changed)
     curve_colour: FloatVectorProperty(
         name="Curve",
         description="Colour of the gain over distance in the panel",
@@ -36,7 +31,7 @@ class PreferenceProperties:
         min=0.0,
         max=1.0,
         default=(1.0, 0.62, 0.2),
-        update=_redraw,
+        update=view_changed,
     )
     overlay_size: FloatProperty(
         name="Overlay Size",
@@ -45,7 +40,7 @@ class PreferenceProperties:
         min=0.5,
         max=3.0,
         subtype="FACTOR",
-        update=_redraw,
+        update=view_changed,
     )
     default_device: StringProperty(
         name="Default Device", description="What Connect Device takes: a part of its name; empty for the first device that is found"

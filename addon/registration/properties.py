@@ -6,16 +6,30 @@ import bpy
 from bpy.props import PointerProperty
 from bpy.types import Object, Scene
 
-from ..properties import haptics
+from ..properties import bake, gltf, listener, live_output, materials, meters, modalities, object, scene, source
 
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory(haptics.CLASSES)
+CLASSES = (
+    *bake.CLASSES,
+    *gltf.CLASSES,
+    *meters.CLASSES,
+    *live_output.CLASSES,
+    *materials.CLASSES,
+    *modalities.CLASSES,
+    *source.CLASSES,
+    *listener.CLASSES,
+    *object.CLASSES,
+    *scene.CLASSES,
+)
+"""The property groups, each after those that it has in it."""
+
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
 
 
 def register() -> None:
     """Register the property groups, then give them to objects and scenes."""
     _register_classes()
-    Object.haptics = PointerProperty(type=haptics.HapticObjectProperties, name="Haptics")
-    Scene.haptics = PointerProperty(type=haptics.HapticSceneProperties, name="Haptics")
+    Object.haptics = PointerProperty(type=object.HapticObjectProperties, name="Haptics")
+    Scene.haptics = PointerProperty(type=scene.HapticSceneProperties, name="Haptics")
 
 
 def unregister() -> None:

@@ -8,7 +8,7 @@ import bpy
 import haptic_tracing
 import pytest
 from haptic_tracing.addon.panels import object_menus, preferences
-from haptic_tracing.addon.properties.haptics import MODE_ITEMS
+from haptic_tracing.addon.properties.scene import MODE_ITEMS
 
 _spec = importlib.util.spec_from_file_location("recording_layout_of_shortcuts", Path(__file__).parent / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)

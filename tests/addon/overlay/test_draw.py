@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import bpy
 import pytest
 from haptic_tracing.addon.changes import redraw
-from haptic_tracing.addon.properties import haptics
+from haptic_tracing.addon.properties.scene import HapticSceneProperties
 from haptic_tracing.addon.view import overlay as draw
 from haptic_tracing.addon.view import shader
 from haptic_tracing.addon.view.options import options_of
@@ -97,4 +97,4 @@ def test_draw_callbacks_outside_a_viewport_draw_nothing(uploads, shown):
 
 def test_overlay_properties_have_tooltips():
     for name in ("show_overlay", "show_intra", "show_best_paths", "show_labels", "show_flow", "xray"):
-        assert haptics.HapticSceneProperties.bl_rna.properties[name].description
+        assert HapticSceneProperties.bl_rna.properties[name].description

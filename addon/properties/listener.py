@@ -1,0 +1,89 @@
+"""Properties of haptic listeners."""
+
+from __future__ import annotations
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.types import Context, PropertyGroup
+
+from ...core.scene.body import BODY_PARTS
+from .callbacks import changed, edited
+from .imported import Imported
+
+MIXING_ITEMS = (
+    ("cumulative", "Cumulative", "Adds all signals up and holds the sum at the ceiling"),
+    ("weighted", "Weighted", "Averages the signals by the priorities of their sources"),
+    ("strongest", "Strongest", "Only the strongest signal is felt"),
+    ("power", "Power", "Adds up energies: the root of the sum of squares"),
+    ("custom", "Custom", "Your own formula of what the other methods give"),
+)
+BODY_PART_ITEMS = (
+    ("NONE", "None", "Not a part of the body"),
+    *((part.name, part.name.replace("_", " ").title(), f"Stands for the {part.name.replace('_', ' ')}") for part in BODY_PARTS),
+)
+
+
+def _radius_edited(self: HapticListenerProperties, context: Context) -> None:
+    """Draw an empty that is drawn as a sphere as large as the listener."""
+    empty = self.id_data
+    if empty.type == "EMPTY" and empty.empty_display_type == "SPHERE":
+        empty.empty_display_size = self.radius
+    edited("radius")(self, context)
+
+
+class HapticListenerProperties(Imported, PropertyGroup):
+    """A haptic listener: receives signals at a place of the body."""
+
+    enabled: BoolProperty(name="Haptic Listener", description="Signals are received at this object's origin", default=False, update=changed)
+    body_part: EnumProperty(
+        name="Body Part",
+        description="The place on the body that this listener stands for",
+        items=BODY_PART_ITEMS,
+        default="NONE",
+        update=changed,
+    )
+    radius: FloatProperty(
+        name="Radius",
+        description="Extent of the listener's bounding volume",
+        default=0.05,
+        min=0.0,
+        soft_max=0.5,
+        unit="LENGTH",
+        update=_radius_edited,
+    )
+    gain: FloatProperty(
+        name="Gain",
+        description="Makes this listener feel more or less; can be animated",
+        default=1.0,
+        min=0.0,
+        max=10.0,
+        soft_max=2.0,
+        update=edited("gain"),
+    )
+    mixing: EnumProperty(name="Mixing", description="How signals that arrive together are combined", items=MIXING_ITEMS, update=changed)
+    mixing_expression: StringProperty(
+        name="Formula",
+        description="The mix, sample by sample, of sum, weighted, strongest and power (what the other methods give) and s_max (the "
+        "ceiling)",
+        default="s_max * tanh(sum / s_max)",
+        maxlen=500,
+        update=changed,
+    )
+    s_max: FloatProperty(
+        name="Ceiling",
+        description="No sample of the mixed signal is stronger than this",
+        default=1.0,
+        min=0.01,
+        max=1.0,
+        subtype="FACTOR",
+        update=edited("s_max"),
+    )
+    limiter: BoolProperty(
+        name="Limiter",
+        description="Turns a mix that would exceed the ceiling down, ahead of its peaks, instead of cutting it off, which distorts. "
+        "All listeners then feel 5 ms later",
+        default=False,
+        update=changed,
+    )
+
+
+CLASSES = (HapticListenerProperties,)

@@ -1,0 +1,77 @@
+"""The values that a haptic material and an object of that material both have. Each is defined once, with its own callback and options."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty
+
+from ...core.scene.bands import BAND_COUNT
+
+NAMES = ("kappa", "rho", "wave_speed", "use_bands", "band_decays", "conductivity")
+
+
+def kappa(**more: Any) -> Any:
+    """The property κ; ``more``: its callback and options."""
+    return FloatProperty(
+        name="Kappa (κ)",
+        description="The paper's transmissibility. As its function is published, only (1 - κ) ρ counts: a higher κ passes on less, "
+        "but over a longer distance; 1 passes on nothing",
+        default=0.1,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        precision=3,
+        **more,
+    )
+
+
+def rho(**more: Any) -> Any:
+    """The property ρ."""
+    return FloatProperty(
+        name="Rho (ρ)",
+        description="The paper's density coefficient. A higher ρ passes on more but fades faster with distance; 0 passes on nothing",
+        default=0.9,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        precision=3,
+        **more,
+    )
+
+
+def wave_speed(**more: Any) -> Any:
+    """The speed of waves [m/s]."""
+    return FloatProperty(
+        name="Wave Speed",
+        description="Speed of vibration in this material; 0 passes signals on without delay",
+        default=0.0,
+        min=0.0,
+        soft_max=5000.0,
+        unit="VELOCITY",
+        **more,
+    )
+
+
+def use_bands(**more: Any) -> Any:
+    """Whether frequency bands are attenuated differently."""
+    return BoolProperty(
+        name="Frequency Bands",
+        description="High frequencies fade faster than low ones, as the values per band say",
+        default=False,
+        **more,
+    )
+
+
+def band_decays(**more: Any) -> Any:
+    """The extra attenuation of each frequency band [1/m]."""
+    return FloatVectorProperty(
+        name="Band Attenuation",
+        description="Extra attenuation per metre in this band of frequencies; 0 adds none",
+        size=BAND_COUNT,
+        default=(0.0,) * BAND_COUNT,
+        min=0.0,
+        soft_max=5.0,
+        precision=3,
+        **more,
+    )

@@ -1,0 +1,58 @@
+"""Properties of haptic objects, and the groups of everything that an object can be."""
+
+from __future__ import annotations
+
+from bpy.props import BoolProperty, PointerProperty
+from bpy.types import Object, PropertyGroup
+
+from . import bake, live_output, material_values, materials, modalities
+from .callbacks import changed, edited
+from .function import PARAMETERS, VIBRATION_FUNCTIONS, FunctionParameters, function_property
+from .imported import Imported, drop
+from .listener import HapticListenerProperties
+from .source import HapticSourceProperties
+
+_OF_THE_FUNCTION = {
+    "function",
+    "wave_speed",
+    "use_bands",
+    "band_decays",
+    *(own for parameters in PARAMETERS.values() for own in parameters.values()),
+}
+"""Properties that make an object's modulation function."""
+
+
+class HapticObjectProperties(Imported, FunctionParameters, PropertyGroup):
+    """A haptic object: passes signals on."""
+
+    enabled: BoolProperty(name="Haptic Object", description="Vibration passes through this object", default=False, update=changed)
+    kappa: material_values.kappa(update=edited("kappa"))
+    rho: material_values.rho(update=edited("rho"))
+    wave_speed: material_values.wave_speed(update=edited("wave_speed"))
+    function: function_property(VIBRATION_FUNCTIONS, "haptic_tracing")
+    medium: BoolProperty(
+        name="Medium",
+        description="A volume such as air or water: it touches everything that it overlaps",
+        default=False,
+        translation_context="Haptics",
+        update=changed,
+    )
+    source: PointerProperty(type=HapticSourceProperties)
+    listener: PointerProperty(type=HapticListenerProperties)
+    material: PointerProperty(type=materials.HapticObjectMaterial)
+    modalities: PointerProperty(type=modalities.HapticObjectModalities)
+    body: PointerProperty(
+        type=Object, name="Body", description="The haptic object through which the listeners on this armature feel", update=changed
+    )
+    felt: PointerProperty(type=bake.HapticFeltProperties)
+    live_output: PointerProperty(type=live_output.HapticActuatorProperties)
+
+    def drop_imported(self, name: str) -> None:
+        """Drop what was imported for the property ``name``: the function where it is one of the function's properties, else its number."""
+        if name in _OF_THE_FUNCTION:
+            drop(self, "function")
+        else:
+            drop(self, "numbers", name)
+
+
+CLASSES = (HapticObjectProperties,)

@@ -1,0 +1,175 @@
+"""Properties of a scene: how it is traced and shown."""
+
+from __future__ import annotations
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.types import PropertyGroup
+
+from . import bake, gltf, live_output, materials, meters, modalities
+from .callbacks import changed, edited, view_changed
+from .imported import Imported
+
+MODE_ITEMS = (
+    ("HT", "Haptic Tracing", "Through touching objects, as their properties say"),
+    ("SD", "Single Nearest", "Only the listener nearest to each source, fading with distance alone"),
+    ("MD", "All by Distance", "Every source directly to every listener, fading with distance alone"),
+    ("MN", "All Alike", "Every source directly to every listener, without fading"),
+)
+
+
+class HapticSceneProperties(Imported, PropertyGroup):
+    """How a scene is traced and shown."""
+
+    tracing: BoolProperty(
+        name="Trace", description="Trace haptics at every frame while the timeline plays or objects move", default=True, update=changed
+    )
+    mode: EnumProperty(
+        name="Mode",
+        description="The rendering",
+        items=MODE_ITEMS,
+        update=changed,
+    )
+    localise: FloatProperty(
+        name="Localise",
+        description="Blends from what touching objects carry everywhere (0) to only the listener nearest to each source (1). "
+        "Part of the people in the paper's study liked to feel a source in one place",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=edited("localise"),
+    )
+    strategy: EnumProperty(
+        name="Strategy",
+        description="How the gain from a source to a listener is computed",
+        update=changed,
+        items=(
+            ("auto", "Automatic", "All paths for persistent sources, the best path for impacts"),
+            ("best_path", "Best Path", "Only the path that passes on most"),
+            ("all_paths", "All Paths", "The sum of everything that arrives"),
+            ("energy_balance", "Energy Balance", "Steady state of the energy that flows through all contacts; for dense piles"),
+        ),
+    )
+    max_connections: IntProperty(
+        name="Max Connections",
+        description="Longest path, in connections through and between objects; 0 sets no limit",
+        default=32,
+        min=0,
+        soft_max=128,
+        update=changed,
+    )
+    threshold: FloatProperty(
+        name="Threshold",
+        description="A path ends where its gain falls below this part of the source; 0 sets no limit",
+        default=0.001,
+        min=0.0,
+        max=1.0,
+        soft_max=0.1,
+        precision=4,
+        update=edited("threshold"),
+    )
+    epsilon: FloatProperty(
+        name="Epsilon (ε)",
+        description="Least attenuation per metre of the haptic tracing function",
+        default=0.1,
+        min=0.0,
+        soft_max=1.0,
+        precision=3,
+        update=edited("epsilon"),
+    )
+    contact_tolerance: FloatProperty(
+        name="Contact Tolerance",
+        description="Objects closer than this touch",
+        default=0.01,
+        min=0.0,
+        soft_max=0.1,
+        unit="LENGTH",
+        precision=4,
+        update=changed,
+    )
+    patch_points: BoolProperty(
+        name="Contact Points",
+        description="Signals pass at each corner of where two objects lie on each other, instead of in its middle; the sum stays the same",
+        default=False,
+        update=changed,
+    )
+    impacts: BoolProperty(
+        name="Impacts", description="Collisions make temporary sources that play the impact signal once", default=True, update=changed
+    )
+    impact_signal: EnumProperty(
+        name="Signal",
+        description="What impacts feel like",
+        update=changed,
+        items=(
+            ("MATERIALS", "By Material", "As the materials that meet: metal on stone rings, wood on soil thuds; plain where unknown"),
+            ("PLAIN", "Plain", "A short knock of 150 Hz, whatever meets"),
+        ),
+    )
+    minimum_energy: FloatProperty(
+        name="Minimum Energy (J)",
+        description="Collisions weaker than this, in joules, make no source; 5 J is a light contact",
+        default=5.0,
+        min=0.0,
+        soft_max=100.0,
+        update=changed,
+    )
+    maximum_energy: FloatProperty(
+        name="Full Energy (J)",
+        description="A collision of this energy, in joules, plays the impact signal at full strength",
+        default=100.0,
+        min=0.001,
+        soft_max=1000.0,
+        update=changed,
+    )
+    impact_energy: EnumProperty(
+        name="Energy",
+        description="The energy that a collision is judged by",
+        update=changed,
+        items=(
+            ("kinetic", "Of Both Motions", "What both objects bring along, moving as they do over the ground"),
+            ("normal", "Of the Blow", "What comes together at the contact: the same however fast both travel side by side"),
+        ),
+    )
+    refractory_time: FloatProperty(
+        name="Refractory Time (s)",
+        description="After an impact the same two objects make no other for so many seconds, however they bounce",
+        default=0.1,
+        min=0.0,
+        soft_max=2.0,
+        precision=3,
+        update=changed,
+    )
+    show_overlay: BoolProperty(name="Overlay", description="Draw the haptic graph over the 3D viewport", default=True, update=view_changed)
+    show_intra: BoolProperty(
+        name="Connections", description="Draw the connections inside objects that carry signal", default=True, update=view_changed
+    )
+    show_best_paths: BoolProperty(
+        name="Best Paths", description="Mark the best path from each source to each listener", default=True, update=view_changed
+    )
+    show_labels: BoolProperty(
+        name="Labels", description="Write names and gains beside sources and listeners", default=True, update=view_changed
+    )
+    show_flow: BoolProperty(
+        name="Signal Flow",
+        description="Pulses run along the best paths while the timeline plays; not their real speed, which the eye could not follow",
+        default=False,
+        update=view_changed,
+    )
+    xray: BoolProperty(
+        name="In Front", description="Draw the graph over objects instead of being hidden by them", default=True, update=view_changed
+    )
+    bake: PointerProperty(type=bake.HapticBakeProperties)
+    meters: PointerProperty(type=meters.HapticMetersProperties)
+    live_output: PointerProperty(type=live_output.HapticLiveOutputProperties)
+    materials: PointerProperty(type=materials.HapticMaterialLibrary)
+    gltf: PointerProperty(type=gltf.HapticGltfProperties)
+    modalities: PointerProperty(type=modalities.HapticSceneModalities)
+    imported_contacts: StringProperty(
+        name="Imported Contacts",
+        description="The contacts of an imported file, which count while objects stand where it put them",
+        options={"HIDDEN"},
+        update=changed,
+    )
+
+
+CLASSES = (HapticSceneProperties,)

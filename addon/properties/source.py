@@ -1,0 +1,65 @@
+"""Properties of haptic sources."""
+
+from __future__ import annotations
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.types import PropertyGroup
+
+from .callbacks import changed, edited
+from .imported import Imported
+
+SIGNAL_ITEMS = (
+    ("SINE", "Sine", "A pure vibration"),
+    ("PULSE", "Pulse Train", "Regular blows, like those of a jackhammer"),
+    ("NOISE", "Noise", "A rough, random vibration"),
+    ("FILE", "WAV File", "A recorded signal"),
+    ("KEPT", "Imported", "The signal of an imported file, kept in this one"),
+)
+
+
+class HapticSourceProperties(Imported, PropertyGroup):
+    """A haptic source: emits a signal."""
+
+    enabled: BoolProperty(name="Haptic Source", description="This object emits a haptic signal", default=False, update=changed)
+    muted: BoolProperty(name="Mute", description="Keep the source but silence it", default=False, update=changed)
+    amplitude: FloatProperty(
+        name="Amplitude",
+        description="Strength of the emitted signal; can be animated",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=edited("amplitude"),
+    )
+    signal: EnumProperty(name="Signal", description="What the source emits", items=SIGNAL_ITEMS, default="SINE", update=changed)
+    frequency: FloatProperty(
+        name="Frequency",
+        description="Vibrations or blows per second, in hertz; the skin feels 20 to 1000 Hz, best around 250 Hz",
+        default=60.0,
+        min=0.1,
+        max=1000.0,
+        soft_min=10.0,
+        soft_max=500.0,
+        update=changed,
+    )
+    filepath: StringProperty(name="WAV File", description="The recorded signal, looped", subtype="FILE_PATH", update=changed)
+    decay: FloatProperty(
+        name="Decay Time (s)",
+        description="The source wears off from the first frame on: after so many seconds it is 37% as strong; 0 keeps it up",
+        default=0.0,
+        min=0.0,
+        max=1e6,
+        soft_max=60.0,
+        update=changed,
+    )
+    priority: FloatProperty(
+        name="Priority",
+        description="Weight of this source where a listener mixes by priority",
+        default=1.0,
+        min=0.0,
+        soft_max=10.0,
+        update=edited("priority"),
+    )
+
+
+CLASSES = (HapticSourceProperties,)
