@@ -188,7 +188,7 @@ def quads_drawn(nodes: int, listeners: int) -> str:
     scene = bpy.context.scene
     result = wall_of_bricks(nodes, listeners)
     session.of(scene).result = result
-    data = overlay.render_data(result, overlay.reader.read_settings(scene), overlay.options_of(scene, result))
+    data = overlay.render_data(result, overlay.read_settings(scene), overlay.options_of(scene, result))
     graph = quads(data)
     size = sum(values.nbytes for values in graph.attributes.values()) + graph.triangles.nbytes
     return (

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from bpy.types import ID, Object, Scene
 
-from ..scene_reader.reader import is_tagged
+from ..scene_reader.roles import is_tagged
 
 Digest = dict[str, Any]
 

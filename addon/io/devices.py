@@ -21,7 +21,7 @@ from ...core.scene.values import Listener
 from ..blender.extension import profile_folders
 from ..blender.single_precision import shortest
 from ..properties.actuators import AUTOMATIC, MUTED, choice_of, places_of
-from ..scene_reader.imported import kept_device, text_of
+from ..scene_reader.imported import imported_device, text_of
 
 ADJUSTED = ("gain", "floor", "curve", "ceiling", "offset")
 """Properties of a device that stand in its extras, under `EXTRAS`, where they are not as they come."""
@@ -34,7 +34,7 @@ def written_devices(scene: Scene, listeners: Sequence[Listener]) -> tuple[Device
     choices = {item.name: _choice(bpy.data.objects.get(item.name)) for item in listeners}
     named = {place.device for choice in choices.values() for place in places_of(choice) or ()}
     names = sorted({*settings.keys(), *named} - {""})
-    kept = {name: kept_device(settings[name].imported if name in settings else "") for name in names}
+    kept = {name: imported_device(settings[name].imported if name in settings else "") for name in names}
     profiles = {name: known.profile or profile_name(name) for name, known in kept.items()}
     found = automatic({item.name: item.body_part for item in listeners}, profiles)
     felt = {name: found[name] if choice == AUTOMATIC else places_of(choice) or [] for name, choice in choices.items()}

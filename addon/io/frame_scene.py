@@ -20,9 +20,9 @@ from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Contact, HapticObject, HapticScene, Listener, Source, SourceKind
 from ..blender.single_precision import shortest
 from ..properties.modalities import SHOWN
-from ..scene_reader.imported import KeptContacts, kept_contacts, kept_listener, kept_object, kept_scene, kept_source
+from ..scene_reader.imported import FileContacts, file_contacts, imported_listener, imported_object, imported_scene, imported_source
 from ..scene_reader.modalities import read_modality
-from ..scene_reader.reader import Reading
+from ..scene_reader.reading import Reading
 from ..session import session
 from .devices import is_muted, written_devices
 from .materials import NAMED, written_materials
@@ -56,7 +56,7 @@ def scene_of_frame(scene: bpy.types.Scene, depsgraph: Depsgraph) -> HapticScene:
 
 def scene_of_result(result: FrameResult, reading: Reading, scene: bpy.types.Scene) -> HapticScene:
     """The haptic scene of a traced frame of ``scene`` and the reading that it was traced from. Lists are in the order of names."""
-    return replace(written_frame(result, reading, scene), contacts=_contacts(result, kept_contacts(scene.haptics.imported_contacts)))
+    return replace(written_frame(result, reading, scene), contacts=_contacts(result, file_contacts(scene.haptics.imported_contacts)))
 
 
 def written_frame(result: FrameResult, reading: Reading, scene: bpy.types.Scene) -> HapticScene:
@@ -119,7 +119,7 @@ def _by_name(items: Any) -> tuple[Any, ...]:
 
 
 def _object(item: HapticObject, obj: Object | None, settled: bool) -> HapticObject:
-    kept = kept_object(obj.haptics.imported if obj is not None else "")
+    kept = imported_object(obj.haptics.imported if obj is not None else "")
     material = obj.haptics.material.name if obj is not None else ""
     extras = {**kept.extras, NAMED: material} if material else dict(kept.extras)
     return replace(item, pose=kept.pose if settled else item.pose, extras=extras)
@@ -128,15 +128,15 @@ def _object(item: HapticObject, obj: Object | None, settled: bool) -> HapticObje
 def _source(item: Source, obj: Object | None) -> Source:
     if obj is None:  # an impact of this frame
         return item
-    return replace(item, extras=dict(kept_source(obj.haptics.source.imported).extras))
+    return replace(item, extras=dict(imported_source(obj.haptics.source.imported).extras))
 
 
 def _listener(item: Listener, obj: Object | None) -> Listener:
-    kept = kept_listener(obj.haptics.listener.imported if obj is not None else "")
+    kept = imported_listener(obj.haptics.listener.imported if obj is not None else "")
     return replace(item, extras={**kept.extras, MUTED: True} if is_muted(obj) else dict(kept.extras))
 
 
-def _contacts(result: FrameResult, kept: KeptContacts) -> tuple[Contact, ...]:
+def _contacts(result: FrameResult, kept: FileContacts) -> tuple[Contact, ...]:
     """Those that were traced, in the order of their objects' names; what came from a file with its extras."""
     extras = {item.positions: dict(item.extras) for items in kept.contacts.values() for item in items if item.extras}
     contacts = sorted(result.contacts.to_contacts(result.objects), key=pair_of)
@@ -148,7 +148,7 @@ def _extras(scene: bpy.types.Scene, frame: int) -> dict[str, Any]:
     authored = {name: getattr(scene.haptics, name) for name in AUTHORED}
     rate = scene.render.fps / scene.render.fps_base
     return {
-        **kept_scene(scene.haptics.imported).extras,
+        **imported_scene(scene.haptics.imported).extras,
         EXTRAS: {
             "frame": frame,
             "frame_start": scene.frame_start,

@@ -11,18 +11,23 @@ from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..blender.single_precision import shortest
 from ..properties.function import PARAMETERS
-from ..scene_reader.imported import exact, text_of
-from ..scene_reader.reader import function_of_properties, stands_for
+from ..scene_reader.functions import function_of_properties, stands_for
+from ..scene_reader.imported import text_of
 
 FREQUENCIES = (0.1, 1000.0)
 """Hertz that the property takes."""
 
 
 def write_numbers(owner: Any, **values: float) -> dict[str, float]:
-    """Set properties; the numbers of those that single precision does not hold, for `kept.exact`."""
+    """Set properties. Returns the numbers that only differ from them by single precision, for `imported.exact`."""
     for name, value in values.items():
         setattr(owner, name, value)
-    return {name: value for name, value in values.items() if shortest(value) != value}
+    return {name: value for name, value in values.items() if shortest(value) != value and takes(owner, name, value)}
+
+
+def takes(owner: Any, name: str, value: float) -> bool:
+    """Whether a property that was set to ``value`` has it, up to single precision: it may be out of the property's range."""
+    return shortest(getattr(owner, name)) == shortest(value)
 
 
 def write_body(haptics: Any, item: HapticObject) -> dict[str, Any]:
@@ -56,7 +61,7 @@ def write_modality(obj: Object, part: ModalityScene, name: str) -> tuple[dict[st
                 setattr(group, own, text)
             case float(number) | int(number):
                 numbers |= write_numbers(group, **{own: number})
-                if exact(group, own, numbers) != number:
+                if not takes(group, own, number):
                     losses.append(f"{key} {number:g} of {part.modality.title}")
     return {f"{part.modality.name}.{key}": value for key, value in numbers.items()}, losses
 
@@ -87,7 +92,7 @@ def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[s
     listener.limiter = item.limiter
     if item.mixing == "custom":
         listener.mixing_expression = item.mixing_expression
-    limited = [name for name in ("gain", "s_max") if exact(listener, name, numbers) != getattr(item, name)]
+    limited = [name for name in ("gain", "s_max") if not takes(listener, name, getattr(item, name))]
     losses = [f"{name} {getattr(item, name):g}" for name in limited]
     if item.body_part and not _choose(listener, "body_part", item.body_part):
         losses.append(f"body part {item.body_part!r}")

@@ -21,8 +21,8 @@ from ..blender.single_precision import shortest
 from ..properties.actuators import MUTED as ACTUATORS_MUTED
 from ..properties.materials import add_material, own_values
 from ..properties.modalities import SHOWN
-from ..scene_reader.imported import kept_contacts, near, text_of, text_of_contacts, text_with
-from ..scene_reader.reader import read_function
+from ..scene_reader.functions import read_function
+from ..scene_reader.imported import file_contacts, near, text_of, text_of_contacts, text_with
 from .devices import take_devices
 from .frame_scene import AUTHORED, EXTRAS, MUTED
 from .keyframes import local_place, write_keyframes
@@ -204,7 +204,7 @@ class _Builder:
         haptics = self.scene.haptics
         names = {obj.name_full for obj in self.objects.values()}
         try:
-            before = kept_contacts(haptics.imported_contacts).contacts
+            before = file_contacts(haptics.imported_contacts).contacts
         except ValueError:  # damaged: importing again is what helps
             before = {}
         old = [

@@ -10,10 +10,10 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.types import Scene
 
+from ..blender.time import frame_seconds, seconds_of
 from ..changes import revisions
 from ..changes.events import device_adjusted, preview_volume_changed
 from ..properties.live_output import HapticDeviceProperties
-from ..scene_reader.reader import seconds_of
 from ..session import session
 from . import outputs, player, preview, refresh
 from .adjustment import adjustment_of
@@ -77,11 +77,6 @@ def exit_pre(*_: Any) -> None:
     """Blender ends. Where it is a module of Python, Python has ended before it, with `atexit`, and taken this module's names away."""
     if player is not None:
         stop_everything()
-
-
-def frame_seconds(scene: Scene) -> float:
-    """How long a frame lasts."""
-    return scene.render.fps_base / scene.render.fps
 
 
 def choices(result: Any) -> dict[str, str]:

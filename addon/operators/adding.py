@@ -14,7 +14,7 @@ from ...core.scene.materials import MATERIALS
 from ...sample_scenes import SAMPLES, build_sample
 from ..authoring import materials
 from ..blender.polling import UNDO, poll_object_mode
-from ..scene_reader.reader import haptic_carrier
+from ..scene_reader.roles import haptic_carrier
 from .tagging import make_source
 
 _rpt = bpy.app.translations.pgettext_rpt

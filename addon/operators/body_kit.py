@@ -10,7 +10,7 @@ from ...core.scene.body import BODY_PART, BODY_PARTS, DEFAULT_LISTENERS, BodyPar
 from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
 from ..blender.polling import SOLID_TYPES, UNDO, editable, poll_active, poll_selected
-from ..scene_reader.reader import haptic_carrier
+from ..scene_reader.roles import haptic_carrier
 
 _rpt = bpy.app.translations.pgettext_rpt
 

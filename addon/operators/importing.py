@@ -16,7 +16,7 @@ from ..blender.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode
 from ..blender.single_precision import shortest
 from ..io.scene_builder import build
 from ..scene_reader.imported import text_of
-from ..scene_reader.reader import haptic_carrier
+from ..scene_reader.roles import haptic_carrier
 from .exporting import MOST_REPORTED
 
 _rpt = bpy.app.translations.pgettext_rpt

@@ -11,7 +11,7 @@ from ..authoring.signals import signal_for
 from ..blender.polling import SOLID_TYPES, UNDO, editable, linked_message, poll_active, poll_selected
 from ..blender.progress import progress
 from ..changes.suspension import suspended
-from ..scene_reader.reader import haptic_carrier
+from ..scene_reader.roles import haptic_carrier
 
 _rpt = bpy.app.translations.pgettext_rpt
 

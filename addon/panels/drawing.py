@@ -7,7 +7,7 @@ from bpy.types import Context, Object, UILayout
 
 from ..blender.text import wrapped
 from ..changes.redraw import SIDEBAR_TAB
-from ..scene_reader.reader import haptic_carrier
+from ..scene_reader.roles import haptic_carrier
 from ..session import session
 
 

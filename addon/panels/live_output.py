@@ -9,6 +9,7 @@ from ...core.devices.mapping import LATEST, ActuatorMapping
 from ...core.devices.output import Status
 from ...core.render.limiter import LOOK_AHEAD
 from ..blender.text import wrapped
+from ..blender.time import frame_seconds
 from ..live_output import handlers, outputs, player, preview
 from ..session import session
 from ..translations.sentences import sentence
@@ -81,7 +82,7 @@ def _draw_devices(layout: UILayout, scene: Scene) -> None:
         found = outputs.found(key)
         box = _draw_title(layout, output.profile.title, found.kind if found else "")
         box.operator("haptic.disconnect_device", icon="UNLINKED").device = key
-        _draw_status(box, output.status, handlers.frame_seconds(scene), limiter_seconds(scene))
+        _draw_status(box, output.status, frame_seconds(scene), limiter_seconds(scene))
         settings = scene.haptics.live_output.devices.get(key)
         if settings is not None:
             column = box.column(align=True)

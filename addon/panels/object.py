@@ -14,7 +14,7 @@ from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.functions.curve import Curve, gain_curve
 from ..properties.preferences import gain_text, preferences
-from ..scene_reader.reader import read_function
+from ..scene_reader.functions import read_function
 from ..view import gain_plot
 from ..view.panel_picture import theme_ink
 from .drawing import HapticsPanel, draw_pair, warn

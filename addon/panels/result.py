@@ -12,7 +12,7 @@ from ...core.scene.values import Mode
 from ..bake import playback
 from ..blender.text import wrapped
 from ..live_output.unfelt import device_words
-from ..scene_reader import reader
+from ..scene_reader.settings import read_settings
 from ..session import session
 from ..translations.sentences import sentence
 from ..view import meter_pictures, meters
@@ -136,7 +136,7 @@ class HAPTIC_PT_comparison(HapticsPanel, Panel):
             layout.label(text="This frame was not traced:", icon="INFO")
             layout.label(text="switch off Play Baked Track", icon="BLANK1")
             return
-        gains = compared(result, reader.read_settings(scene))
+        gains = compared(result, read_settings(scene))
         grid = layout.grid_flow(row_major=True, columns=1 + len(Mode), even_columns=False, align=True)
         grid.label(text="")
         for mode in Mode:

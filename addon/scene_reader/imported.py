@@ -31,7 +31,7 @@ Pair = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class KeptObject:
+class ImportedObject:
     """Of a haptic object: ``function`` counts while the properties say the same as far as they can; ``emitters``: where the sources of
     other modalities stand, by modality."""
 
@@ -45,7 +45,7 @@ class KeptObject:
 
 
 @dataclass(frozen=True, slots=True)
-class KeptSource:
+class ImportedSource:
     """Of a source: ``signal`` counts where the source's signal is the imported one."""
 
     signal: Signal | None = None
@@ -59,7 +59,7 @@ class KeptSource:
 
 
 @dataclass(frozen=True, slots=True)
-class KeptListener:
+class ImportedListener:
     """Of a listener."""
 
     position: Vector | None = None
@@ -68,7 +68,7 @@ class KeptListener:
 
 
 @dataclass(frozen=True, slots=True)
-class KeptScene:
+class ImportedScene:
     """Of a scene; ``tolerance`` of sums over paths."""
 
     tolerance: float | None = None
@@ -77,7 +77,7 @@ class KeptScene:
 
 
 @dataclass(frozen=True, slots=True)
-class KeptDevice:
+class ImportedDevice:
     """Of a device."""
 
     profile: str | None = None
@@ -85,7 +85,7 @@ class KeptDevice:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class KeptContacts:
+class FileContacts:
     """Of a scene: ``contacts`` by their objects, in alphabetical order, as they are while both stand where the file put them and contacts
     are found by ``tolerance`` and ``patch_points``; ``transmissions``: what is passed on wherever the two touch."""
 
@@ -102,7 +102,7 @@ def text_of(**parts: Any) -> str:
 
 
 def text_of_contacts(contacts: Iterable[Contact], later: Iterable[Contact], tolerance: float, patch_points: bool) -> str:
-    """For `kept_contacts`; ``later``: those that begin on the way, for what they pass on."""
+    """For `file_contacts`; ``later``: those that begin on the way, for what they pass on."""
     forms = [[item_to_dict(item) for item in items] for items in (contacts, later)]
     if not any(forms):
         return ""
@@ -110,10 +110,15 @@ def text_of_contacts(contacts: Iterable[Contact], later: Iterable[Contact], tole
 
 
 def exact(owner: Any, name: str, numbers: Numbers) -> float:
-    """A property's value as the author gave it: the number in the file where it is the same in single precision."""
+    """A property's value as the author gave it: the imported number where there is one, else the shortest decimal of the property's single
+    precision. Editing the property removes the number; an animated property is only the number in frames where the two agree."""
+    number = numbers.get(name)
+    if number is None:
+        return shortest(getattr(owner, name))
+    if owner.id_data.animation_data is None:
+        return number
     value = shortest(getattr(owner, name))
-    kept = numbers.get(name)
-    return kept if kept is not None and shortest(kept) == value else value
+    return number if shortest(number) == value else value
 
 
 def text_with(text: str, emitters: Mapping[str, Vector], numbers: Numbers) -> str:
@@ -123,12 +128,12 @@ def text_with(text: str, emitters: Mapping[str, Vector], numbers: Numbers) -> st
 
 
 @lru_cache(maxsize=4096)
-def kept_object(text: str) -> KeptObject:
+def imported_object(text: str) -> ImportedObject:
     """Raises ValueError in words where the text is damaged."""
     try:
         form = _document(text)
         shape, pose, function = (form.get(key) for key in ("shape", "pose", "function"))
-        return KeptObject(
+        return ImportedObject(
             shape=None if shape is None else shape_from_dict(shape),
             mass=None if form.get("mass") is None else _number(form["mass"], 0.0),
             pose=None if pose is None else Pose(tuple(pose["position"]), tuple(pose["rotation"])),
@@ -142,12 +147,12 @@ def kept_object(text: str) -> KeptObject:
 
 
 @lru_cache(maxsize=4096)
-def kept_source(text: str) -> KeptSource:
+def imported_source(text: str) -> ImportedSource:
     """Raises ValueError in words where the text is damaged."""
     try:
         form = _document(text)
         second = form.get("second_object")
-        return KeptSource(
+        return ImportedSource(
             signal=signal_from_dict(form["signal"]) if "signal" in form else None,
             kind=SourceKind(form.get("kind", "persistent")),
             onset=_number(form.get("onset", 0.0), 0.0),
@@ -162,47 +167,47 @@ def kept_source(text: str) -> KeptSource:
 
 
 @lru_cache(maxsize=4096)
-def kept_listener(text: str) -> KeptListener:
+def imported_listener(text: str) -> ImportedListener:
     """Raises ValueError in words where the text is damaged."""
     try:
         form = _document(text)
-        return KeptListener(_vector(form.get("position")), _numbers(form), _mapping(form.get("extras", {})))
+        return ImportedListener(_vector(form.get("position")), _numbers(form), _mapping(form.get("extras", {})))
     except (ValueError, TypeError) as error:
         raise _damaged(error) from None
 
 
 @lru_cache(maxsize=8)
-def kept_scene(text: str) -> KeptScene:
+def imported_scene(text: str) -> ImportedScene:
     """Raises ValueError in words where the text is damaged."""
     try:
         form = _document(text)
         tolerance = None if form.get("tolerance") is None else _number(form["tolerance"], 0.0)
-        return KeptScene(tolerance, _numbers(form), _mapping(form.get("extras", {})))
+        return ImportedScene(tolerance, _numbers(form), _mapping(form.get("extras", {})))
     except (ValueError, TypeError) as error:
         raise _damaged(error) from None
 
 
-def kept_device(text: str) -> KeptDevice:
+def imported_device(text: str) -> ImportedDevice:
     """Raises ValueError in words where the text is damaged."""
     try:
         form = _document(text)
-        return KeptDevice(str(form.get("profile") or "") or None, _mapping(form.get("extras", {})))
+        return ImportedDevice(str(form.get("profile") or "") or None, _mapping(form.get("extras", {})))
     except (ValueError, TypeError) as error:
         raise _damaged(error) from None
 
 
 @lru_cache(maxsize=8)
-def kept_contacts(text: str) -> KeptContacts:
+def file_contacts(text: str) -> FileContacts:
     """Raises ValueError in words where the text is damaged."""
     if not text:
-        return KeptContacts()
+        return FileContacts()
     try:
         form = _document(text)
         found, later = (_contacts(form.get(key, [])) for key in ("contacts", "later"))
         contacts: dict[Pair, tuple[Contact, ...]] = {}
         for item in found:
             contacts[pair_of(item)] = (*contacts.get(pair_of(item), ()), item)
-        return KeptContacts(
+        return FileContacts(
             contacts=contacts,
             transmissions={pair_of(item): item.transmission for item in reversed((*found, *later)) if item.transmission != Identity()},
             tolerance=_number(form.get("tolerance", 0.0), 0.0),

@@ -13,7 +13,7 @@ from ...core.contacts.authored import AuthoredContacts
 from ...core.contacts.shapes import pose_matrix
 from ...core.contacts.tracker import ContactSettings
 from ...core.scene.values import Pose
-from .imported import NEAR, KeptContacts, kept_contacts, kept_scene
+from .imported import NEAR, FileContacts, file_contacts, imported_scene
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,16 +48,16 @@ class ImportedContacts:
 
     def __init__(self) -> None:
         self.problems: tuple[str, ...] = ()
-        self._kept = KeptContacts()
-        self._authored: tuple[tuple[KeptContacts, Homes, frozenset[str]], AuthoredContacts] | None = None
+        self._kept = FileContacts()
+        self._authored: tuple[tuple[FileContacts, Homes, frozenset[str]], AuthoredContacts] | None = None
 
     def read(self, scene: Scene) -> None:
         """Read again what was imported with the scene."""
         try:
-            kept_scene(scene.haptics.imported)
-            self._kept, self.problems = kept_contacts(scene.haptics.imported_contacts), ()
+            imported_scene(scene.haptics.imported)
+            self._kept, self.problems = file_contacts(scene.haptics.imported_contacts), ()
         except ValueError as error:
-            self._kept, self.problems = KeptContacts(), (str(error),)
+            self._kept, self.problems = FileContacts(), (str(error),)
 
     def authored(self, homes: Homes, settled: frozenset[str], settings: ContactSettings) -> AuthoredContacts | None:
         """What the tracer is told of them where the bodies ``settled`` are in their homes: the same value as long as it says the same."""

@@ -9,8 +9,8 @@ from bpy.types import Object, Scene
 
 from ...core.modalities import Emitter, Modality, ModalityScene
 from ..properties.function import PARAMETERS
-from .imported import KeptObject, exact, kept_object, near
-from .reader import haptic_carrier
+from .imported import ImportedObject, exact, imported_object, near
+from .roles import haptic_carrier
 
 
 def read_modality(modality: Modality, scene: Scene, names: set[str]) -> ModalityScene:
@@ -20,7 +20,7 @@ def read_modality(modality: Modality, scene: Scene, names: set[str]) -> Modality
         group = getattr(obj.haptics.modalities, modality.name)
         if obj.name_full not in names and not group.is_source:
             continue
-        kept = kept_object(obj.haptics.imported)
+        kept = imported_object(obj.haptics.imported)
         numbers = numbers_of(modality, kept)
         if obj.name_full in names:
             own = {quantity.name: exact(group, quantity.name, numbers) for quantity in modality.object_values}
@@ -40,7 +40,7 @@ def read_modality(modality: Modality, scene: Scene, names: set[str]) -> Modality
     )
 
 
-def numbers_of(modality: Modality, kept: KeptObject) -> dict[str, float]:
+def numbers_of(modality: Modality, kept: ImportedObject) -> dict[str, float]:
     """Of the numbers that are kept with an object, those of a modality's properties."""
     prefix = f"{modality.name}."
     return {name.removeprefix(prefix): value for name, value in kept.numbers.items() if name.startswith(prefix)}
@@ -50,7 +50,7 @@ def _parameter(group: Any, name: str, numbers: Mapping[str, float]) -> Any:
     return exact(group, name, numbers) if isinstance(getattr(group, name), float) else getattr(group, name)
 
 
-def _emitter(modality: Modality, obj: Object, kept: KeptObject, numbers: Mapping[str, float], names: set[str]) -> Emitter | None:
+def _emitter(modality: Modality, obj: Object, kept: ImportedObject, numbers: Mapping[str, float], names: set[str]) -> Emitter | None:
     """The object as a source, where it is one that stands on one of the objects ``names``."""
     group = getattr(obj.haptics.modalities, modality.name)
     if not group.is_source:

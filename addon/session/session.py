@@ -24,8 +24,11 @@ from ...core.render.history import History
 from ...core.scene.values import Settings
 from ...core.tracer import Frame, Tracer
 from ..blender import progress
+from ..blender.time import seconds_of
 from ..changes import revisions
-from ..scene_reader.reader import Problem, Reading, SceneReader, read_settings, seconds_of
+from ..scene_reader.reader import SceneReader
+from ..scene_reader.reading import Problem, Reading
+from ..scene_reader.settings import read_settings
 from ..translations.sentences import sentence
 from . import modalities, worker
 

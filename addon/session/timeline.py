@@ -14,8 +14,9 @@ from bpy.types import Scene
 from ...core.arrays import FloatArray
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Source
+from ..blender.time import seconds_of
 from ..changes.suspension import stepped, suspended
-from ..scene_reader.reader import Problem, Reading, seconds_of
+from ..scene_reader.reading import Problem, Reading
 from . import session
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...core.render.frame_result import FrameResult
 from ..changes.suspension import suspended
-from ..scene_reader import reader
+from ..scene_reader.settings import read_settings
 from .annotations import furniture, plate_of
 from .camera import camera_view, picture_scale
 from .colour_map import FloatArray
@@ -34,7 +34,7 @@ GRAPH_SAMPLES = 12  # enough for smooth edges: nothing in it scatters light
 
 def rendered_picture(scene: Scene, result: FrameResult, size: tuple[int, int], *, meters: bool = False) -> NDArray[np.uint8]:
     """Pixels (height, width, 3), top row first. The scene is left as it was."""
-    data = render_data(result, reader.read_settings(scene), shown_options(scene))
+    data = render_data(result, read_settings(scene), shown_options(scene))
     scale = picture_scale(size)
     view, projection = (np.array(matrix, dtype=np.float64) for matrix in camera_view(scene, size))
     solid = solid_graph(data, seen_unit(data, projection, view, size[1] / scale))

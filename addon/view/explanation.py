@@ -14,7 +14,7 @@ from ...core.diagnosis.gaps import Surroundings
 from ...core.diagnosis.silence import reasons
 from ...core.message import Message
 from ...core.render.frame_result import FrameResult
-from ..scene_reader import reader
+from ..scene_reader.settings import read_settings
 from ..session import session
 from .levels import RMS_SECONDS
 
@@ -42,7 +42,7 @@ def why_silent(scene: Scene, listener: str) -> tuple[str, tuple[Message, ...]]:
 
 def _reasons(scene: Scene, result: FrameResult, index: int) -> tuple[Message, ...]:
     name = result.listeners[index].name
-    settings = reader.read_settings(scene)
+    settings = read_settings(scene)
     key = (scene.session_uid, name)
     known = _known.get(key)
     if known is not None and ((known[0] is result and known[1] == settings) or (known[3] > _PATIENCE and _is_playing())):

@@ -9,7 +9,7 @@ import numpy as np
 from bpy.types import Collection, Material, Mesh, Object, Scene
 
 from ...core.render.frame_result import FrameResult
-from ..scene_reader.reader import read_settings
+from ..scene_reader.settings import read_settings
 from .annotations import INK, Furniture, furniture
 from .camera import camera_view, picture_scale
 from .colour_map import FloatArray, linear

@@ -16,8 +16,9 @@ from bpy.types import Context, Scene, SpaceView3D
 
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Settings
+from ..blender.time import seconds_of
 from ..properties.preferences import preferences
-from ..scene_reader import reader
+from ..scene_reader.settings import read_settings
 from ..session import session
 from . import meters, shader
 from .annotations import Rectangle, furniture
@@ -145,7 +146,7 @@ def _draw_view() -> None:
     region, view = context.region, context.region_data
     with session.drawing(scene):
         draw_graph(
-            drawing_of(scene.session_uid, result, reader.read_settings(scene), options_of(scene, result)),
+            drawing_of(scene.session_uid, result, read_settings(scene), options_of(scene, result)),
             view.window_matrix,
             view.view_matrix,
             (region.width, region.height),
@@ -176,7 +177,7 @@ def _draw_pixels() -> None:
 
 def seconds_shown(scene: Scene) -> float:
     """Where the signal flow stands: it moves with the timeline."""
-    return reader.seconds_of(scene, scene.frame_current_final)
+    return seconds_of(scene, scene.frame_current_final)
 
 
 def forget() -> None:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ...core.render.frame_result import FrameResult
 from ..blender import compatibility
-from ..scene_reader import reader
+from ..scene_reader.settings import read_settings
 from . import overlay
 from .annotations import plate_of
 from .camera import camera_view, picture_scale
@@ -84,7 +84,7 @@ def viewport_picture(
     scene: Scene, result: FrameResult, size: tuple[int, int], options: Options | None = None, *, meters: bool = False
 ) -> NDArray[np.uint8]:
     """Pixels (height, width, 3), top row first: the 3D viewport from the scene's camera with the graph over it."""
-    drawing = overlay.drawing_of(scene.session_uid, result, reader.read_settings(scene), options or shown_options(scene))
+    drawing = overlay.drawing_of(scene.session_uid, result, read_settings(scene), options or shown_options(scene))
     width, height = (SMOOTHING * side for side in size)
     scale = SMOOTHING * picture_scale(size)
     view, projection = camera_view(scene, (width, height))

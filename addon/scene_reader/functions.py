@@ -1,0 +1,49 @@
+"""The propagation function of an object, from its properties."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import Any
+
+from ...core.scene.functions import ModulationFunction, Spectrum, function_from_dict
+from ..blender.single_precision import shortest
+from ..properties.function import PARAMETERS
+from .imported import imported_object
+
+
+def read_function(haptics: Any) -> ModulationFunction:
+    """The propagation function of an object's properties: the imported one until a property of it is edited, and in frames where none is
+    animated to another value. Raises ValueError in words."""
+    imported = imported_object(haptics.imported).function
+    if imported is None:
+        return function_of_properties(haptics)
+    if haptics.id_data.animation_data is not None:
+        function = function_of_properties(haptics)
+        return imported if stands_for(function, imported) else function
+    return imported
+
+
+def stands_for(function: ModulationFunction, imported: ModulationFunction) -> bool:
+    """Whether properties that make ``function`` were set to ``imported``: they are rounded and have no gains of bands."""
+    numbers = {f.name: getattr(imported, f.name) for f in fields(imported) if f.init}
+    floats = {name: shortest(value) for name, value in numbers.items() if isinstance(value, float)}
+    wave_speed, decays = imported.spectrum.wave_speed, imported.spectrum.band_decays
+    spectrum = Spectrum(wave_speed=shortest(wave_speed), band_decays=tuple(map(shortest, decays)))
+    try:
+        return replace(imported, **floats, spectrum=spectrum) == function
+    except ValueError:  # too small for single precision
+        return False
+
+
+def function_of_properties(haptics: Any) -> ModulationFunction:
+    """The propagation function that an object's properties make. Raises ValueError in words."""
+    parameters = {key: _typed(getattr(haptics, name)) for key, name in PARAMETERS.get(haptics.function, {}).items()}
+    if haptics.wave_speed > 0:
+        parameters["wave_speed"] = shortest(haptics.wave_speed)
+    if haptics.material.use_bands:
+        parameters["band_decays"] = tuple(map(shortest, haptics.material.band_decays))
+    return function_from_dict({"function": haptics.function, **parameters})
+
+
+def _typed(value: Any) -> Any:
+    return shortest(value) if isinstance(value, float) else value

@@ -1,0 +1,83 @@
+"""One object of Blender as haptic object, source and listener, in the values of the core."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.types import Object
+
+from ...core.contacts.tracker import Motion
+from ...core.scene.materials import named_in
+from ...core.scene.values import HapticObject, Listener, Source, SourceKind
+from ...core.signals import Automation, impact_material
+from ..blender.single_precision import shortest
+from .functions import read_function
+from .imported import exact, imported_listener, imported_object, imported_source
+from .signals import decaying, read_signal
+
+
+def read_object(obj: Object) -> HapticObject:
+    """The haptic object of a Blender object. Raises ValueError in words where its function is wrong."""
+    haptics = obj.haptics
+    imported = imported_object(haptics.imported)
+    return HapticObject(
+        name=obj.name_full,
+        kappa=exact(haptics, "kappa", imported.numbers),
+        rho=exact(haptics, "rho", imported.numbers),
+        propagation=read_function(haptics),
+        mass=shortest(obj.rigid_body.mass) if obj.rigid_body is not None else imported.mass,
+        medium=haptics.medium,
+    )
+
+
+def read_source(obj: Object, carrier: str, frequency: Automation | None = None) -> Source:
+    """The source of a Blender object that stands on the haptic object ``carrier``; its position, here where a file put it, is filled in
+    per frame. ``frequency``: over the scene's time, where it is animated."""
+    properties = obj.haptics.source
+    imported = imported_source(properties.imported)
+    second = bpy.data.objects.get(imported.second_object or "")
+    struck = second is not None and second.haptics.enabled and second.name_full != carrier
+    signal = imported.signal if properties.signal == "KEPT" else read_signal(properties, frequency)
+    return Source(
+        name=obj.name_full,
+        object=carrier,
+        position=imported.position or (0.0, 0.0, 0.0),
+        amplitude=0.0 if properties.muted else exact(properties, "amplitude", imported.numbers),
+        kind=imported.kind,
+        signal=decaying(signal, properties.decay) if imported.kind is SourceKind.PERSISTENT else signal,
+        second_object=imported.second_object if struck else None,
+        second_position=imported.second_position if struck else None,
+        onset=imported.onset,
+        priority=exact(properties, "priority", imported.numbers),
+    )
+
+
+def read_listener(obj: Object, carrier: str) -> Listener:
+    """The listener of a Blender object that stands on the haptic object ``carrier``; its position as that of a source."""
+    properties = obj.haptics.listener
+    imported = imported_listener(properties.imported)
+    return Listener(
+        name=obj.name_full,
+        object=carrier,
+        position=imported.position or (0.0, 0.0, 0.0),
+        body_part="" if properties.body_part == "NONE" else properties.body_part,
+        radius=exact(properties, "radius", imported.numbers),
+        gain=exact(properties, "gain", imported.numbers),
+        mixing=properties.mixing,
+        s_max=exact(properties, "s_max", imported.numbers),
+        mixing_expression=properties.mixing_expression if properties.mixing == "custom" else "",
+        limiter=properties.limiter,
+    )
+
+
+def read_impact_material(obj: Object) -> str | None:
+    """What an object feels like when it is hit, by the name of its haptic material; None where it has none that is known."""
+    material = named_in(obj.haptics.material.name)
+    return None if material is None else impact_material(material.name)
+
+
+def read_motion(obj: Object) -> Motion:
+    """How an object moves: by physics, by animation, or not at all."""
+    body = obj.rigid_body
+    if body is None or body.kinematic:
+        return Motion.KINEMATIC
+    return Motion.DYNAMIC if body.type == "ACTIVE" else Motion.STATIC

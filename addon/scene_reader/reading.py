@@ -1,0 +1,45 @@
+"""What the reader gives: one frame of a scene in the values of the core."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from ...core.arrays import FloatArray
+from ...core.contacts.authored import AuthoredContacts
+from ...core.contacts.tracker import Body, ContactSettings
+from ...core.scene.values import HapticObject, Listener, Settings, Source
+from .world_transforms import pose_of
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """Something a designer should mend: the object's name ("" for the scene) and what to do, in the words of the panel."""
+
+    object: str
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One frame of a scene. ``transforms`` (n, 4, 4) of ``objects`` are rigid: the scale is in the bodies' shapes. ``settled``: the names
+    of those that stand where an imported file put them; ``authored``: that file's contacts, None where there are none."""
+
+    objects: tuple[HapticObject, ...]
+    bodies: tuple[Body, ...]
+    transforms: FloatArray
+    sources: tuple[Source, ...]
+    listeners: tuple[Listener, ...]
+    settings: Settings
+    contact_settings: ContactSettings
+    impact_materials: Mapping[str, str]  # what an object feels like when it is hit, where its material says it
+    problems: tuple[Problem, ...]
+    settled: frozenset[str] = frozenset()
+    authored: AuthoredContacts | None = None
+
+    def posed_objects(self) -> tuple[HapticObject, ...]:
+        """The objects with the shape and pose that they have in this frame."""
+        return tuple(
+            replace(item, shape=body.shape, pose=pose_of(transform))
+            for item, body, transform in zip(self.objects, self.bodies, self.transforms, strict=True)
+        )

@@ -1,0 +1,78 @@
+"""The tagged objects of a scene, as authored, and the lists that are made of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.arrays import FloatArray, IntArray
+from ...core.contacts.tracker import Body
+from ...core.scene.values import HapticObject, Listener, Pose, Source
+from .imported_contacts import Homes
+from .reading import Problem
+
+
+@dataclass(frozen=True, slots=True)
+class Tagged:
+    """One tagged object of the scene, as authored."""
+
+    row: int  # in bpy.data.objects
+    animated: tuple[str, ...] | None  # data paths, see `compatibility.animated_paths`
+    deforming: bool
+    scale: tuple[float, float, float]
+    object: HapticObject | None
+    body: Body | None
+    home: Pose | None  # where a file put the body, as it is since
+    source: Source | None
+    listener: Listener | None
+    impact_material: str | None
+    problems: tuple[Problem, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TaggedLists:
+    """What is tagged, in the order of the rows: ``rows`` (m,) in the file and ``scales`` (m, 3) as authored; which of them are bodies, and
+    the rows in the file where sources and listeners are."""
+
+    rows: IntArray
+    scales: FloatArray
+    animated: tuple[tuple[int, tuple[str, ...] | None], ...]  # rows and data paths
+    deforming: bool  # any of them
+    of_bodies: IntArray
+    of_places: IntArray
+    objects: tuple[HapticObject, ...]
+    bodies: tuple[Body, ...]
+    places: tuple[Source | Listener, ...]
+    homes: Homes
+    impact_materials: Mapping[str, str]
+    problems: tuple[Problem, ...]
+
+    @classmethod
+    def of(cls, by_row: dict[int, Tagged], before: TaggedLists | None = None) -> TaggedLists:
+        """What says the same as ``before`` is the same value, so that nothing that was made of it is made again."""
+        tagged = sorted(by_row.values(), key=lambda t: t.row)
+        bodies = [(k, t.object, t.body) for k, t in enumerate(tagged) if t.object is not None and t.body is not None]
+        sound = {item.name for _, item, _ in bodies}  # what stands on an object that has a problem, or is not shown, is left out with it
+        places = [(t.row, item) for t in tagged for item in (t.source, t.listener) if item is not None and item.object in sound]
+        objects, alone = tuple(item for _, item, _ in bodies), tuple(body for _, _, body in bodies)
+        names, poses = tuple(item.name for item in objects), tuple(tagged[k].home for k, _, _ in bodies)
+        if before is not None:
+            objects = before.objects if objects == before.objects else objects
+            alone = before.bodies if alone == before.bodies else alone
+        homed = before is not None and (names, poses) == (before.homes.names, before.homes.poses)
+        return cls(
+            rows=np.array([t.row for t in tagged], dtype=np.int64),
+            scales=np.array([t.scale for t in tagged], dtype=np.float64).reshape(-1, 3),
+            animated=tuple((t.row, t.animated) for t in tagged if t.animated != ()),
+            deforming=any(t.deforming for t in tagged),
+            of_bodies=np.array([k for k, _, _ in bodies], dtype=np.int64),
+            of_places=np.array([row for row, _ in places], dtype=np.int64),
+            objects=objects,
+            bodies=alone,
+            places=tuple(item for _, item in places),
+            homes=before.homes if before is not None and homed else Homes.of(names, poses),
+            impact_materials={t.object.name: t.impact_material for t in tagged if t.object is not None and t.impact_material is not None},
+            problems=tuple(problem for t in tagged for problem in t.problems),
+        )

@@ -1,0 +1,46 @@
+"""World transforms of all objects of the file, read in one call."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+from numpy.typing import NDArray
+
+from ...core.arrays import FloatArray
+from ...core.scene.values import Pose
+
+
+def session_ids() -> NDArray[np.int32]:
+    """(n,) session ids of all objects of the file."""
+    ids = np.empty(len(bpy.data.objects), dtype=np.int32)
+    bpy.data.objects.foreach_get("session_uid", ids)
+    return ids
+
+
+def raw_matrices(count: int) -> NDArray[np.float32]:
+    """(n, 16) world matrices of all objects of the file, column by column."""
+    values = np.empty(16 * count, dtype=np.float32)
+    bpy.data.objects.foreach_get("matrix_world", values)
+    return values.reshape(count, 16)
+
+
+def pose_of(transform: FloatArray) -> Pose:
+    """The pose of a rigid transform (4, 4)."""
+    rotation = Matrix(transform[:3, :3].tolist()).to_quaternion()
+    return Pose(tuple(transform[:3, 3].tolist()), (rotation.w, rotation.x, rotation.y, rotation.z))
+
+
+def rigid_transforms(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
+    """Split raw matrices (n, 16) into rigid transforms (n, 4, 4) and scales (n, 3), negative where mirrored.
+
+    A shear is dropped, as Bullet does.
+    """
+    columns = raw.T.astype(np.float64, order="C").reshape(4, 4, -1)
+    axes = columns[:3, :3]
+    scales = np.sqrt((axes * axes).sum(axis=1))
+    x, y, z = axes
+    volume = (y[1] * z[2] - y[2] * z[1]) * x[0] + (y[2] * z[0] - y[0] * z[2]) * x[1] + (y[0] * z[1] - y[1] * z[0]) * x[2]
+    scales[:, volume < 0] *= -1
+    axes /= np.where(scales == 0, 1.0, scales)[:, None]
+    return columns.transpose(2, 1, 0).copy(), scales.T
