@@ -7,15 +7,15 @@ from bpy.props import EnumProperty, FloatProperty, StringProperty
 from .callbacks import edited
 
 FUNCTIONS = {
-    "haptic_tracing": ("Haptic Tracing", "K e^(-max(K, ε) d) with K = (1 - κ) ρ: fades with distance as the two properties say"),
-    "exponential": ("Exponential", "e^(-α d): fades with distance alone"),
-    "linear": ("Linear", "1 - d / range: silent from the range on"),
-    "constant": ("Constant", "The same gain over any distance"),
     "identity": ("Identity", "Passes everything on unchanged"),
+    "constant": ("Constant", "The same gain over any distance"),
+    "linear": ("Linear", "1 - d / range: silent from the range on"),
+    "exponential": ("Exponential", "e^(-α d): fades with distance alone"),
+    "haptic_tracing": ("Haptic Tracing", "K e^(-max(K, ε) d) with K = (1 - κ) ρ: fades with distance as the two properties say"),
     "expression": ("Expression", "Your own formula of x, d, kappa, rho, epsilon"),
     "conduction": ("Conduction", "e^(-m d) with m = √(2 h / (k t)): fades as heat does that leaks into the air on its way"),
 }
-"""Title and description of each function of the core, by its name."""
+"""Title and description of each function of the core, by its name. Files hold a choice by its place in this order."""
 
 VIBRATION_FUNCTIONS = tuple(name for name in FUNCTIONS if name != "conduction")
 """Those that vibration can pass through."""
