@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..core.graph.haptic_graph import HapticGraph, NoGain
-    from ..core.modalities import Felt
+    from ..core.modalities.propagation import Felt
     from ..core.propagation import Propagation
     from ..core.scene.values import HapticScene, Strategy
 

@@ -15,7 +15,7 @@ from bpy.types import Depsgraph, Object
 
 from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of
-from ...core.modalities import ModalityScene
+from ...core.modalities.modality_scene import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Contact, HapticObject, HapticScene, Listener, Source, SourceKind
 from ..blender.single_precision import shortest

@@ -6,7 +6,7 @@ from typing import Any
 
 from bpy.types import Object
 
-from ...core.modalities import ModalityScene
+from ...core.modalities.modality_scene import ModalityScene
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..blender.single_precision import shortest

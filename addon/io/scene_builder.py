@@ -14,7 +14,8 @@ from bpy.types import Collection, Object
 from ...core.contacts.shapes import Box, Shape
 from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of
-from ...core.modalities import Emitter, ModalityScene
+from ...core.modalities.modality_scene import ModalityScene
+from ...core.modalities.propagation import Emitter
 from ...core.scene.functions import Identity, ModulationFunction
 from ...core.scene.values import Contact, HapticObject, Listener, Pose, Settings, Source, Vector
 from ..blender.single_precision import shortest

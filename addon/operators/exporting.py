@@ -17,7 +17,7 @@ from ...core.formats.export import Export
 from ...core.formats.haptic_scene import write_export
 from ...core.formats.scene.recording import Recording
 from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
-from ...core.modalities import ModalityScene
+from ...core.modalities.modality_scene import ModalityScene
 from ...core.scene.values import HapticScene
 from ..bake.playback import fitting_track
 from ..blender import job

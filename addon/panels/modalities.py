@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from bpy.types import Context, Panel
 
-from ...core.modalities import Felt, Modality
+from ...core.modalities import Modality
+from ...core.modalities.propagation import Felt
 from ..properties.modalities import SHOWN
 from ..session import session
 from .drawing import HapticsPanel, draw_carrier

@@ -7,7 +7,9 @@ from typing import Any
 
 from bpy.types import Object, Scene
 
-from ...core.modalities import Emitter, Modality, ModalityScene
+from ...core.modalities import Modality
+from ...core.modalities.modality_scene import ModalityScene
+from ...core.modalities.propagation import Emitter
 from ..properties.function import PARAMETERS
 from .imported import ImportedObject, exact, imported_object, near
 from .roles import haptic_carrier

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 from bpy.types import Scene
 
-from ...core.modalities import Felt, Modality, ModalityScene, feel
+from ...core.modalities import Modality
+from ...core.modalities.modality_scene import ModalityScene
+from ...core.modalities.propagation import Felt, feel
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Settings
 from ..properties.modalities import SHOWN

@@ -18,7 +18,8 @@ from typing import Any
 from bpy.types import Depsgraph, Scene
 
 from ...core.arrays import FloatArray
-from ...core.modalities import Felt, ModalityScene
+from ...core.modalities.modality_scene import ModalityScene
+from ...core.modalities.propagation import Felt
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
 from ...core.scene.values import Settings

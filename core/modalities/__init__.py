@@ -1,6 +1,6 @@
 """Modalities: ways to feel that share the objects, contacts and listeners of a scene, each with functions, values and a unit of its own.
 
-A further modality is a module with one `Modality` value, and its line in `MODALITIES`.
+A further modality is a module with one `Modality` value, and its line in `MODALITIES`. `propagation` computes what listeners feel of one.
 """
 
 from __future__ import annotations
@@ -9,8 +9,6 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from .modality import Modality, Quantity
-from .modality_scene import ModalityScene
-from .propagation import Emitter, Felt, feel, propagation_function
 from .thermal import THERMAL
 from .vibrotactile import VIBROTACTILE
 
@@ -21,11 +19,6 @@ __all__ = [
     "MODALITIES",
     "THERMAL",
     "VIBROTACTILE",
-    "Emitter",
-    "Felt",
     "Modality",
-    "ModalityScene",
     "Quantity",
-    "feel",
-    "propagation_function",
 ]

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from ..scene.functions import ModulationFunction
-from ..scene.values import Strategy
+from ..scene.choices import Strategy
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,16 +25,17 @@ class Quantity:
 class Modality:
     """One way to feel: vibrotactile, thermal, ...
 
-    functions: those that objects can have, by name, the default first. object_values: what an object has, by the names that its functions'
-    parameters and `core.materials.Material` give them; ``source_value``: how strong a source is. ``sampled``: a signal has samples (a
-    vibration); else it is one value per frame (a temperature). ``strategy`` computes the gains. ``transmission``: the gain of a contact
-    from the values of the object that is entered. ``sensations``: from which value at a listener on it is felt as what, rising.
+    functions: the names of those that objects can have, the default first. object_values: what an object has, by the names that its
+    functions' parameters and `core.scene.materials.Material` give them; ``source_value``: how strong a source is. ``sampled``: a signal
+    has samples (a vibration); else it is one value per frame (a temperature). ``strategy`` computes the gains. ``transmission``: the gain
+    of a contact from the values of the object that is entered. ``sensations``: from which value at a listener on it is felt as what,
+    rising.
     """
 
     name: str
     title: str
     description: str
-    functions: Mapping[str, type[ModulationFunction]]
+    functions: tuple[str, ...]
     object_values: tuple[Quantity, ...]
     source_value: Quantity
     sampled: bool
@@ -46,7 +46,7 @@ class Modality:
     @property
     def default_function(self) -> str:
         """The name of the function that objects have unless their author chooses another."""
-        return next(iter(self.functions))
+        return self.functions[0]
 
     def defaults(self) -> dict[str, float]:
         """The objects' values before anything is known of them."""

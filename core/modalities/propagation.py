@@ -13,9 +13,12 @@ from ..arrays import FloatArray
 from ..contacts.contact_set import ContactSet
 from ..graph.haptic_graph import ObjectTable, build_graph
 from ..propagation import objects_on, propagate
-from ..scene.functions import Constant, ModulationFunction, function_from_dict
+from ..scene.functions import FUNCTIONS, Conduction, Constant, ModulationFunction, function_from_dict
 from ..scene.values import HapticObject, Listener, Settings, Source
 from .modality import Modality
+
+_FUNCTIONS: Mapping[str, type[ModulationFunction]] = {**FUNCTIONS, "conduction": Conduction}
+"""Those of all modalities."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +49,10 @@ def propagation_function(modality: Modality, values: Mapping[str, float], form: 
     An object's ``values`` are the parameters that ``form`` does not give. Raises ValueError that names the key.
     """
     name = (form or {}).get("function", modality.default_function)
-    function = modality.functions.get(name)
+    functions = {key: _FUNCTIONS[key] for key in modality.functions}
+    function = functions.get(name)
     known = set() if function is None else {key for key in values if key in function.__dataclass_fields__}
-    return function_from_dict({"function": name, **{key: values[key] for key in known}, **(form or {})}, modality.functions)
+    return function_from_dict({"function": name, **{key: values[key] for key in known}, **(form or {})}, functions)
 
 
 def feel(

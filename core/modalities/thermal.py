@@ -1,9 +1,9 @@
 """Warmth, in the steady state: what a listener feels long after a fire was lit.
 
-Temperatures are excesses over the room's, in kelvin. Along an object they fall as along a long plate that leaks into the air
-(`Conduction`). At a contact, what flows through the joint warms the next plate: with the joint's conductance ``h_c`` and the flux ``k m T``
-that a long plate draws, ``T2 / T1 = h_c / (h_c + k m)``. That is the closed form for a chain of long plates; of several ways from a source
-the warmest counts, and the excesses of several sources add up, since the equation is linear.
+Temperatures are excesses over the room's, in kelvin. Along an object they fall as along a long plate that leaks into the air (the function
+"conduction"). At a contact, what flows through the joint warms the next plate: with the joint's conductance ``h_c`` and the flux
+``k m T`` that a long plate draws, ``T2 / T1 = h_c / (h_c + k m)``. That is the closed form for a chain of long plates; of several ways
+from a source the warmest counts, and the excesses of several sources add up, since the equation is linear.
 """
 
 from __future__ import annotations
@@ -11,8 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from ..scene.functions import FUNCTIONS, Conduction
-from ..scene.values import Strategy
+from ..scene.choices import Strategy
 from .modality import Modality, Quantity
 
 JOINT = 500.0
@@ -29,7 +28,7 @@ THERMAL = Modality(
     name="thermal",
     title="Warmth",
     description="Heat that is conducted through touching objects, in the steady state",
-    functions={"conduction": Conduction, **{name: FUNCTIONS[name] for name in ("exponential", "linear", "constant", "expression")}},
+    functions=("conduction", "exponential", "linear", "constant", "expression"),
     object_values=(
         Quantity("conductivity", "Conductivity", "How well heat is conducted: steel 50, stone 2.8, wood 0.15", "W/(m·K)", 1.0, 0.01, 500.0),
         Quantity("thickness", "Thickness", "Extent across the way of the heat; thick things carry it further", "m", 0.1, 0.001, 10.0),

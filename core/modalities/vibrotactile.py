@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from ..scene.functions import FUNCTIONS
-from ..scene.values import Strategy
+from ..scene.choices import Strategy
 from .modality import Modality, Quantity, lossless
 
 VIBROTACTILE = Modality(
     name="vibrotactile",
     title="Vibration",
     description="Vibration that the skin feels between 20 and 1000 hertz",
-    functions={"haptic_tracing": FUNCTIONS["haptic_tracing"], **FUNCTIONS},
+    functions=("haptic_tracing", "identity", "constant", "linear", "exponential", "expression"),
     object_values=(
         Quantity("kappa", "Kappa (κ)", "The paper's transmissibility", "", 0.1, 0.0, 1.0),
         Quantity("rho", "Rho (ρ)", "The paper's density coefficient", "", 0.9, 0.0, 1.0),

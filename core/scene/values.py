@@ -6,41 +6,20 @@ Everything is checked when it is made: a scene that exists is a valid one.
 
 from __future__ import annotations
 
-import enum
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from ..signals import Signal
+from .choices import Mode as Mode
+from .choices import SourceKind as SourceKind
+from .choices import Strategy as Strategy
 from .functions import MIXING_VARIABLES, HapticTracing, Identity, ModulationFunction, compile_expression
 from .references import check_references
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
-
-
-class Mode(enum.StrEnum):
-    """The four renderings of the paper's study."""
-
-    HT = "HT"  # haptic graph, the objects' own functions
-    SD = "SD"  # haptic graph, only the listener nearest to the source, distance alone
-    MD = "MD"  # every source directly to every listener, distance alone
-    MN = "MN"  # every source directly to every listener, no attenuation
-
-
-class Strategy(enum.StrEnum):
-    """How the gain from a source to a listener is computed."""
-
-    AUTO = "auto"  # all paths for persistent sources, the best path for temporary ones
-    BEST_PATH = "best_path"
-    ALL_PATHS = "all_paths"
-    ENERGY_BALANCE = "energy_balance"
-
-
-class SourceKind(enum.StrEnum):
-    PERSISTENT = "persistent"
-    TEMPORARY = "temporary"
 
 
 def _finite_vector(key: str, value: Iterable[float], length: int = 3) -> tuple[float, ...]:

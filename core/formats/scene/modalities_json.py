@@ -6,7 +6,9 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ...modalities import MODALITIES, Emitter, Modality, ModalityScene, Quantity, propagation_function
+from ...modalities import MODALITIES, Modality, Quantity
+from ...modalities.modality_scene import ModalityScene
+from ...modalities.propagation import Emitter, propagation_function
 from ...scene.references import Place, PlacedError, require_known
 from ...scene.values import HapticScene
 from ..io.error import errors_in

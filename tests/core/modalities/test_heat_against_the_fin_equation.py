@@ -7,9 +7,10 @@ import haptic_tracing
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.modalities import MODALITIES, THERMAL, VIBROTACTILE, Emitter, feel
+from haptic_tracing.core.modalities import MODALITIES, THERMAL, VIBROTACTILE
+from haptic_tracing.core.modalities.propagation import Emitter, feel
 from haptic_tracing.core.modalities.thermal import JOINT
-from haptic_tracing.core.scene.functions import Conduction
+from haptic_tracing.core.scene.functions import FUNCTIONS, Conduction
 from haptic_tracing.core.scene.values import Contact, Listener, Settings
 from scipy.integrate import solve_bvp
 from scipy.sparse import diags
@@ -107,6 +108,7 @@ def test_sensations_rise_with_the_value():
 @pytest.mark.parametrize("modality", MODALITIES.values(), ids=MODALITIES)
 def test_modalities_are_consistent_data(modality):
     assert modality.default_function in modality.functions
+    assert set(modality.functions) <= {*FUNCTIONS, "conduction"}
     for quantity in (*modality.object_values, modality.source_value):
         assert quantity.low <= quantity.default <= quantity.high
     assert list(modality.sensations) == sorted(modality.sensations)

@@ -1,0 +1,28 @@
+"""Choices that an author makes by name."""
+
+from __future__ import annotations
+
+import enum
+
+
+class Mode(enum.StrEnum):
+    """The four renderings of the paper's study."""
+
+    HT = "HT"  # haptic graph, the objects' own functions
+    SD = "SD"  # haptic graph, only the listener nearest to the source, distance alone
+    MD = "MD"  # every source directly to every listener, distance alone
+    MN = "MN"  # every source directly to every listener, no attenuation
+
+
+class Strategy(enum.StrEnum):
+    """How the gain from a source to a listener is computed."""
+
+    AUTO = "auto"  # all paths for persistent sources, the best path for temporary ones
+    BEST_PATH = "best_path"
+    ALL_PATHS = "all_paths"
+    ENERGY_BALANCE = "energy_balance"
+
+
+class SourceKind(enum.StrEnum):
+    PERSISTENT = "persistent"
+    TEMPORARY = "temporary"
