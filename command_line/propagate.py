@@ -22,7 +22,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     """Describe the subcommand."""
     parser = subparsers.add_parser("propagate", help="gains of a haptic scene file")
     parser.add_argument("scene", metavar="SCENE.json", help="haptic scene; without contacts they are found from shapes and poses")
-    strategies = ("auto", "best_path", "all_paths", "energy_balance")
+    strategies = ("auto", "as_in_the_paper", "best_path", "all_paths", "energy_balance")
     parser.add_argument("--strategy", choices=strategies, help="how gains are computed (the scene's)")
     parser.add_argument("--mode", choices=("HT", "SD", "MD", "MN"), help="rendering: haptic graph, nearest listener, direct (the scene's)")
     parser.add_argument("--max-connections", type=_connections, default=_UNSET, metavar="N|none", help="most connections on a path")

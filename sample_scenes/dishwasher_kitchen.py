@@ -28,6 +28,7 @@ FEET = 0.06  # height of the dishwasher's feet
 def build(scene: Scene) -> None:
     """Fill the empty ``scene``."""
     set_picture(scene, FRAMES)
+    scene.haptics.strategy = "as_in_the_paper"
     add_rigid_body_world(scene, FRAMES)
     white = surface("Lacquer", "#e6e3da", 0.35)
     steel = surface("Brushed Steel", "#9aa0a5", 0.35, 1.0)

@@ -32,6 +32,7 @@ FULL_ENERGY = 20.0  # joules
 def build(scene: Scene) -> None:
     """Fill the empty ``scene``."""
     set_picture(scene, FRAMES)
+    scene.haptics.strategy = "as_in_the_paper"
     scene.haptics.maximum_energy = FULL_ENERGY
     add_rigid_body_world(scene, FRAMES)
     wood = surface("Table Wood", "#a9743f", 0.55, mottle=0.35, mottle_scale=7.0)

@@ -35,6 +35,7 @@ CRATES = (
 def build(scene: Scene) -> None:
     """Fill the empty ``scene``."""
     set_picture(scene, FRAMES)
+    scene.haptics.strategy = "as_in_the_paper"
     add_rigid_body_world(scene, FRAMES)
     wood = surface("Bench Wood", "#b9804a", 0.55, mottle=0.35, mottle_scale=9.0)
     metal = surface("Dark Metal", "#33383d", 0.4, 0.8)

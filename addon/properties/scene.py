@@ -44,10 +44,11 @@ class HapticSceneProperties(Imported, PropertyGroup):
         description="How the gain from a source to a listener is computed",
         update=changed,
         items=(
-            ("auto", "Automatic", "All paths for persistent sources, the best path for impacts"),
-            ("best_path", "Best Path", "Only the path that passes on most"),
-            ("all_paths", "All Paths", "The sum of everything that arrives"),
-            ("energy_balance", "Energy Balance", "Steady state of the energy that flows through all contacts; for dense piles"),
+            ("auto", "Automatic", "The best path for every source, over any number of connections", 0),
+            ("as_in_the_paper", "As in the Paper", "All paths for persistent sources, the best path for impacts", 4),
+            ("best_path", "Best Path", "Only the path that passes on most", 1),
+            ("all_paths", "All Paths", "The sum of everything that arrives", 2),
+            ("energy_balance", "Energy Balance", "Steady state of the energy that flows through all contacts; for dense piles", 3),
         ),
     )
     max_connections: IntProperty(

@@ -364,6 +364,8 @@ MESSAGES: dict[str, str] = {
     "Strategy": "Verfahren",
     "How the gain from a source to a listener is computed": "Wie die Verstärkung von einer Quelle zu einem Empfänger berechnet wird",
     "Automatic": "Automatisch",
+    "The best path for every source, over any number of connections": "Der beste Weg für jede Quelle, über beliebig viele Verbindungen",
+    "As in the Paper": "Wie in der Arbeit",
     "All paths for persistent sources, the best path for impacts": "Alle Wege für dauernde Quellen, der beste Weg für Aufpralle",
     "Best Path": "Bester Weg",
     "Only the path that passes on most": "Nur der Weg, der am meisten weitergibt",

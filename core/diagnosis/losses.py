@@ -15,7 +15,7 @@ from ..propagation import objects_on
 from ..propagation.best_path import best_paths
 from ..propagation.connections import amplifying, intra_costs
 from ..propagation.modes import straight_distances
-from ..propagation.strategies import BUDGET
+from ..propagation.strategies import BUDGET, most_connections
 from ..render.frame_result import FrameResult
 from ..scene.coefficients import transfer_coefficient
 from ..scene.values import Mode, Settings
@@ -52,8 +52,9 @@ def _weak_path_message(graph: HapticGraph, settings: Settings, path: tuple[int, 
     total = sum(loss for _, loss, _ in losses)
     chain, count = Chain(objects_on(graph, path)), len(path) - 1
     limit = _threshold_loss(settings)
-    if total <= limit and settings.max_connections is not None and count > settings.max_connections:
-        return Message.of(Cause.TOO_LONG, path=chain, count=count, most=settings.max_connections)
+    most = most_connections(settings)
+    if total <= limit and most is not None and count > most:
+        return Message.of(Cause.TOO_LONG, path=chain, count=count, most=most)
     worst, loss, distance = max(losses, key=lambda item: item[1])
     return Message.of(
         Cause.BELOW_THRESHOLD,

@@ -1,4 +1,4 @@
-"""Where the signals of a frame can get to, as bounds that contact detection looks for contacts by."""
+"""Upper bounds on gains, by which contact detection leaves out what no signal can reach."""
 
 from __future__ import annotations
 
@@ -12,16 +12,22 @@ from .distance_only import DISTANCE_ONLY
 from .haptic_graph import ObjectTable
 
 _FAR = 1e6
-"""Metres within which a designer's formula is bounded."""
+"""Distance [m] up to which a designer's formula is bounded."""
+
+
+def _balances_energy(settings: Settings) -> bool:
+    return settings.strategy is Strategy.ENERGY_BALANCE and settings.mode is not Mode.SD
 
 
 def object_bounds(table: ObjectTable, settings: Settings) -> tuple[FloatArray, FloatArray]:
-    """Factor and decay (n,) such that no gain of an object over d metres is more than ``factor * exp(-decay * d)``; all 1 and 0 where
-    signals are not followed along paths."""
+    """Factor and decay (n,) such that no gain of an object over d metres exceeds ``factor * exp(-decay * d)``.
+
+    1 and 0 for the energy balance, which is not a product of gains along a path.
+    """
     count = len(table.names)
     if settings.mode is Mode.SD:
         return np.ones(count), np.full(count, DISTANCE_ONLY.alpha)
-    if settings.strategy is Strategy.ENERGY_BALANCE:
+    if _balances_energy(settings):
         return np.ones(count), np.zeros(count)
     factor, decay = table.factor.copy(), table.decay.copy()
     for index in table.special:
@@ -37,8 +43,16 @@ def signal_reach(
     transmission: ModulationFunction | None = None,
     impacts: bool = True,
 ) -> Reach:
-    """What signals can reach that start at ``positions`` (k, 3) [m] on ``bodies`` (k,), of whose propagation ``bounds`` are known, and
-    that ``impacts`` of the frame make. ``transmission`` of all contacts; None: identity."""
+    """The reach of signals from the given sources.
+
+    Args:
+        bounds: factor and decay of each body, as from `object_bounds`.
+        bodies: (k,) numbers of the bodies that sources are on.
+        positions: (k, 3) places of the sources [m, world].
+        settings: mode, strategy and threshold.
+        transmission: function of all contacts; None for the identity.
+        impacts: whether impacts of the frame make sources, too.
+    """
     if settings.mode not in (Mode.HT, Mode.SD):
         bodies, positions, impacts = bodies[:0], positions[:0], False
     passed = 1.0
@@ -50,7 +64,7 @@ def signal_reach(
         strengths=np.ones(len(bodies)),
         factor=bounds[0],
         decay=bounds[1],
-        threshold=0.0 if settings.strategy is Strategy.ENERGY_BALANCE else settings.threshold,
+        threshold=0.0 if _balances_energy(settings) else settings.threshold,
         transmission=passed,
         from_impacts=impacts,
     )

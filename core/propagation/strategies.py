@@ -26,10 +26,17 @@ BUDGET = 1_000_000
 
 
 def strategy_of(kind: SourceKind, settings: Settings) -> Strategy:
-    """`AUTO` is all paths for persistent sources and the best path for temporary ones, as in the paper."""
-    if settings.strategy is not Strategy.AUTO:
-        return settings.strategy
-    return Strategy.ALL_PATHS if kind is SourceKind.PERSISTENT else Strategy.BEST_PATH
+    """The strategy of a source of this kind: the best path in mode SD; else the chosen one, with the two automatic ones resolved."""
+    if settings.mode is Mode.SD or settings.strategy is Strategy.AUTO:
+        return Strategy.BEST_PATH
+    if settings.strategy is Strategy.AS_IN_THE_PAPER:
+        return Strategy.ALL_PATHS if kind is SourceKind.PERSISTENT else Strategy.BEST_PATH
+    return settings.strategy
+
+
+def most_connections(settings: Settings) -> int | None:
+    """The limit of connections on a path; `Strategy.AUTO` has none."""
+    return None if settings.strategy is Strategy.AUTO else settings.max_connections
 
 
 def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET, sounding_only: bool = False) -> Propagation:
@@ -74,7 +81,7 @@ class _Run:
         best = best_paths(
             graph,
             [(int(row), int(column)) for row, column in np.argwhere(self.wanted)],
-            settings.max_connections,
+            most_connections(settings),
             settings.threshold,
             self.budget,
             amplified,
@@ -90,7 +97,7 @@ class _Run:
                 if bands is not None and pair in best.nodes:
                     bands[pair] = gain[pair] * path_bands(graph, best.nodes[pair])
         work = 0
-        crossings = crossings_of(settings.max_connections)
+        crossings = crossings_of(most_connections(settings))
         for number, row in enumerate(rows if crossings >= 0 else ()):
             columns = np.flatnonzero(self.wanted[row])
             ends = graph.sources[row].nodes, graph.listener_nodes[columns].tolist()
@@ -152,7 +159,7 @@ class _Run:
     def _taps(self, best: BestPaths, gain: FloatArray, amplified: bool) -> dict[tuple[int, int], tuple[tuple[float, float], ...]]:
         """Of a sum over paths its strongest ones, else the best path with all of the gain."""
         taps = {}
-        crossings = crossings_of(self.settings.max_connections)
+        crossings = crossings_of(most_connections(self.settings))
         for pair, nodes in best.nodes.items():
             if self.strategies[pair[0]] is Strategy.ALL_PATHS:
                 taps[pair] = delay_taps(self.graph, *pair, crossings, self.settings.threshold, amplified)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import gzip
 import json
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from ...scene.values import HapticScene, Settings
+from ...scene.values import HapticScene, Settings, Strategy
 from ..io.atomic import atomic_file
 from ..io.error import FormatError, errors_in
 from ..io.json_text import compact
@@ -56,9 +56,22 @@ def scene_from_dict(document: Any, file: str | Path) -> HapticScene:
             contacts=tuple(read_contact(form, ("contacts", i)) for i, form in enumerate(document.get("contacts", []))),
             sources=tuple(read_source(form, ("sources", i)) for i, form in enumerate(document.get("sources", []))),
             listeners=tuple(read_listener(form, ("listeners", i)) for i, form in enumerate(document.get("listeners", []))),
-            settings=read_value(Settings, document.get("settings", {}), ("settings",)),
+            settings=_read_settings(document.get("settings", {})),
             extras=document.get("extras", {}),
         )
+
+
+def _read_settings(form: Mapping[str, Any]) -> Settings:
+    """Settings of version 1.0, in which ``auto``, its default, is the paper's pair of strategies."""
+    settings = read_value(Settings, form, ("settings",))
+    return replace(settings, strategy=Strategy.AS_IN_THE_PAPER) if settings.strategy is Strategy.AUTO else settings
+
+
+def _in_version_1_0(settings: Settings) -> Settings:
+    """Settings with the same meaning in version 1.0: `Strategy.AUTO` is the best path over any number of connections."""
+    if settings.strategy is Strategy.AUTO:
+        return replace(settings, strategy=Strategy.BEST_PATH, max_connections=None)
+    return replace(settings, strategy=Strategy.AUTO) if settings.strategy is Strategy.AS_IN_THE_PAPER else settings
 
 
 def current_document(document: Any, file: str | Path) -> Any:
@@ -77,7 +90,8 @@ def current_document(document: Any, file: str | Path) -> Any:
 
 def scene_to_dict(scene: HapticScene) -> dict[str, Any]:
     """The document of a scene, keys in the order of the definition; defaults are left out, except positions and settings."""
-    settings = {key.name: json_value(getattr(scene.settings, key.name)) for key in fields(Settings)}
+    own = _in_version_1_0(scene.settings)
+    settings = {key.name: json_value(getattr(own, key.name)) for key in fields(Settings)}
     if not scene.settings.localise:
         del settings["localise"]
     document = {"format": FORMAT, "version": VERSION, "settings": settings, **scene_items(scene)}

@@ -173,7 +173,7 @@ def scenes(draw):
             st.builds(
                 Settings,
                 mode=st.sampled_from(Mode),
-                strategy=st.sampled_from(Strategy),
+                strategy=st.sampled_from([strategy for strategy in Strategy if strategy is not Strategy.AUTO]),
                 max_connections=st.one_of(st.none(), st.integers(0, 1000)),
                 threshold=unit,
                 epsilon=unit,
@@ -238,6 +238,18 @@ def test_writing_and_reading_gives_the_same_scene_and_again_the_same_bytes(tmp_p
     write_scene(read_scene(folder / "a.json"), folder / "b.json.gz")
     assert gzip.decompress((folder / "b.json.gz").read_bytes()) == (folder / "a.json").read_bytes()
     assert sorted(path.name for path in folder.iterdir()) == ["a.json", "b.json.gz"]
+
+
+def test_automatic_strategies_keep_their_meaning_in_version_1_0(tmp_path):
+    """There ``auto``, the default, is all paths for persistent sources and the best path for temporary ones."""
+    bare = {"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 0, "rho": 1}]}
+    for form in (bare, {**bare, "settings": {}}, {**bare, "settings": {"strategy": "auto"}}):
+        read = scene_from_dict(form, "scene.json").settings
+        assert read == Settings(strategy=Strategy.AS_IN_THE_PAPER)
+        assert scene_to_dict(HapticScene(settings=read))["settings"]["strategy"] == "auto"
+    write_scene(HapticScene(settings=Settings(strategy=Strategy.AUTO, max_connections=7)), tmp_path / "scene.json")
+    read = read_scene(tmp_path / "scene.json").settings
+    assert (read.strategy, read.max_connections) == (Strategy.BEST_PATH, None)
 
 
 def test_older_versions_are_migrated_step_by_step(tmp_path, monkeypatch):

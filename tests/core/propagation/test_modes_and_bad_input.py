@@ -51,9 +51,32 @@ def test_nearest_listener_ties_go_by_name():
     assert propagate(graph_of_scene(scene), Settings(mode=Mode.SD)).gain[0].tolist() == [0, pytest.approx(math.exp(-0.2))]
 
 
-def test_automatic_strategy():
-    result = propagate(GRAPH, Settings())
-    assert result.strategy == ("all_paths", "best_path")
+def test_automatic_strategies():
+    """Automatic is the best path for every source; the paper's pair is one strategy away."""
+    assert propagate(GRAPH, Settings()).strategy == ("best_path", "best_path")
+    assert propagate(GRAPH, Settings(strategy=Strategy.AS_IN_THE_PAPER)).strategy == ("all_paths", "best_path")
+
+
+@pytest.mark.parametrize("strategy", list(Strategy))
+def test_nearest_listener_by_best_path_whatever_the_strategy(strategy):
+    """Mode SD is the largest product of gains by distance alone, also between objects that touch each other all around."""
+    names = ["a", "b", "c", "d"]
+    objects = tuple(HapticObject(name, 0.0, 1.0) for name in names)
+    contacts = tuple(Contact((one, other), ((0, 0, 0), (0, 0, 0))) for k, one in enumerate(names) for other in names[:k])
+    scene = HapticScene(objects, contacts, (Source("s", "a"),), (Listener("l", "b", (1, 0, 0)),))
+    result = propagate(graph_of_scene(scene), Settings(mode=Mode.SD, strategy=strategy))
+    assert result.strategy == ("best_path",)
+    assert result.gain[0, 0] == pytest.approx(math.exp(-0.2), rel=1e-14)
+
+
+def test_automatic_strategy_has_no_limit_of_connections():
+    """Through 40 objects in a row, which takes 79 connections."""
+    objects = tuple(HapticObject(f"o{k:02d}", 0, 1, Identity()) for k in range(40))
+    contacts = tuple(Contact((f"o{k:02d}", f"o{k + 1:02d}"), ((k, 0, 0), (k, 0, 0))) for k in range(39))
+    graph = graph_of_scene(HapticScene(objects, contacts, (Source("s", "o00"),), (Listener("l", "o39"),)))
+    assert propagate(graph, Settings()).gain[0, 0] == 1
+    assert propagate(graph, Settings(strategy=Strategy.BEST_PATH)).gain[0, 0] == 0
+    assert propagate(graph, Settings(strategy=Strategy.BEST_PATH, max_connections=79)).gain[0, 0] == 1
 
 
 def test_nothing_to_do():

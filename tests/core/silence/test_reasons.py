@@ -112,7 +112,7 @@ def test_below_the_threshold_names_the_object_that_takes_the_most():
 
 
 def test_too_many_connections():
-    (reason,) = why(chain(settings=Settings(max_connections=3)))
+    (reason,) = why(chain(settings=Settings(strategy="best_path", max_connections=3)))
     assert reason.cause is Cause.TOO_LONG
     assert (reason["count"], reason["most"]) == (5, 3)
 
