@@ -30,6 +30,16 @@ _MOST_STEPS = 40
 _SLOW = 0.05
 """Metres per second of approach below which nothing is hit."""
 
+_PIVOT = 0.38
+"""Share of a point's height at the start of an interval that is left at mid-interval, above which the point has swung down at constant
+speed (1/2) rather than rolled down onto its place (1/4)."""
+
+_SWUNG = 0.5
+"""Metres per second at which a part must swing down to hit: the corners of a faceted wheel, and what trembles, come down more slowly."""
+
+_MOST_TURN = 2.0
+"""Radians of relative rotation in an interval up to which that share tells swinging from rolling."""
+
 _VISIBLE = 1e-3
 """Metres of way after a hit from which on it must show where a body is at the end of the interval."""
 
@@ -74,7 +84,7 @@ class Hits:
     def __len__(self) -> int:
         return len(self.pairs)
 
-    def chosen(self, rows: BoolArray) -> Hits:
+    def chosen(self, rows: BoolArray | IntArray) -> Hits:
         """Some of the hits."""
         return Hits(*(getattr(self, f.name)[rows] for f in fields(self)))
 
@@ -101,7 +111,7 @@ class Meetings:
     def __init__(self, narrow: NarrowPhase, bounds: FloatArray) -> None:
         self._narrow = narrow
         self._radius = np.sqrt((np.abs(bounds).max(axis=1) ** 2).sum(axis=1))
-        self._thickness = np.ptp(bounds, axis=1).min(axis=1)
+        self._thickness = narrow.thickness
 
     def may_meet(self, paths: Paths, first: IntArray, second: IntArray, low: FloatArray, high: FloatArray) -> BoolArray:
         """Which pairs have bounding boxes that meet when one stands and the other moves as it does relative to it; ``low`` and ``high``
@@ -155,6 +165,58 @@ class Meetings:
     def ahead(self, paths: Paths, pairs: IntArray, reach: FloatArray) -> FloatArray:
         """Signed distances (p,) of ``pairs`` at the end of their ways, exact up to ``reach`` (p,)."""
         return _Ways(self._narrow, paths, pairs, reach).clearances(np.full(len(pairs), paths.duration))
+
+
+def landings(
+    paths: Paths, pairs: IntArray, nodes: FloatArray, old_nodes: FloatArray, normal: FloatArray, distance: FloatArray, apart: float
+) -> Hits:
+    """Hits of ``pairs`` (p, 2) that have touched all along, such as a rod that lies on one end and falls onto the other.
+
+    The material at the contact ``nodes`` (2, 3, p) [world] at the end of the interval, on either body, was more than ``apart`` metres away
+    from the other body at its start, along ``normal`` (3, p), and has swung down there, about the material that was the contact before and
+    is at ``old_nodes`` (2, 3, p) now. Material that rolls onto its place arrives without speed and hits nothing; what slides stays the same
+    material on one of the bodies.
+
+    The speed of approach is the mean one in this interval or in the one before, whichever is greater: that just before the hit is not
+    known, since the hit that turned the bodies and this one may lie in consecutive intervals. Two blows of a pair within one interval are
+    one.
+    """
+    ways = paths.to_the_ends()
+    middle = ways.poses(np.arange(paths.start.shape[1]), paths.duration / 2)
+    before, start, half = (_gaps(pose, paths.end, pairs, nodes, normal) for pose in (paths.earlier, paths.start, middle))
+    spin = ways.spin[:, pairs[:, 1]] - ways.spin[:, pairs[:, 0]]
+    turn = np.sqrt((spin * spin).sum(axis=0)) * paths.duration
+    approach = np.maximum(start / paths.duration, (before - start) / paths.earlier_duration)
+    away = np.sqrt(((nodes - old_nodes) ** 2).sum(axis=1)).min(axis=0)
+    swung = (start > apart) & (half >= _PIVOT * start) & (turn < _MOST_TURN) & (away > start)
+    rows = np.flatnonzero(swung & (approach > _SWUNG))
+    if len(rows) == 0:
+        return Hits.none()
+    pairs, distance, approach = pairs[rows], distance[rows], approach[rows]
+    after = start[rows] / approach
+    return Hits(
+        pairs=pairs,
+        after=after,
+        distance=distance,
+        normal=normal[:, rows].T,
+        centre=nodes[:, :, rows].mean(axis=0).T,
+        approach=approach,
+        velocities=np.stack([ways.velocities(pairs[:, k], after).T for k in (0, 1)], axis=1),
+        ahead=distance,
+        actual=distance,
+        passes=np.zeros(len(rows), dtype=np.bool_),
+    )
+
+
+def _gaps(pose: FloatArray, end: FloatArray, pairs: IntArray, nodes: FloatArray, normal: FloatArray) -> FloatArray:
+    """How far the material at ``nodes`` (2, 3, p) of bodies at their ``end`` (12, n) was apart along ``normal`` in ``pose`` (12, n)."""
+    gap = np.zeros(len(pairs))
+    for side, node in enumerate(nodes):
+        then, now = pose[:, pairs[:, side]], end[:, pairs[:, side]]
+        local = np.einsum("ijp,ip->jp", now[:9].reshape(3, 3, -1), node - now[9:])
+        moved = np.einsum("ijp,jp->ip", then[:9].reshape(3, 3, -1), local) + then[9:] - node
+        gap += (2 * side - 1) * (moved * normal).sum(axis=0)
+    return gap
 
 
 class _Ways:

@@ -29,7 +29,8 @@ _ASTRAY = 0.001
 class Paths:
     """The ways of bodies from one frame to the next, ``duration`` seconds: from ``start`` (12, n) on with ``velocity`` (3, n), constant
     ``acceleration`` (3, n) and ``spin`` (3, n) [rad/s] about the body's origin. ``end`` (12, n): where the bodies really are then.
-    ``certain`` (n,): the way is known all along, and no hit turned it. ``turned`` (n,): it was turned by a hit in the interval before."""
+    ``certain`` (n,): the way is known all along, and no hit turned it. ``turned`` (n,): it was turned by a hit in the interval before.
+    ``earlier`` (12, n): the poses ``earlier_duration`` seconds before the start."""
 
     duration: float
     start: FloatArray
@@ -39,6 +40,8 @@ class Paths:
     end: FloatArray
     certain: BoolArray
     turned: BoolArray
+    earlier: FloatArray
+    earlier_duration: float
 
     def to_the_ends(self) -> Paths:
         """The ways that lead from the same starts with the same accelerations to where the bodies really are at the end."""
@@ -192,7 +195,7 @@ class MotionHistory:
         velocity = np.where(moving, np.where(given, direct - acceleration * (step / 2), begin), 0.0)
         spin = np.where(given, _spins(start, end, step), _spins(earlier, start, known))
         turned = kinematic & ~smooth & (clean < 1)
-        return Paths(step, start, velocity, acceleration, np.where(moving, spin, 0.0), end, smooth, turned)
+        return Paths(step, start, velocity, acceleration, np.where(moving, spin, 0.0), end, smooth, turned, earlier, known)
 
 
 def _squared(vectors: FloatArray) -> FloatArray:

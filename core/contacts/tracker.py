@@ -13,7 +13,7 @@ from ..message import Cause, Message
 from .broad_phase import overlapping_pairs
 from .contact_set import ContactSet
 from .gain_bound import Reach
-from .impacts import Hits, Impact, Meetings, impact_energies, took_place
+from .impacts import Hits, Impact, Meetings, impact_energies, landings, took_place
 from .motion import MotionHistory, Paths
 from .narrow.narrow_phase import NarrowPhase, PairPatches, relative_pose
 from .settings import Body, ContactSettings, ImpactEnergy, Motion
@@ -32,6 +32,9 @@ _FIRM = 2e-3
 
 _CREEP = 0.05
 """Metres per second of approach up to which touching bodies have nothing left to hit."""
+
+_STRONGER = 1.25
+"""Times as fast as the last blow of a pair (2 dB) is one that counts within the refractory time."""
 
 _SOON = 3
 """Frames within which a body may have been pulled to an impact by gravity: so long before its contacts are watched, wanted or not."""
@@ -159,7 +162,7 @@ class ContactTracker:
         self._near, self._near_larger, self._near_smaller = none, none, none
         self._pairs = _Pairs.of(none, none, none)
         self._airborne = self._dynamic.copy()
-        self._last_impact: dict[int, float] = {}
+        self._last_impact: dict[int, tuple[float, float]] = {}  # time [s] and speed of approach [m/s] by key
         self._queries = 0
         self._begun = 0.0
         self._last: FrameContacts | None = None
@@ -396,14 +399,18 @@ class ContactTracker:
         self._catch_up(np.flatnonzero(looked & ~pairs.looked))
         before = pairs.touching & pairs.looked
         apart = ~pairs.touching & pairs.looked
-        distance = pairs.values[_DISTANCE].copy()
+        last = pairs.values.copy()
+        distance = last[_DISTANCE]
         self._look(np.flatnonzero(looked & ~fresh), before)
+        pivoting = np.flatnonzero(before & pairs.touching & looked & ~fresh & _among(key, self._near[able]))
 
         hits = None
         if paths is not None and len(able):
             able = able[~_among(self._near[able], struck)]
             arrived = key[pairs.touching & looked & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
             hits = self._hits(paths, able, arrived[_among(arrived, self._near[able])])
+            recent = [k for k, (when, _) in self._last_impact.items() if time - when <= self.settings.refractory + paths.duration]
+            hits = hits.joined(self._landings(paths, pivoting[np.isin(key[pivoting], recent)], last))
         impacts = self._impacts(time, hits, paths)
         if impacts and isinstance(wanted, Reach) and wanted.from_impacts:
             asked |= self._asked(_from_impacts(wanted, impacts), fresh)
@@ -579,8 +586,37 @@ class ContactTracker:
             hits = hits.joined(self._meetings.hits(paths.to_the_ends(), pulled).approaching())
         return hits
 
+    def _landings(self, paths: Paths, rows: IntArray, last: FloatArray) -> Hits:
+        """Hits of the pairs ``rows``, which touch in both frames, with a part that was away from the other body before: of each pair, the
+        hit of the patch's fastest point. ``last``: the values of all pairs in the last frame. Called for pairs with an impact within the
+        refractory time: what has touched for longer is at rest, and tips over unfelt."""
+        pairs = self._pairs
+        rows = rows[~(self._medium[pairs.larger[rows]] | self._medium[pairs.smaller[rows]])]
+        if len(rows) == 0:
+            return Hits.none()
+        larger, smaller = pairs.larger[rows], pairs.smaller[rows]
+        pose = self._pose.take(larger, axis=1)
+        other = self._pose.take(smaller, axis=1)
+        placed = relative_pose(pose, other)
+        limit = np.full(len(rows), self.settings.tolerance + self.settings.slack)
+        found = self._narrow.query(np.stack([larger, smaller], axis=1), *placed, limit, corners=True)
+        of = np.repeat(np.arange(len(rows)), [len(corners) for corners in found.corners])
+        turn = pose[:9].reshape(3, 3, -1)[..., of]
+        points = np.einsum("ijp,pj->ip", turn, np.concatenate(found.corners)) + pose[9:, of]
+        keys = pairs.key[rows]
+        flipped = larger != keys // len(self.bodies)
+        normal = np.einsum("ijp,jp->ip", turn, found.normal[:, of]) * np.where(flipped[of], -1.0, 1.0)
+        gap = normal * (found.distance[of] / 2)
+        old = np.stack([_placed(pose, last[_ON_LARGER, rows]), _placed(other, last[_ON_SMALLER, rows])])
+        old = np.where(flipped, old[::-1], old)[..., of]
+        hits = landings(paths, self._numbers(keys[of]), np.stack([points - gap, points + gap]), old, normal, found.distance[of], _FIRM)
+        order = np.lexsort((hits.approach, hits.pairs[:, 1], hits.pairs[:, 0]))
+        last = np.ones(len(hits), dtype=np.bool_)
+        last[:-1] = (hits.pairs[order[1:]] != hits.pairs[order[:-1]]).any(axis=1)
+        return hits.chosen(order[last])
+
     def _impacts(self, time: float, hits: Hits | None, paths: Paths | None) -> tuple[Impact, ...]:
-        """Impacts that the hits make, by time."""
+        """Impacts that the hits make, by time. Within the refractory time of a pair only a clearly stronger blow makes another one."""
         if hits is None or paths is None or len(hits) == 0:
             return ()
         energies = impact_energies(hits, self._mass, ~self._dynamic, self.settings.energy) / self.settings.time_scale**2
@@ -588,9 +624,11 @@ class ContactTracker:
         for k in np.lexsort((hits.pairs[:, 1], hits.pairs[:, 0], hits.after)).tolist():
             a, b = hits.pairs[k].tolist()
             key, when = a * len(self.bodies) + b, time - paths.duration + float(hits.after[k])
-            if energies[k] < self.settings.least_energy or when - self._last_impact.get(key, -np.inf) < self.settings.refractory:
+            last, speed = self._last_impact.get(key, (-np.inf, 0.0))
+            resting = when - last < self.settings.refractory and hits.approach[k] < _STRONGER * speed
+            if energies[k] < self.settings.least_energy or resting:
                 continue
-            self._last_impact[key] = when
+            self._last_impact[key] = when, float(hits.approach[k])
             impacts.append(hits.impact(k, when, float(energies[k]), self.settings.full_energy))
         return tuple(impacts)
 
@@ -606,6 +644,11 @@ def _from_impacts(reach: Reach, impacts: Sequence[Impact]) -> Reach:
     """Of signals that start at ``impacts``, on both sides of the contact."""
     positions = np.array([impact.positions for impact in impacts], dtype=np.float64).reshape(-1, 3)
     return reach.started_at(np.array([impact.objects for impact in impacts], dtype=np.int64).reshape(-1), positions)
+
+
+def _placed(pose: FloatArray, points: FloatArray) -> FloatArray:
+    """Points (3, k) of bodies in ``pose`` (12, k), in the world."""
+    return np.asarray(np.einsum("ijp,jp->ip", pose[:9].reshape(3, 3, -1), points) + pose[9:])
 
 
 def _among(keys: IntArray, ordered: IntArray) -> BoolArray:

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
+from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.session import session
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).with_name("recording_layout.py"))
@@ -250,3 +251,33 @@ def test_a_deforming_mesh_touches_where_its_hull_is_in_the_frame(add_box, scene,
         gaps[frame] = contacts.distance.tolist()
     assert gaps[1] == gaps[5] == []
     assert gaps[11] == [pytest.approx(0.0, abs=1e-5)]
+
+
+@pytest.mark.parametrize(("thickness", "speed"), [(0.02, 300.0), (0.01, 100.0), (0.005, 40.0)])
+def test_a_simulated_bullet_hits_the_plate_whether_it_passes_it_or_not(scene, add_box, thickness, speed):
+    """Bullet with its default margin stops the sphere of 5 mm at some speeds and lets it through at others."""
+    bpy.ops.rigidbody.world_add()
+    scene.gravity, step = (0, 0, 0), speed / 24
+    plate = add_box("plate", (0, 0, 0), (2, 2, thickness))
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=0.005)
+    bullet = bpy.context.object
+    bullet.name, bullet.haptics.enabled = "bullet", True
+    for obj, body in ((plate, "PASSIVE"), (bullet, "ACTIVE")):
+        with bpy.context.temp_override(object=obj, active_object=obj, selected_objects=[obj]):
+            bpy.ops.rigidbody.object_add(type=body)
+    plate.rigid_body.collision_shape, bullet.rigid_body.collision_shape = "BOX", "SPHERE"
+    bullet.rigid_body.mass, bullet.rigid_body.linear_damping = 0.05, 0.0
+    for frame, animated in ((1, True), (4, False)):  # thrown by its animation, then let go
+        bullet.location, bullet.rigid_body.kinematic = (0, 0, (frame - 8.5) * step), animated
+        bullet.keyframe_insert("location", frame=frame)
+        bullet.keyframe_insert("rigid_body.kinematic", frame=frame)
+    for curve in compatibility.fcurves_of(bullet):
+        for key in curve.keyframe_points:
+            key.interpolation = "LINEAR" if curve.data_path == "location" else "CONSTANT"
+    impacts = []
+    for frame in range(1, 16):
+        scene.frame_set(frame)
+        impacts += session.result_of(scene).impacts
+    assert len(impacts) == 1
+    assert impacts[0].time == pytest.approx(7.5 / 24, abs=1e-3)
+    assert impacts[0].energy == pytest.approx(0.05 * speed**2 / 2, rel=0.03)

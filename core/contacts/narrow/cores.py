@@ -61,6 +61,15 @@ class Core:
         half = np.maximum(self.half, np.maximum(self.sharp_half, self.thick_half))
         return np.array([-half, half])
 
+    def thickness(self) -> float:
+        """Smallest extent [m]: of a mesh, which is hollow, that of its surface; of a hull, the smallest width square to a face."""
+        if self.mesh is not None:
+            return 2 * min(self.radius, self.mesh_radius_to_points)
+        if self.hull is not None:
+            normals, _ = self.hull.planes()
+            return float(np.ptp(self.hull.points @ normals.T, axis=0).min(initial=np.inf)) + 2 * self.radius
+        return 2 * (float(self.half.min()) + self.radius)
+
 
 def cores_of(shape: Shape, solid: bool = False) -> tuple[Core, ...]:
     """The cores of a shape, compounds resolved. ``solid``: a mesh counts as the volume of its convex hull."""
@@ -209,7 +218,7 @@ def _upright(unit: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatAr
 class CoreTable:
     """The cores of all bodies as arrays: those of body b are ``start[b] : start[b + 1]``. ``rotation`` (c, 3, 3) and ``offset`` (c, 3)
     place a core in its body; ``placed`` is False where all of them are the identity. ``bound_centre`` and ``bound_half`` (c, 3): box around
-    the core in its own frame. The rest are the fields of `Core`."""
+    the core in its own frame. ``thickness`` (b,) of each body's thinnest core [m]. The rest are the fields of `Core`."""
 
     cores: tuple[Core, ...]
     start: IntArray
@@ -227,6 +236,7 @@ class CoreTable:
     is_box: BoolArray
     bound_centre: FloatArray
     bound_half: FloatArray
+    thickness: FloatArray
 
     @classmethod
     def of(cls, shapes: Sequence[Shape], solid: Sequence[bool]) -> CoreTable:
@@ -238,6 +248,7 @@ class CoreTable:
                 known[key] = cores_of(*key)
             per_body.append(known[key])
         cores = tuple(core for body in per_body for core in body)
+        thinnest = {key: min(core.thickness() for core in body) for key, body in known.items()}
         matrices = np.array([core.matrix for core in cores], dtype=np.float64).reshape(-1, 4, 4)
         return cls(
             cores=cores,
@@ -256,6 +267,7 @@ class CoreTable:
             is_box=np.array([core.is_box for core in cores], dtype=np.bool_),
             bound_centre=_rows([core.bounds().mean(axis=0) for core in cores]),
             bound_half=_rows([np.ptp(core.bounds(), axis=0) / 2 for core in cores]),
+            thickness=np.array([thinnest[key] for key in zip(shapes, solid, strict=True)], dtype=np.float64),
         )
 
 

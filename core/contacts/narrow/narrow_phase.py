@@ -158,6 +158,11 @@ class NarrowPhase:
         self._turn, self._shift = table.rotation[first].transpose(1, 2, 0).copy(), table.offset[first].T.copy()
         self._outline = table.outline[first].T.copy()
 
+    @property
+    def thickness(self) -> FloatArray:
+        """Smallest extent of each body's thinnest part (n,) [m]: what moves further in one step may pass through it unseen."""
+        return self._table.thickness
+
     def query(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray, corners: bool = False) -> PairPatches:
         """Distances and patches of ``pairs`` (p, 2). Distances up to ``reach`` (p,) metres are exact; beyond, they are lower bounds.
         ``corners``: give the points of the patches, too."""

@@ -43,8 +43,8 @@ def box_to_box(
     face_distance = faces[row, face]
     # Edges: axis i of the first x axis j of the second. In the first's frame e_i x r_j, with r_j column j of the relative rotation.
     i1, i2 = _NEXT, _AFTER
-    squared = 1.0 - size * size
-    length = np.sqrt(np.maximum(squared, 0.0))
+    # Its length from its components: 1 - size^2 is not that of float32 rotations, nor 0 for parallel edges.
+    length = np.sqrt(relative[:, i1, :] ** 2 + relative[:, i2, :] ** 2)
     usable = length > 1e-4
     along = offset[:, i2, None] * relative[:, i1, :] - offset[:, i1, None] * relative[:, i2, :]
     reach_a = half_a[:, i1, None] * size[:, i2, :] + half_a[:, i2, None] * size[:, i1, :]
