@@ -24,11 +24,13 @@ import time
 import warnings
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
+from haptic_tracing.core.formats.io.catalogue import named
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 from haptic_tracing.core.scene.values import HapticObject, HapticScene, Listener
@@ -94,7 +96,7 @@ def measured(name: str, seconds: float, listeners: int, path: Path) -> Row:
     with tempfile.TemporaryDirectory(prefix="haptic-formats-") as folder:
         given = tracks(seconds, listeners, path)
         scene = HapticScene((HapticObject("bench", 0.1, 0.9),), listeners=tuple(Listener(t.name, "bench") for t in given.listeners))
-        registry.options(name)  # imports the format
+        import_module(f"haptic_tracing.core.formats.{named(name).module}")
         options = {"tracks": "wav"} if name == "scene" else {}
         before = _most_memory()
         begun, used = time.perf_counter(), time.process_time()
@@ -117,7 +119,7 @@ def _most_memory() -> float:
 def _similarity(name: str, given: Tracks, files: Sequence[Path]) -> float | None:
     if name not in WAVES:
         return None
-    suffix = registry.suffix(name)
+    suffix = named(name).suffix
     paths = [path for path in files if path.name.endswith(suffix)]
     channels = [channel for path in paths[:2] for channel in registry.read(path).channels[:2]][:2]
     count = min(HEARD * RATE, given.count) // BLOCK * BLOCK

@@ -23,6 +23,7 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read, write, print. Exit code 0."""
     from ..core.formats import haptic_scene, registry
+    from ..core.formats.io.catalogue import named
 
     folder = args.target.parent
     if is_scene(args.source):
@@ -33,7 +34,7 @@ def run(args: argparse.Namespace) -> int:
         files = haptic_scene.write_export(export, args.target, tracks=tracks, encoding="float32")
         print_written({"scene": registry.Written(tuple(files), ())})
         return 0
-    names = {registry.suffix(name): name for name in registry.FORMATS if name != "scene"}
+    names = {named(name).suffix: name for name in registry.FORMATS if name != "scene"}
     if args.target.suffix.lower() not in names:
         raise ValueError(f"{args.target}: can't be written: the ending must be one of {', '.join(names)}")
     name = names[args.target.suffix.lower()]

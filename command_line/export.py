@@ -63,10 +63,10 @@ def run(args: argparse.Namespace) -> int:
 
 def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str, Value]]:
     """The options of each format from ``format.option=value``. Raises ValueError that names what is unknown or out of range."""
-    from ..core.formats import registry
+    from ..core.formats.io.catalogue import named
 
     chosen: dict[str, dict[str, Value]] = {name: {} for name in names}
-    known = {name: {option.name: option for option in registry.options(name)} for name in names}
+    known = {name: {option.name: option for option in named(name).options} for name in names}
     for setting in settings:
         key, equals, text = setting.partition("=")
         name, _, option = key.partition(".")

@@ -15,6 +15,7 @@ from bpy_extras.io_utils import ExportHelper
 from ...core.formats import registry
 from ...core.formats.export import Export
 from ...core.formats.haptic_scene import write_export
+from ...core.formats.io.catalogue import named
 from ...core.formats.scene.recording import Recording
 from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ...core.modalities.modality_scene import ModalityScene
@@ -173,11 +174,11 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
     bl_label = "Export Haptic Tracks"
     bl_options = {"PRESET"}
     __annotations__ = {
-        "filter_glob": StringProperty(default=";".join(f"*{registry.suffix(name)}" for name in TRACK_FORMATS), options={"HIDDEN"}),
+        "filter_glob": StringProperty(default=";".join(f"*{named(name).suffix}" for name in TRACK_FORMATS), options={"HIDDEN"}),
         "format": EnumProperty(
             name="Format",
             description="Where it will be felt",
-            items=[(name, registry.label(name), "") for name in TRACK_FORMATS],
+            items=[(name, named(name).label, "") for name in TRACK_FORMATS],
             default="wav",
         ),
         **option_properties(TRACK_FORMATS),
@@ -185,10 +186,10 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
 
     @property
     def filename_ext(self) -> str:
-        return registry.suffix(self.format)
+        return named(self.format).suffix
 
     def check(self, context: Context) -> bool:
-        path = with_ending(self.filepath, [registry.suffix(name) for name in TRACK_FORMATS], self.filename_ext)
+        path = with_ending(self.filepath, [named(name).suffix for name in TRACK_FORMATS], self.filename_ext)
         changed = path != self.filepath
         self.filepath = path
         return changed
@@ -280,7 +281,7 @@ def export_name(path: str) -> str:
     name = Path(path).name
     for suffix in SCENE_ENDINGS:
         name = name[: -len(suffix)] if name.lower().endswith(suffix) else name
-    stem = Path(name).stem if Path(name).suffix in {registry.suffix(form) for form in TRACK_FORMATS} else name
+    stem = Path(name).stem if Path(name).suffix in {named(form).suffix for form in TRACK_FORMATS} else name
     return stem or "haptics"
 
 

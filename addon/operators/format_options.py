@@ -8,7 +8,7 @@ from typing import Any
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 from bpy.types import UILayout
 
-from ...core.formats import registry
+from ...core.formats.io.catalogue import named
 from ...core.formats.io.options import Option, Value
 from ..blender.single_precision import shortest
 
@@ -17,17 +17,17 @@ LARGEST = 2**31 - 1
 
 def option_properties(names: tuple[str, ...]) -> dict[str, Any]:
     """Annotations of an operator: ``<format>_<option>`` for every option of the formats ``names``."""
-    return {_key(name, option): _property(option) for name in names for option in registry.options(name)}
+    return {_key(name, option): _property(option) for name in names for option in named(name).options}
 
 
 def chosen(operator: Any, name: str) -> dict[str, Value]:
     """What is chosen for a format."""
-    return {option.name: _value(option, getattr(operator, _key(name, option))) for option in registry.options(name)}
+    return {option.name: _value(option, getattr(operator, _key(name, option))) for option in named(name).options}
 
 
 def draw_options(layout: UILayout, operator: Any, name: str) -> None:
     """The options of a format, below each other."""
-    for option in registry.options(name):
+    for option in named(name).options:
         layout.prop(operator, _key(name, option))
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from .export import Export
-from .io.options import Option
+from .io.catalogue import FORMATS
 from .io.strict_json import read_json
 from .scene.devices_json import device_to_dict, devices_from_dict
 from .scene.frames_json import frame_to_dict, recording_from_dict
@@ -19,14 +19,7 @@ from .scene.tracks_json import tracks_from_dict, tracks_to_dict
 from .tracks import wav
 from .tracks.track_export import scene_file
 
-LABEL = "Haptic scene (JSON)"
-SUFFIX = ".json"
-OPTIONS = (
-    Option("frames", True, "Frames", "Changes over time"),
-    Option("tracks", "none", "Tracks", "Rendered tracks: not written, in the file itself, or in a WAV file", ("none", "inline", "wav")),
-    Option("encoding", "pcm16", "Encoding", "Encoding of the tracks: 16 bit, or float", ("pcm16", "float32")),
-    Option("compressed", False, "Compressed", "Write .json.gz"),
-)
+SUFFIX = FORMATS["scene"].suffix
 
 
 def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:

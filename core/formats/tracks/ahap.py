@@ -15,7 +15,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ..io.atomic import write_text
-from ..io.options import Option
+from ..io.catalogue import FORMATS
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .carrier import Carrier
@@ -27,13 +27,8 @@ from .vibration_file import Channel, VibrationFile
 
 Keys = tuple[FloatArray, FloatArray]
 
-LABEL = "Apple Core Haptics (AHAP)"
-SUFFIX = ".ahap"
+SUFFIX = FORMATS["ahap"].suffix
 TRANSIENTS_SUFFIX = ".transients.ahap"
-OPTIONS = (
-    Option("step", 0.02, "Step", "Seconds between the points of a curve, before what is redundant goes", (), 0.005, 1.0),
-    Option("error", 0.02, "Error", "Intensity that a point may be off for being left out", (), 0.0, 0.5),
-)
 
 LONGEST_EVENT = 30.0
 """Seconds."""

@@ -13,14 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..io.atomic import atomic_file
-from ..io.options import Option
+from ..io.catalogue import FORMATS
 from .listener_tracks import Tracks
 from .track_export import TrackExport, common_losses, scene_file
 from .wav import encoded
 
-LABEL = "Table (CSV)"
-SUFFIX = ".csv"
-OPTIONS: tuple[Option, ...] = ()
+SUFFIX = FORMATS["csv"].suffix
 
 _WIDTH = 8
 _LINES = 2**15

@@ -10,9 +10,9 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ..io.atomic import write_text
+from ..io.catalogue import FORMATS
 from ..io.error import FormatError
 from ..io.json_text import compact, json_rows, write_json
-from ..io.options import Option
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .carrier import Carrier
@@ -22,14 +22,7 @@ from .listener_tracks import ListenerTrack
 from .track_export import EDITOR, TrackExport, clipped, common_losses, listener_files
 from .vibration_file import Channel, VibrationFile
 
-LABEL = "Meta Haptics (.haptic)"
-SUFFIX = ".haptic"
-OPTIONS = (
-    Option("error", 0.05, "Error", "Power of the error in relation to the signal's that a breakpoint may be left out for", (), 0.001, 0.5),
-    Option("frequency_min", 5.0, "Lowest frequency", "Hertz that the actuator plays for 0", (), 1.0, 500.0),
-    Option("frequency_max", 500.0, "Highest frequency", "Hertz that the actuator plays for 1", (), 2.0, 1000.0),
-    Option("emphasis", True, "Emphasis", "Impacts as emphasised breakpoints"),
-)
+SUFFIX = FORMATS["haptic"].suffix
 
 ATTACK = 0.03
 """Seconds after an impact within which its vibration peaks."""

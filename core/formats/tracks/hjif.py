@@ -17,9 +17,9 @@ import numpy as np
 from ...arrays import FloatArray
 from ...scene.body import BODY_PARTS
 from ..io.atomic import write_text
+from ..io.catalogue import FORMATS
 from ..io.error import FormatError
 from ..io.json_text import compact
-from ..io.options import Option
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .bands import bands_for
@@ -30,13 +30,7 @@ from .track_export import TrackExport, body_part_of, clipped, common_losses, sce
 from .transients import TRANSIENT_CYCLES, TRANSIENT_SECONDS, without_transients
 from .vibration_file import Channel, VibrationFile
 
-LABEL = "MPEG haptics (HJIF)"
-SUFFIX = ".hjif"
-OPTIONS = (
-    Option("profile", "Main", "Profile", "Main, or Simple Parametric, which more players take", ("Main", "Simple Parametric")),
-    Option("error", 0.03, "Error", "Power of the error in relation to the signal's that a keyframe may be left out for", (), 0.001, 0.5),
-    Option("transients", True, "Transients", "Impacts as transients, which devices may render as clicks"),
-)
+SUFFIX = FORMATS["hjif"].suffix
 
 TIMESCALE = 1000
 LONGEST_EFFECT = 65_535

@@ -9,14 +9,12 @@ from typing import Any
 import numpy as np
 
 from ..io.atomic import write_text
+from ..io.catalogue import FORMATS
 from ..io.json_text import compact
-from ..io.options import Option
 from .envelopes import coarse_envelope
 from .track_export import TrackExport, clipped, common_losses, listener_files
 
-LABEL = "Android vibration (HLA)"
-SUFFIX = ".hla"
-OPTIONS = (Option("step", 20, "Step", "Milliseconds between changes", (), 5, 1000),)
+SUFFIX = FORMATS["hla"].suffix
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...scene.values import Source
 from ...signals import DEFAULT_IMPACT
+from ..io.catalogue import MAX_SAMPLE_RATE
 
 CHUNK = 2**18
 """Samples that are processed at once."""
-MAX_SAMPLE_RATE = 192_000
 
 
 def _no_impacts() -> FloatArray:

@@ -11,13 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..io.atomic import atomic_file
-from ..io.options import Option
+from ..io.catalogue import FORMATS
 from .listener_tracks import Tracks
 from .track_export import TrackExport, common_losses, scene_file
 
-LABEL = "NumPy arrays (NPZ)"
-SUFFIX = ".npz"
-OPTIONS = (Option("compressed", False, "Compressed", "Smaller, but slower to write"),)
+SUFFIX = FORMATS["npz"].suffix
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:

@@ -8,14 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from ..io.atomic import write_bytes
-from ..io.options import Option
+from ..io.catalogue import FORMATS
 from . import wav
 from .listener_tracks import ListenerTrack
 from .track_export import TrackExport, body_part_of, scene_file
 
-LABEL = "OHM and WAV, for the MPEG reference encoder"
-SUFFIX = ".ohm"
-OPTIONS: tuple[Option, ...] = ()
+SUFFIX = FORMATS["ohm"].suffix
 
 _ENCODING = "pcm16"
 

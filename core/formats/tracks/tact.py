@@ -11,16 +11,14 @@ import numpy as np
 
 from ...arrays import IntArray
 from ..io.atomic import write_text
+from ..io.catalogue import FORMATS
 from ..io.file_names import file_stems
 from ..io.json_text import compact
-from ..io.options import Option
 from .envelopes import coarse_envelope
 from .listener_tracks import Tracks
 from .track_export import TrackExport, body_part_of, clipped, common_losses
 
-LABEL = "bHaptics (.tact)"
-SUFFIX = ".tact"
-OPTIONS = (Option("levels", 50, "Levels", "Steps of strength: fewer make smaller files", (), 2, 100),)
+SUFFIX = FORMATS["tact"].suffix
 
 INTERVAL = 20
 """Milliseconds."""

@@ -13,21 +13,16 @@ from numpy.typing import NDArray
 from ...signals.interpolation import resample
 from ...signals.wav import wav_channels
 from ..io.atomic import atomic_file
+from ..io.catalogue import FORMATS
 from ..io.error import FormatError
 from ..io.json_text import write_json
-from ..io.options import Option
 from ..io.strict_json import read_bytes, read_json
-from .listener_tracks import MAX_SAMPLE_RATE, ListenerTrack, Tracks
+from .listener_tracks import ListenerTrack, Tracks
 from .track_export import TrackExport, body_part_of, common_losses, scene_file
 from .vibration_file import Channel, VibrationFile
 
-LABEL = "WAV, a channel per listener"
-SUFFIX = ".wav"
+SUFFIX = FORMATS["wav"].suffix
 SIDECAR_SUFFIX = ".wav.json"
-OPTIONS = (
-    Option("encoding", "pcm16", "Encoding", "16 bit, or float without any loss of range", ("pcm16", "float32")),
-    Option("sample_rate", 0, "Sample rate", "Hertz; 0: that of the tracks", (), 0, MAX_SAMPLE_RATE),
-)
 
 _REST_OF_GUID = bytes.fromhex("000000001000800000aa00389b71")
 _CODES = {"pcm16": 1, "float32": 3}

@@ -11,10 +11,10 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ..io.atomic import write_text
+from ..io.catalogue import FORMATS
 from ..io.error import FormatError
 from ..io.file_names import file_stem, file_stems
 from ..io.json_text import compact, json_rows, write_json
-from ..io.options import Option
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .bands import wide_bands
@@ -26,12 +26,7 @@ from .track_export import TrackExport, body_part_of, clipped, common_losses
 from .transients import TRANSIENT_SECONDS, without_transients
 from .vibration_file import Channel, VibrationFile
 
-LABEL = "Razer Sensa / WYVRN (folder)"
-SUFFIX = ".haps"
-OPTIONS = (
-    Option("error", 0.1, "Error", "Power of the error in relation to the signal's that a keyframe may be left out for", (), 0.001, 0.5),
-    Option("transients", True, "Transients", "Impacts as transients"),
-)
+SUFFIX = FORMATS["wyvrn"].suffix
 
 BANDS = wide_bands((5, 90, 430))
 """As melodies: the published clips have at most three, and frequencies up to 366 Hz."""

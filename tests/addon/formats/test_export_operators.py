@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.core.formats.io.catalogue import named
 from haptic_tracing.core.formats.scene.recording import traced as traced_again
 
 
@@ -60,7 +61,7 @@ def test_packed_and_inline(shaken, tmp_path):
 
 @pytest.mark.parametrize("name", [name for name in registry.FORMATS if name != "scene"])
 def test_every_format_is_written(shaken, tmp_path, name):
-    suffix = registry.suffix(name)
+    suffix = named(name).suffix
     target = tmp_path / f"ride{suffix}"
     assert bpy.ops.export_scene.haptic_tracks(filepath=str(target), format=name, frame_start=1, frame_end=13) == {"FINISHED"}
     files = [path for path in tmp_path.rglob("*") if path.is_file()]

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.core.formats.io.catalogue import named
 from haptic_tracing.sample_scenes import SAMPLES
 from scipy.io import wavfile
 
@@ -66,7 +67,7 @@ def test_from_building_to_the_files_of_all_formats(build, tmp_path, name):
     for kind in registry.FORMATS:
         if kind == "scene":
             continue
-        target = tmp_path / kind / f"{name}{registry.suffix(kind)}"
+        target = tmp_path / kind / f"{name}{named(kind).suffix}"
         target.parent.mkdir()
         arguments = {"format": kind, "frame_start": first, "frame_end": last}
         assert bpy.ops.export_scene.haptic_tracks(filepath=str(target), **arguments) == {"FINISHED"}

@@ -11,6 +11,7 @@ import pytest
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.core.formats.io.catalogue import named
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.values import HapticObject, HapticScene
 from vibromaf.metrics.stsim import st_sim
@@ -44,7 +45,7 @@ def test_the_study_scene_comes_back_as_it_was(study, tmp_path):
         again = (
             list(read_export(written.files[0]).tracks.samples)
             if name == "scene"
-            else [channel.at_rate(8000) for channel in read_back(written.files, registry.suffix(name))]
+            else [channel.at_rate(8000) for channel in read_back(written.files, named(name).suffix)]
         )
         scores = [similarity(source, samples) for source, samples in zip(study.samples, again, strict=bool(again))]
         size = sum(path.stat().st_size for path in written.files)
@@ -124,7 +125,7 @@ def test_reading_hjif_against_adding_up_the_phase(tmp_path):
 def test_a_template_plays_what_was_read(tmp_path, form, name):
     tracks = Tracks((ListenerTrack("hand", "hand.L"),), 8000, SIGNALS[name][None])
     written = registry.write(form, Export("one", SCENE, tracks), tmp_path)
-    (channel,) = read_back(written.files, registry.suffix(form))
+    (channel,) = read_back(written.files, named(form).suffix)
     expected = channel.at_rate(8000)
     played = channel.to_signal().sample(0, len(expected), 8000.0)
     np.testing.assert_allclose(played, expected, atol=1e-6 if len(channel.carriers) <= 100 else 0.02)
