@@ -9,6 +9,7 @@ import numpy as np
 
 from ...core.arrays import FloatArray
 from ...core.devices.mapping import ActuatorMapping, Loss, Place, map_listeners
+from ...core.devices.pacing import WATCHDOG
 from ...core.message import Cause, Message, Names
 from ...core.render.frame_result import FrameResult
 from ...core.render.playback import Playback, grain, recorded_grain
@@ -80,7 +81,7 @@ def play(scene: int, result: FrameResult, frame_seconds: float, choices: Mapping
     samples = _samples(result, frame_seconds, recorded)
     if not samples.shape[1]:
         return
-    _send(result, samples, choices)
+    _send(result, samples, choices, recorded)
 
 
 def play_ahead(scene: int, latest: FrameResult, time: float, frame_seconds: float, choices: Mapping[str, str]) -> bool:
@@ -98,9 +99,12 @@ def play_ahead(scene: int, latest: FrameResult, time: float, frame_seconds: floa
     return True
 
 
-def _send(result: FrameResult, samples: FloatArray, choices: Mapping[str, str]) -> None:
-    for key, block in mapping_of(result, choices).blocks(samples).items():
-        outputs.running()[key].send(block)
+def _send(result: FrameResult, samples: FloatArray, choices: Mapping[str, str], recorded: bool = False) -> None:
+    mapping = mapping_of(result, choices)
+    sent = {key: outputs.running()[key].send(block) for key, block in mapping.blocks(samples).items()}
+    if sent and _state.playing and not recorded:
+        following = _state.playback.following(result, WATCHDOG)
+        outputs.expect(lambda: mapping.blocks(following()), sent)
     preview.play([listener.body_part for listener in result.listeners], samples, result.sample_rate)
 
 

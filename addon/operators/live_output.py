@@ -27,7 +27,7 @@ class HAPTIC_OT_find_devices(Operator):
 
     def execute(self, context: Context) -> set[str]:
         settings = context.scene.haptics.live_output
-        outputs.find(profile_folders(), settings.sound_cards, settings.players)
+        outputs.find(profile_folders(), settings.sound_cards, preferences().haptic_players)
         refresh.start()
         return {"FINISHED"}
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, Panel, Scene, UILayout
+from bpy.types import AddonPreferences, Context, Panel, Scene, UILayout
 
 from ...core.devices.connection import UDEV_FILE
 from ...core.devices.mapping import LATEST, ActuatorMapping
-from ...core.devices.output import Status
+from ...core.devices.status import Status
 from ...core.render.limiter import LOOK_AHEAD
 from ..blender.text import wrapped
 from ..blender.time import frame_seconds
 from ..live_output import handlers, outputs, player, preview
+from ..properties.preferences import preferences
 from ..session import session
 from ..translations.sentences import sentence
 from .drawing import HapticsPanel, draw_pair
@@ -33,7 +34,8 @@ class HAPTIC_PT_live_output(HapticsPanel, Panel):
         row.operator("haptic.panic", text="", icon="CANCEL")
         column = layout.column(align=True)
         column.prop(context.scene.haptics.live_output, "sound_cards")
-        column.prop(context.scene.haptics.live_output, "players")
+        if isinstance(preferences(), AddonPreferences):
+            column.prop(preferences(), "haptic_players")
         layout.operator("haptic.toggle_preview", icon="PLAY_SOUND", depress=preview.is_on())
         if preview.is_on():
             layout.prop(context.scene.haptics.live_output, "preview_volume")

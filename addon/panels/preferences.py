@@ -25,6 +25,7 @@ class HapticTracingPreferences(PreferenceProperties, AddonPreferences):
         column = layout.column(heading="Devices")
         column.prop(self, "default_device")
         column.prop(self, "keep_awake")
+        column.prop(self, "haptic_players")
         draw_shortcuts(layout, context)
 
 

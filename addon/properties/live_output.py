@@ -83,11 +83,6 @@ class HapticLiveOutputProperties(PropertyGroup):
         description="Look for sound cards as well: shakers, cushions and headsets that are felt, and a DualSense's actuators over USB",
         default=False,
     )
-    players: BoolProperty(
-        name="Haptic Players Too",
-        description="Look on this computer, and only here, for bHaptics Player and Intiface as well, which drive vests and other devices",
-        default=False,
-    )
     preview_volume: FloatProperty(
         name="Volume",
         description="How loud listeners are heard",

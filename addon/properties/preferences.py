@@ -51,8 +51,21 @@ class PreferenceProperties:
         default=False,
     )
 
+    haptic_players: BoolProperty(
+        name="Haptic Players Too",
+        description="Look on this computer, and only here, for bHaptics Player and Intiface as well, which drive vests and other devices",
+        default=False,
+    )
 
-_DEFAULTS = SimpleNamespace(gain_unit="BOTH", curve_colour=(1.0, 0.62, 0.2), overlay_size=1.0, default_device="", keep_awake=False)
+
+_DEFAULTS = SimpleNamespace(
+    gain_unit="BOTH",
+    curve_colour=(1.0, 0.62, 0.2),
+    overlay_size=1.0,
+    default_device="",
+    keep_awake=False,
+    haptic_players=False,
+)
 
 
 def preferences() -> Any:

@@ -62,9 +62,9 @@ class SpectralDescription:
         self.reset()
 
     @property
-    def step(self) -> float:
-        """Seconds between two steps: ``HOP``, as near as whole samples allow."""
-        return self._hop / self._rate
+    def hop(self) -> int:
+        """Samples between two steps: ``HOP``, as near as whole samples allow."""
+        return self._hop
 
     @property
     def pending(self) -> float:
@@ -120,6 +120,7 @@ class ToneActuation:
         self._has_tones = family.has_tones
         self._places = [[family.channels.index(channel.name) for channel in actuator.channels] for actuator in profile.actuators]
         self._description = SpectralDescription(rate, [[channel.takes for channel in actuator.channels] for actuator in profile.actuators])
+        self.rate, self.hop = rate, self._description.hop
 
     def calibrate(self, calibrations: Mapping[str, Calibration]) -> None:
         """Use these calibrations by actuator, in place of the profile's, from the next block on."""
@@ -143,7 +144,7 @@ class ToneActuation:
                 driven = amplitudes[:, places] > 0.0
                 frequencies[:, places] = np.where(driven, np.clip(frequency, *actuator.band), frequencies[:, places])
         tones = (Tones(tuple(row), tuple(hz)) for row, hz in zip(amplitudes.tolist(), frequencies.tolist(), strict=True))
-        return [Step(start + i * self._description.step, tone) for i, tone in enumerate(tones)]
+        return [Step(start + i * self.hop / self.rate, tone) for i, tone in enumerate(tones)]
 
     def reset(self) -> None:
         """Forget the samples so far."""
@@ -159,6 +160,7 @@ class SampleActuation:
         self._places = [family.channels.index(actuator.channels[0].name) for actuator in profile.actuators]
         self._channels = len(family.channels)
         self._resampler = Resampler(len(profile.actuators), rate, family.rate)
+        self.rate, self.hop = rate, round(HOP * rate)
 
     def calibrate(self, calibrations: Mapping[str, Calibration]) -> None:
         """Use the gains of these calibrations by actuator, in place of the profile's, from the next block on."""

@@ -15,8 +15,9 @@ from .limits import DriveLimits, SampleLimits
 from .profiles import Adjustment, Profile
 from .report import Report, Tones, Transport
 
-WATCHDOG = 0.250
-"""Seconds without a fresh block after which a device is silenced."""
+WATCHDOG = 0.500
+"""Seconds without a fresh block after which a device is silenced: longer than an operator of Blender keeps its frames waiting now and then,
+during which what was sent ahead is played."""
 
 # A stream starts so much later than its block, besides one report, that a frame may be late without a gap; and a block that comes
 # earlier than that cuts off what is left of the one before.
@@ -38,6 +39,9 @@ class Pacing(Protocol):
     def accept(self, block: FloatArray, sent: float) -> None:
         """A fresh block of (actuators, n) samples, whose first is to be felt at ``sent``."""
 
+    def expect(self, ahead: FloatArray, sent: float) -> None:
+        """The (actuators, m) samples that would follow the block of ``sent``, played only if no other block comes in time."""
+
     def adjust(self, adjustment: Adjustment) -> None:
         """Follow the user's settings from now on."""
 
@@ -47,14 +51,17 @@ class Pacing(Protocol):
     def next_report(self, now: float) -> Report | None:
         """The report to write at ``now``, or None. What is returned counts as written."""
 
+    def written(self, now: float) -> None:
+        """The report given out last has been written, which took until ``now``."""
+
     def failed(self) -> None:
         """The report given out last did not arrive."""
 
     def wake(self, now: float) -> float | None:
         """When to ask again unless a block comes before; None if nothing will happen by itself."""
 
-    def ending(self) -> tuple[Report, ...]:
-        """The reports that stop the device, to be written one ``interval`` apart: zero, then release."""
+    def ending(self, farewell: bool) -> tuple[Report, ...]:
+        """The reports that stop the device, to be written one ``interval`` apart: zero, release, and ``farewell`` before it is closed."""
 
     def restart(self) -> None:
         """The device was stopped and is to play again: what was driven still counts for the limits."""
@@ -71,6 +78,29 @@ def _limits(profile: Profile, channels: Sequence[str], interval: float) -> Drive
     )
 
 
+class Ahead:
+    """Samples that follow a block where no other block comes in time; true while there are any.
+
+    start: when the first of them is due, in seconds. begun: some of them were taken.
+    """
+
+    __slots__ = ("begun", "rate", "samples", "start")
+
+    def __init__(self, samples: FloatArray | None = None, rate: int = 1, start: float = 0.0) -> None:
+        self.samples, self.rate, self.start, self.begun = samples, rate, start, False
+
+    def __bool__(self) -> bool:
+        return self.samples is not None and self.samples.shape[1] > 0
+
+    def pop(self, count: int) -> FloatArray:
+        """Take the first ``count`` of them, or all that there are."""
+        assert self.samples is not None
+        taken, self.samples = self.samples[:, :count], self.samples[:, count:]
+        self.start += taken.shape[1] / self.rate
+        self.begun = True
+        return taken
+
+
 class RumblePacing:
     """Pace of a device that is commanded by amplitude.
 
@@ -78,16 +108,24 @@ class RumblePacing:
     """
 
     def __init__(
-        self, profile: Profile, family: RumbleFamily, transport: Transport, actuation: ToneActuation, adjustment: Adjustment
+        self,
+        profile: Profile,
+        family: RumbleFamily,
+        transport: Transport,
+        actuation: ToneActuation,
+        adjustment: Adjustment,
+        sequence: int = 0,
     ) -> None:
         self._family, self._transport, self._actuation = family, transport, actuation
         self.interval, self.lead = profile.interval(transport), 0.0
         self._limits = _limits(profile, family.channels, self.interval)
         self.adjust(adjustment)
-        self._startup = deque(family.startup(transport, 0))
+        self._startup = deque(family.startup(transport, sequence))
         self._starting = False
-        self._sequence = 0
+        self._sequence = sequence
         self._steps: deque[tuple[float, Tones]] = deque()
+        self._ahead = Ahead()
+        self._end = -np.inf
         self._rest = family.silence()
         self._silent = family.encode(self._rest, transport, 0).data
         self._current = self._rest
@@ -106,11 +144,18 @@ class RumblePacing:
     def accept(self, block: FloatArray, sent: float) -> None:
         start = sent + self._delay
         self._steps = deque((start + step.offset, step.tones) for step in self._actuation.process(block))
+        self._ahead = Ahead()
+        self._end = start + block.shape[1] / self._actuation.rate
         self._fresh = sent
+
+    def expect(self, ahead: FloatArray, sent: float) -> None:
+        if sent == self._fresh:
+            self._ahead = Ahead(ahead, self._actuation.rate, self._end)
 
     def silence(self) -> None:
         self._actuation.reset()
         self._steps.clear()
+        self._ahead = Ahead()
         self._current = self._rest
         self._fresh = -np.inf
 
@@ -129,6 +174,9 @@ class RumblePacing:
         drive = Tones(tuple(amplitudes.tolist()), wanted.frequencies) if amplitudes.any() else self._rest
         return self._unless_known(drive, now)
 
+    def written(self, now: float) -> None:
+        self._wrote = now
+
     def failed(self) -> None:
         self._written = b""
         self._zeros_left = self._family.zero_repeats
@@ -136,18 +184,20 @@ class RumblePacing:
             self._startup = deque(self._family.startup(self._transport, self._sequence))
 
     def wake(self, now: float) -> float | None:
-        if self._startup or self._steps or self._zeros_left or self._current.amplitudes != self._rest.amplitudes:
-            look, refresh = max(self._wrote, self._looked) + self.interval, self._family.refresh_interval
-            if refresh is not None and self._written != self._silent:
-                return max(min(look, self._wrote + refresh), self._wrote + self.interval)
+        if self._startup or self._steps or self._ahead or self._zeros_left or self._current.amplitudes != self._rest.amplitudes:
+            look = max(self._wrote, self._looked) + self.interval
+            if self._written != self._silent:
+                return max(min(look, self._wrote + self._family.refresh_interval), self._wrote + self.interval)
             return look
         return None
 
-    def ending(self) -> tuple[Report, ...]:
+    def ending(self, farewell: bool) -> tuple[Report, ...]:
         zero = self._family.encode(self._rest, self._transport, self._sequence)
-        reports = (zero, *self._family.release(self._transport, self._sequence + 1))
+        reports = [zero, *self._family.release(self._transport, self._sequence + 1)]
+        if farewell:
+            reports += self._family.farewell(self._transport, self._sequence + len(reports))
         self._sequence += len(reports)
-        return reports
+        return tuple(reports)
 
     def restart(self) -> None:
         self.silence()
@@ -158,6 +208,10 @@ class RumblePacing:
 
     def _due(self, now: float) -> Tones:
         """The strongest of what was due since the last look, channel by channel; what is due last stays."""
+        while self._ahead and self._ahead.start <= now:
+            start = self._ahead.start
+            chunk = self._ahead.pop(self._actuation.hop)
+            self._steps.extend((start + step.offset, step.tones) for step in self._actuation.process(chunk))
         due: list[Tones] = []
         while self._steps and self._steps[0][0] <= now:
             due.append(self._steps.popleft()[1])
@@ -178,8 +232,7 @@ class RumblePacing:
                 return None
             self._zeros_left -= 1
         else:
-            refresh = self._family.refresh_interval
-            if data == self._written and (refresh is None or now - self._wrote < refresh):
+            if data == self._written and now - self._wrote < self._family.refresh_interval:
                 return None
             self._zeros_left = self._family.zero_repeats
         self._written = data
@@ -195,17 +248,24 @@ class StreamPacing:
     """Pace of a device that takes samples: one report after the other, each when the one before it has been played."""
 
     def __init__(
-        self, profile: Profile, family: StreamFamily, transport: Transport, actuation: SampleActuation, adjustment: Adjustment
+        self,
+        profile: Profile,
+        family: StreamFamily,
+        transport: Transport,
+        actuation: SampleActuation,
+        adjustment: Adjustment,
+        sequence: int = 0,
     ) -> None:
         self._family, self._transport, self._actuation = family, transport, actuation
         self.interval, self.lead = profile.interval(transport), family.period + _MARGIN
         self._limits = _limits(profile, family.channels, family.period)
         self.adjust(adjustment)
-        self._startup = deque(family.startup(transport, 0))
+        self._startup = deque(family.startup(transport, sequence))
         self._starting = False
         self._queue = np.zeros((len(family.channels), 0))
+        self._ahead = Ahead()
         self._samples = SampleLimits(self._limits, len(family.channels))
-        self._sequence = 0
+        self._sequence = sequence
         self._due: float | None = None
         self._seam = False
         self._last = np.zeros((len(family.channels), 1))
@@ -217,22 +277,30 @@ class StreamPacing:
         self._limits.scale_ceilings(adjustment.ceiling)
 
     def accept(self, block: FloatArray, sent: float) -> None:
-        kept = self._queue[:, : round((self.lead + _MARGIN) * self._family.rate)]
-        dry = self._seam and not kept.shape[1]
-        seam = dry or kept.shape[1] < self._queue.shape[1]
+        if self._ahead.begun:  # then the block waits for its turn as long as any other
+            self._fill(round(self.lead * self._family.rate))
+        still_due = self._queue[:, : round((self.lead + _MARGIN) * self._family.rate)]
+        dry = self._seam and not still_due.shape[1]
+        seam = dry or still_due.shape[1] < self._queue.shape[1] or self._ahead.begun
         if seam:
             self._actuation.reset()
         samples = self._actuation.process(block)
         if seam:
-            join(samples, 0, self._last if dry else kept[:, -1:])
+            join(samples, 0, still_due[:, -1:] if still_due.shape[1] else self._last)
         if dry or self._due is None:
             self._due = max(sent + self._delay + self.lead, self._due or -np.inf)
-        self._queue = np.concatenate([kept, samples], axis=1)
+        self._queue = np.concatenate([still_due, samples], axis=1)
+        self._ahead = Ahead()
         self._fresh = sent
+
+    def expect(self, ahead: FloatArray, sent: float) -> None:
+        if sent == self._fresh:
+            self._ahead = Ahead(ahead)
 
     def silence(self) -> None:
         self._actuation.reset()
         self._queue = self._queue[:, :0]
+        self._ahead = Ahead()
         self._seam = True
         self._fresh = -np.inf
 
@@ -250,6 +318,9 @@ class StreamPacing:
         self._due = (now if now - self._due > _LATE else self._due) + self._family.period
         return self._packet()
 
+    def written(self, now: float) -> None:
+        """Samples are due at their own time, however long writing takes."""
+
     def failed(self) -> None:
         self._seam = True
         if self._starting:
@@ -258,11 +329,13 @@ class StreamPacing:
     def wake(self, now: float) -> float | None:
         return self._due
 
-    def ending(self) -> tuple[Report, ...]:
+    def ending(self, farewell: bool) -> tuple[Report, ...]:
         zero = np.zeros((len(self._family.channels), self._family.frames), dtype=np.int8)
-        reports = (self._family.encode(zero, self._sequence), *self._family.release(self._transport, self._sequence + 1))
+        reports = [self._family.encode(zero, self._sequence), *self._family.release(self._transport, self._sequence + 1)]
+        if farewell:
+            reports += self._family.farewell(self._transport, self._sequence + len(reports))
         self._sequence += len(reports)
-        return reports
+        return tuple(reports)
 
     def restart(self) -> None:
         self.silence()
@@ -278,6 +351,7 @@ class StreamPacing:
     def _next_frames(self) -> FloatArray:
         """The next frames of the queue, then silence, without a jump at seams. (channels, frames)."""
         frames = self._family.frames
+        self._fill(frames)
         taken, self._queue = self._queue[:, :frames], self._queue[:, frames:]
         dry = frames - taken.shape[1]
         played = np.pad(taken, ((0, 0), (0, dry)))
@@ -286,6 +360,12 @@ class StreamPacing:
         self._seam = dry > 0
         self._last = played[:, -1:]
         return played
+
+    def _fill(self, frames: int) -> None:
+        """Lengthen the queue to ``frames`` by what was sent ahead, as far as that goes."""
+        while self._ahead and self._queue.shape[1] < frames:
+            chunk = self._actuation.process(self._ahead.pop(self._actuation.hop))
+            self._queue = np.concatenate([self._queue, chunk], axis=1)
 
 
 def join(samples: FloatArray, start: int, last: FloatArray) -> None:
@@ -300,11 +380,12 @@ def pacing_of(
     transport: Transport,
     actuation: ToneActuation | SampleActuation,
     adjustment: Adjustment | None = None,
+    sequence: int = 0,
 ) -> Pacing:
-    """The pacing that fits the family. Raises ValueError if the actuation is of the other kind."""
+    """The pacing that fits the family. sequence: number of the first report. Raises ValueError if the actuation is of the other kind."""
     adjustment = adjustment or Adjustment()
     if isinstance(family, RumbleFamily) and isinstance(actuation, ToneActuation):
-        return RumblePacing(profile, family, transport, actuation, adjustment)
+        return RumblePacing(profile, family, transport, actuation, adjustment, sequence)
     if isinstance(family, StreamFamily) and isinstance(actuation, SampleActuation):
-        return StreamPacing(profile, family, transport, actuation, adjustment)
+        return StreamPacing(profile, family, transport, actuation, adjustment, sequence)
     raise ValueError("actuation is not of the family's kind")

@@ -61,6 +61,13 @@ class Adjustment:
             raise ValueError(f"delay {self.delay} s is not in [{EARLIEST}, 1]")
 
 
+def check_adjustment(adjustment: Adjustment, actuators: Iterable[Actuator]) -> None:
+    """Raise ValueError for a calibration of an actuator that is not one of these."""
+    unknown = set(adjustment.calibrations) - {actuator.name for actuator in actuators}
+    if unknown:
+        raise ValueError(f"calibrations names an unknown actuator: {sorted(unknown)[0]!r}")
+
+
 @dataclass(frozen=True, slots=True)
 class Channel:
     """One value that the device is commanded by. takes: the part of the signal that goes to it, in Hz."""

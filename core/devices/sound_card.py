@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 import threading
+import time
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,13 +20,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .actuation import checked_block
+from ..arrays import FloatArray
+from .actuation import HOP, checked_block
 from .connection import DeviceError
 from .limits import DriveLimits, SampleLimits
-from .output import RESCAN, SAMPLE_RATE, State, Status
-from .pacing import join
+from .pacing import Ahead, join
 from .profiles import Actuator, Adjustment, Calibration, Channel
 from .resampling import Resampler
+from .status import State, Status
+from .writer import RESCAN, SAMPLE_RATE
 
 # Where a card is recognised: its name, the least number of channels, and what is felt where, by channel.
 _KNOWN: tuple[tuple[str, int, Mapping[int, tuple[str, str]]], ...] = (
@@ -103,8 +106,8 @@ def _actuators(device: Mapping[str, Any]) -> tuple[Actuator, ...]:
     )
 
 
-class SoundCardOutput:
-    """A sound card that is fed with blocks of samples, one row per actuator; used like `DeviceOutput`."""
+class SoundCardWriter:
+    """A sound card that is fed with blocks of samples, one row per actuator; used like `DeviceWriter`."""
 
     def __init__(self, card: SoundCard, *, rate: int = SAMPLE_RATE, adjustment: Adjustment | None = None, module: Any = None) -> None:
         """rate: samples per second of the blocks. module: in place of python-sounddevice."""
@@ -113,14 +116,17 @@ class SoundCardOutput:
         self._rows = len(card.actuators)
         self._places = [int(actuator.channels[0].name) for actuator in card.actuators]
         self._resampler = Resampler(self._rows, rate, card.rate)
+        self._hop = round(HOP * rate)
         ceilings = np.array([actuator.safe_maximum for actuator in card.actuators])
         self._drive = DriveLimits(ceilings, _SLEW, _SUSTAINED, _SUSTAINED_SECONDS, 1.0 / 24.0)
         self._limits = SampleLimits(self._drive, self._rows)
         self._lock = threading.Lock()
         # Guarded by _lock:
         self._queue = np.zeros((self._rows, 0))
+        self._ahead = Ahead()
         self._last = np.zeros((self._rows, 1))
         self._dry = True
+        self._sent: float | None = None
         self._stop = threading.Event()
         self._ended = threading.Event()
         self._state: State = "searching"
@@ -142,33 +148,53 @@ class SoundCardOutput:
         gains = [adjustment.calibrations.get(actuator.name, actuator.calibration).gain for actuator in self.profile.actuators]
         self._gains = np.array(gains)[:, None]
 
-    def send(self, block: ArrayLike) -> None:
-        """Play a block after what is left of the one before. (actuators, n) in [-1, 1] at the rate."""
+    def send(self, block: ArrayLike, sent: float | None = None) -> float:
+        """Play a block after what is left of the one before. (actuators, n) in [-1, 1] at the rate.
+
+        sent: when that was decided, which only tells blocks apart; None for now. Returns that time.
+        """
         checked = checked_block(np.asarray(block), self._rows)
+        sent = time.perf_counter() if sent is None else sent
         if self._state != "open":
             self._dropped += 1
-            return
+            return sent
         rate = self.profile.rate
-        samples = self._resampler.process(self._gains * checked)
-        samples = self._limits.limited(samples, samples.shape[1] / rate)
         with self._lock:
+            if self._ahead.begun:  # then the block waits for its turn as long as any other
+                self._fill(round(_MARGIN * rate))
+            seam = self._ahead.begun and self._queue.shape[1] > 0
+            samples = self._resampled(checked)
             if self._queue.shape[1] > _LATE * rate:
                 self._dropped += 1
                 self._queue = self._queue[:, : round(_MARGIN * rate)]
+                seam = True
+            if seam:
                 join(samples, 0, self._queue[:, -1:])
             if self._dry:
                 lead = np.zeros((self._rows, round(max(_MARGIN + self._adjustment.delay, 0.0) * rate)))
                 self._queue = np.concatenate([self._queue, lead], axis=1)
             self._delays.append(self._queue.shape[1] / rate)
             self._queue = np.concatenate([self._queue, samples], axis=1)
+            self._ahead = Ahead()
+            self._sent = sent
             self._dry = False
         self._blocks += 1
+        return sent
+
+    def expect(self, ahead: ArrayLike, sent: float) -> None:
+        """What would follow the block of ``sent``, (actuators, n): it is played only if no other block comes in time."""
+        expected = Ahead(checked_block(np.asarray(ahead), self._rows))
+        with self._lock:
+            if sent == self._sent:
+                self._ahead = expected
 
     def silence(self) -> None:
         """Go to zero at once, and forget what was sent so far."""
         with self._lock:
             self._queue = self._queue[:, :0]
-        self._resampler.reset()
+            self._ahead = Ahead()
+            self._sent = None
+            self._resampler.reset()
 
     def rest(self) -> None:
         """The same: a card needs no release."""
@@ -207,6 +233,7 @@ class SoundCardOutput:
         """The next samples, (n, channels): what lies ready, then silence, without a jump."""
         out[:] = 0.0
         with self._lock:
+            self._fill(len(out))
             taken = self._queue[:, : len(out)]
             self._queue = self._queue[:, len(out) :]
             played = np.pad(taken, ((0, 0), (0, len(out) - taken.shape[1])))
@@ -215,6 +242,16 @@ class SoundCardOutput:
                 join(played, taken.shape[1], taken[:, -1:] if taken.shape[1] else self._last)
             self._last = played[:, -1:]
         out[:, self._places] = np.clip(played, -1.0, 1.0).T
+
+    def _fill(self, count: int) -> None:
+        """Lengthen the queue to ``count`` by what was sent ahead, as far as that goes."""
+        while self._ahead and self._queue.shape[1] < count:
+            self._queue = np.concatenate([self._queue, self._resampled(self._ahead.pop(self._hop))], axis=1)
+
+    def _resampled(self, samples: FloatArray) -> FloatArray:
+        """Samples at the card's rate, as the user wants them and within the limits."""
+        resampled = self._resampler.process(self._gains * samples)
+        return self._limits.limited(resampled, resampled.shape[1] / self.profile.rate)
 
     def _run(self) -> None:
         """The thread: keeps the stream open until the end."""
@@ -235,7 +272,7 @@ class SoundCardOutput:
         self._state = "stopped"
 
     def _play(self, module: Any) -> None:
-        def callback(out: NDArray[np.float32], frames: int, time: Any, status: Any) -> None:
+        def callback(out: NDArray[np.float32], frames: int, clock: Any, status: Any) -> None:
             self.fill(out)
 
         self._ended.clear()

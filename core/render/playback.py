@@ -6,7 +6,8 @@ touch never shifts against the picture. Frame by frame it is what a bake gives, 
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
+from functools import partial
 
 import numpy as np
 
@@ -77,6 +78,16 @@ class Playback:
             return None
         return self._continued(mixes, latest, time, frame_seconds)
 
+    def following(self, result: FrameResult, seconds: float) -> Callable[[], FloatArray]:
+        """A function that renders the ``seconds`` after the last block, (listeners, n), if the scene stayed as ``result`` shows it.
+
+        It may be called later, by any thread. What it gives does not count as played: the next block is what it would be without it.
+        """
+        if self._time is None or self._renderer is None:
+            return partial(np.zeros, (len(result.listeners), 0))
+        voices = self._moved(source_voices(result.sources, result.listeners, result.propagation))
+        return partial(self._renderer.fork().render_frame, self._time, self._time + seconds, voices)
+
     def _continued(self, mixes: tuple[ListenerMix, ...], result: FrameResult, time: float, frame_seconds: float) -> FloatArray | None:
         """The samples up to ``time`` where they follow what was played so far, else None."""
         before = self._renderer if self._renderer is not None and self._renderer.listeners == mixes else None
@@ -113,6 +124,10 @@ class Playback:
         if not self._late:
             return voices
         self._late = {voice.key: self._late[voice.key] for voice in voices if voice.key in self._late}
+        return self._moved(voices)
+
+    def _moved(self, voices: list[Voice]) -> list[Voice]:
+        """The voices, each from the onset that it is played from."""
         return [voice._replace(onset=self._late.get(voice.key, voice.onset)) for voice in voices]
 
 

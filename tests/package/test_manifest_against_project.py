@@ -78,4 +78,4 @@ def test_environments_have_the_wheels_that_are_carried_and_all_that_is_declared(
 
 
 def test_permissions_are_the_ones_used(manifest):
-    assert set(manifest["permissions"]) == {"files", "network"}
+    assert set(manifest["permissions"]) == {"clipboard", "files", "network"}

@@ -6,6 +6,7 @@ Layout: Linux ``hid-playstation.c`` and SDL's PS5 driver agree on it; the driver
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from ..report import Report, Tones, Transport, levels, unsigned8, with_crc
@@ -47,7 +48,7 @@ def release(transport: Transport, sequence: int) -> tuple[Report, ...]:
     return (_report(transport, sequence, 0, 0, 0, 0),)
 
 
-def _variant(device: HidDevice, interface: Interface) -> RumbleFamily | None:
+def _prepare(device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> RumbleFamily | None:
     """The first generation's reports for an old firmware; a version that can't be read counts as new, as in SDL."""
     if interface.product == EDGE:
         return None
@@ -71,7 +72,7 @@ DUALSENSE = RumbleFamily(
     release=release,
     encode=_encode,
     rumble=levels,
-    variant=_variant,
+    prepare=_prepare,
 )
 
-DUALSENSE_FIRST_GENERATION = replace(DUALSENSE, encode=_encode_first_generation, variant=None)
+DUALSENSE_FIRST_GENERATION = replace(DUALSENSE, encode=_encode_first_generation, prepare=None)

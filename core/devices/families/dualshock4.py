@@ -26,6 +26,10 @@ def dualshock4_report(drive: Tones, transport: Transport, poll_ms: int = 0) -> R
     return Report(with_crc((bytes([0x11, _HID_WITH_CRC | poll_ms, 0]) + motors).ljust(74, b"\0")))
 
 
+def _encode(drive: Tones, transport: Transport, sequence: int) -> Report:
+    return dualshock4_report(drive, transport)
+
+
 DUALSHOCK4 = RumbleFamily(
     name="dualshock4",
     title="DualShock 4",
@@ -35,6 +39,6 @@ DUALSHOCK4 = RumbleFamily(
     minimum_interval={"usb": 0.010, "bt": 0.010},
     ends_by_itself=False,
     after_kill="goes on at the last level until another program writes to it, it is unplugged, or it is switched off (hold the PS button)",
-    encode=lambda drive, transport, sequence: dualshock4_report(drive, transport),
+    encode=_encode,
     rumble=levels,
 )

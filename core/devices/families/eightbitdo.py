@@ -2,8 +2,19 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
+
 from ..report import Report, Tones, Transport, levels, unsigned8
-from .family import RumbleFamily
+from .family import HidDevice, Interface, RumbleFamily
+
+_ULTIMATE_2_WIRELESS, _ULTIMATE_3 = 0x6012, 0x202F
+_PADS = (0x6001, 0x6101, 0x6000, 0x6100, 0x6003, 0x6006, 0x6009, _ULTIMATE_2_WIRELESS, _ULTIMATE_3)
+# Reading this feature report switches to the firmware's extended protocol; the Ultimate 3 has another, with its abilities.
+_EXTENDED, _ABILITIES = 0x06, 0x30
+_ATTEMPTS = 5
+# The firmware of the Ultimate 2 Wireless that rumbles sends input reports of this length, earlier ones shorter reports.
+_LONG_INPUT = 34
 
 
 def _encode(drive: Tones, transport: Transport, sequence: int) -> Report:
@@ -11,15 +22,44 @@ def _encode(drive: Tones, transport: Transport, sequence: int) -> Report:
     return Report(bytes([0x05, left, right, 0, 0]))
 
 
+def _prepare(device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> None:
+    if not _rumbles(device, interface.product):
+        name = interface.title or "8BitDo controller"
+        raise OSError(f"{name} does not say that it can rumble: its firmware is too old, or it is in another mode than SDL drives it in")
+
+
+def _rumbles(device: HidDevice, product: int) -> bool:
+    """Whether the pad says that it rumbles, as SDL asks it."""
+    if product == _ULTIMATE_2_WIRELESS:
+        return any(len(device.read(64, 80)) >= _LONG_INPUT for _ in range(3))
+    answer = _feature(device, _ABILITIES if product == _ULTIMATE_3 else _EXTENDED)
+    if product == _ULTIMATE_3:
+        return len(answer) < 4 or answer[3] != 0
+    return bool(answer)
+
+
+def _feature(device: HidDevice, report: int) -> list[int]:
+    for _ in range(_ATTEMPTS):
+        try:
+            answer = device.get_feature_report(report, 64)
+        except OSError:
+            answer = []
+        if answer:
+            return answer
+        time.sleep(0.010)
+    return []
+
+
 EIGHTBITDO = RumbleFamily(
     name="8bitdo",
     title="8BitDo controller",
-    ids=frozenset((0x2DC8, product) for product in (0x6001, 0x6101, 0x6000, 0x6100, 0x6003, 0x6006, 0x6009, 0x6012)),
+    ids=frozenset((0x2DC8, product) for product in _PADS),
     transports=("usb", "bt"),
     channels=("left", "right"),
     minimum_interval={"usb": 0.020, "bt": 0.020},
     ends_by_itself=False,
     after_kill="goes on at the last level until it is unplugged or switched off",
+    prepare=_prepare,
     encode=_encode,
     rumble=levels,
 )

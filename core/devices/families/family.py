@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -13,6 +14,9 @@ from ..report import Report, Tones, Transport
 
 BUS_USB = 1
 BUS_BLUETOOTH = 2
+
+RESEND = 2.0
+"""Seconds after which a steady drive is sent again, as SDL does: what another program stopped goes on after that time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +81,28 @@ def nothing(transport: Transport, sequence: int) -> tuple[Report, ...]:
     return ()
 
 
+class Prepare(Protocol):
+    """Sets up an opened device. Writes through ``write``, which says whether the device took the report, and reads its answers.
+
+    Returns the family to go on with (an older firmware may want other reports), or None for the same. Raises OSError with the reason
+    where the device can't be driven.
+    """
+
+    def __call__(self, device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> AnyFamily | None: ...
+
+
+def answer_of(device: HidDevice, is_answer: Callable[[bytes], bool], seconds: float = 0.1) -> bytes | None:
+    """The first input report that ``is_answer`` accepts; None where none comes in time."""
+    end = time.monotonic() + seconds
+    while (left := end - time.monotonic()) > 0.0:
+        report = bytes(device.read(64, max(round(1000 * left), 1)))
+        if is_answer(report):
+            return report
+        if not report:
+            time.sleep(0.001)  # a node without a device behind it returns at once
+    return None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Family:
     """What rumble and stream families have in common.
@@ -85,15 +111,17 @@ class Family:
     ids: (vendor, product) numbers.
     transports: those it can be driven over, the default first.
     channels: names of what a drive has one value for, in order.
-    minimum_interval: seconds between two reports, per transport: never faster.
-    refresh_interval: seconds after which an unchanged non-zero drive is sent again; None where the device holds it.
+    minimum_interval: least seconds from the end of one report to the next, per transport.
+    refresh_interval: seconds after which an unchanged non-zero drive is sent again.
     ends_by_itself: the device stops without further reports.
-    after_kill: what it does when the program is killed, for people.
+    after_kill: what it does when nothing is left that could silence it, for people.
     picks: whether an interface is the one to open.
     probe_input: of several such interfaces, the right one is that which emits input within 16 ms.
-    startup, release: reports, in order, after opening and before closing; (transport, sequence of the first) -> reports.
+    prepare: sets up a device once after it was opened; called in the writer's thread.
+    startup: reports before the first block and before the first one after a pause; (transport, sequence of the first) -> reports.
+    release: reports after zero, at a pause and at the end.
+    farewell: reports after those, at the end alone.
     zero_repeats: how many times zero is sent before falling silent.
-    variant: looks at the opened device and returns the family to go on with (an older firmware); called in the writer's thread.
     """
 
     name: str
@@ -104,11 +132,13 @@ class Family:
     minimum_interval: Mapping[Transport, float]
     ends_by_itself: bool
     after_kill: str
-    refresh_interval: float | None = None
+    refresh_interval: float = RESEND
     picks: Callable[[Interface], bool] = is_gamepad
     probe_input: bool = False
+    prepare: Prepare | None = None
     startup: Callable[[Transport, int], tuple[Report, ...]] = nothing
     release: Callable[[Transport, int], tuple[Report, ...]] = nothing
+    farewell: Callable[[Transport, int], tuple[Report, ...]] = nothing
     zero_repeats: int = 1
 
     def matches(self, interface: Interface) -> bool:
@@ -129,7 +159,6 @@ class RumbleFamily(Family):
     encode: Callable[[Tones, Transport, int], Report]
     rumble: Callable[[float, float], Tones]
     has_tones: bool = False
-    variant: Callable[[HidDevice, Interface], RumbleFamily | None] | None = None
 
     def silence(self) -> Tones:
         """The drive of all channels at rest."""

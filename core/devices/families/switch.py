@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 from ..report import Report, Tones, Transport, checked_amplitude
-from .family import Interface, RumbleFamily, is_gamepad
+from .family import HidDevice, Interface, RumbleFamily, answer_of, is_gamepad
 
 NINTENDO = 0x057E
 PRO, LEFT, RIGHT, GRIP = 0x2009, 0x2006, 0x2007, 0x200E
@@ -23,6 +24,8 @@ SAFE_INDEX = 100
 
 _LENGTH: dict[Transport, int] = {"usb": 64, "bt": 49}
 _VIBRATION_ON = bytes([0x48, 0x01])
+_HANDSHAKE, _FAST, _KEEP_USB, _LEAVE_USB = 2, 3, 4, 5
+_ATTEMPTS = 2
 
 
 def frequency_code(frequency: float) -> int:
@@ -72,7 +75,7 @@ def _rumble(left: float, right: float) -> Tones:
 
 
 def usb_command(command: int) -> Report:
-    """A command to the USB bridge: 1 status, 2 handshake, 3 fast serial line, 4 keep USB, 5 let go of USB."""
+    """A command to the bridge between USB and the controller's serial line."""
     return Report(bytes([0x80, command]).ljust(_LENGTH["usb"], b"\0"))
 
 
@@ -81,18 +84,37 @@ def enable_vibration(transport: Transport, sequence: int) -> Report:
     return Report((bytes([0x01, sequence & 0x0F]) + _NEUTRAL + _VIBRATION_ON).ljust(_LENGTH[transport], b"\0"))
 
 
-def _startup(transport: Transport, sequence: int) -> tuple[Report, ...]:
-    handshake = tuple(usb_command(command) for command in (2, 3, 2, 4)) if transport == "usb" else ()
-    return (*handshake, enable_vibration(transport, sequence + len(handshake)))
+def _prepare(device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> None:
+    """SDL's way: the handshake over USB, then vibration on. Some clones answer only the first command, so that what stays unanswered is
+    said again and then left at that."""
+
+    def say(report: Report, is_answer: Callable[[bytes], bool]) -> None:
+        for _ in range(_ATTEMPTS):
+            if write(report) and answer_of(device, is_answer) is not None:
+                return
+
+    if interface.transport == "usb":
+        for command in (_HANDSHAKE, _FAST, _HANDSHAKE):
+            say(usb_command(command), partial(_acknowledges, command))
+        write(usb_command(_KEEP_USB))  # is not acknowledged
+    say(enable_vibration(interface.transport, 0), _confirms_vibration)
 
 
-def _release(transport: Transport, sequence: int) -> tuple[Report, ...]:
-    return (usb_command(5),) if transport == "usb" else ()
+def _acknowledges(command: int, report: bytes) -> bool:
+    return report[:2] == bytes([0x81, command])
 
 
-def _in_grip(number: int) -> Callable[[Interface], bool]:
-    """A Joy-Con by itself, or the one behind this interface of the charging grip."""
-    return lambda interface: is_gamepad(interface) and (interface.product != GRIP or interface.number == number)
+def _confirms_vibration(report: bytes) -> bool:
+    return len(report) > 14 and report[0] == 0x21 and bool(report[13] & 0x80) and report[14] == _VIBRATION_ON[0]
+
+
+def _farewell(transport: Transport, sequence: int) -> tuple[Report, ...]:
+    return (usb_command(_LEAVE_USB),) if transport == "usb" else ()
+
+
+def _in_grip(number: int, interface: Interface) -> bool:
+    """Whether it is a Joy-Con by itself, or the one behind this interface of the charging grip."""
+    return is_gamepad(interface) and (interface.product != GRIP or interface.number == number)
 
 
 def _family(name: str, title: str, products: tuple[int, ...], picks: Callable[[Interface], bool]) -> RumbleFamily:
@@ -108,8 +130,8 @@ def _family(name: str, title: str, products: tuple[int, ...], picks: Callable[[I
         ends_by_itself=True,
         after_kill="stops by itself when it is no longer refreshed",
         picks=picks,
-        startup=_startup,
-        release=_release,
+        prepare=_prepare,
+        farewell=_farewell,
         zero_repeats=5,
         encode=_encode,
         rumble=_rumble,
@@ -118,5 +140,5 @@ def _family(name: str, title: str, products: tuple[int, ...], picks: Callable[[I
 
 
 SWITCH_PRO = _family("switch-pro", "Switch Pro Controller", (PRO,), is_gamepad)
-JOYCON_LEFT = _family("joycon-left", "Joy-Con (L)", (LEFT, GRIP), _in_grip(1))
-JOYCON_RIGHT = _family("joycon-right", "Joy-Con (R)", (RIGHT, GRIP), _in_grip(0))
+JOYCON_LEFT = _family("joycon-left", "Joy-Con (L)", (LEFT, GRIP), partial(_in_grip, 1))
+JOYCON_RIGHT = _family("joycon-right", "Joy-Con (R)", (RIGHT, GRIP), partial(_in_grip, 0))

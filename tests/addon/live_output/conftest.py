@@ -9,7 +9,9 @@ from typing import Any
 import bpy
 import pytest
 from fake_hid import FakeHid, FakePad, until
+from guard_in_thread import GuardInThread
 from haptic_tracing.addon.live_output import handlers, outputs
+from haptic_tracing.core.devices import guard
 
 
 @pytest.fixture
@@ -17,6 +19,7 @@ def hid(monkeypatch) -> FakeHid:
     """hidapi's module, with nothing plugged in."""
     module = FakeHid()
     monkeypatch.setitem(sys.modules, "hidraw" if sys.platform.startswith("linux") else "hid", module)
+    monkeypatch.setattr(guard._state, "start", GuardInThread)
     return module
 
 

@@ -154,8 +154,8 @@ def test_a_blocked_write_holds_up_neither_blender_nor_another_device(plug, conne
     assert until(lambda: (playing(1), handlers.rest(), len(free.written) > before + 20)[-1])
     assert bpy.context.scene.frame_current > frame and len(stuck.written) == kept
     playing(3)
-    status = outputs.running()["dualsense stuck"].status
-    assert status.writing_for > 0 and status.dropped_blocks > 0
+    output = outputs.running()["dualsense stuck"]
+    assert until(lambda: output.status.writing_for > 0 and output.status.dropped_blocks > 0)
     bpy.ops.haptic.panic()
     assert until(lambda: silent(free) and free.closed == 1)
     stuck.gate.set()

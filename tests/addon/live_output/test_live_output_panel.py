@@ -11,7 +11,8 @@ import pytest
 from fake_hid import until
 from haptic_tracing.addon.live_output import handlers, outputs
 from haptic_tracing.addon.panels import live_output
-from haptic_tracing.core.devices.output import Status
+from haptic_tracing.addon.properties.preferences import preferences
+from haptic_tracing.core.devices.status import Status
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)
@@ -146,15 +147,18 @@ def test_sound_cards_are_offered_when_wanted_and_what_is_missing_is_said(hid, sc
 
 
 def test_players_are_looked_for_only_when_wanted(hid, scene, monkeypatch):
-    from haptic_tracing.core.devices import network
+    from haptic_tracing.core.devices import loopback, network
+
+    def nobody(url):
+        asked.append(url)
+        raise OSError(f"no player answers at {url}")
 
     asked = []
-    monkeypatch.setattr(
-        network, "Connection", lambda url: asked.append(url) or (_ for _ in ()).throw(OSError(f"no player answers at {url}"))
-    )
+    for module in (loopback, network):
+        monkeypatch.setattr(module, "Connection", nobody)
     find()
     assert asked == []
-    scene.haptics.live_output.players = True
+    monkeypatch.setattr(preferences(), "haptic_players", True)
     find()
     assert len(asked) == 2 and all(url.startswith("ws://127.0.0.1:") for url in asked)
     assert text().count("No player answers at") == 2

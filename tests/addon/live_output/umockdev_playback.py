@@ -11,15 +11,17 @@ import tempfile
 import time
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).parents[2] / "core" / "devices"))
 os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
 
 import bpy
 import haptic_tracing
 import numpy as np
+from guard_in_thread import GuardInThread
 from haptic_tracing.addon.changes.suspension import stepped
 from haptic_tracing.addon.live_output import handlers, outputs, player
 from haptic_tracing.addon.session import session
-from haptic_tracing.core.devices import output as device_output
+from haptic_tracing.core.devices import guard, writer
 from haptic_tracing.core.devices.connection import hid_module
 from haptic_tracing.sample_scenes import build_sample
 
@@ -98,18 +100,19 @@ def wait_until(condition, seconds=30.0):
 
 def main():
     recorded = {}
-    real_pacing_of, hid = device_output.pacing_of, RecordingHid()
+    real_pacing_of, hid = writer.pacing_of, RecordingHid()
 
-    def pacing_of(profile, family, transport, actuation, adjustment):
+    def pacing_of(profile, family, transport, actuation, adjustment, sequence):
         def make():
-            fresh = device_output.actuation_of(profile, family, device_output.SAMPLE_RATE, {})
-            return real_pacing_of(profile, family, transport, fresh, adjustment)
+            fresh = writer.actuation_of(profile, family, writer.SAMPLE_RATE, {})
+            return real_pacing_of(profile, family, transport, fresh, adjustment, sequence)
 
         recorded[profile.name, transport] = RecordingPacing(make)
         return recorded[profile.name, transport]
 
-    device_output.pacing_of = pacing_of
-    device_output.hid_module = lambda: hid
+    writer.pacing_of = pacing_of
+    writer.hid_module = lambda: hid
+    guard._state.start = GuardInThread
     haptic_tracing.register()
     scene = build_sample("jackhammer_bench")
     start, count = scene.frame_start, round(SECONDS * scene.render.fps / scene.render.fps_base)
@@ -177,7 +180,9 @@ def captured(name, transport, hid, length):
     node = Path("/dev") / json.loads(sys.argv[1])[f"{name} {transport}"]
     data = node.read_bytes()
     assert len(data) % length == 0, (name, len(data), length)
-    return [data[i : i + length].hex() for i in range(0, len(data), length)]
+    reports = [data[i : i + length].hex() for i in range(0, len(data), length)]
+    # A Switch pad is set up before its pace begins.
+    return [report for report in reports if not (name == "switch-pro" and report.startswith("01"))]
 
 
 main()

@@ -119,15 +119,16 @@ def test_an_old_dualsense_gets_the_reports_of_its_generation(scene):
 def test_playing_on_a_switch_pro_over_usb_and_bluetooth(scene):
     words = VECTORS["switch_kernel_l0.5_r0.25"][4:]
     neutral = VECTORS["switch_neutral_any"][4:]
-    for fake, length, startup in ((SWITCH_PRO_USB, 64, 5), (SWITCH_PRO_BT, 49, 1)):
+    for fake, length, startup in ((SWITCH_PRO_USB, 64, 9), (SWITCH_PRO_BT, 49, 2)):
         answer = scene("play", "switch-pro", "160", "320", fakes=[fake])
         reports = split(answer["captured"], length)
+        # Nobody answers here, so that what wants an answer is said twice.
         if fake is SWITCH_PRO_USB:
-            assert [report[:4] for report in reports[:4]] == ["8002", "8003", "8002", "8004"]
+            assert [report[:4] for report in reports[:7]] == ["8002", "8002", "8003", "8003", "8002", "8002", "8004"]
             assert reports.pop()[:4] == "8005"
         else:
             assert reports[0] == VECTORS["switch_enable_vibration_bt"]
-        assert reports[startup - 1][:2] + reports[startup - 1][20:24] == "014801"
+        assert {report[:2] + report[20:24] for report in reports[startup - 2 : startup]} == {"014801"}
         rumble = reports[startup:]
         assert all(report[:2] == "10" for report in rumble)
         assert [int(report[2:4], 16) for report in rumble] == [(startup + i) % 16 for i in range(len(rumble))]
@@ -155,18 +156,6 @@ def test_the_watchdog_silences_the_real_device(scene):
 def test_a_program_that_just_ends_leaves_the_device_silent_and_released(scene):
     answer = scene("exit", "dualsense", fakes=[DUALSENSE_USB])
     assert split(answer["captured"], 48)[-2:] == [VECTORS["dualsense_usb_v2_l0_r0"], VECTORS["dualsense_usb_release"]]
-
-
-def test_after_a_kill_a_dualsense_goes_on_as_documented(scene):
-    answer = scene("kill", "dualsense", fakes=[DUALSENSE_USB])
-    assert answer["code"] == answer["killed"]
-    assert bytes.fromhex(split(answer["captured"], 48)[-1])[4] > 0
-
-
-def test_after_a_kill_an_xbox_pad_stops_by_itself_as_its_last_report_says(scene):
-    last = bytes.fromhex(split(scene("kill", "xbox", fakes=[XBOX_BT])["captured"], 9)[-1])
-    assert max(last[4:6]) > 0
-    assert last[6] * 0.010 <= 0.25 and last[7:] == bytes(2), "sustain in units of 10 ms, no delay, no repeat"
 
 
 def test_an_unplugged_device_is_counted_searched_and_driven_again(scene):

@@ -83,7 +83,7 @@ ENCODED = {
     "switch_enable_vibration_bt": lambda v: enable_vibration("bt", 0).data,
     "switch_enable_vibration_usb": lambda v: enable_vibration("usb", 0).data,
     "switch_usb_status": lambda v: usb_command(v["input"]["cmd"]).data,
-    "switch_usb_handshake": lambda v: SWITCH_PRO.startup("usb", 0)[0].data,
+    "switch_usb_handshake": lambda v: usb_command(2).data,
     "xbox_bt_l0_r0": lambda v: rumble("xbox", left=0, right=0),
     "xbox_bt_l0.5_r0.25": lambda v: lasting(levels(0.5, 0.25), "bt", 0).data,
     "xbox_bt_failsafe_l0.5_r0.25": lambda v: rumble("xbox"),

@@ -12,8 +12,9 @@ import pytest
 from fake_hid import until
 from haptic_tracing.core.devices import network
 from haptic_tracing.core.devices.connection import DeviceError
-from haptic_tracing.core.devices.network import bhaptics, intiface, websocket_module
-from haptic_tracing.core.devices.output import DeviceOutput
+from haptic_tracing.core.devices.loopback import websockets_client
+from haptic_tracing.core.devices.network import bhaptics, intiface
+from haptic_tracing.core.devices.writer import DeviceWriter
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import serve
 
@@ -84,7 +85,7 @@ def started():
     outputs = []
 
     def start(profile, module):
-        output = DeviceOutput(profile, hid=module)
+        output = DeviceWriter(profile, hid=module)
         outputs.append(output)
         output.start()
         until(lambda: output.status.state == "open")
@@ -258,6 +259,6 @@ def test_a_server_that_is_something_else_is_said(server, reply):
 
 
 def test_a_missing_package_is_said(monkeypatch):
-    monkeypatch.setitem(sys.modules, "websocket", None)
-    with pytest.raises(DeviceError, match="websocket-client"):
-        websocket_module()
+    monkeypatch.setitem(sys.modules, "websockets.sync.client", None)
+    with pytest.raises(DeviceError, match="the Python package websockets"):
+        websockets_client()

@@ -9,7 +9,7 @@ from fake_hid import until
 from haptic_tracing.core.devices.connection import DeviceError
 from haptic_tracing.core.devices.mapping import Place, map_listeners
 from haptic_tracing.core.devices.profiles import Adjustment, Calibration
-from haptic_tracing.core.devices.sound_card import SoundCardOutput, sound_cards, sound_module
+from haptic_tracing.core.devices.sound_card import SoundCardWriter, sound_cards, sound_module
 
 RATE = 8000
 
@@ -65,7 +65,7 @@ def started():
     outputs = []
 
     def start(module, number=0, **options):
-        output = SoundCardOutput(sound_cards(module)[number], module=module, **options)
+        output = SoundCardWriter(sound_cards(module)[number], module=module, **options)
         outputs.append(output)
         output.start()
         until(lambda: output.status.state == "open")

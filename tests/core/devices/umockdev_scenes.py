@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -15,11 +16,15 @@ from pathlib import Path
 import numpy as np
 from haptic_tracing.core.devices.connection import connected, hid_module, open_device
 from haptic_tracing.core.devices.families.registry import family, rumble_report
+from haptic_tracing.core.devices.guard import stop_all
 from haptic_tracing.core.devices.output import DeviceOutput
 from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.writer import DeviceWriter
+from timed_hid import TimedHid, reports_of
 
 RATE = 8000
 NODE = Path("/dev/hidraw0")
+HERE = str(Path(__file__).parent)
 
 
 class Recorder:
@@ -60,6 +65,11 @@ def play(output, seconds, rows, *frequencies):
         time.sleep(0.02)
 
 
+def serial_of(number):
+    """The serial number of the device behind ``/dev/hidraw<number>``, where there is one of each family."""
+    return f"a0:ab:51:00:01:{number:02x}"
+
+
 def wait_until(condition, seconds=100.0):
     end = time.perf_counter() + seconds
     while not condition():
@@ -97,7 +107,7 @@ def scene_write(name, transport):
 
 def scene_play(name, *frequencies):
     recorder = Recorder()
-    output = DeviceOutput(loud(profile(name)), hid=recorder)
+    output = DeviceWriter(loud(profile(name)), hid=recorder)
     output.start()
     wait_until(lambda: output.status.state == "open")
     play(output, 0.6, 2, *map(float, frequencies))
@@ -126,23 +136,105 @@ output.start()
 wait_until(lambda: output.status.state == "open")
 play(output, 0.2, 2, 200.0)
 """
-    done = subprocess.run([sys.executable, "-c", program], cwd=Path(__file__).parent, check=True)
+    done = subprocess.run([sys.executable, "-c", program], cwd=HERE, check=True)
     return {"code": done.returncode, "captured": NODE.read_bytes().hex()}
 
 
-def scene_kill(name):
-    """A program that is killed while it plays."""
+ENDINGS = ("SIGKILL", "SIGTERM", "SIGHUP", "SIGSEGV", "SIGSTOP", "exit")
+
+
+def scene_ends(ending, folder, *names):
+    """A program that plays on devices and ends in the middle of it: when, and what was written to each node, with times."""
     program = f"""
+import sys; sys.path[0] = {HERE!r}
 from umockdev_scenes import *
-device = profile({name!r})
-output = DeviceOutput(device)
-output.start()
-wait_until(lambda: output.status.state == "open")
-play(output, 0.4, len(device.actuators), 200.0)
-os.kill(os.getpid(), signal.SIGKILL)
+devices = [replace(profile(name), slew=10_000.0) for name in {names!r}]
+outputs = [DeviceOutput(device, serial=serial_of(i), hid=TimedHid({folder!r})) for i, device in enumerate(devices)]
+for output in outputs: output.start()
+wait_until(lambda: all(output.status.state == "open" for output in outputs), 10.0)
+for i in range(100):
+    wave = 0.5 * np.sin(2 * np.pi * 200.0 * (i * 320 + np.arange(4000)) / RATE)
+    for output in outputs:
+        rows = len(output.profile.actuators)
+        output.send(np.tile(wave[:320], (rows, 1)), sent := time.perf_counter())
+        output.expect(np.tile(wave[320:], (rows, 1)), sent)
+    if i == 10: print(flush=True)
+    time.sleep(0.04)
+    if i >= 12 and {ending!r} == "exit": os._exit(print(time.perf_counter(), flush=True) or 3)
 """
-    done = subprocess.run([sys.executable, "-c", program], cwd=Path(__file__).parent)
-    return {"code": done.returncode, "killed": -signal.SIGKILL, "captured": NODE.read_bytes().hex()}
+    child = subprocess.Popen([sys.executable, "-c", program], cwd=HERE, stdout=subprocess.PIPE, text=True)
+    child.stdout.readline()
+    if ending == "exit":
+        ended = float(child.stdout.readline())
+    else:
+        time.sleep(0.09)
+        ended = time.perf_counter()
+        child.send_signal(signal.Signals[ending])
+    time.sleep(0.6)
+    nodes = sorted(path.name for path in Path(folder).iterdir())
+    reports = {node: [(seconds - ended, data.hex()) for seconds, data in reports_of(folder, node)] for node in nodes}
+    child.kill()
+    child.wait()
+    return reports
+
+
+def scene_lock(name, folder):
+    """A program that plays, and holds Python's lock for 300 ms in the middle of it, as a heavy operator does."""
+    import ctypes
+
+    output = DeviceOutput(replace(profile(name), slew=10_000.0), hid=TimedHid(folder))
+    output.start()
+    wait_until(lambda: output.status.state == "open")
+    wave = np.tile(0.5 * np.sin(2 * np.pi * 200.0 * np.arange(4000) / RATE), (len(output.profile.actuators), 1))
+    began = time.perf_counter()
+    for i in range(20):
+        output.send(wave[:, :320], sent := time.perf_counter())
+        output.expect(wave[:, 320:], sent)
+        if i == 10:
+            ctypes.PyDLL(None).usleep(300_000)
+        time.sleep(0.04)
+    ended = time.perf_counter()
+    output.stop()
+    return {"seconds": ended - began, "reports": [(at - began, data.hex()) for at, data in reports_of(folder, "hidraw0")]}
+
+
+def scene_guard_dies(name, folder):
+    """The guard itself is killed while it plays."""
+    output = DeviceOutput(replace(profile(name), slew=10_000.0), hid=TimedHid(folder))
+    output.start()
+    wait_until(lambda: output.status.state == "open")
+    play(output, 0.4, len(output.profile.actuators), 200.0)
+    (guard,) = children()
+    os.kill(guard, signal.SIGKILL)
+    before = len(reports_of(folder, "hidraw0"))
+    wait_until(lambda: output.status.state == "failed")
+    message = output.status.message
+    time.sleep(1.0)
+    output.send(np.zeros((len(output.profile.actuators), 10)))
+    reports = [data.hex() for _, data in reports_of(folder, "hidraw0")]
+    return {"message": message, "before": before, "reports": reports, "stopped": output.stop()}
+
+
+def scene_nothing_left(name):
+    """What runs when the last output has stopped."""
+    output = DeviceOutput(profile(name))
+    output.start()
+    wait_until(lambda: output.status.state == "open")
+    opened = len(children()) == 1
+    stop_all()
+    return {"guards": len(children()), "threads": threading.active_count(), "opened": opened}
+
+
+def children():
+    """The processes that this one has started."""
+    return [int(path.name) for path in Path("/proc").iterdir() if path.name.isdigit() and parent_of(path) == os.getpid()]
+
+
+def parent_of(process):
+    try:
+        return int((process / "stat").read_text().rpartition(")")[2].split()[1])
+    except OSError:
+        return None
 
 
 def scene_stuck(name):
@@ -157,13 +249,13 @@ noise = np.random.default_rng(1)
 wait_until(lambda: (output.send(noise.normal(0.0, 0.2, (2, 400))), time.sleep(0.05), output.status.writing_for > 0.3)[-1])
 print(json.dumps([output.stop(0.1), output.status.state, output.status.writing_for]))
 """
-    done = subprocess.run([sys.executable, "-c", program], cwd=Path(__file__).parent, capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-c", program], cwd=HERE, capture_output=True, text=True)
     return {"code": done.returncode, "errors": done.stderr, "stopped": json.loads(done.stdout)}
 
 
 def scene_unplug(name):
     """The kernel takes the open node away while it is played: the module's own write fails until the device is opened again."""
-    output = DeviceOutput(loud(profile(name)))
+    output = DeviceWriter(loud(profile(name)))
     output.start()
     wait_until(lambda: output.status.state == "open")
     play(output, 0.2, 2, 200.0)

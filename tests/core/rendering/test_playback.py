@@ -56,6 +56,25 @@ def test_dropped_frames_do_not_shift_what_is_felt():
         assert block[0] == pytest.approx(expected, abs=1e-9)
 
 
+@pytest.mark.parametrize("limiter", [False, True])
+def test_what_would_follow_is_what_comes_while_nothing_changes_and_looking_at_it_changes_nothing(limiter):
+    results = traced(range(24), impact=0.5)
+    results = [replace(result, listeners=tuple(replace(listener, limiter=limiter) for listener in result.listeners)) for result in results]
+    expected = np.concatenate(played(results[1:], 0), axis=1)
+    playback = Playback()
+    playback.start(0.0)
+    samples = []
+    for result in results[1:]:
+        samples.append(playback.block(result, 1 / FPS))
+        end = sum(block.shape[1] for block in samples)
+        following = playback.following(result, 0.4)()
+        assert following.shape == (1, 3200)
+        if result.number >= 13:  # the blow is known from frame 12 on, and goes on for two frames
+            count = min(3200, expected.shape[1] - end)
+            assert following[:, :count] == pytest.approx(expected[:, end : end + count], abs=1e-9)
+    assert np.concatenate(samples, axis=1).tobytes() == expected.tobytes()
+
+
 def test_what_goes_ahead_of_tracing_is_felt_in_time_and_misses_no_impact():
     """Frames 10 to 14 are played with what the frame before says: the tone goes on, the blow comes with the block after its frame's."""
     results = traced(range(12)) + traced(range(30), impact=11.5 / FPS)[12:]

@@ -12,8 +12,8 @@ import pytest
 from fake_hid import RELEASE, ZERO, FakeHid, FakePad, sounding, until
 from haptic_tracing.core.devices.connection import DeviceError, connected, hid_module, open_device
 from haptic_tracing.core.devices.families.registry import family
-from haptic_tracing.core.devices.output import DeviceOutput, rest_all, silence_all, stop_all
 from haptic_tracing.core.devices.profiles import Adjustment, Calibration, profile
+from haptic_tracing.core.devices.writer import DeviceWriter, stop_all
 
 RATE = 8000
 
@@ -44,7 +44,7 @@ def started():
     outputs = []
 
     def start(hid, device=None, **options):
-        output = DeviceOutput(device or quick(), hid=hid, **options)
+        output = DeviceWriter(device or quick(), hid=hid, **options)
         outputs.append(output)
         output.start()
         return output
@@ -90,7 +90,7 @@ def test_a_write_that_blocks_blocks_nobody_else_and_the_device_is_silenced_when_
     playing(other)
     stuck.gate.clear()
     stuck.in_write.clear()
-    silence_all()
+    blocked.silence()
     stuck.in_write.wait()
     for _ in range(1000):
         blocked.send(wave(0.01))
@@ -174,7 +174,7 @@ def test_a_thousand_starts_and_stops_leave_nothing_behind():
     hid = FakeHid(pad)
     threads = threading.active_count()
     for i in range(1000):
-        output = DeviceOutput(quick(), hid=hid)
+        output = DeviceWriter(quick(), hid=hid)
         output.start()
         if i % 3 == 0:
             output.send(wave(0.01))
@@ -186,12 +186,12 @@ def test_a_thousand_starts_and_stops_leave_nothing_behind():
     assert pad.written[-2:] == [ZERO, RELEASE]
 
 
-def test_silence_all_silences_what_plays_and_blocks_play_again(started):
+def test_silence_silences_what_plays_and_blocks_play_again(started):
     pad = FakePad()
     output = started(FakeHid(pad))
     playing(output)
     assert until(lambda: sounding(pad))
-    silence_all()
+    output.silence()
     assert until(lambda: pad.written[-1] == ZERO)
     pad.written.clear()
     playing(output)
@@ -204,11 +204,11 @@ def test_at_rest_the_device_is_silent_and_released_but_open_and_plays_again(star
     for _ in range(2):
         playing(output)
         until(lambda: sounding(pad))
-        rest_all()
+        output.rest()
         until(lambda: pad.written[-2:] == [ZERO, RELEASE])
         assert output.status.state == "open" and pad.closed == 0
         pad.written.clear()
-        rest_all()
+        output.rest()
     time.sleep(0.05)
     assert pad.written == [], "a device at rest is left alone"
     playing(output)
@@ -228,7 +228,7 @@ def test_settings_can_be_changed_while_it_plays(started):
 
 
 def test_the_last_zero_is_repeated_where_it_fails(started):
-    for end in (DeviceOutput.rest, DeviceOutput.stop):
+    for end in (DeviceWriter.rest, DeviceWriter.stop):
         pad = FakePad()
         output = started(FakeHid(pad))
         playing(output)
@@ -343,15 +343,15 @@ def test_options_out_of_range_are_refused(options, message):
     with pytest.raises(ValueError, match=message):
         if "adjustment" in options:
             options = {"adjustment": Adjustment(**options["adjustment"])}
-        DeviceOutput(profile("dualsense"), **options)
+        DeviceWriter(profile("dualsense"), **options)
 
 
 def test_a_block_of_another_shape_is_refused_by_send():
-    output = DeviceOutput(profile("dualsense"), hid=FakeHid())
+    output = DeviceWriter(profile("dualsense"), hid=FakeHid())
     with pytest.raises(ValueError, match="block has the shape"):
         output.send(np.zeros((3, 10)))
 
 
 def test_stopping_what_never_started_is_fine():
-    output = DeviceOutput(profile("dualsense"), hid=FakeHid())
+    output = DeviceWriter(profile("dualsense"), hid=FakeHid())
     assert output.stop() and output.status.state == "stopped"

@@ -1,0 +1,323 @@
+"""The program's side of the guard: starts the process that drives the devices, tells it what to play, and hears how they do.
+
+Nothing here blocks the caller: a thread writes the orders, another reads the statuses. What is not written yet when something newer comes
+is replaced. The guard runs while there is an output, and ends with the last one.
+"""
+
+from __future__ import annotations
+
+import atexit
+import itertools
+import json
+import os
+import pickle
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, BinaryIO, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .actuation import checked_block
+from .guard_process import HEARTBEAT
+from .mapping import ActuatedDevice
+from .profiles import Adjustment, check_adjustment
+from .status import Output, Status
+
+_PACKAGE = __package__.removesuffix(".core.devices")
+# The package's own start would import Blender's modules: it is made up here, with nothing but its folder.
+_BOOT = """
+import importlib, json, sys, types
+paths, package, folder, program = json.loads(sys.argv[1])
+sys.path[:] = paths
+names = package.split(".")
+for count in range(1, len(names) + 1):
+    module = types.ModuleType(".".join(names[:count]))
+    module.__path__ = [folder] if count == len(names) else []
+    sys.modules[module.__name__] = module
+importlib.import_module(package + ".core.devices.guard_process").main(program)
+"""
+_EXIT_SECONDS = 1.0
+# What an order makes obsolete of those before it, besides one of its own kind.
+_OBSOLETE = {"send": ("expect",), **dict.fromkeys(("silence", "rest", "request_stop"), ("send", "expect"))}
+
+
+class Process(Protocol):
+    """A running guard: its pipes, and its end."""
+
+    stdin: BinaryIO
+    stdout: BinaryIO
+
+    def wait(self) -> int: ...
+
+
+def start_process() -> Process:
+    """Start the guard with the Python that runs this program (Blender's own, inside Blender). Raises OSError."""
+    paths = [str(Path(path).absolute()) for path in sys.path if path]
+    what = json.dumps([paths, _PACKAGE, str(Path(__file__).parents[2]), os.getpid()])
+    process: Any = subprocess.Popen(
+        [sys.executable, "-I", "-S", "-c", _BOOT, what],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        start_new_session=True,
+        creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(subprocess, "ABOVE_NORMAL_PRIORITY_CLASS", 0),
+    )
+    return process  # type: ignore[no-any-return]
+
+
+class Guard:
+    """A guard process, the orders that wait for it, and what it said last of each output."""
+
+    def __init__(self) -> None:
+        """Raises OSError where the process can't be started."""
+        self._process = _state.start()
+        self._condition = threading.Condition()
+        # Guarded by _condition:
+        self._orders: dict[tuple[int, str], tuple[Any, ...]] = {}
+        self._makers: dict[int, Callable[[], Output]] = {}
+        self._statuses: dict[int, Status] = {}
+        self._replaced: dict[int, int] = {}
+        self._closing = False
+        self._lost = ""
+        self._threads = [
+            threading.Thread(target=work, name=f"haptics guard {name}", daemon=True)
+            for name, work in (("orders", self._write), ("statuses", self._read))
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    def open(self, number: int, make: Callable[[], Output], name: str = "open") -> bool:
+        """Let the guard make and start an output. False where the guard is ending."""
+        with self._condition:
+            if self._closing or self._lost:
+                return False
+            self._makers[number] = make
+            self._orders[number, name] = (make,)
+            self._condition.notify_all()
+            return True
+
+    def order(self, number: int, name: str, *arguments: Any) -> None:
+        """Call a method of an output, in the order of the calls; of the same method, only the last call counts."""
+        with self._condition:
+            before = self._orders.pop((number, name), None)
+            if name == "send":
+                self._replaced[number] = self._replaced.get(number, 0) + (before is not None)
+            for obsolete in _OBSOLETE.get(name, ()):
+                self._orders.pop((number, obsolete), None)
+            self._orders[number, name] = arguments
+            self._condition.notify_all()
+
+    def status(self, number: int) -> Status:
+        """How an output does."""
+        with self._condition:
+            status = self._statuses.get(number, Status())
+            if self._lost and not status.is_over:
+                return replace(status, state="failed", message=self._lost, writing_for=0.0)
+            return replace(status, dropped_blocks=status.dropped_blocks + self._replaced.get(number, 0))
+
+    def wait_until_over(self, number: int, timeout: float) -> bool:
+        """Wait for the end of an output. Returns whether it came."""
+
+        def is_over() -> bool:
+            return bool(self._lost) or self._statuses.get(number, Status()).is_over
+
+        with self._condition:
+            return self._condition.wait_for(is_over, timeout)
+
+    def join(self, timeout: float) -> None:
+        """Wait for the guard's end, which comes after that of the last output."""
+        deadline = time.monotonic() + timeout
+        for thread in self._threads:
+            thread.join(max(deadline - time.monotonic(), 0.0))
+
+    def _write(self) -> None:
+        """The thread that writes orders, or at least a heartbeat."""
+        pipe = self._process.stdin
+        try:
+            while True:
+                with self._condition:
+                    if not self._orders and not self._closing:
+                        self._condition.wait(HEARTBEAT)
+                    orders, self._orders = self._orders, {}
+                    if self._closing or self._lost:
+                        return
+                pickle.dump([(*key, arguments) for key, arguments in orders.items()], pipe, pickle.HIGHEST_PROTOCOL)
+                pipe.flush()
+        except OSError:
+            pass  # the guard has ended, which the other thread sees
+        finally:
+            with suppress(OSError):
+                pipe.close()
+
+    def _read(self) -> None:
+        """The thread that reads statuses."""
+        try:
+            while True:
+                statuses = pickle.load(self._process.stdout)
+                with self._condition:
+                    self._statuses = statuses
+                    self._closing = all(statuses.get(number, Status()).is_over for number in self._makers)
+                    self._condition.notify_all()
+        except (EOFError, OSError, pickle.UnpicklingError):
+            pass
+        code = self._process.wait()
+        self._process.stdout.close()
+        with self._condition:
+            open_ones = [make for number, make in self._makers.items() if not self._statuses.get(number, Status()).is_over]
+            if not self._closing:
+                self._lost = f"the process that guards the devices has ended ({code}): disconnect and connect them again"
+            self._condition.notify_all()
+        if open_ones:
+            _state.quieten(open_ones)
+
+
+class _State:
+    """The guard that runs, if any, and the outputs of this program. start: starts a guard process."""
+
+    def __init__(self) -> None:
+        self.start: Callable[[], Process] = start_process
+        self._lock = threading.Lock()
+        self._guard: Guard | None = None
+        self._numbers = itertools.count()
+        self._outputs: set[GuardedOutput] = set()
+
+    def open(self, make: Callable[[], Output]) -> tuple[Guard, int]:
+        """Let a guard drive one more output. Raises OSError where none can be started."""
+        with self._lock:
+            number = next(self._numbers)
+            if self._guard is None or not self._guard.open(number, make):
+                self._guard = Guard()
+                self._guard.open(number, make)
+            return self._guard, number
+
+    def quieten(self, makers: list[Callable[[], Output]]) -> None:
+        """Silence devices whose guard was lost while it drove them, by a new guard that does only that."""
+        try:
+            guard = Guard()
+        except OSError:
+            return
+        for number, make in enumerate(makers):
+            guard.open(number, make, "quieten")
+
+    def add(self, output: GuardedOutput) -> None:
+        with self._lock:
+            self._outputs.add(output)
+
+    def discard(self, output: GuardedOutput) -> None:
+        with self._lock:
+            self._outputs.discard(output)
+
+    def outputs(self) -> list[GuardedOutput]:
+        """The outputs that were started and did not end."""
+        with self._lock:
+            return list(self._outputs)
+
+    def join(self, timeout: float) -> None:
+        """Wait for the end of a guard that has nothing more to do."""
+        with self._lock:
+            guard = self._guard
+        if guard is not None:
+            guard.join(timeout)
+
+
+_state = _State()
+
+
+class GuardedOutput:
+    """An output that the guard process drives."""
+
+    def __init__(self, profile: ActuatedDevice, make: Callable[[], Output]) -> None:
+        """make: makes the output inside the guard; it is pickled. Raises ValueError as ``make`` does."""
+        make()
+        self.profile = profile
+        self._make = make
+        self._guard: Guard | None = None
+        self._number = 0
+        self._own = Status()
+
+    def start(self) -> None:
+        """Look for the device and drive it from now on."""
+        try:
+            self._guard, self._number = _state.open(self._make)
+        except OSError as error:
+            self._own = Status("failed", f"the process that guards the devices can't be started: {error}")
+            return
+        _state.add(self)
+
+    def adjust(self, adjustment: Adjustment) -> None:
+        """Follow these settings from now on. Never blocks. Raises ValueError for a calibration of an unknown actuator."""
+        check_adjustment(adjustment, self.profile.actuators)
+        self._order("adjust", adjustment)
+
+    def send(self, block: ArrayLike, sent: float | None = None) -> float:
+        """Play a block, whose first sample is to be felt now; what is left of the one before is dropped. Never blocks.
+
+        block: (actuators, n) in [-1, 1] at the rate. sent: when that was decided, by `time.perf_counter`; None for now. Returns that time.
+        Raises ValueError if the block has another shape or is not finite.
+        """
+        checked = checked_block(np.asarray(block), len(self.profile.actuators))
+        sent = time.perf_counter() if sent is None else sent
+        self._order("send", checked, sent)
+        return sent
+
+    def expect(self, ahead: ArrayLike, sent: float) -> None:
+        """What would follow the block that was sent at ``sent``, (actuators, n): it is played only if no other block comes in time.
+
+        Never blocks. Raises ValueError if it has another shape or is not finite.
+        """
+        self._order("expect", checked_block(np.asarray(ahead), len(self.profile.actuators)), sent)
+
+    def silence(self) -> None:
+        """Go to zero as soon as the device takes it, and forget what was sent so far. The next block plays again. Never blocks."""
+        self._order("silence")
+
+    def rest(self) -> None:
+        """Zero, then release, as at the end, but stay open: the next block plays again. Never blocks."""
+        self._order("rest")
+
+    def request_stop(self) -> None:
+        """Begin to stop, without waiting. Never blocks."""
+        self._order("request_stop")
+        if self._guard is None and not self._own.is_over:
+            self._own = Status("stopped")
+
+    def stop(self, timeout: float = 1.0) -> bool:
+        """Zero, release and close the device. Returns after at most ``timeout`` seconds whether that is done.
+
+        If not, a write is blocked inside the system; the guard goes on with the rest as soon as it returns.
+        """
+        self.request_stop()
+        if self._guard is None:
+            return True
+        done = self._guard.wait_until_over(self._number, timeout)
+        if done:
+            _state.discard(self)
+        return done
+
+    @property
+    def status(self) -> Status:
+        """How the output does, at most a twentieth of a second old. Never blocks."""
+        return self._own if self._guard is None else self._guard.status(self._number)
+
+    def _order(self, name: str, *arguments: Any) -> None:
+        if self._guard is not None:
+            self._guard.order(self._number, name, *arguments)
+
+
+@atexit.register
+def stop_all(timeout: float = _EXIT_SECONDS) -> bool:
+    """Stop all outputs within ``timeout`` seconds together, and the guard with them. Returns whether all are done."""
+    stopping = _state.outputs()
+    for output in stopping:
+        output.request_stop()
+    deadline = time.perf_counter() + timeout
+    done = [output.stop(max(deadline - time.perf_counter(), 0.0)) for output in stopping]
+    if all(done):
+        _state.join(max(deadline - time.perf_counter(), 0.0))
+    return all(done)

@@ -1,0 +1,145 @@
+"""What the guard process does: it drives the devices as it is told, and silences them when the program that tells it stops or ends.
+
+The program sends a list of orders at least every `HEARTBEAT` seconds; a list may be empty. A pipe that closes is the program's end. A
+program that is late is asked after at the system: one that is stopped, crashing or gone is silence; one that runs is only kept from
+Python, and what it has sent ahead is played on.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, BinaryIO
+
+from .liveness import is_running
+from .status import Output, Status
+
+HEARTBEAT = 0.010
+"""Seconds after which the program says that it is there, if it has nothing else to say."""
+_LATE = 0.015
+_LOOK = 0.005
+_REPORT = 0.050
+_STOP_SECONDS = 10.0
+_QUIETEN_SECONDS = 3.0
+_URGENCY = 5
+
+Order = tuple[int, str, tuple[Any, ...]]
+"""An output's number, the name of a method (or ``open`` or ``quieten``) and its arguments."""
+
+
+class Service:
+    """The outputs of a program, driven as it orders."""
+
+    def __init__(self, orders: BinaryIO, statuses: BinaryIO, program: int) -> None:
+        """orders, statuses: pipes from and to the program. program: its process id."""
+        self._orders, self._statuses, self._program = orders, statuses, program
+        self._outputs: dict[int, Output] = {}
+        self._failed: dict[int, Status] = {}
+        self._lock = threading.Lock()
+        self._ended = threading.Event()
+        self._heard = time.perf_counter()
+
+    def run(self) -> None:
+        """Obey until the program ends; then silence and close the devices."""
+        threads = [
+            threading.Thread(target=work, name=f"haptics guard {name}", daemon=True)
+            for name, work in (("watch", self._watch), ("report", self._report))
+        ]
+        for thread in threads:
+            thread.start()
+        try:
+            while True:
+                orders: list[Order] = pickle.load(self._orders)
+                self._heard = time.perf_counter()
+                for number, name, arguments in orders:
+                    self._obey(number, name, arguments)
+        except (EOFError, OSError, ValueError, pickle.UnpicklingError):
+            pass  # the program has ended
+        finally:
+            self._end()
+            for thread in threads:
+                thread.join(_STOP_SECONDS)
+
+    def _obey(self, number: int, name: str, arguments: tuple[Any, ...]) -> None:
+        if name in ("open", "quieten"):
+            self._open(number, name, *arguments)
+        elif number in self._outputs:
+            getattr(self._outputs[number], name)(*arguments)
+
+    def _open(self, number: int, name: str, make: Callable[[], Output]) -> None:
+        try:
+            output = make()
+            output.start()
+        except Exception as error:
+            with self._lock:
+                self._failed[number] = Status("failed", f"{type(error).__name__}: {error}")
+            return
+        with self._lock:
+            self._outputs[number] = output
+        if name == "quieten":
+            threading.Thread(target=_quieten, args=(output,), name="haptics guard quieten", daemon=True).start()
+
+    def _watch(self) -> None:
+        """The thread that silences the devices while the program does not run."""
+        silenced = False
+        while not self._ended.wait(_LOOK):
+            late = time.perf_counter() - self._heard > _LATE and not is_running(self._program)
+            if late and not silenced:
+                for output in self._all():
+                    output.silence()
+            silenced = late
+
+    def _report(self) -> None:
+        """The thread that says how the outputs do, whenever that changes."""
+        told: dict[int, Status] = {}
+        try:
+            while not self._ended.wait(_REPORT):
+                with self._lock:
+                    now = {number: output.status for number, output in self._outputs.items()} | self._failed
+                if now != told:
+                    pickle.dump(now, self._statuses)
+                    self._statuses.flush()
+                    told = now
+        except (OSError, ValueError):
+            pass  # the program has ended
+
+    def _all(self) -> list[Output]:
+        with self._lock:
+            return list(self._outputs.values())
+
+    def _end(self) -> None:
+        self._ended.set()
+        outputs = self._all()
+        for output in outputs:
+            output.request_stop()
+        deadline = time.perf_counter() + _STOP_SECONDS
+        for output in outputs:
+            output.stop(max(deadline - time.perf_counter(), 0.0))
+
+
+def _quieten(output: Output) -> None:
+    """Let a device be opened, which silences it, and then go."""
+    deadline = time.perf_counter() + _QUIETEN_SECONDS
+    while output.status.state == "searching" and time.perf_counter() < deadline:
+        time.sleep(_LOOK)
+    output.request_stop()
+
+
+def main(program: int) -> None:
+    """Run as the guard of the process ``program``, which has standard input and output for its pipes."""
+    for name in ("SIGINT", "SIGHUP"):  # of the terminal; they are meant for the program
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit())
+    if hasattr(os, "nice"):
+        with suppress(OSError):  # where this user may
+            os.nice(-_URGENCY)
+    statuses = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what a library prints is no status
+    Service(os.fdopen(os.dup(0), "rb"), statuses, program).run()

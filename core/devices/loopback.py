@@ -1,0 +1,275 @@
+"""Connections to haptic players on this computer, over WebSockets, and what stands for hidapi's module where a player drives the devices.
+
+Only the loopback address is ever connected to: no proxy, no redirect. What a player says is bounded in size and time. Needs the Python
+package websockets.
+"""
+
+from __future__ import annotations
+
+import json
+import socket
+import threading
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass
+from importlib import import_module
+from time import monotonic
+from typing import Any, NoReturn
+from urllib.parse import urlsplit
+
+from .connection import DeviceError
+from .families.family import HidDevice
+
+ANSWER_WITHIN = 2.0
+"""Seconds within which a player has to open the connection, and to answer a question."""
+LARGEST_MESSAGE = 65_536
+"""Bytes: a longer message closes the connection."""
+_LOOPBACK = "127.0.0.1"
+_CONNECT_WITHIN, _CLOSE_WITHIN = 0.5, 0.2
+_LONGEST_TALK = 100  # messages that are read while an answer is waited for, or between two that are sent
+
+
+def websockets_client() -> Any:
+    """The client of the package websockets. Raises DeviceError that says how to get it."""
+    try:
+        return import_module("websockets.sync.client")
+    except ImportError:
+        needed = "haptic players need the Python package websockets, which the extension carries: install it from its zip"
+        raise DeviceError(needed) from None
+
+
+class _Attempts:
+    """Sockets of connections that are being opened or asked, so that another thread can give them up."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._sockets: set[socket.socket] = set()
+
+    def add(self, attempt: socket.socket) -> None:
+        with self._lock:
+            self._sockets.add(attempt)
+
+    def discard(self, attempt: socket.socket) -> None:
+        with self._lock:
+            self._sockets.discard(attempt)
+
+    def cancel(self) -> None:
+        with self._lock:
+            for attempt in self._sockets:
+                with suppress(OSError):
+                    attempt.shutdown(socket.SHUT_RDWR)
+
+
+_attempts = _Attempts()
+
+
+def cancel() -> None:
+    """Give up all connections that are being opened, or that are waiting for an answer."""
+    _attempts.cancel()
+
+
+class Connection:
+    """A WebSocket to a player on this computer. May be used by several threads."""
+
+    def __init__(self, url: str) -> None:
+        """url: with the loopback address as its host. Raises DeviceError where nobody answers."""
+        client = websockets_client()
+        exceptions = import_module("websockets.exceptions")
+        place = urlsplit(url)
+        if place.scheme != "ws" or place.hostname != _LOOPBACK:
+            raise DeviceError(f"{url.partition('?')[0]} is not on this computer: use ws://{_LOOPBACK}")
+        self.users, self.broken = 0, False
+        self._lock = threading.Lock()
+        self._closing = threading.Event()
+        self._pinging: threading.Thread | None = None
+        self._errors = (exceptions.WebSocketException, OSError, ValueError, EOFError)
+        self._raw: socket.socket | None = None
+        self._resources = ExitStack()
+        try:
+            self._raw = socket.create_connection((_LOOPBACK, place.port or 80), _CONNECT_WITHIN)
+            _attempts.add(self._raw)
+            # With a socket of its own the client follows no redirect.
+            self._socket = self._resources.enter_context(
+                client.connect(
+                    url,
+                    sock=self._raw,
+                    proxy=None,
+                    compression=None,
+                    open_timeout=ANSWER_WITHIN,
+                    close_timeout=_CLOSE_WITHIN,
+                    ping_interval=None,
+                    max_size=LARGEST_MESSAGE,
+                )
+            )
+        except self._errors as error:
+            if self._raw is not None:
+                self._raw.close()
+            raise DeviceError(f"no player answers at {url.partition('?')[0]}: {str(error).partition(chr(10))[0]}") from None
+        finally:
+            if self._raw is not None:
+                _attempts.discard(self._raw)
+
+    def send(self, text: str) -> None:
+        """Send a message; what the player has said meanwhile is read and dropped. Raises OSError where it is gone."""
+        with self._lock:
+            try:
+                self._socket.send(text)
+                with suppress(TimeoutError):
+                    for _ in range(_LONGEST_TALK):
+                        self._socket.recv(timeout=0)
+            except self._errors as error:
+                self.broken = True
+                raise OSError(f"the player closed the connection: {error}") from None
+
+    def ask(self, message: Mapping[str, Any], wanted: str) -> dict[str, Any]:
+        """Send a Buttplug message and wait for the answer of the ``wanted`` kind. Raises DeviceError."""
+        end = monotonic() + ANSWER_WITHIN
+        with self._lock:
+            assert self._raw is not None
+            _attempts.add(self._raw)
+            try:
+                self._socket.send(json.dumps([message]))
+                for _ in range(_LONGEST_TALK):
+                    for kind, content in _messages(self._socket.recv(timeout=max(end - monotonic(), 0.0))):
+                        if kind == "Error":
+                            raise DeviceError(f"Intiface: {str(content.get('ErrorMessage', 'error'))[:200]}")
+                        if kind == wanted:
+                            return content
+            except DeviceError:
+                raise
+            except self._errors as error:
+                raise DeviceError(f"Intiface does not answer as expected: {error}") from None
+            finally:
+                _attempts.discard(self._raw)
+        raise DeviceError("Intiface does not answer")
+
+    def ping_every(self, seconds: float, message: str) -> None:
+        """From now on say ``message`` every ``seconds``, whatever else is sent, until the connection is closed."""
+        self._pinging = threading.Thread(target=self._ping, args=(seconds, message), name="haptics ping", daemon=True)
+        self._pinging.start()
+
+    def _ping(self, seconds: float, message: str) -> None:
+        """The thread of pings: the writer's sleeps while nothing plays."""
+        with suppress(OSError):  # it is `broken` then, and the next write says so
+            while not self._closing.wait(seconds):
+                self.send(message)
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._closing.set()
+        if self._pinging is not None:
+            self._pinging.join(_CLOSE_WITHIN)
+        with suppress(*self._errors):
+            self._resources.close()
+
+
+def _messages(text: str | bytes) -> list[tuple[str, dict[str, Any]]]:
+    """The messages of a Buttplug packet, with their kinds. Raises ValueError."""
+    try:
+        packet = json.loads(text, parse_constant=_refuse_constant)
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
+    if not isinstance(packet, list) or not all(isinstance(message, dict) for message in packet):
+        raise ValueError("it is no list of messages")
+    return [(kind, content) for message in packet for kind, content in message.items() if isinstance(content, dict)]
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is not a number of JSON")
+
+
+@dataclass(frozen=True, slots=True)
+class Player:
+    """How a player is reached.
+
+    greet: introduces the program. last: part of a message that has to arrive, on a new connection if need be.
+    """
+
+    url: str
+    greet: Callable[[Connection], None]
+    last: bytes
+
+    def open(self) -> Connection:
+        """The player's connection, opened by the first device that needs it. Raises DeviceError."""
+        with _lock:
+            connection = _connections.get(self.url)
+            if connection is None or connection.broken:
+                connection = Connection(self.url)
+                try:
+                    self.greet(connection)
+                except DeviceError:
+                    connection.close()
+                    raise
+                _connections[self.url] = connection
+            connection.users += 1
+            return connection
+
+    def close(self, connection: Connection) -> None:
+        """Let go of the connection; the last device closes it."""
+        with _lock:
+            connection.users -= 1
+            if connection.users == 0:
+                connection.close()
+                if _connections.get(self.url) is connection:
+                    del _connections[self.url]
+
+
+_lock = threading.Lock()
+_connections: dict[str, Connection] = {}
+
+
+@dataclass(frozen=True, slots=True)
+class PlayerModule:
+    """A player in the place of hidapi's module, with one device, whose name at the player is ``device_name``."""
+
+    player: Player
+    device_name: str
+
+    def enumerate(self, vendor_id: int = 0, product_id: int = 0) -> Iterable[Mapping[str, Any]]:
+        """The one device; whether it is there shows when it is opened."""
+        path = f"{self.player.url} {self.device_name}".encode()
+        names = {"path": path, "serial_number": "", "product_string": "", "bus_type": 1}
+        return [{**names, "vendor_id": 0, "product_id": 0, "usage_page": 0, "usage": 0, "interface_number": 0}]
+
+    def device(self) -> HidDevice:
+        """A device that is not open yet."""
+        return _PlayerDevice(self.player)
+
+
+class _PlayerDevice:
+    """A device of a player in the place of hidapi's."""
+
+    def __init__(self, player: Player) -> None:
+        self._player, self._error = player, ""
+        self._connection: Connection | None = None
+
+    def open_path(self, path: bytes) -> None:
+        self._connection = self._player.open()
+
+    def write(self, data: bytes) -> int:
+        assert self._connection is not None
+        try:
+            if self._connection.broken and self._player.last in data:
+                self.close()
+                self._connection = self._player.open()
+            self._connection.send(data.decode())
+        except OSError as error:
+            self._error = str(error)
+            return -1
+        return len(data)
+
+    send_feature_report = write
+
+    def get_feature_report(self, report: int, length: int) -> list[int]:
+        return []
+
+    def read(self, length: int, timeout_ms: int) -> list[int]:
+        return []
+
+    def error(self) -> str:
+        return self._error
+
+    def close(self) -> None:
+        if self._connection is not None:
+            self._player.close(self._connection)
+            self._connection = None

@@ -1,0 +1,368 @@
+"""Writing to devices in this process: one thread per device takes the newest block, keeps the device's pace and leaves the device silent.
+
+Nothing here blocks the caller: ``send`` puts a block into a mailbox of size one, in which the latest wins. `output.DeviceOutput` has this
+done by the guard process, so that a device falls silent whatever ends the program.
+"""
+
+from __future__ import annotations
+
+import atexit
+import threading
+import time
+from collections import deque
+from dataclasses import dataclass
+from functools import partial
+from statistics import median
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import FloatArray
+from .actuation import actuation_of, checked_block
+from .connection import DeviceError, HidModule, Opened, hid_module, open_device
+from .families.family import AnyFamily
+from .pacing import WATCHDOG, Pacing, pacing_of
+from .profiles import Adjustment, Profile, check_adjustment
+from .report import Report
+from .status import State, Status
+
+SAMPLE_RATE = 8000
+RESCAN = 1.5
+"""Seconds between two looks for a device that is not there."""
+
+# hidapi reports a vanished device only by failing writes; a single one can be a hiccup of the radio.
+_FAILURES_TO_CLOSE = 3
+# At exit, all devices together get so long to be silenced.
+_EXIT_SECONDS = 1.0
+_MEASURED_BLOCKS = 256
+
+
+@dataclass(frozen=True, slots=True)
+class _Mail:
+    block: FloatArray
+    sent: float
+
+
+class DeviceWriter:
+    """One device that is fed with blocks of samples, one row per actuator of its profile."""
+
+    def __init__(
+        self,
+        profile: Profile,
+        *,
+        rate: int = SAMPLE_RATE,
+        serial: str = "",
+        adjustment: Adjustment | None = None,
+        hid: HidModule | None = None,
+    ) -> None:
+        """rate: samples per second of the blocks. serial: of one device among several alike. adjustment: the user's settings.
+        hid: in place of cython-hidapi.
+
+        Raises ValueError for a rate out of range, or a calibration of an unknown actuator.
+        """
+        if not 100 <= rate <= 192_000:
+            raise ValueError(f"rate {rate} is not in 100..192000")
+        self.profile = profile
+        self._rate, self._serial = rate, serial
+        self._hid = hid
+        self._adjustment = Adjustment()
+        self._wake = threading.Condition()
+        # Guarded by _wake:
+        self._mail: _Mail | None = None
+        self._expected: _Mail | None = None
+        self._silence = False
+        self._rest = False
+        self._stopping = False
+        self._dropped = 0
+        # Written by the thread alone, read by anyone:
+        self._state: State = "searching"
+        self._message = ""
+        self._written = self._failed = self._losses = 0
+        self._writing_since: float | None = None
+        self._wrote = self._lead = 0.0
+        self._delays: deque[float] = deque(maxlen=_MEASURED_BLOCKS)
+        self._thread = threading.Thread(target=self._run, name=f"haptics {profile.name}", daemon=True)
+        self.adjust(adjustment or Adjustment())
+
+    def adjust(self, adjustment: Adjustment) -> None:
+        """Follow these settings from now on. Never blocks. Raises ValueError for a calibration of an unknown actuator."""
+        check_adjustment(adjustment, self.profile.actuators)
+        self._adjustment = adjustment
+
+    def start(self) -> None:
+        """Look for the device and drive it from now on. Raises RuntimeError if started before."""
+        with _registry:
+            _running.add(self)
+        self._thread.start()
+
+    def send(self, block: ArrayLike, sent: float | None = None) -> float:
+        """Play a block, whose first sample is to be felt now; what is left of the one before is dropped. Never blocks.
+
+        block: (actuators, n) in [-1, 1] at the rate. sent: when that was decided, by `time.perf_counter`; None for now. Returns that time.
+        Raises ValueError if the block has another shape or is not finite.
+        """
+        mail = _Mail(checked_block(np.asarray(block), len(self.profile.actuators)), time.perf_counter() if sent is None else sent)
+        with self._wake:
+            self._dropped += self._mail is not None
+            self._mail, self._expected = mail, None
+            self._wake.notify()
+        return mail.sent
+
+    def expect(self, ahead: ArrayLike, sent: float) -> None:
+        """What would follow the block that was sent at ``sent``, (actuators, n): it is played only if no other block comes in time.
+
+        Never blocks. Raises ValueError if it has another shape or is not finite.
+        """
+        expected = _Mail(checked_block(np.asarray(ahead), len(self.profile.actuators)), sent)
+        with self._wake:
+            self._expected = expected
+            self._wake.notify()
+
+    def silence(self) -> None:
+        """Go to zero as soon as the device takes it, and forget what was sent so far. The next block plays again. Never blocks."""
+        with self._wake:
+            self._mail = self._expected = None
+            self._silence = True
+            self._wake.notify()
+
+    def rest(self) -> None:
+        """Zero, then release, as at the end, but stay open: the next block plays again. Never blocks."""
+        with self._wake:
+            self._mail = self._expected = None
+            self._rest = True
+            self._wake.notify()
+
+    def request_stop(self) -> None:
+        """Begin to stop, without waiting. Never blocks."""
+        with self._wake:
+            self._stopping = True
+            self._mail = self._expected = None
+            self._wake.notify()
+
+    def stop(self, timeout: float = 1.0) -> bool:
+        """Zero, release and close the device. Returns after at most ``timeout`` seconds whether that is done.
+
+        If not, a write is blocked inside the system. The thread is a daemon: it silences and closes the device as soon as that write
+        returns, and does not keep the program from exiting; until then the device does what it does when a program is killed.
+        """
+        self.request_stop()
+        if self._thread.is_alive():
+            self._thread.join(timeout)
+        elif not self._thread.ident:
+            self._state = "stopped"
+        return not self._thread.is_alive()
+
+    @property
+    def status(self) -> Status:
+        """What the output is doing right now. Never blocks."""
+        since = self._writing_since
+        delays = list(self._delays)
+        delay = median(delays) if delays else None
+        return Status(
+            state=self._state,
+            message=self._message,
+            written=self._written,
+            failed_writes=self._failed,
+            losses=self._losses,
+            dropped_blocks=self._dropped,
+            writing_for=0.0 if since is None else time.perf_counter() - since,
+            delay=delay,
+            lag=None if delay is None else delay + self._lead + self._adjustment.delay + self.profile.latency,
+        )
+
+    # From here on: the thread.
+
+    def _run(self) -> None:
+        try:
+            hid = self._hid or hid_module()
+            _stop_at_exit()
+            while not self._stopping:
+                opened = self._open(hid)
+                if opened is not None:
+                    self._play(opened)
+            self._state = "stopped"
+        except Exception as error:
+            self._state, self._message = "failed", f"{type(error).__name__}: {error}"
+        finally:
+            with _registry:
+                _running.discard(self)
+
+    def _open(self, hid: HidModule) -> Opened | None:
+        """The device, or None after waiting for a while because it can't be opened."""
+        try:
+            # Opening holds Python's lock. Old kernels make it wait for a write that is stuck in another device.
+            if any(output.status.writing_for > 0.1 for output in _all_running()):
+                raise DeviceError("waiting: a write to another device is blocked")
+            opened = open_device(hid, self.profile.family, self._serial)
+        except OSError as error:
+            self._message = str(error)
+            self._pause()
+            return None
+        self._message = ""
+        return opened
+
+    def _play(self, opened: Opened) -> None:
+        """Drive the device until it is to stop, or is gone. Leaves it silent and closed, whatever happens."""
+        pacing: Pacing | None = None
+        try:
+            pacing = self._prepare(opened)
+            self._lead = pacing.lead
+            self._state = "open"
+            while self._follow(opened, pacing) == "rest":
+                if not self._end(opened, pacing, farewell=False):
+                    self._lose()
+                    break
+                self._sleep()
+                pacing.restart()
+        except OSError as error:
+            self._message = str(error)
+            self._pause()
+        finally:
+            try:
+                if pacing is not None and self._state == "open":
+                    self._end(opened, pacing, farewell=True)
+            finally:
+                if not _exiting.is_set():
+                    opened.close()
+
+    def _prepare(self, opened: Opened) -> Pacing:
+        """Set the device up as its family wants it. Raises OSError where it can't be driven."""
+        family: AnyFamily = self.profile.family
+        before = self._written
+        if family.prepare is not None:
+            family = family.prepare(opened.hid, opened.interface, partial(self._write, opened)) or family
+        transport = opened.interface.transport
+        actuation = actuation_of(self.profile, family, self._rate, {})
+        return pacing_of(self.profile, family, transport, actuation, self._adjustment, self._written - before)
+
+    def _pause(self) -> None:
+        """Until it is time to look for the device again, or the output is to stop."""
+        with self._wake:
+            self._wake.wait_for(lambda: self._stopping, RESCAN)
+
+    def _sleep(self) -> None:
+        """Until a block comes, or the output is to stop."""
+        with self._wake:
+            self._silence = self._rest = False
+            self._wake.wait_for(lambda: self._mail is not None or self._stopping)
+
+    def _follow(self, opened: Opened, pacing: Pacing) -> Literal["stop", "rest", "lost"]:
+        """Write what is due when it is due, until the device is to stop or to rest, or is gone."""
+        failures = 0
+        adjustment: Adjustment | None = None
+        unmeasured: float | None = None
+        while not self._stopping:
+            with self._wake:
+                mail, self._mail = self._mail, None
+                expected, self._expected = self._expected, None
+                silence, self._silence = self._silence, False
+                rest, self._rest = self._rest, False
+            if rest and mail is None:
+                return "rest"
+            if adjustment is not self._adjustment:
+                adjustment = self._adjustment
+                pacing.adjust(adjustment)
+            if silence or rest:
+                pacing.silence()
+            # What waited for the device to be opened is no longer news.
+            if mail is not None and time.perf_counter() - mail.sent < WATCHDOG:
+                pacing.accept(mail.block, mail.sent)
+                unmeasured = mail.sent
+            if expected is not None:
+                pacing.expect(expected.block, expected.sent)
+            report = pacing.next_report(time.perf_counter())
+            if report is None:
+                self._wait(pacing)
+                continue
+            if self._write(opened, report):
+                pacing.written(self._wrote)
+                failures = 0
+                if unmeasured is not None:
+                    self._delays.append(time.perf_counter() - unmeasured)
+                    unmeasured = None
+                continue
+            pacing.failed()
+            failures += 1
+            if failures == _FAILURES_TO_CLOSE:
+                self._lose()
+                return "lost"
+        return "stop"
+
+    def _wait(self, pacing: Pacing) -> None:
+        """Until something is due, a block comes, or the output is to stop."""
+        with self._wake:
+            if self._mail is None and self._expected is None and not (self._silence or self._rest or self._stopping):
+                now = time.perf_counter()
+                due = pacing.wake(now)
+                self._wake.wait(None if due is None else max(due - now, 0.0))
+
+    def _write(self, opened: Opened, report: Report) -> bool:
+        """Whether the device took the report. hidapi returns -1 for failure and blocks as long as the system does."""
+        self._writing_since = time.perf_counter()
+        try:
+            send = opened.hid.send_feature_report if report.feature else opened.hid.write
+            done = send(report.data) >= 0
+            reason = "" if done else opened.hid.error()
+        except (OSError, ValueError) as error:
+            done, reason = False, str(error)
+        finally:
+            self._writing_since = None
+            self._wrote = time.perf_counter()
+        if done:
+            self._written += 1
+        else:
+            self._failed += 1
+            self._message = f"{self.profile.title}: write failed: {reason or 'the device does not answer'}"
+        return done
+
+    def _lose(self) -> None:
+        """The device is gone: look for it."""
+        self._state = "searching"
+        self._losses += 1
+
+    def _end(self, opened: Opened, pacing: Pacing, *, farewell: bool) -> bool:
+        """Zero and release, keeping the device's pace. Returns whether the device took them."""
+        return all(self._insist(opened, report, pacing.interval) for report in pacing.ending(farewell))
+
+    def _insist(self, opened: Opened, report: Report, interval: float) -> bool:
+        """Write a report, again where that fails."""
+        for _ in range(_FAILURES_TO_CLOSE):
+            time.sleep(max(self._wrote + interval - time.perf_counter(), 0.0))
+            if _exiting.is_set():
+                return False
+            if self._write(opened, report):
+                return True
+        return False
+
+
+_exiting = threading.Event()
+_registry = threading.Lock()
+_running: set[DeviceWriter] = set()
+
+
+def _all_running() -> list[DeviceWriter]:
+    with _registry:
+        return list(_running)
+
+
+def stop_all(timeout: float = _EXIT_SECONDS) -> bool:
+    """Stop all outputs within ``timeout`` seconds together. Returns whether all are done."""
+    stopping = _all_running()
+    for output in stopping:
+        output.request_stop()
+    deadline = time.perf_counter() + timeout
+    done = [output.stop(max(deadline - time.perf_counter(), 0.0)) for output in stopping]
+    return all(done)
+
+
+def _at_exit() -> None:
+    """Silence the devices; a thread whose write is still blocked then must not touch hidapi again when it goes on."""
+    stop_all()
+    _exiting.set()
+
+
+def _stop_at_exit() -> None:
+    """Silence the devices before hidapi's own exit handler runs, after which a write crashes: what is registered last runs first."""
+    atexit.unregister(_at_exit)
+    atexit.register(_at_exit)

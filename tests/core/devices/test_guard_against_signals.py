@@ -1,0 +1,118 @@
+"""Whatever ends a program that plays, its devices fall silent: every family, on devices that umockdev makes up."""
+
+import json
+import shutil
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from fake_hid import RELEASE
+from haptic_tracing.core.devices.families.family import RumbleFamily
+from haptic_tracing.core.devices.profiles import load_profiles
+from made_up_devices import DUALSENSE_USB, VENDOR, Fake, describe
+from umockdev_scenes import ENDINGS, serial_of
+
+HERE = Path(__file__).parent
+PROFILES = load_profiles()[0]
+SILENT_WITHIN = 0.150
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only")
+
+
+def fake_of(name, number):
+    """A device of the family, on its slowest transport."""
+    family = PROFILES[name].family
+    vendor, product = min(family.ids)
+    bus = 5 if "bt" in family.transports else 3
+    vendor_defined = name.startswith("steam")
+    features = {
+        "steam-deck": ["HIDIOCSFEATURE 65 " + "00" * 65],
+        "8bitdo": ["HIDIOCGFEATURE 64 " + bytes([0x30, 0, 0, 1]).ljust(64, b"\0").hex()],
+    }
+    interface = 1 if name == "joycon-left" else 2 if vendor_defined else 0
+    return Fake(
+        bus,
+        vendor,
+        product,
+        f"Pad {name}",
+        number=interface,
+        serial=serial_of(number),
+        descriptor=VENDOR if vendor_defined else Fake.descriptor,
+        features=features.get(name, []),
+    )
+
+
+def scene(tmp_path, fakes, *arguments):
+    if shutil.which("umockdev-run") is None:
+        pytest.fail("umockdev-run is not installed: on Debian and Ubuntu, apt-get install umockdev")
+    command = ["umockdev-run", *describe(tmp_path, fakes), "--", sys.executable, str(HERE / "umockdev_scenes.py"), *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def is_silent(family, report):
+    """Whether a report says zero on every channel."""
+    if isinstance(family, RumbleFamily):
+        sequences = range(256) if "shield" in family.name else range(16)
+        return any(
+            report == family.encode(family.silence(), transport, sequence).data for transport in family.transports for sequence in sequences
+        )
+    # A stream goes to zero within the first 8 samples of the packet, of 32 pairs or of two times 31.
+    return not any(report[29:77] if report[0] == 0x32 else report[10:33] + report[41:])
+
+
+NAMES = list(PROFILES)
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_every_family_is_silent_within_150_ms(tmp_path, ending):
+    folder = tmp_path / "reports"
+    folder.mkdir()
+    fakes = [fake_of(name, number) for number, name in enumerate(NAMES)]
+    written = scene(tmp_path, fakes, "ends", ending, str(folder), *NAMES)
+    found = {}
+    for number, name in enumerate(NAMES):
+        family = PROFILES[name].family
+        reports = [(seconds, bytes.fromhex(data)) for seconds, data in written[f"hidraw{number}"]]
+        before = [data for seconds, data in reports if seconds <= 0.0]
+        assert not is_silent(family, before[-1]), f"{name} is not driven"
+        found[name] = next((seconds for seconds, data in reports if seconds > 0.0 and is_silent(family, data)), 9.9)
+    print(ending, {name: round(1000 * seconds) for name, seconds in found.items()})
+    assert max(found.values()) <= SILENT_WITHIN, found
+
+
+def test_pythons_lock_held_for_300_ms_silences_nobody(tmp_path):
+    """A pad that needs a reminder every 50 ms, one that holds its level, and one that lives on samples."""
+    for name in ("switch-pro", "dualsense", "steam-controller-pcm"):
+        folder = tmp_path / name
+        folder.mkdir()
+        played = scene(tmp_path, [fake_of(name, 0)], "lock", name, str(folder))
+        family = PROFILES[name].family
+        assert played["seconds"] > 1.1
+        reports = [(seconds, bytes.fromhex(data)) for seconds, data in played["reports"]]
+        first = next(seconds for seconds, data in reports if seconds > 0.0 and not is_silent(family, data))
+        felt = [(seconds, data) for seconds, data in reports if first <= seconds < played["seconds"]]
+        assert first < 0.2 and not any(is_silent(family, data) for _, data in felt), name
+        if name != "dualsense":
+            assert max(later - earlier for (earlier, _), (later, _) in pairwise(felt)) < 0.15, "reports go on meanwhile"
+
+
+def test_a_guard_that_dies_is_said_and_its_device_silenced(tmp_path):
+    folder = tmp_path / "reports"
+    folder.mkdir()
+    ended = scene(tmp_path, [DUALSENSE_USB], "guard_dies", "dualsense", str(folder))
+    assert "guards the devices has ended" in ended["message"]
+    family = PROFILES["dualsense"].family
+    reports = [bytes.fromhex(data) for data in ended["reports"]]
+    before, after = reports[: ended["before"]], reports[ended["before"] :]
+    assert not is_silent(family, before[-1])
+    assert is_silent(family, after[0]) and after[-1] == RELEASE, "another guard silences it"
+    assert not any(data[3] or data[4] for data in after) and ended["stopped"]
+
+
+def test_nothing_is_left_running(tmp_path):
+    """Neither a process nor a thread is left behind when the last output has stopped."""
+    left = scene(tmp_path, [DUALSENSE_USB], "nothing_left", "dualsense")
+    assert left == {"guards": 0, "threads": 1, "opened": True}
