@@ -1,4 +1,4 @@
-"""Distances between convex cores by FCL (GJK), one pair at a time, and how deep they overlap."""
+"""Signed distances between convex cores, one pair at a time: by FCL (GJK) where they are apart, by EPA where they overlap."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ import numpy as np
 from ...arrays import FloatArray
 from ..hull import Hull
 from ..motion import rotations
-from .closed_forms import Separation
+from .closed_forms import Separation, dot
 from .cores import Core, CoreTable, Kind
+from .penetration import Farthest, penetration
 
 _POINT_RADIUS = 1e-9
 """FCL has no points and segments: spheres and capsules of that radius in metres stand in."""
@@ -25,22 +26,7 @@ _CONFIRMED = 2e-5
 _TOUCHING = 1e-7
 """Metres of distance below which nearest points say nothing about the normal."""
 
-_STARTS = 4
-_MOST_STEPS = 8
-_MOST_AXES = 64
 _MOST_TRIANGLES = 100_000
-
-
-def _ways(count: int) -> FloatArray:
-    """Directions over half a sphere."""
-    k = np.arange(count) + 0.5
-    z = k / count
-    angle = np.pi * (1 + 5**0.5) * k
-    ring = np.sqrt(1 - z * z)
-    return np.stack([ring * np.cos(angle), ring * np.sin(angle), z], axis=1)
-
-
-_ALL_WAYS = _ways(40)
 
 _TURNS = (None, *rotations(np.array([[1.0, -2.0, 0.7], [0.4, 0.9, -2.2], [-1.3, 0.3, 1.9]])).transpose(2, 0, 1))
 """Ways to turn a question round."""
@@ -59,14 +45,16 @@ class Size(Enum):
 @dataclass(frozen=True, slots=True)
 class Convex:
     """A convex body for queries, around its own origin. ``first`` and ``second``: FCL's objects for the first body of a pair, which stays
-    where it is, and for the second. ``axes`` (k, 3): unit directions square to its faces, each in one sense. ``support``: the greatest
-    height of the body along unit directions (m, 3). ``curved``: not a polytope."""
+    where it is, and for the second. ``farthest``: its points (m, 3) farthest along unit directions (m, 3). ``curved``: not a polytope."""
 
     first: Any
     second: Any
-    axes: FloatArray
-    support: Callable[[FloatArray], FloatArray]
+    farthest: Farthest
     curved: bool
+
+    def support(self, directions: FloatArray) -> FloatArray:
+        """Greatest heights (m,) of the body along unit ``directions`` (m, 3)."""
+        return dot(directions, self.farthest(directions))
 
 
 class ConvexDistances:
@@ -123,9 +111,8 @@ def convex_of(core: Core, size: Size = Size.CORE) -> Convex:
         Kind.CYLINDER: lambda: fcl.Cylinder(x / 2, z),
         Kind.CONE: lambda: fcl.Cone(x / 2, z),
     }[core.kind]()
-    axes = np.eye(3) if core.kind is Kind.BOX else np.eye(3)[2:]
     curved = core.kind in (Kind.CYLINDER, Kind.CONE)
-    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), axes, partial(_SUPPORT[core.kind], half), curved)
+    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), partial(_FARTHEST[core.kind], half), curved)
 
 
 def _polytope(hull: Hull) -> Convex:
@@ -133,34 +120,43 @@ def _polytope(hull: Hull) -> Convex:
 
     faces = np.concatenate([np.full((len(hull.triangles), 1), 3), hull.triangles], axis=1).ravel()
     geometry = fcl.Convex(hull.points, len(hull.triangles), faces)
-    normals, _ = hull.planes()
-    support = partial(_support_of_points, hull.points)
-    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), normals[:_MOST_AXES], support, False)
+    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), partial(_farthest_of_points, hull.points), False)
 
 
-def _support_of_box(half: FloatArray, directions: FloatArray) -> FloatArray:
-    return np.asarray(np.abs(directions) @ half)
+def _farthest_of_box(half: FloatArray, directions: FloatArray) -> FloatArray:
+    return np.where(directions < 0, -half, half)
 
 
-def _support_of_cylinder(half: FloatArray, directions: FloatArray) -> FloatArray:
-    return np.asarray(np.hypot(directions[:, 0], directions[:, 1]) * half[0] + np.abs(directions[:, 2]) * half[2])
+def _farthest_of_cylinder(half: FloatArray, directions: FloatArray) -> FloatArray:
+    points = _farthest_of_box(half, directions)
+    points[:, :2] = _on_circle(half[0], directions)
+    return points
 
 
-def _support_of_cone(half: FloatArray, directions: FloatArray) -> FloatArray:
-    rim = np.hypot(directions[:, 0], directions[:, 1]) * half[0] - directions[:, 2] * half[2]
-    return np.asarray(np.maximum(directions[:, 2] * half[2], rim))
+def _farthest_of_cone(half: FloatArray, directions: FloatArray) -> FloatArray:
+    points = np.empty_like(directions)
+    points[:, :2] = _on_circle(half[0], directions)
+    points[:, 2] = -half[2]
+    tip = np.array([0.0, 0.0, half[2]])
+    return np.where((directions @ tip >= dot(directions, points))[:, None], tip, points)
 
 
-def _support_of_points(points: FloatArray, directions: FloatArray) -> FloatArray:
-    return np.asarray((directions @ points.T).max(axis=1))
+def _on_circle(radius: float, directions: FloatArray) -> FloatArray:
+    """The points (m, 2) of a circle around the z axis farthest along directions (m, 3)."""
+    length = np.hypot(directions[:, 0], directions[:, 1])
+    return np.asarray(directions[:, :2] * (radius / np.where(length > 0, length, 1.0))[:, None])
 
 
-_SUPPORT: dict[Kind, Callable[[FloatArray, FloatArray], FloatArray]] = {
-    Kind.POINT: _support_of_box,
-    Kind.SEGMENT: _support_of_box,
-    Kind.BOX: _support_of_box,
-    Kind.CYLINDER: _support_of_cylinder,
-    Kind.CONE: _support_of_cone,
+def _farthest_of_points(points: FloatArray, directions: FloatArray) -> FloatArray:
+    return np.asarray(points[(directions @ points.T).argmax(axis=1)])
+
+
+_FARTHEST: dict[Kind, Callable[[FloatArray, FloatArray], FloatArray]] = {
+    Kind.POINT: _farthest_of_box,
+    Kind.SEGMENT: _farthest_of_box,
+    Kind.BOX: _farthest_of_box,
+    Kind.CYLINDER: _farthest_of_cylinder,
+    Kind.CONE: _farthest_of_cone,
 }
 
 
@@ -186,7 +182,7 @@ def separations(
     normal = (nearest[:, 1] - nearest[:, 0]) / np.where(apart, distance, 1.0)[:, None]
     if depths:
         for k in np.flatnonzero(~apart).tolist():
-            distance[k], normal[k], nearest[k] = _penetration(first[k], second[k], rotation[k], offset[k])
+            distance[k], normal[k], nearest[k] = _overlapping(first[k], second[k], rotation[k], offset[k])
     else:
         distance[~apart] = 0.0
     curved = np.flatnonzero(apart & np.array([a.curved or b.curved for a, b in zip(first, second, strict=True)], dtype=np.bool_))
@@ -246,51 +242,8 @@ def _confirmed(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, n
     return best[1:]
 
 
-def _penetration(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-    """Signed distance, normal and nearest points (2, 3) of two that overlap: the least way to move the second out.
-
-    The overlap along any direction is what their supports say. From the best of many directions, those of their faces, axes and centres
-    among them, the second is moved clear; the nearest points then show a better direction, until there is none. (FCL's own penetration
-    depth depends on where in memory its faces happen to lie, and is off by any amount where two just touch.)
-    """
-    import fcl
-
-    length = float(np.linalg.norm(offset))
-    b.second.setRotation(rotation)
-    directions = np.concatenate(
-        [
-            a.axes,
-            b.axes @ rotation.T,
-            offset[None] / length if length > 1e-9 else np.zeros((0, 3)),
-            _ALL_WAYS,
-        ]
-    )
-    directions = np.concatenate([directions, -directions])
-
-    def overlap(ways: FloatArray) -> FloatArray:
-        return a.support(ways) + b.support(-ways @ rotation) - ways @ offset
-
-    overlaps = overlap(directions)
-    request = fcl.DistanceRequest(enable_nearest_points=True)
-    depth, normal, nearest = np.inf, directions[0], np.stack([np.zeros(3), offset])
-    for start in np.argsort(overlaps, kind="stable")[:_STARTS].tolist():
-        here, way = float(overlaps[start]), directions[start]
-        for _ in range(_MOST_STEPS):
-            if here < depth:
-                depth, normal = here, way
-            shift = way * (here + max(1e-3, 0.2 * here))
-            b.second.setTranslation(offset + shift)
-            result = fcl.DistanceResult()
-            apart = float(fcl.distance(a.first, b.second, request, result))
-            if apart <= _TOUCHING:
-                break
-            points = np.array(result.nearest_points, dtype=np.float64)
-            if here <= depth:
-                nearest = points - np.stack([np.zeros(3), shift])
-            way = (points[1] - points[0]) / apart
-            less = float(overlap(way[None])[0])
-            if less >= here - 1e-9:
-                break
-            here = less
-    middle = nearest.mean(axis=0)
-    return -depth, normal, np.stack([middle + normal * depth / 2, middle - normal * depth / 2])
+def _overlapping(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+    """Signed distance, normal and deepest points (2, 3) of two that overlap."""
+    found = penetration(a.farthest, lambda ways: b.farthest(ways @ rotation) @ rotation.T + offset)
+    half = found.normal * (found.depth / 2)
+    return -found.depth, found.normal, np.stack([found.middle + half, found.middle - half])

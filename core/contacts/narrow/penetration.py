@@ -1,0 +1,212 @@
+"""Penetration depth of two convex bodies by the expanding polytope algorithm (EPA; van den Bergen 2001).
+
+The depth is the distance of the origin from the boundary of the bodies' Minkowski difference. A polytope inside that difference is grown
+where it is nearest to the origin: the nearest face bounds the depth from below, the supporting plane in the direction of its normal bounds
+it from above. The algorithm ends when both agree, so the result is the global minimum and known to ``_TOLERANCE``.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray
+from .closed_forms import dot
+
+_TOLERANCE = 1e-9
+"""Metres between the bounds at which the depth counts as found."""
+
+_FLAT = 1e-9
+"""Metres of thickness below which a Minkowski difference counts as flat."""
+
+_MOST_STEPS = 200
+"""Steps after which the best direction so far is taken. Overlaps that are the same all around an axis need that many."""
+
+_TILT = 1e-4
+"""Radians from a face's normal to the directions in which its other corners are looked for."""
+
+_MOST_CORNERS = 30
+
+_AXES = np.concatenate([np.eye(3), -np.eye(3)])
+
+Farthest = Callable[[FloatArray], FloatArray]
+"""The points (m, 3) of a convex body that are farthest along unit directions (m, 3)."""
+
+_Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Penetration:
+    """``depth`` [m] by which two bodies overlap along the unit ``normal`` from first to second, ``middle`` between the two deepest
+    points."""
+
+    depth: float
+    normal: FloatArray
+    middle: FloatArray
+
+
+def penetration(first: Farthest, second: Farthest) -> Penetration:
+    """Penetration of two overlapping convex bodies given by their farthest points. Where both are flat and lie in one plane the depth is
+    0 along its normal."""
+
+    def supports(ways: FloatArray) -> tuple[FloatArray, FloatArray]:
+        of_first = first(ways)
+        return of_first - second(-ways), of_first
+
+    simplex = _simplex(supports)
+    if isinstance(simplex, Penetration):
+        return simplex
+    return _expanded(simplex, supports)
+
+
+_Supports = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+"""Points (m, 3) of the Minkowski difference farthest along directions (m, 3), and the points of the first body that they come from."""
+
+
+def _simplex(supports: _Supports) -> _Polytope | Penetration:
+    """A tetrahedron of boundary points, or the penetration of a flat difference."""
+    points, sources = supports(_AXES)
+    a, source_a = points[0], sources[0]
+    k = int(dot(points - a, points - a).argmax())
+    b, source_b = points[k], sources[k]
+    axis = (b - a) / max(float(np.linalg.norm(b - a)), 1e-300)
+    u = np.cross(axis, [1.0, 0.0, 0.0] if abs(axis[0]) < 0.7 else [0.0, 1.0, 0.0])
+    u /= np.linalg.norm(u)
+    v = np.cross(axis, u)
+    points, sources = supports(np.stack([u, -u, v, -v]))
+    across = points - a
+    across -= np.outer(across @ axis, axis)
+    k = int(dot(across, across).argmax())
+    c, source_c = points[k], sources[k]
+    normal = np.cross(b - a, c - a)
+    length = float(np.linalg.norm(normal))
+    normal = normal / length if length > 0 else u
+    points, sources = supports(np.stack([normal, -normal]))
+    height = (points - a) @ normal
+    k = int(np.abs(height).argmax())
+    if abs(height[k]) <= _FLAT:
+        depth = float(min(points[0] @ normal, -(points[1] @ normal)))
+        return Penetration(depth, normal, (source_a + source_b + source_c) / 3)
+    polytope = _Polytope([tuple(p.tolist()) for p in (a, b, c, points[k])], [source_a, source_b, source_c, sources[k]])
+    up = height[k] > 0
+    for corners in ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)):
+        polytope.add_face(*(corners[::-1] if up else corners))
+    return polytope
+
+
+def _expanded(polytope: _Polytope, supports: _Supports) -> Penetration:
+    """Grow the polytope until its nearest face lies on the boundary."""
+    least, nearest = math.inf, None
+    for _ in range(_MOST_STEPS):
+        number, offset = polytope.nearest()
+        face = polytope.faces[number]
+        points, sources = supports(np.array([face.normal]))
+        x, y, z = point = tuple(points[0].tolist())
+        height = face.normal[0] * x + face.normal[1] * y + face.normal[2] * z
+        final = height - offset <= _TOLERANCE
+        if height < least or final:
+            least, nearest = height, face
+        if final:
+            break
+        polytope.add_point(point, sources[0], number)
+    assert nearest is not None
+    normal = np.array(nearest.normal)
+    return Penetration(least, normal, _deepest(*polytope.triangle(nearest), normal, supports) - normal * (least / 2))
+
+
+def _deepest(points: FloatArray, sources: FloatArray, normal: FloatArray, supports: _Supports) -> FloatArray:
+    """The point of the first body that belongs to the foot of the origin on a face of the difference, of which the triangle ``points``
+    (3, 3) with its ``sources`` (3, 3) is known. Where the foot lies beyond an edge of the triangle, the next triangle is found by the
+    corner of the face that is farthest out beyond that edge."""
+    foot = normal * float(normal @ points[0])
+    for _ in range(_MOST_CORNERS):
+        edges = np.cross(normal, np.roll(points, -1, axis=0) - points)  # inwards
+        size = np.sqrt(dot(edges, edges))
+        inside = dot(edges, foot - points)
+        k = int((inside / np.where(size > 0, size, 1.0)).argmin())
+        if inside[k] >= 0 or size[k] == 0:
+            break
+        outwards = -edges[k] / size[k]
+        corner, source = supports((normal + _TILT * outwards)[None])
+        if float((corner[0] - points[k]) @ outwards) <= _FLAT or float((points[k] - corner[0]) @ normal) > _TILT * _TILT:
+            break
+        points = np.stack([points[(k + 1) % 3], points[k], corner[0]])
+        sources = np.stack([sources[(k + 1) % 3], sources[k], source[0]])
+    areas = dot(np.cross(np.roll(points, -2, axis=0) - np.roll(points, -1, axis=0), foot - np.roll(points, -1, axis=0)), normal).clip(0.0)
+    return np.asarray(areas / areas.sum() @ sources if areas.sum() > 0 else sources.mean(axis=0))
+
+
+@dataclass(frozen=True, slots=True)
+class _Face:
+    corners: tuple[int, int, int]
+    normal: _Point
+    offset: float
+
+
+class _Polytope:
+    """A convex polytope of triangles with outward normals that grows point by point. ``sources``: a point of the first body per corner."""
+
+    def __init__(self, points: list[_Point], sources: list[FloatArray]) -> None:
+        self._points = points
+        self._sources = sources
+        self.faces: dict[int, _Face] = {}
+        self._face_at: dict[tuple[int, int], int] = {}  # the face to the left of an edge
+        self._by_offset: list[tuple[float, int]] = []
+        self._made = 0
+
+    def add_face(self, i: int, j: int, k: int) -> None:
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self._points[i], self._points[j], self._points[k]
+        ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
+        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        length = math.sqrt(x * x + y * y + z * z)
+        number, offset = self._made, math.inf  # a sliver has no normal and is never the nearest
+        self._made += 1
+        if length > 1e-18:
+            x, y, z = x / length, y / length, z / length
+            offset = x * ax + y * ay + z * az
+            heapq.heappush(self._by_offset, (offset, number))
+        self.faces[number] = _Face((i, j, k), (x, y, z), offset)
+        self._face_at[i, j] = self._face_at[j, k] = self._face_at[k, i] = number
+
+    def nearest(self) -> tuple[int, float]:
+        """Number and offset of the face nearest the origin."""
+        while self._by_offset[0][1] not in self.faces:
+            heapq.heappop(self._by_offset)
+        offset, number = self._by_offset[0]
+        return number, offset
+
+    def add_point(self, point: _Point, source: FloatArray, start: int) -> None:
+        """Replace the faces that the new corner sees, ``start`` among them."""
+        apex = len(self._points)
+        self._points.append(point)
+        self._sources.append(source)
+        x, y, z = point
+        visible, seen = [start], {start}
+        border: list[tuple[int, int]] = []
+        for number in visible:
+            i, j, k = self.faces[number].corners
+            for a, b in ((i, j), (j, k), (k, i)):
+                other = self._face_at[b, a]
+                if other in seen:
+                    continue
+                face = self.faces[other]
+                nx, ny, nz = face.normal
+                if face.offset == math.inf or nx * x + ny * y + nz * z - face.offset > 1e-3 * _TOLERANCE:
+                    seen.add(other)
+                    visible.append(other)
+                else:
+                    border.append((a, b))
+        horizon = [(a, b) for a, b in border if self._face_at[b, a] not in seen]
+        for number in visible:
+            del self.faces[number]
+        for a, b in horizon:
+            self.add_face(a, b, apex)
+
+    def triangle(self, face: _Face) -> tuple[FloatArray, FloatArray]:
+        """Corners (3, 3) of a face and the points (3, 3) of the first body that they come from."""
+        corners = list(face.corners)
+        return np.array([self._points[k] for k in corners]), np.array([self._sources[k] for k in corners])
