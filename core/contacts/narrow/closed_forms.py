@@ -236,20 +236,13 @@ def point_to_triangle(point: FloatArray, corners: FloatArray) -> Separation:
 
 
 def segment_to_triangle(start: FloatArray, end: FloatArray, corners: FloatArray) -> Separation:
-    """Segments and triangles (n, 3, 3). A segment through the triangle is as deep as its shorter part behind it."""
+    """Segments and triangles (n, 3, 3). A segment through the triangle is as deep as the shortest way out: back over the triangle's plane,
+    or sideways over one of its edges (the faces of the prism that is their Minkowski difference)."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    edges = [segment_to_segment(start, end, p, q) for p, q in ((a, b), (b, c), (c, a))]
     best = between(start, nearest_on_triangle(start, corners))
-    others = [between(end, nearest_on_triangle(end, corners))]
-    others += [segment_to_segment(start, end, p, q) for p, q in ((a, b), (b, c), (c, a))]
-    for other in others:
-        closer = other.distance < best.distance - 1e-12
-        mask = closer[:, None]
-        best = Separation(
-            np.where(closer, other.distance, best.distance),
-            np.where(mask, other.normal, best.normal),
-            np.where(mask, other.first, best.first),
-            np.where(mask, other.second, best.second),
-        )
+    for other in (between(end, nearest_on_triangle(end, corners)), *edges):
+        best = _merged(best, other, other.distance < best.distance - 1e-12)
     normal = _perpendicular(np.cross(b - a, c - a), b - a)
     h0, h1 = dot(start - a, normal), dot(end - a, normal)
     span = h0 - h1
@@ -263,13 +256,21 @@ def segment_to_triangle(start: FloatArray, end: FloatArray, corners: FloatArray)
     shorter_start = np.abs(h0) < np.abs(h1)
     depth = np.minimum(np.abs(h0), np.abs(h1))
     deep = np.where(shorter_start[:, None], start, end)
-    side = np.sign(np.where(shorter_start, h0, h1))
     # The normal points from the segment to the triangle: the way the short part has gone.
-    inward = normal * side[:, None]
-    mask = through[:, None]
+    inward = normal * np.sign(np.where(shorter_start, h0, h1))[:, None]
+    inside = Separation(-depth, inward, deep, deep - inward * depth[:, None])
+    for edge in edges:
+        sideways = Separation(-edge.distance, -edge.normal, edge.first, edge.second)
+        inside = _merged(inside, sideways, sideways.distance > inside.distance)
+    return _merged(best, inside, through)
+
+
+def _merged(first: Separation, second: Separation, chosen: BoolArray) -> Separation:
+    """``second`` in the rows that are ``chosen`` (n,), ``first`` in the others."""
+    rows = chosen[:, None]
     return Separation(
-        np.where(through, -depth, best.distance),
-        np.where(mask, inward, best.normal),
-        np.where(mask, deep, best.first),
-        np.where(mask, deep - inward * depth[:, None], best.second),
+        np.where(chosen, second.distance, first.distance),
+        np.where(rows, second.normal, first.normal),
+        np.where(rows, second.first, first.first),
+        np.where(rows, second.second, first.second),
     )

@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.motion import rotations
+from haptic_tracing.core.contacts.narrow.closed_forms import segment_to_triangle
 from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Shape, Sphere, pose_matrix
 from haptic_tracing.core.contacts.tracker import Body, ContactTracker
 from haptic_tracing.core.scene.values import HapticObject, HapticScene, Pose
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial import ConvexHull as SciPyHull
 
 PLANE = Mesh([[-50, -50, 0], [50, -50, 0], [50, 50, 0], [-50, 50, 0]], [[0, 1, 2], [0, 2, 3]])
 GROUNDS = {
@@ -257,3 +259,20 @@ def test_prisms_face_to_face(corners, rounding):
             assert found.area[0] == pytest.approx(area, rel=2e-3)
             middle = first[:3, 3] + first[:3, 2] * (0.5 + gap / 2)
             np.testing.assert_allclose(found.positions[0].mean(axis=0), middle, atol=1e-3)
+
+
+def test_depth_of_segments_through_triangles_against_the_minkowski_difference():
+    """It is the distance of the origin from the nearest face of the difference's convex hull (SciPy's Qhull)."""
+    rng = np.random.default_rng(3)
+    corners = rng.normal(size=(500, 3, 3))
+    middle, way = corners.mean(axis=1), rng.normal(size=(500, 3))
+    start, end = middle + way * rng.uniform(0.05, 1.5, (500, 1)), middle - way * rng.uniform(0.05, 1.5, (500, 1))
+    found = segment_to_triangle(start, end, corners)
+    for k in range(500):
+        difference = SciPyHull((corners[k][:, None] - np.stack([start[k], end[k]])).reshape(-1, 3))
+        offsets = difference.equations[:, 3]
+        assert offsets.max() < 0
+        assert found.distance[k] == pytest.approx(offsets.max(), abs=1e-12)
+        nearest = difference.equations[offsets.argmax(), :3]
+        np.testing.assert_allclose(found.normal[k], -nearest, atol=1e-7)
+        np.testing.assert_allclose(found.first[k] - found.second[k], -found.distance[k] * found.normal[k], atol=1e-9)
