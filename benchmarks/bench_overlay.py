@@ -5,8 +5,8 @@
 The add-on's own draw handlers are called as Blender calls them, for a viewport of 1600 x 1000 pixels. `nothing changed`: as while the
 pointer moves; `view turns`: every redraw from another place; `next frame`: every redraw of another frame, in which all objects stand still;
 `all moves`: in which contacts and gains are others. Milliseconds of CPU time of this thread, median and 95 %, without the draw calls, which
-are the GPU's. `labels` is the part that lays labels and legend out and puts them into a batch. `in software` is all of it, drawn by Mesa's
-software rasteriser in place of a GPU, which takes most of that time.
+are the GPU's; the worker thread has computed the graph's shapes and the levels before. `labels` is the part that lays labels and legend out
+and puts them into a batch. `in software` is all of it, drawn by Mesa's software rasteriser in place of a GPU, which takes most of the time.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import bpy
 import haptic_tracing
 import numpy as np
-from haptic_tracing.addon.session import session
+from haptic_tracing.addon.scene_reader.settings import read_settings
+from haptic_tracing.addon.session import session, worker
 from haptic_tracing.addon.view import meters, overlay, picture, shader
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.render.frame_result import FrameResult
@@ -95,7 +96,7 @@ def viewport(scene: bpy.types.Scene) -> Iterator[Callable[[float], None]]:
         screen=None,
         preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)),
         view_layer=bpy.context.view_layer,
-        space_data=SimpleNamespace(overlay=SimpleNamespace(show_overlays=True)),
+        space_data=SimpleNamespace(overlay=SimpleNamespace(show_overlays=True, show_text=True), show_gizmo=True, region_quadviews=()),
         area=SimpleNamespace(regions=(region,)),
         region=region,
     )
@@ -105,8 +106,8 @@ def viewport(scene: bpy.types.Scene) -> Iterator[Callable[[float], None]]:
         view = Matrix.Translation((0, 0, -35)) @ Euler((-np.pi / 2, 0, 0)).to_matrix().to_4x4() @ Euler((0, 0, turn)).to_matrix().to_4x4()
         context.region_data = SimpleNamespace(window_matrix=window, view_matrix=view, perspective_matrix=window @ view)
         overlay._draw_view()
-        overlay._draw_pixels()
         meters._draw_pixels()
+        overlay._draw_pixels()
 
     buffer = GPUOffScreen(*SIZE)
     try:
@@ -144,17 +145,14 @@ def measured(scene: bpy.types.Scene, result: FrameResult, change: str, redraws: 
     import gpu as graphics
 
     each, layout = [], []
-    kept = session.of(scene)
-    kept.result = result
-    kept.history.feed(result)
+    show(scene, result)
     drawing = shader.draw if gpu else without_drawing
     spent = [0.0]
-    furniture = timed(overlay.draw_furniture, spent)
-    with viewport(scene) as redraw, mock.patch.object(shader, "draw", drawing), mock.patch.object(overlay, "draw_furniture", furniture):
+    annotations = timed(overlay.draw_annotations, spent)
+    with viewport(scene) as redraw, mock.patch.object(shader, "draw", drawing), mock.patch.object(overlay, "draw_annotations", annotations):
         for number in range(redraws + 10):
             if change in ("next frame", "all moves"):
-                kept.result = replace(result, graph=replace(result.graph) if change == "all moves" else result.graph)
-                kept.history.feed(kept.result)
+                show(scene, replace(result, graph=replace(result.graph) if change == "all moves" else result.graph))
             spent[-1] = 0.0
             clock = time.perf_counter if gpu else time.thread_time  # Mesa draws in threads of its own
             started = clock()
@@ -164,6 +162,16 @@ def measured(scene: bpy.types.Scene, result: FrameResult, change: str, redraws: 
             each.append(1000 * (clock() - started))
             layout.append(1000 * spent[-1])
     return each[10:], layout[10:]
+
+
+def show(scene: bpy.types.Scene, result: FrameResult) -> None:
+    """Make ``result`` the last frame that is complete, and wait until the worker has computed what is drawn of it."""
+    own = session.of(scene)
+    own.result, own.serial = result, own.serial + 1
+    own.history.feed(result)
+    own.shown = session.Traced(own.serial, result, read_settings(scene), own.history.all())
+    for derived in tuple(own.derived):
+        worker.submit(derived.follow, own).result()
 
 
 def rows(nodes: int, listeners: int, redraws: int) -> Iterator[Row]:
@@ -187,8 +195,7 @@ def quads_drawn(nodes: int, listeners: int) -> str:
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene
     result = wall_of_bricks(nodes, listeners)
-    session.of(scene).result = result
-    data = overlay.render_data(result, overlay.read_settings(scene), overlay.options_of(scene, result))
+    data = overlay.render_data(result, read_settings(scene), overlay.options_of(scene, result))
     graph = quads(data)
     size = sum(values.nbytes for values in graph.attributes.values()) + graph.triangles.nbytes
     return (

@@ -12,9 +12,10 @@ from . import handlers, outputs, player
 
 def device_words(scene: Scene, listener: str) -> str:
     """Whether a connected device lets the listener be felt: words where not, "" where it does, or where no device is connected."""
-    result = session.result_of(scene)
-    if result is None or not outputs.running():
+    traced = session.shown(scene)
+    if traced is None or not outputs.running():
         return ""
+    result = traced.result
     names = [item.name for item in result.listeners]
     if listener not in names:
         return ""

@@ -32,13 +32,16 @@ class HAPTIC_OT_graph_to_geometry(Operator):
     def poll(cls, context: Context) -> bool:
         if not poll_object_mode(cls, context):
             return False
-        if session.result_of(context.scene) is None:
+        if session.shown(context.scene) is None and not session.is_behind(context.scene):
             cls.poll_message_set("Nothing has been traced yet: tag objects, then play or change the frame")
             return False
         return True
 
     def execute(self, context: Context) -> set[str]:
         result = session.result_of(context.scene)
+        if result is None:
+            self.report({"WARNING"}, "This frame could not be traced: see the problems in the panel Haptic Tracing")
+            return {"CANCELLED"}
         graph, collection = graph_in_collection(context.scene, result, self.thickness, in_front=self.in_front, labels=self.labels)
         self.report({"INFO"}, _rpt("{:,} vertices in collection '{}'").format(len(graph.data.vertices), collection.name))
         return {"FINISHED"}

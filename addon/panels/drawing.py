@@ -51,7 +51,7 @@ def warn(layout: UILayout, *lines: str) -> None:
 
 def draw_problems(layout: UILayout, context: Context) -> None:
     """What a designer should mend, with a button to each object."""
-    problems = session.problems_of(context.scene)
+    problems = session.shown_problems(context.scene)
     if not problems:
         return
     box = layout.box()

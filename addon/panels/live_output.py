@@ -49,7 +49,8 @@ class HAPTIC_PT_actuators(HapticsPanel, Panel):
 
     def draw(self, context: Context) -> None:
         layout = self.layout
-        result = session.result_of(context.scene)
+        traced = session.shown(context.scene)
+        result = None if traced is None else traced.result
         if result is None or not result.listeners:
             layout.label(text="No listener was traced yet", icon="INFO")
             return
@@ -145,8 +146,8 @@ def lag_of_picture(status: Status, frame_seconds: float, rendering_seconds: floa
 
 def limiter_seconds(scene: Scene) -> float:
     """Seconds by which a limiter holds back what all listeners feel; 0 where none has one."""
-    result = session.result_of(scene)
-    return LOOK_AHEAD if result is not None and any(listener.limiter for listener in result.listeners) else 0.0
+    traced = session.shown(scene)
+    return LOOK_AHEAD if traced is not None and any(listener.limiter for listener in traced.result.listeners) else 0.0
 
 
 def _draw_text(layout: UILayout, text: str, icon: str = "NONE") -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -12,7 +11,7 @@ from bpy.types import Context, Object, Panel, UILayout
 
 from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
-from ...core.scene.functions.curve import Curve, gain_curve
+from ...core.scene.functions import ModulationFunction
 from ..properties.preferences import gain_text, preferences
 from ..scene_reader.functions import read_function
 from ..view import gain_plot
@@ -135,7 +134,12 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
         layout = self.layout
         haptics = context.object.haptics
         layout.active = haptics.enabled
-        curve, key = curve_of(context)
+        key = _curve_key(context)
+        latest = None if key is None else gain_plot.latest_curve(key)
+        if key is not None and latest is None:
+            layout.label(text="Computing...", icon="SORTTIME")
+            return
+        curve = None if latest is None else latest.value
         if curve is None:
             layout.label(text="The formula gives no gain", icon="ERROR")
             return
@@ -156,18 +160,13 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
             column.label(text="Thin lines: lowest and highest band")
 
 
-def curve_of(context: Context) -> tuple[Curve | None, object]:
-    """The curve of the active object's function, None where it gives no gain; and what it is drawn from."""
+def _curve_key(context: Context) -> tuple[ModulationFunction, float, float, float] | None:
+    """What the curve of the active object's function depends on; None where the function is wrong."""
     haptics = context.object.haptics
     try:
-        function = read_function(haptics)
-        key = (function, haptics.kappa, haptics.rho, context.scene.haptics.epsilon)
-        return _curve(*key), key
+        return read_function(haptics), haptics.kappa, haptics.rho, context.scene.haptics.epsilon
     except ValueError:
-        return None, None
-
-
-_curve = lru_cache(maxsize=64)(gain_curve)
+        return None
 
 
 class HAPTIC_PT_bands(HapticsPanel, Panel):

@@ -7,19 +7,20 @@ import math
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Panel, UILayout
 
+from ...core.arrays import FloatArray
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Mode
 from ..bake import playback
+from ..blender.playing import is_playing
 from ..blender.text import wrapped
 from ..live_output.unfelt import device_words
-from ..scene_reader.settings import read_settings
 from ..session import session
 from ..translations.sentences import sentence
 from ..view import meter_pictures, meters
 from ..view.comparison import compared
 from ..view.explanation import why_silent
 from ..view.levels import Level, decibels
-from ..view.meter_board import full_scale
+from ..view.meter_layout import full_scale
 from ..view.panel_picture import theme_ink
 from .drawing import HapticsPanel, draw_pair
 
@@ -40,16 +41,19 @@ class HAPTIC_PT_result(HapticsPanel, Panel):
         row = layout.row(align=True)
         for mode in Mode:
             row.operator("haptic.set_mode", text=str(mode), depress=scene.haptics.mode == mode).mode = str(mode)
-        result = session.result_of(scene)
-        if result is None:
+        traced = session.shown(scene)
+        if traced is None:
             layout.label(text="Nothing traced yet: play, or", icon="INFO")
             layout.operator("haptic.trace_frame", icon="FILE_REFRESH")
             return
+        result = traced.result
         row = layout.row()
         baked = playback.is_from_track(result, result.number)
         words = iface_("Frame {}, from the baked track" if baked else "Frame {}").format(result.number)
         row.label(text=words, icon="RENDER_ANIMATION" if baked else "NONE", translate=False)
         row.operator("haptic.trace_frame", text="", icon="FILE_REFRESH")
+        if session.is_behind(scene) and not is_playing():
+            layout.label(text="Tracing...", icon="SORTTIME")
         levels = meters.levels_of(scene)
         chosen = context.object.name_full if context.object is not None else ""
         column = layout.column(align=True)
@@ -75,15 +79,16 @@ class HAPTIC_PT_silence(HapticsPanel, Panel):
         layout = self.layout
         scene, name = context.scene, context.object.name_full
         layout.label(text=name, icon="OUTLINER_OB_LIGHTPROBE")
-        stale, reasons = why_silent(scene, name)
-        on_device = device_words(scene, name)
-        if not stale and not reasons:
+        why = why_silent(scene, name)
+        if not why.is_current:
+            layout.label(text="Looking for reasons...", icon="SORTTIME")
+        elif not why.notice and not why.reasons:
             level = next((level for level in meters.levels_of(scene) if level.listener == name), None)
-            words = iface_("It feels something") if level is None else iface_("It is not: {}").format(level.feeling())
+            words = iface_("It feels something") if level is None else iface_("It is felt, with a margin of {}").format(level.margin_text())
             layout.label(text=words, icon="CHECKMARK", translate=False)
-        for text in (stale, on_device):
+        for text in (why.notice, device_words(scene, name)):
             _draw_sentence(layout, text)
-        for reason in reasons:
+        for reason in why.reasons:
             box = layout.box()
             _draw_sentence(box, sentence(reason))
             if reason.object and reason.object != name:
@@ -114,9 +119,9 @@ class HAPTIC_PT_meters(HapticsPanel, Panel):
         if levels:
             split = column.split(factor=_NAMES)
             split.label(text="")
-            split.label(text="Peak, RMS in dB")
+            split.label(text="Peak, level in dB")
         for level in levels:
-            _draw_row(column, level.listener, level.words(), level.feeling())
+            _draw_row(column, level.listener, level.peak_and_level(), level.margin_text())
 
 
 class HAPTIC_PT_comparison(HapticsPanel, Panel):
@@ -128,15 +133,16 @@ class HAPTIC_PT_comparison(HapticsPanel, Panel):
     def draw(self, context: Context) -> None:
         layout = self.layout
         scene = context.scene
-        result = session.result_of(scene)
-        if result is None or not result.listeners:
-            layout.label(text="Nothing traced yet" if result is None else "No listener: add one to feel something")
+        traced = session.shown(scene)
+        if traced is None or not traced.result.listeners:
+            layout.label(text="Nothing traced yet" if traced is None else "No listener: add one to feel something")
             return
+        result = traced.result
         if playback.is_from_track(result, result.number):
             layout.label(text="This frame was not traced:", icon="INFO")
             layout.label(text="switch off Play Baked Track", icon="BLANK1")
             return
-        gains = compared(result, read_settings(scene))
+        gains = compared(scene)
         grid = layout.grid_flow(row_major=True, columns=1 + len(Mode), even_columns=False, align=True)
         grid.label(text="")
         for mode in Mode:
@@ -144,9 +150,10 @@ class HAPTIC_PT_comparison(HapticsPanel, Panel):
         for index, listener in enumerate(result.listeners):
             grid.label(text=listener.name)
             for mode in Mode:
-                gain = float(gains[mode][index])
-                grid.label(text=f"{20 * math.log10(gain):.0f}" if gain > 0 else "\N{EM DASH}")
-        layout.label(text="Decibels of the strongest source")
+                grid.label(text=_gain_text(gains[mode].value, index) if mode in gains else "...")
+        layout.label(text="Gain of the strongest source in dB")
+        if len(gains) < len(Mode) or not all(latest.is_current for latest in gains.values()):
+            layout.label(text="Comparing...", icon="SORTTIME")
 
 
 class HAPTIC_PT_statistics(HapticsPanel, Panel):
@@ -157,10 +164,11 @@ class HAPTIC_PT_statistics(HapticsPanel, Panel):
 
     def draw(self, context: Context) -> None:
         layout = self.layout
-        result = session.result_of(context.scene)
-        if result is None:
+        traced = session.shown(context.scene)
+        if traced is None:
             layout.label(text="Nothing traced yet")
             return
+        result = traced.result
         column = layout.column(align=True)
         for stage, milliseconds in result.milliseconds.items():
             draw_pair(column, stage.replace("_", " ").capitalize(), f"{milliseconds:.2f} ms")
@@ -168,6 +176,12 @@ class HAPTIC_PT_statistics(HapticsPanel, Panel):
         column.separator()
         for name, value in result.statistics.items():
             draw_pair(column, name.replace("_", " ").capitalize(), f"{value:g}")
+
+
+def _gain_text(gains: FloatArray, index: int) -> str:
+    """The gain of a listener in whole decibels; a dash where nothing reaches it, or where it was no listener yet."""
+    gain = float(gains[index]) if index < len(gains) else 0.0
+    return f"{20 * math.log10(gain):.0f}" if gain > 0 else "\N{EM DASH}"
 
 
 def _draw_sentence(layout: UILayout, text: str) -> None:
@@ -182,7 +196,7 @@ def _draw_level(layout: UILayout, level: Level) -> None:
     row = split.row()
     row.alignment = "LEFT"
     row.operator("haptic.select_object", text=level.listener, icon="OUTLINER_OB_LIGHTPROBE", emboss=False).name = level.listener
-    too_weak = level.rms > -math.inf and not level.is_felt
+    too_weak = not level.is_silent and not level.is_felt
     split.progress(factor=level.place, text=iface_("{}, too weak" if too_weak else "{}").format(decibels(level.rms)))
 
 

@@ -33,11 +33,12 @@ class HAPTIC_PT_scene(HapticsPanel, Panel):
 
 def next_step(scene: Scene) -> str:
     """What to do next on the way to something that is felt."""
-    result = session.result_of(scene)
+    traced = session.shown(scene)
+    result = None if traced is None else traced.result
     if not scene.haptics.tracing:
         return "Switch tracing on, above"
     if result is None or not result.objects:
-        if session.problems_of(scene):
+        if session.shown_problems(scene):
             return "Mend the problem below"
         return "Select objects: Make Haptic"
     if not result.sources and not scene.haptics.impacts:

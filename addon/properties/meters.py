@@ -1,8 +1,8 @@
-"""What meters show."""
+"""Properties of the meters."""
 
 from __future__ import annotations
 
-from bpy.props import BoolProperty
+from bpy.props import BoolProperty, EnumProperty
 from bpy.types import PropertyGroup
 
 from .callbacks import view_changed
@@ -25,6 +25,18 @@ class HapticMetersProperties(PropertyGroup):
     )
     show_body: BoolProperty(
         name="Body", description="Draw a body whose parts light up where they feel something", default=True, update=view_changed
+    )
+    corner: EnumProperty(
+        name="Corner",
+        description="Corner of the viewport in which the meters are drawn; the legend stands on the other side",
+        items=(
+            ("BOTTOM_LEFT", "Bottom Left", ""),
+            ("BOTTOM_RIGHT", "Bottom Right", ""),
+            ("TOP_LEFT", "Top Left", ""),
+            ("TOP_RIGHT", "Top Right", ""),
+        ),
+        default="BOTTOM_LEFT",
+        update=view_changed,
     )
 
 

@@ -1,4 +1,4 @@
-"""What is drawn over the 3D viewport: the haptic graph, over it the meters."""
+"""What is drawn over the 3D viewport: the haptic graph, then the meters, then labels and legend where these leave room."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from ..view import meters, overlay
 
 def register() -> None:
     """Start drawing."""
-    overlay.register()
     meters.register()
+    overlay.register()
 
 
 def unregister() -> None:
     """Stop drawing."""
-    meters.unregister()
     overlay.unregister()
+    meters.unregister()

@@ -11,13 +11,14 @@ from bpy.types import Depsgraph, Scene
 
 from ..bake import playback
 from ..blender import job
+from ..blender.playing import is_playing
 from ..changes.redraw import redraw_viewports
 from ..changes.revisions import mark_changed, mark_edited
 from ..changes.suspension import is_stepped, is_suspended
 from ..live_output import handlers as live_output
 from ..operators import bake
 from ..session import session
-from ..view import explanation, gain_plot, meter_pictures, meters, overlay
+from ..view import gain_plot, meter_pictures, meters, overlay
 
 
 @persistent
@@ -45,7 +46,7 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
 @persistent
 def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
     """Trace the frame again after an edit; while the timeline plays, `frame_change_post` does it."""
-    if is_suspended() or is_stepped(scene) or depsgraph.mode == "RENDER" or _is_playing():
+    if is_suspended() or is_stepped(scene) or depsgraph.mode == "RENDER" or is_playing():
         return
     mark_edited()
     if not scene.haptics.tracing or playback.keep_up(scene):
@@ -62,7 +63,6 @@ def forget_everything(*_: Any) -> None:
     session.clear()
     overlay.forget()
     meters.forget()
-    explanation.forget()
     playback.forget()
 
 
@@ -70,11 +70,6 @@ def forget_everything(*_: Any) -> None:
 def reread(*_: Any) -> None:
     """After undo and redo any property may be another."""
     mark_changed()
-
-
-def _is_playing() -> bool:
-    screen = bpy.context.screen
-    return screen is not None and screen.is_animation_playing
 
 
 def _edited(depsgraph: Depsgraph) -> bool:

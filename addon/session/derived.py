@@ -1,109 +1,142 @@
-"""Values computed from traced frames on the worker thread, for draw callbacks that must neither compute nor wait."""
+"""Values computed on the worker thread for draw callbacks, which must neither compute nor wait."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from functools import partial
+from typing import Any, Generic, TypeVar
 
-import bpy
 from bpy.types import Scene
 
+from ..blender.playing import is_playing
 from . import session, worker
 
-Choice = TypeVar("Choice")
+Choice = TypeVar("Choice", bound=Hashable)
 Value = TypeVar("Value")
 
 _SHOWN_SECONDS = 1.0
 """A value counts as shown for so long after it was drawn."""
 _BRIEF = 0.01
-"""Computing times [s] up to which a value is computed for every frame while the timeline plays."""
-
-Computation = Callable[["session.Traced", Choice, Value | None], Value]
-"""Makes a value of a traced frame, a choice of the user, and the value before."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Computed(Generic[Choice, Value]):
-    serial: int  # of the traced frame
-    choice: Choice
-    value: Value
-    seconds: float
-
-
-@dataclass(slots=True)
-class _State(Generic[Choice, Value]):
-    """What is known of one scene. Draw callbacks write ``choice`` and ``shown``, the worker writes ``computed`` and ``error``."""
-
-    choice: Choice
-    shown: float = 0.0  # time.monotonic() of the last draw
-    is_queued: bool = False
-    computed: _Computed[Choice, Value] | None = None
-    error: Exception | None = None
+"""Computing time [s] up to which a value is computed at once, whatever else is going on."""
+_REST = 0.3
+"""Time [s] without a new frame after which what takes longer is computed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Latest(Generic[Value]):
-    """The last value that was computed. ``is_current``: it is of the frame and the choice that are shown now."""
+    """The last value that was computed. ``is_current``: it belongs to what is shown now, and no newer one is coming."""
 
     value: Value
     is_current: bool
 
 
+@dataclass(frozen=True, slots=True)
+class _Computed(Generic[Value]):
+    key: Hashable
+    value: Value
+    seconds: float
+
+
+class Background(Generic[Value]):
+    """A value that depends on a key, computed once per key. Draw callbacks read it on the main thread, the worker writes it."""
+
+    def __init__(self) -> None:
+        self.shown = 0.0  # time.monotonic() of the last draw
+        self.choice: Any = None  # of a `Derived`
+        self._wanted: tuple[Hashable, Callable[[Value | None], Value]] | None = None
+        self._is_queued = False
+        self._computed: _Computed[Value] | None = None
+        self._error: Exception | None = None
+
+    @property
+    def is_brief(self) -> bool:
+        """True where computing it last took next to no time."""
+        return self._computed is not None and self._computed.seconds <= _BRIEF
+
+    def latest(self, key: Hashable, compute: Callable[[Value | None], Value], *, may_start: bool = True) -> Latest[Value] | None:
+        """The last value, without waiting; None before there is one.
+
+        Args:
+            key: what the value depends on.
+            compute: makes the value of ``key`` of the one before, on the worker thread; it must not touch Blender.
+            may_start: False keeps the last value although the key is another.
+        """
+        self.shown = time.monotonic()
+        error, self._error = self._error, None
+        if error is not None:
+            raise error
+        computed = self._computed
+        is_current = computed is not None and computed.key == key
+        if not is_current and may_start:
+            self.want(key, compute)
+            if not self._is_queued:
+                self._is_queued = True
+                worker.submit(self.update)
+        return None if computed is None else Latest(computed.value, is_current)
+
+    def want(self, key: Hashable, compute: Callable[[Value | None], Value]) -> None:
+        """Compute this with the next `update`."""
+        self._wanted = key, compute
+
+    def update(self) -> None:
+        """On the worker: compute what is wanted, unless it is there."""
+        self._is_queued = False  # what is wanted from here on is computed by another job
+        if self._wanted is None:
+            return
+        (key, compute), before = self._wanted, self._computed
+        if before is not None and before.key == key:
+            return
+        started = time.perf_counter()
+        try:
+            value = compute(None if before is None else before.value)
+        except Exception as error:
+            self._error = error  # raised at the next draw, where Blender prints it
+        else:
+            self._computed = _Computed(key, value, time.perf_counter() - started)
+
+
 class Derived(Generic[Choice, Value]):
-    """A value of each traced frame of a scene, computed once per frame and choice, only while it is drawn.
+    """A value of each traced frame of a scene, computed once per frame and choice, and only while it is drawn.
 
     Args:
-        compute: runs on the worker thread and must not touch Blender.
-        every_frame: compute right after each frame is traced. Else, while the timeline plays, only where computing is brief.
+        compute: makes the value of a frame, a choice of the user and the value before, on the worker thread; it must not touch Blender.
+        every_frame: compute right after each frame is traced. Else what takes long is computed once no more frames follow.
     """
 
-    def __init__(self, compute: Computation[Choice, Value], every_frame: bool = False) -> None:
+    def __init__(self, compute: Callable[[session.Traced, Choice, Value | None], Value], every_frame: bool = False) -> None:
         self._compute = compute
         self._every_frame = every_frame
 
     def latest(self, scene: Scene, choice: Choice) -> Latest[Value] | None:
-        """The last value, without waiting; None before there is one. Where it is not current, a new one is computed on the worker."""
+        """The last value, without waiting; None before there is one, or where nothing is traced."""
         traced, own = session.shown(scene), session.of(scene)
         if traced is None:
             own.derived.pop(self, None)
             return None
-        state = own.derived.get(self)
-        if state is None:
-            state = own.derived[self] = _State(choice)
-        state.choice, state.shown = choice, time.monotonic()
-        error, state.error = state.error, None
-        if error is not None:
-            raise error
-        computed = state.computed
-        is_current = computed is not None and (computed.serial, computed.choice) == (traced.serial, choice)
-        if not is_current and not state.is_queued and not self._waits_for_pause(computed):
-            state.is_queued = True
-            worker.submit(self._update, own, state)
-        return None if computed is None else Latest(computed.value, is_current)
+        background = own.derived.setdefault(self, Background())
+        background.choice = choice
+        key, compute = (traced.serial, choice), partial(self._compute, traced, choice)
+        may_start = self._every_frame or background.is_brief or _rests(own)
+        return background.latest(key, compute, may_start=may_start)
 
     def follow(self, own: session.Session) -> None:
         """On the worker: compute the value of the frame that has just been traced, where it is shown."""
-        state = own.derived.get(self)
-        if state is not None and self._every_frame and time.monotonic() - state.shown < _SHOWN_SECONDS:
-            self._update(own, state)
-
-    def _waits_for_pause(self, computed: _Computed[Choice, Value] | None) -> bool:
-        if self._every_frame or computed is None or computed.seconds <= _BRIEF:
-            return False
-        screen = bpy.context.screen
-        return screen is not None and screen.is_animation_playing
-
-    def _update(self, own: session.Session, state: _State[Choice, Value]) -> None:
-        state.is_queued = False  # what is chosen from here on is computed by another job
-        traced, choice, before = own.shown, state.choice, state.computed
-        if traced is None or (before is not None and (before.serial, before.choice) == (traced.serial, choice)):
+        background, traced = own.derived.get(self), own.shown
+        if not self._every_frame or background is None or traced is None or time.monotonic() - background.shown > _SHOWN_SECONDS:
             return
-        started = time.perf_counter()
-        try:
-            value = self._compute(traced, choice, None if before is None else before.value)
-        except Exception as error:
-            state.error = error  # raised at the next draw, where Blender prints it
-            return
-        state.computed = _Computed(traced.serial, choice, value, time.perf_counter() - started)
+        choice = background.choice
+        background.want((traced.serial, choice), partial(self._compute, traced, choice))
+        background.update()
+
+
+def _rests(own: session.Session) -> bool:
+    """True where the frame is not followed by others: the timeline stands still, and nothing has been edited for a moment."""
+    if is_playing():
+        return False
+    rested = time.monotonic() - own.begun_at
+    if rested < _REST:
+        worker.redraw_after(_REST - rested)
+        return False
+    return True

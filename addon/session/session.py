@@ -83,9 +83,11 @@ class Session:
     history: History = field(default_factory=History)
     begun: Future[Traced] | None = None
     serial: int = 0  # of the frame that was begun last
+    begun_at: float = 0.0  # time.monotonic() of that
     shown: Traced | None = None
     failure: tuple[Problem, ...] = ()  # where the last frame could not be traced
     derived: dict[Any, Any] = field(default_factory=dict)  # see `derived.Derived`
+    watched: str = ""  # the listener that was the active object last
     draw_milliseconds: float = 0.0  # of the last redraw of a viewport
 
 
@@ -227,6 +229,7 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     session.serial = next(_serials)
     read_milliseconds = 1000 * (time.perf_counter() - started)
     begun = _Begun(session.serial, reading, others, errors, read_milliseconds, 1000 * _evaluating)
+    session.begun_at = time.monotonic()
     session.begun = worker.submit(_step, session, begun, frame_of(scene, reading, continuous))
     worker.submit(_follow, session)
 

@@ -5,6 +5,8 @@ Jobs run one after the other. None of them touches Blender; the timer runs on Bl
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
@@ -25,6 +27,7 @@ class _State:
     executor: ThreadPoolExecutor | None = None
     last: Future[Any] | None = None  # the job that was queued last
     owes_redraw: bool = False  # a job has ended since the last redraw
+    redraw_at: float = math.inf  # time.monotonic()
 
 
 _state = _State()
@@ -36,9 +39,19 @@ def submit(job: Callable[..., Value], *arguments: object) -> Future[Value]:
         _state.executor = ThreadPoolExecutor(1, "haptic-tracing")
     future = _state.last = _state.executor.submit(job, *arguments)
     future.add_done_callback(_ended)
+    _start_timer()
+    return future
+
+
+def redraw_after(seconds: float) -> None:
+    """Redraw once so much time has passed."""
+    _state.redraw_at = time.monotonic() + seconds
+    _start_timer()
+
+
+def _start_timer() -> None:
     if not bpy.app.timers.is_registered(_look):
         bpy.app.timers.register(_look, first_interval=_INTERVAL, persistent=True)
-    return future
 
 
 def shut_down() -> None:
@@ -48,7 +61,7 @@ def shut_down() -> None:
         executor.shutdown(cancel_futures=True)
     if bpy.app.timers.is_registered(_look):
         bpy.app.timers.unregister(_look)
-    _state.last, _state.owes_redraw = None, False
+    _state.last, _state.owes_redraw, _state.redraw_at = None, False, math.inf
 
 
 def _ended(future: Future[Any]) -> None:
@@ -57,8 +70,10 @@ def _ended(future: Future[Any]) -> None:
 
 def _look() -> float | None:
     """Redraw where a job has ended. While the timeline plays Blender redraws by itself: then only once it has stopped."""
+    if time.monotonic() >= _state.redraw_at:
+        _state.owes_redraw, _state.redraw_at = True, math.inf
     is_idle = _state.last is None or _state.last.done()
     if _state.owes_redraw and not any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows):
         _state.owes_redraw = False
         redraw_viewports()
-    return None if is_idle and not _state.owes_redraw else _INTERVAL
+    return None if is_idle and not _state.owes_redraw and _state.redraw_at == math.inf else _INTERVAL

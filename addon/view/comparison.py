@@ -1,19 +1,35 @@
-"""The same frame in the four renderings, side by side. No Blender."""
+"""The same frame in the four modes, side by side."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
+from bpy.types import Scene
 
 from ...core.arrays import FloatArray
 from ...core.propagation import propagate
-from ...core.render.frame_result import FrameResult
-from ...core.scene.values import Mode, Settings
+from ...core.scene.values import Mode
+from ..session.derived import Derived, Latest
+from ..session.session import Traced
 
 
-def compared(result: FrameResult, settings: Settings) -> dict[Mode, FloatArray]:
-    """The strongest gain (l,) at each listener, amplitude included, in every mode; contacts and sources are those of the frame."""
+def mode_gains(mode: Mode, traced: Traced, choice: None = None, before: FloatArray | None = None) -> FloatArray:
+    """The strongest gain (l,) at each listener in ``mode``, amplitude included; contacts and sources are those of the frame."""
+    result, settings = traced.result, traced.settings
+    if mode is settings.mode:
+        return np.asarray(result.gains.max(axis=0, initial=0.0))
     amplitude = np.array([source.amplitude for source in result.sources]).reshape(-1, 1)
-    gains = {mode: propagate(result.graph, replace(settings, mode=mode)).gain * amplitude for mode in Mode}
-    return {mode: np.asarray(gain.max(axis=0, initial=0.0)) for mode, gain in gains.items()}
+    gain = propagate(result.graph, replace(settings, mode=mode)).gain * amplitude
+    return np.asarray(gain.max(axis=0, initial=0.0))
+
+
+_GAINS: dict[Mode, Derived[None, FloatArray]] = {mode: Derived(partial(mode_gains, mode)) for mode in Mode}
+"""One computation per mode, so that traces and other computations come in between."""
+
+
+def compared(scene: Scene) -> dict[Mode, Latest[FloatArray]]:
+    """The gains of `mode_gains` as far as they are known, without waiting; the others follow."""
+    found = {mode: derived.latest(scene, None) for mode, derived in _GAINS.items()}
+    return {mode: latest for mode, latest in found.items() if latest is not None}

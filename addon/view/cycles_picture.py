@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...core.render.frame_result import FrameResult
 from ..changes.suspension import suspended
 from ..scene_reader.settings import read_settings
-from .annotations import furniture, plate_of
+from .annotations import annotations
 from .camera import camera_view, picture_scale
 from .colour_map import FloatArray
 from .graph_mesh import add_graph
@@ -45,10 +45,10 @@ def rendered_picture(scene: Scene, result: FrameResult, size: tuple[int, int], *
             canvas += graph[..., 3:] * (graph[..., :3] - canvas)
         else:
             canvas = _rendered_among(scene, solid, size)[..., :3]
-    board = meters_above(scene, result, size, scale) if meters else None
-    paint(canvas, furniture(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width, plate_of(board)), scale)
-    if board is not None:
-        paint(canvas, board, scale)
+    hud = meters_above(scene, result, size, scale) if meters else None
+    paint(canvas, annotations(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width, hud.bounds if hud else ()), scale)
+    if hud is not None:
+        paint(canvas, hud, scale)
     return np.rint(np.clip(canvas[::-1], 0, 1) * 255).astype(np.uint8)
 
 

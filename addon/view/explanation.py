@@ -1,10 +1,8 @@
-"""Why a listener of the scene feels nothing: the core's reasons, and those that only Blender knows. Looked for when asked, kept per
-frame."""
+"""Why a listener of the scene feels nothing: the core's reasons, and those that only Blender knows."""
 
 from __future__ import annotations
 
-import time
-from typing import Any
+from dataclasses import dataclass
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
@@ -14,62 +12,61 @@ from ...core.diagnosis.gaps import Surroundings
 from ...core.diagnosis.silence import reasons
 from ...core.message import Message
 from ...core.render.frame_result import FrameResult
-from ..scene_reader.settings import read_settings
+from ..blender.playing import is_playing
 from ..session import session
-from .levels import RMS_SECONDS
-
-_PATIENCE = 0.004  # seconds that looking may take while the timeline plays
-
-_known: dict[tuple[int, str], tuple[FrameResult, Any, tuple[Message, ...], float]] = {}
+from ..session.derived import Derived
+from ..session.session import Traced
+from .levels import felt_samples
 
 
-def why_silent(scene: Scene, listener: str) -> tuple[str, tuple[Message, ...]]:
-    """Why a listener feels nothing: one sentence about the scene ("" where there is nothing to say), and the core's reasons; () and ""
-    where it feels something."""
-    haptics = scene.haptics
-    result = session.result_of(scene)
-    if not haptics.tracing and result is None:
-        return iface_("Tracing is switched off: tick the box of the panel Haptic Tracing"), ()
-    if result is None:
-        problems = session.problems_of(scene)
-        return (problems[0].message if problems else iface_("Nothing has been traced yet: play, or press Trace This Frame")), ()
-    names = [item.name for item in result.listeners]
-    if listener not in names:
-        return iface_("It was no listener when this frame was traced"), ()
-    stale = iface_("Tracing is switched off: this is how the scene was before.") if not haptics.tracing else ""
-    return stale, _reasons(scene, result, names.index(listener))
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """``notice``: a sentence about the scene, "" for none. ``reasons``: the core's; () where the listener feels something.
+    ``is_current``: False while reasons of the frame shown are looked for."""
+
+    notice: str = ""
+    reasons: tuple[Message, ...] = ()
+    is_current: bool = True
 
 
-def _reasons(scene: Scene, result: FrameResult, index: int) -> tuple[Message, ...]:
-    name = result.listeners[index].name
-    settings = read_settings(scene)
-    key = (scene.session_uid, name)
-    known = _known.get(key)
-    if known is not None and ((known[0] is result and known[1] == settings) or (known[3] > _PATIENCE and _is_playing())):
-        return known[2]
-    started = time.perf_counter()
-    reading = session.of(scene).reading
+@dataclass(frozen=True, slots=True)
+class _Question:
+    """A listener, the sources that are muted, and whether the timeline plays."""
+
+    listener: str
+    muted: frozenset[str]
+    is_playing: bool
+
+
+def _reasons(traced: Traced, question: _Question, before: tuple[Message, ...] | None) -> tuple[Message, ...]:
+    """On the worker: what keeps a listener from feeling anything."""
+    result, reading = traced.result, traced.reading
+    index = [item.name for item in result.listeners].index(question.listener)
     around = None
     if reading is not None and {body.name for body in reading.bodies} <= set(result.objects):
         around = Surroundings(reading.bodies, reading.transforms, reading.contact_settings)
-    recent = session.of(scene).history.samples(name, RMS_SECONDS)
-    found = reasons(result, settings, index, around, _muted(result), recent if len(recent) else None)
-    if len(_known) > 256:
-        _known.clear()
-    _known[key] = (result, settings, found, time.perf_counter() - started)
-    return found
+    recent = felt_samples(traced, question.is_playing)[index]
+    return reasons(result, traced.settings, index, around, question.muted, recent if len(recent) else None)
 
 
-def _muted(result: FrameResult) -> set[str]:
+_REASONS: Derived[_Question, tuple[Message, ...]] = Derived(_reasons)
+
+
+def why_silent(scene: Scene, listener: str) -> Explanation:
+    """Why a listener feels nothing, as far as it is known, without waiting."""
+    traced = session.shown(scene)
+    if not scene.haptics.tracing and traced is None:
+        return Explanation(iface_("Tracing is switched off: tick the box of the panel Haptic Tracing"))
+    if traced is None:
+        problems = session.shown_problems(scene)
+        return Explanation(problems[0].message if problems else iface_("Nothing has been traced yet: play, or press Trace This Frame"))
+    if listener not in [item.name for item in traced.result.listeners]:
+        return Explanation(iface_("It was no listener when this frame was traced"))
+    notice = "" if scene.haptics.tracing else iface_("Tracing is switched off: this is how the scene was before.")
+    latest = _REASONS.latest(scene, _Question(listener, _muted(traced.result), is_playing()))
+    return Explanation(notice, (), False) if latest is None else Explanation(notice, latest.value, latest.is_current)
+
+
+def _muted(result: FrameResult) -> frozenset[str]:
     objects = ((source.name, bpy.data.objects.get(source.name)) for source in result.sources)
-    return {name for name, obj in objects if obj is not None and obj.haptics.source.muted}
-
-
-def _is_playing() -> bool:
-    screen = bpy.context.screen
-    return screen is not None and screen.is_animation_playing
-
-
-def forget() -> None:
-    """Another file is loaded, or the add-on ends."""
-    _known.clear()
+    return frozenset(name for name, obj in objects if obj is not None and obj.haptics.source.muted)

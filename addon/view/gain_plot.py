@@ -1,11 +1,15 @@
-"""The gain over distance as a picture in the panel, drawn again only where what it shows has changed."""
+"""The gain over distance as a picture in the panel."""
 
 from __future__ import annotations
+
+from collections.abc import Hashable
 
 import numpy as np
 
 from ...core.arrays import FloatArray, IntArray
-from ...core.scene.functions.curve import Curve
+from ...core.scene.functions import ModulationFunction
+from ...core.scene.functions.curve import Curve, gain_curve
+from ..session.derived import Background, Latest
 from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
 
 FLOOR = -60.0
@@ -13,6 +17,7 @@ FLOOR = -60.0
 
 _MARGIN = 10
 
+_curve: Background[Curve | None] = Background()
 _picture = Picture()
 
 
@@ -61,8 +66,20 @@ def _draw(pixels: Pixels, columns: IntArray, heights: FloatArray, colour: Colour
     pixels[:, columns] = chosen
 
 
-def icon(key: object, curve: Curve, colour: Colour, ink: Colour) -> int:
-    """The number of the icon that shows the curve; ``key`` says what it is drawn from, so that the same is not drawn twice."""
+def latest_curve(key: tuple[ModulationFunction, float, float, float]) -> Latest[Curve | None] | None:
+    """The curve of (function, κ, ρ, ε), without waiting; its value is None where the function gives no gain."""
+
+    def compute(before: Curve | None) -> Curve | None:
+        try:
+            return gain_curve(*key)
+        except ValueError:
+            return None
+
+    return _curve.latest(key, compute)
+
+
+def icon(key: Hashable, curve: Curve, colour: Colour, ink: Colour) -> int:
+    """The number of the icon that shows the curve; ``key`` says what it is drawn from."""
     return _picture.icon((key, colour, ink), lambda: picture(curve, colour, ink))
 
 

@@ -10,9 +10,10 @@ from bpy.types import Collection, Material, Mesh, Object, Scene
 
 from ...core.render.frame_result import FrameResult
 from ..scene_reader.settings import read_settings
-from .annotations import INK, Furniture, furniture
+from .annotations import annotations, label_text
 from .camera import camera_view, picture_scale
 from .colour_map import FloatArray, linear
+from .hud import INK, Hud
 from .options import options_of
 from .render_data import Label, render_data
 from .screen import text_width
@@ -52,8 +53,8 @@ def graph_in_collection(scene: Scene, result: FrameResult, thickness: float, *, 
     if in_front:
         _bring_to_front(graph, view, projection, scene.camera.data.clip_start)
     if labels:
-        items = furniture(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width)
-        _add_furniture(collection, items, scale, scene.camera, projection, size)
+        items = annotations(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width)
+        _add_annotations(collection, items, scale, scene.camera, projection, size)
     return graph, collection
 
 
@@ -104,8 +105,8 @@ def _hide_from_light(obj: Object) -> None:
         setattr(obj, key, False)
 
 
-def _add_furniture(
-    collection: Collection, items: Furniture, scale: float, camera: Object, projection: FloatArray, size: tuple[int, int]
+def _add_annotations(
+    collection: Collection, items: Hud, scale: float, camera: Object, projection: FloatArray, size: tuple[int, int]
 ) -> None:
     """Labels and legend on a plane before the camera, which carries them."""
     clip_start = camera.data.clip_start
@@ -144,7 +145,7 @@ def _add_text(collection: Collection, words: str, size: float, colour: tuple[flo
 
 def _add_label(collection: Collection, label: Label, unit: float) -> None:
     """A text above its place, upright."""
-    obj = _add_text(collection, f"{label.name}  {label.value}", 17 * unit, (*INK, 1.0))
+    obj = _add_text(collection, f"{label.name}  {label_text(label)}", 17 * unit, (*INK, 1.0))
     obj.data.align_x = "CENTER"
     x, y, z = label.position
     obj.location, obj.rotation_euler = (x, y, z + (label.clearance + 5) * unit), (np.pi / 2, 0, 0)

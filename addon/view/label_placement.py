@@ -29,7 +29,7 @@ def project(position: FloatArray, perspective: FloatArray, size: tuple[float, fl
     return pixels
 
 
-def around(anchor: FloatArray, clearance: FloatArray) -> FloatArray:
+def squares_around(anchor: FloatArray, clearance: FloatArray) -> FloatArray:
     """Squares (n, 4: left, bottom, right, top) around places (n, 2) that reach ``clearance`` (n,) to each side; of the seen ones only."""
     return np.column_stack([anchor - clearance[:, None], anchor + clearance[:, None]])[~np.isnan(anchor[:, 0])]
 
@@ -39,14 +39,14 @@ def place_labels(
     extent: FloatArray,
     clearance: FloatArray,
     room: tuple[float, float, float, float],
-    taken: FloatArray,
-    busy: FloatArray,
+    occupied: FloatArray,
+    paths: FloatArray,
 ) -> FloatArray:
     """Lower left corners (n, 2) of labels of ``extent`` (n, 2) beside ``anchor`` (n, 2), NaN where there is no room.
 
-    Labels stay within ``room`` (left, bottom, right, top), keep ``clearance`` (n,) from their place and stay off the rectangles ``taken``
-    (m, 4: left, bottom, right, top). The first choose first: near their place, on the side that covers the fewest of the pixels ``busy``
-    (k, 2), else the right.
+    Labels stay within ``room`` (left, bottom, right, top), keep ``clearance`` (n,) from their place and stay off the rectangles
+    ``occupied`` (m, 4: left, bottom, right, top). The first choose first: near their place, on the side that covers the fewest of the
+    pixels ``paths`` (k, 2), else the right.
     """
     corner = np.full_like(anchor, np.nan)
     if not len(anchor):
@@ -56,9 +56,9 @@ def place_labels(
     side = np.tile(_SIDES, (len(reaches), 1))[None]
     low = anchor[:, None] + side * (extent[:, None] / 2 + clearance[:, None, None] * reach) - extent[:, None] / 2
     high = low + extent[:, None]
-    cost = _covered(low, high, busy, room) + _COST_OF_REACH * np.repeat(np.arange(len(reaches)), len(_SIDES))
+    cost = _covered(low, high, paths, room) + _COST_OF_REACH * np.repeat(np.arange(len(reaches)), len(_SIDES))
     cost += _COST_OF_CONFUSION * _nearer_to_another(low, high, anchor)
-    free = _free(low, high, room, taken.reshape(-1, 4))
+    free = _free(low, high, room, occupied.reshape(-1, 4))
     placed: list[tuple[float, float, float, float]] = []
     orders, corners = np.argsort(cost, axis=1, kind="stable").tolist(), np.concatenate([low, high], axis=2).tolist()
     for k, (order, rectangles) in enumerate(zip(orders, corners, strict=True)):
@@ -77,11 +77,11 @@ def place_labels(
 # themselves is several times faster than `all` over it.
 
 
-def _free(low: FloatArray, high: FloatArray, room: tuple[float, float, float, float], taken: FloatArray) -> BoolArray:
-    """Which rectangles lie inside ``room`` and off ``taken`` (m, 4)."""
+def _free(low: FloatArray, high: FloatArray, room: tuple[float, float, float, float], occupied: FloatArray) -> BoolArray:
+    """Which rectangles lie inside ``room`` and off ``occupied`` (m, 4)."""
     (x0, y0), (x1, y1) = np.moveaxis(low, 2, 0), np.moveaxis(high, 2, 0)
     result = (x0 >= room[0]) & (y0 >= room[1]) & (x1 <= room[2]) & (y1 <= room[3])
-    left, bottom, right, top = taken.T
+    left, bottom, right, top = occupied.T
     inside = np.flatnonzero(result)
     x0, y0, x1, y1 = (edge.reshape(-1)[inside, None] for edge in (x0, y0, x1, y1))
     result.reshape(-1)[inside] = ~((x0 < right) & (x1 > left) & (y0 < top) & (y1 > bottom)).any(axis=1)
@@ -97,10 +97,10 @@ def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray) ->
     return np.asarray(squared.min(axis=2) < own)
 
 
-def _covered(low: FloatArray, high: FloatArray, busy: FloatArray, room: tuple[float, float, float, float]) -> FloatArray:
-    """How many of the pixels ``busy`` (k, 2) lie in each rectangle, give or take those at its edges: counted by cells, summed up once."""
+def _covered(low: FloatArray, high: FloatArray, paths: FloatArray, room: tuple[float, float, float, float]) -> FloatArray:
+    """How many of the pixels ``paths`` (k, 2) lie in each rectangle, give or take those at its edges: counted by cells, summed up once."""
     width, height = (max(math.ceil(end / _CELL), 1) for end in room[2:])
-    place = (busy / _CELL).astype(np.int64)
+    place = (paths / _CELL).astype(np.int64)
     place = place[(place >= 0).all(axis=1) & (place[:, 0] < width) & (place[:, 1] < height)]
     sums = np.zeros((width + 1, height + 1), dtype=np.int32)
     cells = np.bincount(place @ (height, 1), minlength=width * height).reshape(width, height)

@@ -1,14 +1,17 @@
-"""What the user interface leaves free of a viewport."""
+"""Where things go over a viewport: what the user interface leaves free of it, and the corner of the meters."""
 
 from __future__ import annotations
 
 from bpy.types import Context
 
-from .annotations import Rectangle
+from .hud import Rectangle, overlaps
+
+_TEXT_HEIGHT = 56.0  # points of Blender's own text at the upper left
+_GIZMO_WIDTH = 110.0  # points of the navigation gizmo and its buttons at the upper right
 
 
 def free_rectangle(context: Context) -> Rectangle:
-    """What toolbar, sidebar and headers leave free of the viewport, in its pixels: they may lie over it."""
+    """The part of the viewport, in its pixels, that toolbar, sidebar and headers do not cover."""
     region = context.region
     left, bottom, right, top = 0.0, 0.0, float(region.width), float(region.height)
     for other in context.area.regions:
@@ -27,4 +30,39 @@ def free_rectangle(context: Context) -> Rectangle:
                 bottom = max(bottom, float(y + other.height))
             else:
                 top = min(top, float(y))
+    return left, bottom, max(right, left), max(top, bottom)
+
+
+def redo_panels(context: Context) -> tuple[Rectangle, ...]:
+    """The panel Adjust Last Operation, in pixels of the viewport; () where it is not shown."""
+    region = context.region
+    found = (other for other in context.area.regions if other.type == "HUD" and other.width > 1 and other.height > 1)
+    places = ((float(r.x - region.x), float(r.y - region.y), float(r.width), float(r.height)) for r in found)
+    return tuple((x, y, x + width, y + height) for x, y, width, height in places if x + width > 0 and y + height > 0)
+
+
+def is_main_view(context: Context) -> bool:
+    """False in the three orthographic views of a quad view, where meters and legend would only take room."""
+    space = context.space_data
+    return not len(space.region_quadviews) or context.region_data == space.region_3d
+
+
+def corner_room(context: Context, corner: str, width: float, scale: float, margin: float) -> Rectangle:
+    """The part of the viewport that is left for something of ``width`` pixels in a ``corner``: ``margin`` pixels from the edges of the free
+    part, and off Blender's own text, its navigation gizmo and the panel Adjust Last Operation.
+    """
+    vertical, horizontal = corner.split("_")
+    space, free = context.space_data, free_rectangle(context)
+    left, bottom, right, top = free[0] + margin, free[1] + margin, free[2] - margin, free[3] - margin
+    if vertical == "TOP" and horizontal == "LEFT" and space.overlay.show_text:
+        top -= _TEXT_HEIGHT * scale
+    if vertical == "TOP" and horizontal == "RIGHT" and space.show_gizmo and space.show_gizmo_navigate:
+        right -= _GIZMO_WIDTH * scale
+    if horizontal == "LEFT":
+        right = min(right, left + width)
+    else:
+        left = max(left, right - width)
+    for panel in redo_panels(context):
+        if overlaps(panel, (left, bottom, right, top)):
+            bottom = max(bottom, panel[3] + margin)
     return left, bottom, max(right, left), max(top, bottom)

@@ -1,4 +1,8 @@
-"""How much each listener feels: what the meters show, as numbers and as words."""
+"""How much each listener feels, as numbers and as words: level, peak and margin.
+
+The *level* is the RMS of what is played at a listener in decibels of full scale. The *margin* is how far it lies above the threshold of
+feeling. The *gain* belongs to a path and is none of them.
+"""
 
 from __future__ import annotations
 
@@ -8,45 +12,58 @@ from dataclasses import dataclass
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
+from ...core.arrays import FloatArray
 from ...core.perception import sensation_level
 from ...core.render.frame_result import FrameResult
-from ...core.render.history import History
+from ...core.render.history import still_samples
+from ..session.derived import Derived
+from ..session.session import Traced
 
 FLOOR = -60.0
 """Decibels of full scale at which a meter begins."""
-PEAK_SECONDS, RMS_SECONDS = 0.1, 0.25
+PEAK_SECONDS, LEVEL_SECONDS = 0.1, 0.25
+"""Durations over which peak and level are taken."""
 
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """What a listener feels, in decibels of full scale, minus infinity for silence. ``sensation``: decibels above the threshold of feeling;
-    ``threshold``: the RMS level at which a vibration of this kind would just be felt, None for silence."""
+    """What a listener feels, in decibels, minus infinity for silence.
+
+    ``peak`` and ``rms``: of full scale. ``margin``: above the threshold of feeling. ``threshold``: the RMS level at which a vibration of
+    this kind would just be felt, None for silence.
+    """
 
     listener: str
     body_part: str
     peak: float
     rms: float
-    sensation: float
+    margin: float
     threshold: float | None
 
     @property
     def is_felt(self) -> bool:
-        return self.sensation > 0
+        """True above the threshold of feeling."""
+        return self.margin > 0
+
+    @property
+    def is_silent(self) -> bool:
+        """True where nothing is played."""
+        return self.rms == -math.inf
 
     @property
     def place(self) -> float:
-        """Where the RMS level is on the meter, 0 to 1."""
+        """Where the level is on a meter, 0 to 1."""
         return place_of(self.rms)
 
-    def words(self) -> str:
-        """Peak and RMS in decibels: "−12, −20", "silent" """
-        return iface_("silent") if self.peak == -math.inf else f"{_number(self.peak)}, {_number(self.rms)}"
+    def peak_and_level(self) -> str:
+        """Peak and level in decibels: "−12, −20", or "silent"."""
+        return iface_("silent") if self.is_silent else f"{_number(self.peak)}, {_number(self.rms)}"
 
-    def feeling(self) -> str:
-        """How far above or below the threshold of feeling: "23 dB felt", "5 dB too weak", "" for silence."""
-        if self.sensation == -math.inf:
+    def margin_text(self) -> str:
+        """The margin with its sign: "+23 dB", "−5 dB", "" for silence."""
+        if self.margin == -math.inf:
             return ""
-        return iface_("{:.0f} dB felt" if self.is_felt else "{:.0f} dB too weak").format(abs(self.sensation))
+        return f"+{self.margin:.0f} dB" if self.is_felt else f"\N{MINUS SIGN}{abs(self.margin):.0f} dB"
 
 
 def place_of(level: float) -> float:
@@ -55,7 +72,7 @@ def place_of(level: float) -> float:
 
 
 def decibels(level: float) -> str:
-    """A level as text: "−12 dB"."""
+    """A level as text: "−12 dB", or "silent"."""
     return iface_("silent") if level == -math.inf else f"{_number(level)} dB"
 
 
@@ -63,21 +80,44 @@ def _number(level: float) -> str:
     return f"\N{MINUS SIGN}{-level:.0f}" if round(level) < 0 else f"{max(level, 0.0):.0f}"
 
 
-def levels(result: FrameResult, history: History) -> tuple[Level, ...]:
-    """The levels of all listeners of a frame."""
-    names = [listener.name for listener in result.listeners]
-    if list(history.listeners) != names:
-        history = History()
-        history.feed(result)
-    recent, latest = history.all(RMS_SECONDS), history.all(PEAK_SECONDS)
+def levels(result: FrameResult, samples: FloatArray, peak_seconds: float = PEAK_SECONDS) -> tuple[Level, ...]:
+    """The levels of all listeners at the end of ``samples`` (l, n)."""
+    window, latest = (samples[:, max(samples.shape[1] - round(s * result.sample_rate), 0) :] for s in (LEVEL_SECONDS, peak_seconds))
+    count = len(result.listeners)
     peak = np.abs(latest).max(axis=1, initial=0.0)
-    rms = np.sqrt((recent**2).mean(axis=1)) if recent.shape[1] else np.zeros(len(names))
-    sensation = sensation_level(recent, result.sample_rate)
+    rms = np.sqrt((window**2).mean(axis=1)) if window.shape[1] else np.zeros(count)
+    margin = sensation_level(window, result.sample_rate)
     with np.errstate(divide="ignore"):
         loud, mean = 20 * np.log10(peak), 20 * np.log10(rms)
     return tuple(
-        Level(
-            listener.name, listener.body_part, p, r, s, r - s if math.isfinite(s) and math.isfinite(r) else None
-        )
-        for listener, p, r, s in zip(result.listeners, loud.tolist(), mean.tolist(), sensation.tolist(), strict=True)
-    )  # fmt: skip
+        Level(listener.name, listener.body_part, p, r, m, r - m if math.isfinite(m) and math.isfinite(r) else None)
+        for listener, p, r, m in zip(result.listeners, loud.tolist(), mean.tolist(), margin.tolist(), strict=True)
+    )
+
+
+def shown_levels(traced: Traced, is_playing: bool, before: tuple[Level, ...] | None = None) -> tuple[Level, ...]:
+    """The levels of a frame: while the timeline plays those of the last quarter second, on a still those of the frame as if it lasted.
+
+    A frame thus reads the same however the timeline came to it. What has been played for less than a quarter second counts as a still;
+    a baked track has its samples and nothing to render a still from.
+    """
+    if _shows_still(traced, is_playing):
+        return levels(traced.result, still_samples(traced.result, LEVEL_SECONDS), LEVEL_SECONDS)
+    return levels(traced.result, traced.samples)
+
+
+def felt_samples(traced: Traced, is_playing: bool) -> FloatArray:
+    """The samples (l, n) of which `shown_levels` gives the levels."""
+    if _shows_still(traced, is_playing):
+        return still_samples(traced.result, LEVEL_SECONDS)
+    return traced.samples[:, max(traced.samples.shape[1] - round(LEVEL_SECONDS * traced.result.sample_rate), 0) :]
+
+
+def _shows_still(traced: Traced, is_playing: bool) -> bool:
+    result, block = traced.result, traced.result.block
+    fade_in = 0 if block is None else block.shape[1]  # sources fade in over the first frame
+    is_long = traced.samples.shape[1] >= round(LEVEL_SECONDS * result.sample_rate) + fade_in
+    return traced.reading is not None and not (is_playing and is_long)
+
+
+LEVELS: Derived[bool, tuple[Level, ...]] = Derived(shown_levels, every_frame=True)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...core.arrays import FloatArray
 from .body_map import HALF_WIDTH, HEIGHT, View, figure
 from .levels import Level
-from .meter_board import SCOPE_COLOUR, Scope, colour_of, full_scale, spans
+from .meter_layout import SCOPE_COLOUR, Scope, colour_of, full_scale, spans
 from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
 
 _MARGIN = 6

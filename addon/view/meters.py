@@ -1,4 +1,4 @@
-"""Draws the meters over every 3D viewport: one draw call, rebuilt when another frame was traced."""
+"""Draws the meters over every 3D viewport: one draw call, rebuilt when another frame is shown."""
 
 from __future__ import annotations
 
@@ -11,22 +11,21 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Scene, SpaceView3D
 
 from ...core.render.frame_result import FrameResult
-from ...core.render.history import History
+from ...core.render.history import still_samples
+from ..blender.playing import is_playing
 from ..changes.redraw import SIDEBAR_TAB
 from ..properties.preferences import preferences
 from ..session import session
 from . import shader
-from .annotations import Furniture, Rectangle, legend_width, moved, plate_of
-from .layout import free_rectangle
-from .levels import Level, levels
-from .meter_board import Scope, meters
+from .hud import Hud, Rectangle
+from .layout import corner_room, free_rectangle, is_main_view
+from .levels import LEVEL_SECONDS, LEVELS, Level, levels
+from .meter_layout import Scope, meter_hud
 from .quads import quads_of
 from .screen import draw_flat, shared_atlas, text_width
 
-_MARGIN = 12.0  # points to the edges of what is free
-_SHARE = 0.6  # of the free height
-_LEAST_WIDTH = 320.0  # points: with less than that beside it, the legend stands above
-
+_MARGIN = 12.0  # points to the edges of the free part of the viewport
+_SHARE_ACROSS, _SHARE_UP = 0.25, 0.6  # of the viewport's width, and of the height of its free part
 _PANEL_SECONDS = 0.1
 
 _handlers: list[Any] = []
@@ -36,62 +35,50 @@ _handlers: list[Any] = []
 class _Shown:
     """The meters of a view as they are on the GPU, and what they were made of."""
 
-    result: FrameResult
     key: Any
     batch: Any
-    generation: int
-    place: tuple[Rectangle, ...]
+    hud: Hud
 
 
 _shown: dict[int, _Shown] = {}  # by the region's address
-_refreshed: dict[int, float] = {}  # when a sidebar was drawn again last, by the region's address
-_levels: dict[int, tuple[FrameResult, tuple[Level, ...]]] = {}  # by session id of the scene
+_refreshed: dict[int, float] = {}  # time of the last redraw of a sidebar, by the region's address
 
 
 def levels_of(scene: Scene) -> tuple[Level, ...]:
-    """The levels of the scene's last frame, worked out once."""
-    result = session.result_of(scene)
-    if result is None:
-        return ()
-    known = _levels.get(scene.session_uid)
-    if known is None or known[0] is not result:
-        for gone in _levels.keys() - {other.session_uid for other in bpy.data.scenes}:
-            del _levels[gone]
-        known = (result, levels(result, session.of(scene).history))
-        _levels[scene.session_uid] = known
-    return known[1]
+    """The levels of the last frame that is complete; () where there are none yet."""
+    latest = LEVELS.latest(scene, is_playing())
+    return () if latest is None else latest.value
 
 
 def watched(scene: Scene) -> str:
-    """The listener whose scope is drawn: the active object, else the one that feels the most; "" for none."""
-    shown = levels_of(scene)
-    active = bpy.context.view_layer.objects.active
-    if active is not None and any(level.listener == active.name_full for level in shown):
-        return active.name_full
-    return max(shown, key=lambda level: level.rms).listener if shown else ""
+    """The listener that is looked at: the active object, else the last one that was, else the one that feels the most; "" for none."""
+    traced = session.shown(scene)
+    names = [] if traced is None else [listener.name for listener in traced.result.listeners]
+    active, own = bpy.context.view_layer.objects.active, session.of(scene)
+    if active is not None and active.name_full in names:
+        own.watched = active.name_full
+    if own.watched in names:
+        return own.watched
+    levels = [level for level in levels_of(scene) if level.listener in names]
+    return max(levels, key=lambda level: level.rms).listener if levels else (names[0] if names else "")
 
 
 def scope_of(scene: Scene) -> Scope | None:
-    """The last second of the listener that is watched; None where there is nothing of it, or where it is not to be drawn."""
-    name, history = watched(scene), session.of(scene).history
-    if not scene.haptics.meters.show_scope or not name or not history.sample_rate:
+    """The last second of the listener that is looked at; None where there is none, or where it is not to be drawn."""
+    traced, name = session.shown(scene), watched(scene)
+    if traced is None or not scene.haptics.meters.show_scope or not name:
         return None
-    return Scope(name, history.samples(name), history.sample_rate)
+    row = [listener.name for listener in traced.result.listeners].index(name)
+    return Scope(name, traced.samples[row], traced.result.sample_rate)
 
 
-def board_of(scene: Scene, corner: tuple[float, float], room: tuple[float, float], scale: float) -> Furniture:
-    """The scene's meters as shapes."""
-    title, body = iface_("Mode {}").format(scene.haptics.mode), scene.haptics.meters.show_body
-    return meters(levels_of(scene), scope_of(scene), corner, room, scale, text_width, title=title, body=body)
-
-
-def meters_above(scene: Scene, result: FrameResult, size: tuple[int, int], scale: float) -> Furniture:
+def meters_above(scene: Scene, result: FrameResult, size: tuple[int, int], scale: float) -> Hud:
     """The meters at the upper left of a picture."""
-    shown, margin = levels(result, History()), 12 * scale
-    room = (0.35 * size[0], 0.5 * size[1])
-    items = meters(shown, None, (0.0, 0.0), room, scale, text_width, title=iface_("Mode {}").format(scene.haptics.mode))
-    high = max((plate[3] for plate in plate_of(items)), default=0.0)
-    return moved(items, round(margin), round(size[1] - margin - high))
+    shown = levels(result, still_samples(result, LEVEL_SECONDS), LEVEL_SECONDS)
+    margin = 12 * scale
+    items = meter_hud(shown, None, (0.35 * size[0], 0.5 * size[1]), scale, text_width, iface_("Mode {}").format(scene.haptics.mode))
+    high = max((top for _, _, _, top in items.bounds), default=0.0)
+    return items.moved(round(margin), round(size[1] - margin - high))
 
 
 def _draw_pixels() -> None:
@@ -99,18 +86,17 @@ def _draw_pixels() -> None:
     scene, space = context.scene, context.space_data
     if scene is not None and space is not None:
         _refresh_panels(context)
-    if scene is None or space is None or not scene.haptics.meters.show or not space.overlay.show_overlays:
+    if scene is None or space is None or not scene.haptics.meters.show or not space.overlay.show_overlays or not is_main_view(context):
         return
-    result = session.result_of(scene)
-    if result is None or not result.listeners:
+    if not levels_of(scene):
         _shown.pop(context.region.as_pointer(), None)
         return
     with session.drawing(scene):
-        draw_board(context, scene, result)
+        _draw_meters(context, scene)
 
 
 def _refresh_panels(context: Context) -> None:
-    """Have the sidebar drawn again: while the timeline plays, Blender leaves it as it is. Not more often than one can read."""
+    """Redraw the sidebar while the timeline plays, which Blender does not; not more often than one can read."""
     if context.screen is None or not context.screen.is_animation_playing:
         return
     now = time.perf_counter()
@@ -125,42 +111,58 @@ def _refresh_panels(context: Context) -> None:
             region.tag_redraw()
 
 
-def draw_board(context: Context, scene: Scene, result: FrameResult) -> None:
-    """The meters at the lower left of what is free of the viewport."""
+def _draw_meters(context: Context, scene: Scene) -> None:
     region, scale = context.region, context.preferences.system.ui_scale * preferences().overlay_size
-    left, bottom, right, top = free_rectangle(context)
-    margin = _MARGIN * scale
-    corner = (round(left + margin), round(bottom + margin))
-    width = right - left - 2 * margin
-    beside_legend = width - legend_width(scale, text_width) - margin
-    if scene.haptics.show_overlay and beside_legend >= _LEAST_WIDTH * scale:
-        width = beside_legend
-    room = (width, _SHARE * (top - bottom) - margin)
-    chosen = scene.haptics.meters
-    atlas = shared_atlas()
-    key = (corner, room, scale, chosen.show_scope, chosen.show_body, scene.haptics.mode, watched(scene), bpy.app.translations.locale)
+    key = _key(context, scene, scale)
     known = _shown.get(region.as_pointer())
-    if known is None or known.result is not result or known.key != key or known.generation != atlas.generation:
-        items = board_of(scene, corner, room, scale)
-        batch = shader.upload(quads_of((items.lines, atlas.lines(items.texts)), items.points))
-        known = _Shown(result, key, batch, atlas.generation, plate_of(items))
+    if known is None or known.key != key:
+        hud = _placed_meters(context, scene, scale)
+        known = _Shown(key, shader.upload(quads_of((hud.lines, shared_atlas().lines(hud.texts)), hud.points)), hud)
+        known.key = (*key[:-1], shared_atlas().generation)  # drawing the texts may have emptied the atlas
         if len(_shown) > 16:
             _shown.clear()
         _shown[region.as_pointer()] = known
     draw_flat(known.batch, (region.width, region.height), scale)
 
 
-def taken(context: Context) -> tuple[Rectangle, ...]:
-    """What the meters cover of the region, as they were last drawn."""
+def _key(context: Context, scene: Scene, scale: float) -> tuple[Any, ...]:
+    """All that the meters of a view depend on."""
+    traced, chosen = session.shown(scene), scene.haptics.meters
+    choices = chosen.corner, chosen.show_scope, chosen.show_body, watched(scene), _title(scene), bpy.app.translations.locale
+    return traced and traced.serial, levels_of(scene), _room(context, scene, scale), scale, choices, shared_atlas().generation
+
+
+def _title(scene: Scene) -> str:
+    is_late = session.is_behind(scene) and not is_playing()
+    return iface_("Tracing...") if is_late else iface_("Mode {}").format(scene.haptics.mode)
+
+
+def _room(context: Context, scene: Scene, scale: float) -> Rectangle:
+    margin = _MARGIN * scale
+    return corner_room(context, scene.haptics.meters.corner, _SHARE_ACROSS * context.region.width, scale, margin)
+
+
+def _placed_meters(context: Context, scene: Scene, scale: float) -> Hud:
+    """The meters in their corner of the viewport."""
+    left, bottom, right, top = _room(context, scene, scale)
+    free, chosen = free_rectangle(context), scene.haptics.meters
+    room = right - left, min(top - bottom, _SHARE_UP * (free[3] - free[1]))
+    hud = meter_hud(levels_of(scene), scope_of(scene), room, scale, text_width, _title(scene), body=chosen.show_body)
+    width, height = (max((bounds[k] for bounds in hud.bounds), default=0.0) for k in (2, 3))
+    vertical, horizontal = chosen.corner.split("_")
+    return hud.moved(round(left if horizontal == "LEFT" else right - width), round(bottom if vertical == "BOTTOM" else top - height))
+
+
+def occupied(context: Context) -> tuple[Rectangle, ...]:
+    """What the meters cover of the region."""
     known = _shown.get(context.region.as_pointer())
-    return known.place if known is not None and context.scene.haptics.meters.show else ()
+    return known.hud.bounds if known is not None and context.scene.haptics.meters.show and is_main_view(context) else ()
 
 
 def forget() -> None:
     """Drop what is kept between redraws."""
     _shown.clear()
     _refreshed.clear()
-    _levels.clear()
 
 
 def register() -> None:

@@ -1,6 +1,7 @@
 """Draws the haptic graph over every 3D viewport: handlers, and what they keep between redraws.
 
-A redraw with nothing changed compares one signature and issues two draw calls: one for the graph, one for labels and legend.
+The shapes are made on the worker thread. A redraw with nothing changed compares one signature and issues two draw calls: one for the
+graph, one for labels and legend.
 """
 
 from __future__ import annotations
@@ -18,14 +19,15 @@ from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Settings
 from ..blender.time import seconds_of
 from ..properties.preferences import preferences
-from ..scene_reader.settings import read_settings
 from ..session import session
+from ..session.derived import Derived
 from . import meters, shader
-from .annotations import Rectangle, furniture
+from .annotations import LegendSide, annotations
 from .colour_map import FloatArray
-from .layout import free_rectangle
+from .hud import Rectangle
+from .layout import free_rectangle, is_main_view, redo_panels
 from .options import options_of
-from .quads import quads, quads_of
+from .quads import Quads, quads, quads_of
 from .render_data import Options, RenderData, render_data
 from .screen import draw_flat, free_texts, shared_atlas, text_width
 
@@ -38,35 +40,63 @@ _drawings: dict[int, Drawing] = {}  # by session id of the scene
 _KEPT_VIEWS = 8
 
 
-@dataclass(slots=True)
-class Drawing:
-    """A frame's data and its batch on the GPU; labels and legend per view."""
+@dataclass(frozen=True, slots=True)
+class GraphShapes:
+    """A frame's graph as it is drawn, and what it was made of."""
 
     result: FrameResult
     settings: Settings
     options: Options
     data: RenderData
+    quads: Quads
+
+    @classmethod
+    def of(cls, result: FrameResult, settings: Settings, options: Options, before: GraphShapes | None = None) -> GraphShapes:
+        """The shapes of ``result``; ``before`` where it looks the same: the tracer keeps graph and gains while nothing in them changes."""
+        if before is not None and (before.settings, before.options) == (settings, options) and _look_alike(before.result, result):
+            return before
+        data = render_data(result, settings, options)
+        return cls(result, settings, options, data, quads(data))
+
+
+def _look_alike(one: FrameResult, other: FrameResult) -> bool:
+    return one.graph is other.graph and one.propagation is other.propagation
+
+
+@dataclass(slots=True)
+class Drawing:
+    """Shapes and their batch on the GPU; labels and legend per view."""
+
+    shapes: GraphShapes
     batch: Any
-    locale: str  # of its words
     views: OrderedDict[Any, Any] = field(default_factory=OrderedDict)
 
-    def shows(self, result: FrameResult) -> bool:
-        """Whether another frame would look the same: the tracer keeps graph and gains while nothing in them changes."""
-        return self.result.graph is result.graph and self.result.propagation is result.propagation
+    @classmethod
+    def of(cls, shapes: GraphShapes) -> Drawing:
+        """Upload the shapes."""
+        return cls(shapes, shader.upload(shapes.quads))
 
 
-def drawing_of(scene_id: int, result: FrameResult, settings: Settings, options: Options) -> Drawing:
-    """What is drawn of ``result``, kept until what it shows, the settings, the options or the language change."""
-    known = _drawings.get(scene_id)
-    locale = bpy.app.translations.locale
-    if known is not None and known.shows(result) and (known.settings, known.options, known.locale) == (settings, options, locale):
-        return known
-    for gone in _drawings.keys() - {scene.session_uid for scene in bpy.data.scenes}:
-        del _drawings[gone]
-    data = render_data(result, settings, options)
-    drawing = Drawing(result, settings, options, data, shader.upload(quads(data)), locale)
-    _drawings[scene_id] = drawing
-    return drawing
+def _shapes(traced: session.Traced, options: Options, before: GraphShapes | None) -> GraphShapes:
+    return GraphShapes.of(traced.result, traced.settings, options, before)
+
+
+_SHAPES: Derived[Options, GraphShapes] = Derived(_shapes, every_frame=True)
+
+
+def drawing_of(scene: Scene) -> Drawing | None:
+    """The last graph that is complete, without waiting; None where there is none."""
+    traced = session.shown(scene)
+    latest = None if traced is None else _SHAPES.latest(scene, options_of(scene, traced.result))
+    if latest is None:
+        _drawings.pop(scene.session_uid, None)
+        return None
+    known = _drawings.get(scene.session_uid)
+    if known is None or known.shapes is not latest.value:
+        for gone in _drawings.keys() - {other.session_uid for other in bpy.data.scenes}:
+            del _drawings[gone]
+        known = _drawings[scene.session_uid] = Drawing.of(latest.value)
+    return known
 
 
 def draw_graph(
@@ -102,20 +132,21 @@ def depth_bias(projection: Any) -> tuple[float, float]:
     return (0.0, 0.02 * abs(projection[2][2])) if orthographic else (0.01, 0.0)
 
 
-def draw_furniture(
+def draw_annotations(
     drawing: Drawing,
     perspective: FloatArray,
     size: tuple[float, float],
     scale: float,
     free: Rectangle,
-    taken: tuple[Rectangle, ...] = (),
+    occupied: tuple[Rectangle, ...] = (),
+    legend: LegendSide = "RIGHT",
 ) -> None:
-    """Labels and legend, in pixels; within ``free`` and off what is ``taken``."""
+    """Labels and legend, in pixels; within ``free`` and off what is ``occupied``."""
     atlas = shared_atlas()
-    key = (perspective.tobytes(), size, scale, free, taken)
+    key = (perspective.tobytes(), size, scale, free, occupied, legend, bpy.app.translations.locale)
     known = drawing.views.get((*key, atlas.generation))
     if known is None:
-        items = furniture(drawing.data, perspective, size, scale, free, text_width, taken)
+        items = annotations(drawing.shapes.data, perspective, size, scale, free, text_width, occupied, legend)
         texts = atlas.lines(items.texts)
         known = shader.upload(quads_of((items.lines, texts), items.points))
         drawing.views[(*key, atlas.generation)] = known
@@ -124,29 +155,25 @@ def draw_furniture(
     draw_flat(known, size, scale)
 
 
-def _shown(context: Context) -> tuple[Scene, FrameResult] | None:
+def _is_shown(context: Context) -> bool:
     scene, space = context.scene, context.space_data
-    if scene is None or space is None or not scene.haptics.show_overlay or not space.overlay.show_overlays:
-        return None
-    result = session.result_of(scene)
-    if result is None:
-        _drawings.pop(scene.session_uid, None)
-        return None
-    return scene, result
+    return scene is not None and space is not None and scene.haptics.show_overlay and space.overlay.show_overlays
 
 
 def _draw_view() -> None:
     context = bpy.context
-    if context.scene is not None:
-        session.of(context.scene).draw_milliseconds = 0.0  # this comes first in a redraw
-    shown = _shown(context)
-    if shown is None:
+    scene = context.scene
+    if scene is not None:
+        session.of(scene).draw_milliseconds = 0.0  # this comes first in a redraw
+    if not _is_shown(context):
         return
-    scene, result = shown
     region, view = context.region, context.region_data
     with session.drawing(scene):
+        drawing = drawing_of(scene)
+        if drawing is None:
+            return
         draw_graph(
-            drawing_of(scene.session_uid, result, read_settings(scene), options_of(scene, result)),
+            drawing,
             view.window_matrix,
             view.view_matrix,
             (region.width, region.height),
@@ -158,21 +185,29 @@ def _draw_view() -> None:
 
 def _draw_pixels() -> None:
     context = bpy.context
-    shown = _shown(context)
-    drawing = _drawings.get(shown[0].session_uid) if shown is not None else None  # `_draw_view` has just drawn it
-    if shown is None or drawing is None:
+    drawing = _drawings.get(context.scene.session_uid) if _is_shown(context) else None  # `_draw_view` has just drawn it
+    if drawing is None:
         return
-    region = context.region
+    region, scene = context.region, context.scene
     perspective = np.array(context.region_data.perspective_matrix, dtype=np.float64)
-    with session.drawing(shown[0]):
-        draw_furniture(
+    with session.drawing(scene):
+        draw_annotations(
             drawing,
             perspective,
             (region.width, region.height),
             context.preferences.system.ui_scale * preferences().overlay_size,
             free_rectangle(context),
-            meters.taken(context),
+            meters.occupied(context) + redo_panels(context),
+            _legend_side(context),
         )
+
+
+def _legend_side(context: Context) -> LegendSide:
+    """The legend stands on the side where the meters are not."""
+    meters_shown = context.scene.haptics.meters
+    if not is_main_view(context):
+        return "NONE"
+    return "LEFT" if meters_shown.show and meters_shown.corner.endswith("RIGHT") else "RIGHT"
 
 
 def seconds_shown(scene: Scene) -> float:

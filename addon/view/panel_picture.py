@@ -1,13 +1,16 @@
-"""Pictures in panels: pixels as an icon, drawn again only where what they show has changed."""
+"""Pictures in panels: pixels as an icon, drawn anew only where their content has changed."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from typing import Any
 
 import numpy as np
 from bpy.types import Context
+from bpy.utils import previews
 from numpy.typing import NDArray
+
+from ..session.derived import Background
 
 Pixels = NDArray[np.float32]
 Colour = tuple[float, float, float]
@@ -17,33 +20,31 @@ SIZE = 256
 
 
 class Picture:
-    """A picture in a panel. Its pixels (SIZE, SIZE, 4) have colours times opacity, the first row at the bottom."""
+    """A picture in a panel, drawn on the worker thread. Its pixels (SIZE, SIZE, 4) are premultiplied, the first row at the bottom."""
 
     def __init__(self) -> None:
         self._previews: Any = None
-        self._shown: object = None
+        self._pixels: Background[Pixels] = Background()
+        self._shown: Pixels | None = None
 
-    def icon(self, key: object, draw: Callable[[], Pixels]) -> int:
-        """The number of the icon that shows what ``draw`` gives; ``key`` says what it is drawn from: the same is not drawn twice."""
+    def icon(self, key: Hashable, draw: Callable[[], Pixels]) -> int:
+        """The number of the icon that shows the last picture; where ``key`` is another than its own, ``draw`` makes a new one."""
         if self._previews is None:
-            from bpy.utils import previews
-
             self._previews = previews.new()
             self._previews.new("picture").image_size = (SIZE, SIZE)
             self._shown = None
         preview = self._previews["picture"]
-        if self._shown != key:
-            preview.image_pixels_float.foreach_set(draw().ravel())
-            self._shown = key
+        latest = self._pixels.latest(key, lambda before: draw())
+        if latest is not None and latest.value is not self._shown:
+            preview.image_pixels_float.foreach_set(latest.value.ravel())
+            self._shown = latest.value
         return preview.icon_id
 
     def forget(self) -> None:
         """Free it; it is made again where it is asked for again."""
         if self._previews is not None:
-            from bpy.utils import previews
-
             previews.remove(self._previews)
-            self._previews, self._shown = None, None
+            self._previews, self._shown, self._pixels = None, None, Background()
 
 
 def blank() -> Pixels:

@@ -22,14 +22,13 @@ from ...core.render.frame_result import FrameResult
 from ..blender import compatibility
 from ..scene_reader.settings import read_settings
 from . import overlay
-from .annotations import plate_of
 from .camera import camera_view, picture_scale
 from .cycles_picture import rendered_picture
 from .meters import meters_above
 from .options import shown_options
 from .png import write_png
 from .render_data import Options
-from .screen import draw_board
+from .screen import draw_hud
 
 SMOOTHING = 2
 """Pictures are drawn this much larger and averaged down, which smooths edges."""
@@ -84,7 +83,7 @@ def viewport_picture(
     scene: Scene, result: FrameResult, size: tuple[int, int], options: Options | None = None, *, meters: bool = False
 ) -> NDArray[np.uint8]:
     """Pixels (height, width, 3), top row first: the 3D viewport from the scene's camera with the graph over it."""
-    drawing = overlay.drawing_of(scene.session_uid, result, read_settings(scene), options or shown_options(scene))
+    drawing = overlay.Drawing.of(overlay.GraphShapes.of(result, read_settings(scene), options or shown_options(scene)))
     width, height = (SMOOTHING * side for side in size)
     scale = SMOOTHING * picture_scale(size)
     view, projection = camera_view(scene, (width, height))
@@ -94,11 +93,11 @@ def viewport_picture(
             off_screen.draw_view3d(scene, scene.view_layers[0], space, region, view, projection, do_color_management=True)
         with off_screen.bind():
             overlay.draw_graph(drawing, projection, view, (width, height), scale, xray=scene.haptics.xray, flow=None)
-            board = meters_above(scene, result, (width, height), scale) if meters else None
+            hud = meters_above(scene, result, (width, height), scale) if meters else None
             perspective, free = np.array(projection @ view, dtype=np.float64), (0.0, 0.0, float(width), float(height))
-            overlay.draw_furniture(drawing, perspective, (width, height), scale, free, plate_of(board))
-            if board is not None:
-                draw_board(board, (width, height), scale)
+            overlay.draw_annotations(drawing, perspective, (width, height), scale, free, hud.bounds if hud else ())
+            if hud is not None:
+                draw_hud(hud, (width, height), scale)
             buffer = gpu.state.active_framebuffer_get().read_color(0, 0, width, height, 4, 0, "UBYTE")
     finally:
         off_screen.free()

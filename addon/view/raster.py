@@ -13,7 +13,7 @@ from bpy.types import VectorFont
 
 from ...core.arrays import BoolArray, FloatArray
 from . import screen
-from .annotations import Furniture, Text
+from .hud import Hud, Text
 from .render_data import Shape
 from .solids import layers
 
@@ -25,7 +25,7 @@ Canvas = FloatArray
 """(height, width, 3) display values, bottom row first."""
 
 
-def paint(canvas: Canvas, items: Furniture, scale: float) -> None:
+def paint(canvas: Canvas, items: Hud, scale: float) -> None:
     """Paint ``items`` over ``canvas``. ``scale``: pixels per point."""
     lines = items.lines
     for (start, end), colour, width, shape in zip(lines.position, lines.colour, lines.width, lines.shape, strict=True):

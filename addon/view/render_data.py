@@ -16,7 +16,7 @@ from ...core.graph.haptic_graph import HapticGraph, distances
 from ...core.propagation.spread import Spread, spread
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Mode, Settings, SourceKind
-from .colour_map import FloatArray, GainScale, decibel_text, hex_colour
+from .colour_map import FloatArray, GainScale, hex_colour
 
 Drawn = NDArray[np.float32]
 
@@ -89,11 +89,12 @@ class Lines:
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """Words at a place: ``name``, then ``value`` in ``colour`` (3,). ``clearance`` [pixels] around the place is kept free. Labels of
-    higher ``priority`` are placed first."""
+    """A name at a place, and in ``colour`` (3,) the gain of a listener or the amplitude of a source. ``clearance`` [pixels] around the
+    place is kept free. Labels of higher ``priority`` are placed first."""
 
     name: str
-    value: str
+    gain: float
+    is_listener: bool
     position: tuple[float, float, float]
     colour: tuple[float, float, float]
     clearance: float
@@ -321,7 +322,8 @@ def _labels(result: FrameResult, scale: GainScale, options: Options) -> tuple[La
         labels.append(
             Label(
                 source.name,
-                decibel_text(source.amplitude),
+                source.amplitude,
+                False,
                 source.position,
                 tuple(colour.tolist()),
                 POINT_SIZE[Shape.SOURCE] / 2,
@@ -336,7 +338,8 @@ def _labels(result: FrameResult, scale: GainScale, options: Options) -> tuple[La
         labels.append(
             Label(
                 listener.name,
-                decibel_text(gain),
+                gain,
+                True,
                 listener.position,
                 tuple(colours[k].tolist()),
                 POINT_SIZE[Shape.LISTENER] / 2,

@@ -9,12 +9,12 @@ import blf
 import gpu
 
 from . import shader
-from .annotations import Furniture
+from .hud import Hud
 from .quads import quads_of
 from .text_atlas import TextAtlas, pixels_to_clip
 
 
-def draw_board(items: Furniture, size: tuple[float, float], scale: float) -> None:
+def draw_hud(items: Hud, size: tuple[float, float], scale: float) -> None:
     """Plates, lines, symbols and texts once, without keeping them."""
     texts = shared_atlas().lines(items.texts)
     draw_flat(shader.upload(quads_of((items.lines, texts), items.points)), size, scale)

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...core.arrays import BoolArray, IntArray
-from .annotations import Furniture
 from .colour_map import FloatArray
+from .hud import Hud
 from .render_data import HALO_COLOUR, Lines, Points, RenderData, Shape
 
 Triangles = IntArray
@@ -166,7 +166,7 @@ def _listeners(points: Points, unit: float) -> Solid:
     )
 
 
-def flat(items: Furniture, scale: float) -> Solid:
+def flat(items: Hud, scale: float) -> Solid:
     """Plates, leaders and symbols of labels and legend as flat shapes, in pixels; every later one lies a little higher. ``scale``: pixels
     per point."""
     shapes: list[tuple[FloatArray, FloatArray]] = []

@@ -13,7 +13,7 @@ import numpy as np
 from gpu.types import GPUFrameBuffer, GPUTexture
 from mathutils import Matrix
 
-from .annotations import Text
+from .hud import Text
 from .render_data import Lines, Shape
 
 SIZE = (2048, 1024)

@@ -14,8 +14,7 @@ STILL_SECONDS = 0.25
 
 
 class History:
-    """Blocks that follow each other, as long as they do: after a jump only the new frame is kept. A frame that stands alone has no block:
-    it is rendered as if it had lasted for a while."""
+    """Blocks that follow each other; a jump begins anew. A frame without a block is rendered as if it lasted for `STILL_SECONDS`."""
 
     def __init__(self) -> None:
         self.sample_rate = 0.0
@@ -57,11 +56,11 @@ class History:
 
 
 def still_samples(result: FrameResult, seconds: float) -> FloatArray:
-    """Samples (l, n) of the ``seconds`` up to the frame, with the gains that it has."""
+    """Samples (l, n) of a single frame as if it lasted for ``seconds`` from the beginning of its interval, with its gains."""
     if not result.listeners:
         return np.zeros((0, 0))
     renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
     voices = source_voices(result.sources, result.listeners, result.propagation)
-    start = result.time - seconds
+    start = result.first_sample / result.sample_rate
     renderer.render_frame(start - seconds / 2, start, voices)  # sources fade in over the first frame in which they are seen
-    return renderer.render_frame(start, result.time, voices)
+    return renderer.render_frame(start, start + seconds, voices)

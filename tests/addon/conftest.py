@@ -75,6 +75,26 @@ def traced() -> Callable[[], Any]:
     return trace
 
 
+@pytest.fixture
+def settle(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], Any]], Any]:
+    """Draws again and again until the worker has nothing left to compute, as redraws do in a window; returns what was drawn last."""
+    from haptic_tracing.addon.session import derived, worker
+
+    monkeypatch.setattr(derived, "_REST", 0.0)
+
+    def settled(draw: Callable[[], Any]) -> Any:
+        for _ in range(10):
+            last = worker._state.last
+            if last is not None:
+                last.exception()  # waits
+            drawn, job = draw(), worker._state.last
+            if job is last:
+                return drawn
+        raise AssertionError("every redraw asks for something new")
+
+    return settled
+
+
 _status: list[int] = []
 
 

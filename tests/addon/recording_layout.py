@@ -65,6 +65,11 @@ class RecordingLayout:
         self.labels.append(text)
         return _OperatorProperties({p.identifier for p in operator.get_rna_type().properties})
 
+    def operator_menu_enum(self, identifier: str, name: str, **values: Any) -> Any:
+        properties = self.operator(identifier, **values)
+        assert name in properties._names, f"{identifier} has no property {name}"
+        return properties
+
     def menu(self, identifier: str, **_: Any) -> None:
         assert hasattr(bpy.types, identifier)
         self.menus.append(identifier)

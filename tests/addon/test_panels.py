@@ -50,20 +50,20 @@ def test_object_panel_shows_the_parameter_of_the_chosen_function(add_box):
     assert not {"alpha", "range", "constant", "expression"} & set(_draw(_panel("HAPTIC_PT_object")).properties)
 
 
-def test_result_panel_shows_gains_in_decibels(add_box, traced):
+def test_result_panel_shows_gains_in_decibels(add_box, traced, settle):
     box = add_box("box", (0, 0, 0), (1, 1, 1))
     box.haptics.kappa, box.haptics.rho = 0.0, 0.1
     box.haptics.source.enabled = box.haptics.listener.enabled = True
     traced()
-    labels = _draw(_panel("HAPTIC_PT_result")).labels
+    labels = settle(lambda: _draw(_panel("HAPTIC_PT_result"))).labels
     assert "0.100  -20 dB" in labels
 
 
-def test_result_panel_says_when_nothing_arrives(add_box, traced):
+def test_result_panel_says_when_nothing_arrives(add_box, traced, settle):
     add_box("near", (0, 0, 0), (1, 1, 1)).haptics.source.enabled = True
     add_box("far", (9, 0, 0), (1, 1, 1)).haptics.listener.enabled = True
     traced()
-    assert "Nothing reaches it" in _draw(_panel("HAPTIC_PT_result")).labels
+    assert "Nothing reaches it" in settle(lambda: _draw(_panel("HAPTIC_PT_result"))).labels
 
 
 def test_scene_panel_lists_problems_with_a_button_to_their_object(add_empty, traced):

@@ -164,15 +164,15 @@ def test_the_curve_shows_what_is_traced():
     assert banded.bands[1] == pytest.approx(banded.gains * np.exp(-3.0 * banded.distances))
 
 
-def test_the_picture_is_drawn_again_only_where_something_changed(monkeypatch):
+def test_the_picture_is_drawn_again_only_where_something_changed(monkeypatch, settle):
     drawn = []
     monkeypatch.setattr(
         gain_plot, "picture", lambda *arguments: drawn.append(1) or np.zeros((gain_plot.SIZE, gain_plot.SIZE, 4), np.float32)
     )
     curve = gain_curve(HapticTracing(), 0.2, 0.9, 0.1)
     for key in ("a", "a", "b", "b"):
-        gain_plot.icon(key, curve, (1, 1, 1), (0, 0, 0))
-    gain_plot.icon("b", curve, (1, 0, 0), (0, 0, 0))
+        settle(lambda key=key: gain_plot.icon(key, curve, (1, 1, 1), (0, 0, 0)))
+    settle(lambda: gain_plot.icon("b", curve, (1, 0, 0), (0, 0, 0)))
     assert len(drawn) == 3
     gain_plot.forget()
 

@@ -19,15 +19,8 @@ recording_layout = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(recording_layout)
 
 
-class Layout(recording_layout.RecordingLayout):
-    def operator_menu_enum(self, identifier, name, *, text="", icon="NONE"):
-        properties = self.operator(identifier, text=text, icon=icon)
-        assert name in properties._names
-        return properties
-
-
 def drawn():
-    layout = Layout()
+    layout = recording_layout.RecordingLayout()
     for panel in live_output.CLASSES:
         panel.draw(SimpleNamespace(layout=layout), bpy.context)
     return layout
@@ -65,7 +58,7 @@ def test_a_device_is_offered_connected_and_shown_with_its_budget(plug, connect, 
 
 
 def test_what_a_status_says_is_shown(scene):
-    layout = Layout()
+    layout = recording_layout.RecordingLayout()
     blocked = Status("open", "DualSense: write failed: no", 12, 3, 1, 0, 4.2, 0.004, 0.090)
     live_output._draw_status(layout, blocked, 1 / 24)
     shown = " ".join(layout.labels)

@@ -5,30 +5,39 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from haptic_tracing.addon.scene_reader.reading import Reading
+from haptic_tracing.addon.session.session import Traced
 from haptic_tracing.addon.view.body_map import HALF_WIDTH, HEIGHT, figure
-from haptic_tracing.addon.view.comparison import compared
-from haptic_tracing.addon.view.levels import FLOOR, decibels, levels, place_of
+from haptic_tracing.addon.view.comparison import mode_gains
+from haptic_tracing.addon.view.levels import FLOOR, decibels, levels, place_of, shown_levels
 from haptic_tracing.core.contacts.contact_set import ContactSet
+from haptic_tracing.core.contacts.settings import ContactSettings
 from haptic_tracing.core.perception import threshold_level
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.render.history import History, still_samples
 from haptic_tracing.core.scene.body import BODY_PARTS
 from haptic_tracing.core.scene.functions import Exponential
-from haptic_tracing.core.scene.values import HapticObject, Listener, Mode, Settings, Source
+from haptic_tracing.core.scene.values import HapticObject, Listener, Mode, Settings, Source, SourceKind
 from haptic_tracing.core.signals import Sine
 from haptic_tracing.core.tracer import Frame, Tracer
 
 RATE = 8000.0
 
 
-def played(frames, amplitude=0.5, frequency=100.0, distance=1.0, **listener):
+def traced(result, history):
+    """What the session keeps of a frame, traced rather than read from a track."""
+    reading = Reading((), (), np.zeros((0, 4, 4)), (), (), Settings(), ContactSettings(), {}, ())
+    return Traced(1, result, Settings(), history.all(), reading)
+
+
+def played(frames, amplitude=0.5, frequency=100.0, distance=1.0, settings=None, **listener):
     """A sine on a plank, felt ``distance`` metres away with e^(-0.2 d), and one that nothing reaches; frames of 1/25 s."""
     objects = (HapticObject("plank", 0.0, 1.0, Exponential(alpha=0.2)), HapticObject("moon", 0.0, 1.0))
     sources = (Source("hum", "plank", (0, 0, 0), amplitude, signal=Sine(frequency)),)
     listeners = (Listener("hand", "plank", (distance, 0, 0), "hand.L", **listener), Listener("eye", "moon"))
     tracer, history = Tracer(), History()
     for number in range(frames):
-        result = tracer.step(Frame(number, number / 25, objects, sources, listeners, contacts=ContactSet.empty()))
+        result = tracer.step(Frame(number, number / 25, objects, sources, listeners, settings or Settings(), contacts=ContactSet.empty()))
         history.feed(result)
     return result, history
 
@@ -54,25 +63,25 @@ def test_a_jump_begins_anew():
 
 def test_levels_of_a_sine():
     result, history = played(40)
-    felt, nothing = levels(result, history)
+    felt, nothing = shown_levels(traced(result, history), True)
     amplitude = 0.5 * math.exp(-0.2)
     assert felt.peak == pytest.approx(20 * math.log10(amplitude), abs=0.01)
     assert felt.rms == pytest.approx(20 * math.log10(amplitude / math.sqrt(2)), abs=0.01)
-    assert felt.sensation == pytest.approx(20 * math.log10(amplitude) - float(threshold_level(100.0)), abs=0.1)
+    assert felt.margin == pytest.approx(20 * math.log10(amplitude) - float(threshold_level(100.0)), abs=0.1)
     assert felt.threshold == pytest.approx(float(threshold_level(100.0)) - 10 * math.log10(2), abs=0.1)
     assert felt.is_felt
-    assert felt.words() == "−8, −11"
-    assert felt.feeling() == "23 dB felt"
-    assert (nothing.peak, nothing.rms, nothing.sensation, nothing.threshold) == (-math.inf, -math.inf, -math.inf, None)
+    assert felt.peak_and_level() == "−8, −11"
+    assert felt.margin_text() == "+23 dB"
+    assert (nothing.peak, nothing.rms, nothing.margin, nothing.threshold) == (-math.inf, -math.inf, -math.inf, None)
     assert not nothing.is_felt
-    assert (nothing.words(), nothing.feeling()) == ("silent", "")
+    assert (nothing.peak_and_level(), nothing.margin_text()) == ("silent", "")
 
 
 def test_too_weak_to_be_felt():
     result, history = played(20, amplitude=0.01, frequency=40.0)
-    level = levels(result, history)[0]
+    level = shown_levels(traced(result, history), True)[0]
     assert not level.is_felt
-    assert level.feeling() == f"{float(threshold_level(40.0)) + 40 + 1.74:.0f} dB too weak"
+    assert level.margin_text() == f"−{float(threshold_level(40.0)) + 40 + 1.74:.0f} dB"
 
 
 def test_a_frame_that_stands_alone_is_as_loud_as_the_same_frames_playing():
@@ -81,15 +90,42 @@ def test_a_frame_that_stands_alone_is_as_loud_as_the_same_frames_playing():
     still = replace(result, block=None)
     alone = History()
     alone.feed(still)
-    for one, other in zip(levels(result, history), levels(still, alone), strict=True):
+    for one, other in zip(shown_levels(traced(result, history), True), shown_levels(traced(still, alone), False), strict=True):
         assert one.rms == pytest.approx(other.rms, abs=0.05)
-        assert one.sensation == pytest.approx(other.sensation, abs=0.2)
+        assert one.margin == pytest.approx(other.margin, abs=0.2)
     assert still_samples(still, 0.25).shape == (2, 2000)
 
 
-def test_levels_do_not_need_the_right_history():
-    result, _ = played(5)
-    assert levels(result, History())[0].rms == pytest.approx(levels(result, played(5)[1])[0].rms, abs=0.5)
+@pytest.mark.parametrize("frames", [1, 2, 3, 5, 8, 40])
+def test_a_steady_sine_reads_the_same_on_every_still_however_the_timeline_came_to_it(frames):
+    """60 Hz, in the 15 whole periods of a quarter second: its amplitude divided by the square root of 2."""
+    result, history = played(frames, frequency=60.0)
+    expected = 20 * math.log10(0.5 * math.exp(-0.2) / math.sqrt(2))
+    assert shown_levels(traced(result, history), False)[0].rms == pytest.approx(expected, abs=0.01)
+    assert shown_levels(traced(result, history), True)[0].rms == pytest.approx(expected, abs=0.01)
+
+
+def test_a_still_shows_an_impact_of_its_own_frame():
+    """Its onset lies within the frame's interval: what follows is felt, although hardly anything of it has been played."""
+    objects = (HapticObject("plank", 0.0, 1.0, Exponential(alpha=0.2)),)
+    blow = Source("blow", "plank", (0, 0, 0), 0.5, SourceKind.TEMPORARY, Sine(100.0), onset=19 / 25 + 0.039)
+    listeners = (Listener("hand", "plank", (1, 0, 0)),)
+    tracer, history = Tracer(), History()
+    for number in range(21):
+        sources = (blow,) if number == 20 else ()
+        result = tracer.step(Frame(number, number / 25, objects, sources, listeners, contacts=ContactSet.empty()))
+        history.feed(result)
+    still, playing = (shown_levels(traced(result, history), is_playing)[0] for is_playing in (False, True))
+    assert still.is_felt
+    assert still.rms > playing.rms + 10
+    amplitude = 0.5 * math.exp(-0.2)
+    assert still.peak == pytest.approx(20 * math.log10(amplitude), abs=0.1)
+
+
+def test_a_frame_of_a_track_reads_what_was_recorded():
+    result, history = played(3)
+    recorded = Traced(1, result, Settings(), history.all())
+    assert shown_levels(recorded, False) == shown_levels(recorded, True) == levels(result, history.all())
 
 
 def test_places_and_texts():
@@ -115,9 +151,10 @@ def test_every_body_part_is_on_a_figure_and_mirrored():
 
 
 def test_compared_modes_are_those_that_tracing_gives():
-    result, _ = played(3)
-    gains = compared(result, Settings(localise=0.5))
-    assert set(gains) == set(Mode)
+    settings = Settings(localise=0.5)
+    result, history = played(3, settings=settings)
+    frame = replace(traced(result, history), settings=settings)
+    gains = {mode: mode_gains(mode, frame) for mode in Mode}
     for mode, gain in gains.items():
         assert gain == pytest.approx(0.5 * propagate(result.graph, Settings(mode=mode, localise=0.5)).gain[0])
     assert gains[Mode.MN].tolist() == [0.5, 0.5]

@@ -10,9 +10,7 @@ import pytest
 from haptic_tracing.addon.live_output.unfelt import device_words
 from haptic_tracing.addon.panels import result as result_panel
 from haptic_tracing.addon.session import session
-from haptic_tracing.addon.view import explanation, meter_pictures, picture
-from haptic_tracing.addon.view import meters as draw
-from haptic_tracing.addon.view.annotations import plate_of
+from haptic_tracing.addon.view import explanation, meter_pictures, meters, picture
 from haptic_tracing.core.message import Cause, Message
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
@@ -49,90 +47,93 @@ def _activate(name):
     bpy.context.view_layer.objects.active = bpy.data.objects[name]
 
 
-def test_levels_are_worked_out_once_a_frame(felt):
-    foot, hand = draw.levels_of(felt)
+def test_levels_are_worked_out_once_a_frame(felt, settle):
+    foot, hand = settle(lambda: meters.levels_of(felt))
     assert foot.is_felt
     assert foot.peak == pytest.approx(20 * np.log10(session.result_of(felt).gains[0, 0]), abs=0.05)
-    assert hand.words() == "silent"
-    assert draw.levels_of(felt)[0] is foot
+    assert hand.peak_and_level() == "silent"
+    assert meters.levels_of(felt)[0] is foot
     felt.frame_set(51)
-    assert draw.levels_of(felt)[0] is not foot
+    assert settle(lambda: meters.levels_of(felt))[0] is not foot
 
 
-def test_scope_is_of_the_active_listener_or_of_the_strongest(felt):
+def test_scope_is_of_the_active_listener_or_of_the_strongest(felt, settle):
     bpy.context.view_layer.objects.active = None
-    assert draw.watched(felt) == "foot"
+    assert settle(lambda: meters.watched(felt)) == "foot"
     _activate("hand")
-    assert draw.watched(felt) == "hand"
+    assert meters.watched(felt) == "hand"
+    _activate("crate")
+    assert meters.watched(felt) == "hand", "what is no listener does not change it"
 
 
-def test_why_silent_names_the_gap_and_then_the_muted_source(felt):
-    words, (reason,) = explanation.why_silent(felt, "hand")
-    assert words == ""
+def test_why_silent_names_the_gap_and_then_the_muted_source(felt, settle):
+    why = settle(lambda: explanation.why_silent(felt, "hand"))
+    (reason,) = why.reasons
+    assert (why.notice, why.is_current) == ("", True)
     assert (reason["first"], reason["second"], reason["distance"]) == ("ground", "crate", pytest.approx(0.04, abs=1e-6))
-    assert explanation.why_silent(felt, "hand")[1][0] is reason
-    assert explanation.why_silent(felt, "foot") == ("", ())
+    assert explanation.why_silent(felt, "hand").reasons[0] is reason
+    assert settle(lambda: explanation.why_silent(felt, "foot")) == explanation.Explanation()
     bpy.data.objects["shaker"].haptics.source.muted = True
     felt.frame_set(51)
-    assert explanation.why_silent(felt, "foot")[1] == (Message.of(Cause.MUTED, "shaker", source="shaker"),)
-    assert "no listener" in explanation.why_silent(felt, "crate")[0]
+    assert settle(lambda: explanation.why_silent(felt, "foot")).reasons == (Message.of(Cause.MUTED, "shaker", source="shaker"),)
+    assert "no listener" in explanation.why_silent(felt, "crate").notice
 
 
 def test_why_silent_says_when_nothing_is_traced(felt):
     felt.haptics.tracing = False
-    assert explanation.why_silent(felt, "hand")[0].startswith("Tracing is switched off")
+    assert explanation.why_silent(felt, "hand").notice.startswith("Tracing is switched off")
     session.clear()
-    assert explanation.why_silent(felt, "hand") == ("Tracing is switched off: tick the box of the panel Haptic Tracing", ())
+    assert explanation.why_silent(felt, "hand").notice == "Tracing is switched off: tick the box of the panel Haptic Tracing"
     felt.haptics.tracing = True
-    assert "press Trace This Frame" in explanation.why_silent(felt, "hand")[0]
+    assert "press Trace This Frame" in explanation.why_silent(felt, "hand").notice
 
 
 def test_without_a_device_nothing_is_said_of_devices(felt):
     assert device_words(felt, "hand") == ""
 
 
-def test_silence_panel_has_a_button_to_what_is_to_blame(felt):
+def test_silence_panel_has_a_button_to_what_is_to_blame(felt, settle):
     _activate("hand")
-    layout = _drawn(result_panel.HAPTIC_PT_silence)
+    layout = settle(lambda: _drawn(result_panel.HAPTIC_PT_silence))
     assert "hand" in layout.labels
     assert "crate" in layout.labels
     assert "haptic.select_object" in layout.operators
     _activate("foot")
-    assert any("felt" in label for label in _drawn(result_panel.HAPTIC_PT_silence).labels)
+    assert any("felt" in label for label in settle(lambda: _drawn(result_panel.HAPTIC_PT_silence)).labels)
     _activate("crate")
     assert not result_panel.HAPTIC_PT_silence.poll(bpy.context)
 
 
-def test_panels_show_values_as_text(felt):
-    labels = _drawn(result_panel.HAPTIC_PT_meters).labels
-    foot, _ = draw.levels_of(felt)
-    assert {"foot", "hand", "silent", foot.feeling()} <= set(labels)
+def test_panels_show_values_as_text(felt, settle):
+    labels = settle(lambda: _drawn(result_panel.HAPTIC_PT_meters)).labels
+    foot, _ = meters.levels_of(felt)
+    assert {"foot", "hand", "silent", foot.margin_text()} <= set(labels)
 
 
-def test_panel_shows_scope_and_body_as_pictures(felt, monkeypatch):
+def test_panel_shows_scope_and_body_as_pictures(felt, monkeypatch, settle):
     drawn = []
     for name in ("scope_picture", "body_picture"):
         draw_it = getattr(meter_pictures, name)
         monkeypatch.setattr(meter_pictures, name, lambda *what, name=name, draw_it=draw_it: drawn.append(name) or draw_it(*what))
-    layout = _drawn(result_panel.HAPTIC_PT_meters)
+    layout = settle(lambda: _drawn(result_panel.HAPTIC_PT_meters))
     assert len(layout.icons) == 2
     assert "foot, ±1" in layout.labels
     assert "Front and back" in layout.labels
     _drawn(result_panel.HAPTIC_PT_meters)
     assert drawn == ["scope_picture", "body_picture"]  # nothing has changed, nothing is drawn
     felt.frame_set(51)
-    _drawn(result_panel.HAPTIC_PT_meters)
+    settle(lambda: _drawn(result_panel.HAPTIC_PT_meters))
     assert drawn == ["scope_picture", "body_picture", "scope_picture"]  # the foot feels as much as before
     bpy.data.objects["shaker"].haptics.source.muted = True
     felt.frame_set(52)
     felt.haptics.meters.show_scope = False
-    assert len(_drawn(result_panel.HAPTIC_PT_meters).icons) == 1
+    assert len(settle(lambda: _drawn(result_panel.HAPTIC_PT_meters)).icons) == 1
     assert drawn[3:] == ["body_picture"]
     felt.haptics.meters.show_body = False
     assert _drawn(result_panel.HAPTIC_PT_meters).icons == []
 
 
-def test_modes_by_one_click(felt):
+def test_modes_by_one_click(felt, settle):
     def gains():
         return session.result_of(felt).gains[0].tolist()
 
@@ -140,7 +141,7 @@ def test_modes_by_one_click(felt):
     assert before[1] == 0
     bpy.ops.haptic.set_mode(mode="MN")
     assert gains() == [1, 1]
-    assert draw.levels_of(felt)[1].is_felt  # although nothing plays
+    assert settle(lambda: meters.levels_of(felt))[1].is_felt  # although nothing plays
     for mode in ("HT", "SD", "MD", "MN"):
         bpy.ops.haptic.set_mode(mode="NEXT")
         assert felt.haptics.mode == mode
@@ -151,8 +152,8 @@ def test_modes_by_one_click(felt):
     assert gains()[0] == pytest.approx(before[0])
 
 
-def test_compare_panel_shows_all_modes_side_by_side(felt):
-    labels = _drawn(result_panel.HAPTIC_PT_comparison).labels
+def test_compare_panel_shows_all_modes_side_by_side(felt, settle):
+    labels = settle(lambda: _drawn(result_panel.HAPTIC_PT_comparison)).labels
     place = labels.index("hand")
     assert labels[place + 1 : place + 5] == ["—", "—", labels[place + 3], "0"]
     assert {"HT", "SD", "MD", "MN"} <= set(labels)
@@ -173,9 +174,9 @@ def test_picture_has_the_meters_at_the_upper_left(felt, tmp_path):
     felt.camera = camera
     bpy.context.view_layer.update()
     result, size = session.result_of(felt), (960, 540)
-    plain, metered = (picture.viewport_picture(felt, result, size, meters=meters).astype(int) for meters in (False, True))
+    plain, metered = (picture.viewport_picture(felt, result, size, meters=metered).astype(int) for metered in (False, True))
     changed = np.abs(plain - metered).max(axis=2) > 20
-    ((left, bottom, right, top),) = plate_of(draw.meters_above(felt, result, size, 1.0))
+    ((left, bottom, right, top),) = meters.meters_above(felt, result, size, 1.0).bounds
     inside = np.zeros(size[::-1], dtype=bool)
     inside[: size[1] - int(bottom) + 3, : int(right) + 3] = True
     assert changed[inside].mean() > 0.5 * (right - left) * (top - bottom) / inside.sum()
@@ -184,12 +185,12 @@ def test_picture_has_the_meters_at_the_upper_left(felt, tmp_path):
 
 def test_handler_comes_and_goes(scene):
     for _ in range(2):
-        draw.unregister()
-        assert not draw._handlers
-        draw.register()
-        draw.register()
-        assert len(draw._handlers) == 1
-    draw._draw_pixels()  # outside a viewport: nothing
+        meters.unregister()
+        assert not meters._handlers
+        meters.register()
+        meters.register()
+        assert len(meters._handlers) == 1
+    meters._draw_pixels()  # outside a viewport: nothing
 
 
 def test_another_mode_is_traced_although_a_track_is_there(felt):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.view.body_map import figure
 from haptic_tracing.addon.view.levels import Level
-from haptic_tracing.addon.view.meter_board import SCOPE_COLOUR, Scope, colour_of, full_scale, spans
+from haptic_tracing.addon.view.meter_layout import SCOPE_COLOUR, Scope, colour_of, full_scale, spans
 from haptic_tracing.addon.view.meter_pictures import body_picture, scope_picture
 from haptic_tracing.core.scene.body import BODY_PARTS
 

@@ -94,7 +94,9 @@ def shown(scene: Any, bridge: FrameResult) -> Callable[[], FrameResult]:
     from haptic_tracing.addon.session import session
 
     def show() -> FrameResult:
-        session.of(scene).result = bridge
+        own = session.of(scene)
+        own.result = bridge
+        own.shown = session.Traced(1, bridge, BRIDGE.settings, np.zeros((len(bridge.listeners), 0)))
         return bridge
 
     return show

@@ -4,9 +4,11 @@ import dataclasses
 from types import SimpleNamespace
 
 import bpy
+import numpy as np
 import pytest
 from haptic_tracing.addon.changes import redraw
 from haptic_tracing.addon.properties.scene import HapticSceneProperties
+from haptic_tracing.addon.session import session
 from haptic_tracing.addon.view import overlay as draw
 from haptic_tracing.addon.view import shader
 from haptic_tracing.addon.view.options import options_of
@@ -25,32 +27,40 @@ def uploads(monkeypatch):
     draw.forget()
 
 
-def test_nothing_is_built_while_nothing_changed(uploads, bridge):
-    first = draw.drawing_of(7, bridge, BRIDGE.settings, Options())
-    assert draw.drawing_of(7, bridge, BRIDGE.settings, Options()) is first
+@pytest.fixture
+def show(scene, settle, monkeypatch):
+    """Shows a frame with settings and options of its own in the scene; returns its drawing once it is complete."""
+
+    def shown(result, settings=BRIDGE.settings, options=None):
+        own = session.of(scene)
+        own.serial += 1
+        own.shown = session.Traced(own.serial, result, settings, np.zeros((len(result.listeners), 0)))
+        monkeypatch.setattr(draw, "options_of", lambda *_: options or Options())
+        return settle(lambda: draw.drawing_of(scene))
+
+    return shown
+
+
+def test_nothing_is_built_while_nothing_changed(uploads, bridge, scene, show):
+    first = show(bridge)
+    assert draw.drawing_of(scene) is first
     assert len(uploads) == 1
-    assert uploads[0] == len(first.data.tree.width) + 2 * len(first.data.paths.width) + len(first.data.points.size)
+    data = first.shapes.data
+    assert uploads[0] == len(data.tree.width) + 2 * len(data.paths.width) + len(data.points.size)
 
 
-def test_frames_in_which_nothing_changes_share_a_drawing(uploads, bridge):
-    first = draw.drawing_of(7, bridge, BRIDGE.settings, Options())
-    assert draw.drawing_of(7, dataclasses.replace(bridge, number=2), BRIDGE.settings, Options()) is first
+def test_frames_in_which_nothing_changes_share_a_drawing(uploads, bridge, show):
+    first = show(bridge)
+    assert show(dataclasses.replace(bridge, number=2)) is first
     assert len(uploads) == 1
 
 
-def test_whatever_changes_is_drawn_anew(uploads, bridge):
+def test_whatever_changes_is_drawn_anew(uploads, bridge, show):
     again = dataclasses.replace(bridge, graph=dataclasses.replace(bridge.graph))
     louder = dataclasses.replace(BRIDGE.settings, threshold=0.1)
     chosen = Options(listeners=frozenset({"driver"}))
-    drawings = [
-        draw.drawing_of(7, *what)
-        for what in (
-            (bridge, BRIDGE.settings, Options()),
-            (again, BRIDGE.settings, Options()),
-            (again, louder, Options()),
-            (again, louder, chosen),
-        )
-    ]
+    frames = ((bridge,), (again,), (again, louder), (again, louder, chosen))
+    drawings = [show(*what) for what in frames]
     assert len({id(drawing) for drawing in drawings}) == len(uploads) == 4
 
 

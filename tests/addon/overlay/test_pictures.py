@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from haptic_tracing.addon.view import cycles_picture, overlay, picture, raster
-from haptic_tracing.addon.view.annotations import furniture
+from haptic_tracing.addon.view.annotations import annotations
 from haptic_tracing.addon.view.camera import camera_view, picture_scale
 from haptic_tracing.addon.view.png import write_png
 from haptic_tracing.addon.view.render_data import SILENT_COLOUR, SOURCE_COLOUR, Options, render_data
@@ -169,14 +169,14 @@ def test_picture_leaves_viewport_and_preferences_as_they_were(off_screen, scene,
 
 
 def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, bridge):
-    """The same furniture by the shader and by the painter for pictures without a GPU."""
+    """The same annotations by the shader and by the painter for pictures without a GPU."""
     scene.haptics.show_intra = scene.haptics.show_best_paths = False
     by_gpu = picture.viewport_picture(scene, bridge, SIZE).astype(int)
     factor = picture.SMOOTHING
     size, scale = tuple(factor * side for side in SIZE), factor * picture_scale(SIZE)
     view, projection = camera_view(scene, size)
     data = render_data(bridge, BRIDGE.settings, Options(show_intra=False, show_best_paths=False))
-    items = furniture(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0, *size), text_width)
+    items = annotations(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0, *size), text_width)
     canvas = np.full((size[1], size[0], 3), by_gpu[2, 2] / 255)
     raster.paint(canvas, items, scale)
     by_painter = picture.averaged(np.rint(canvas[::-1] * 255).astype(np.uint8), factor).astype(int)
@@ -187,7 +187,7 @@ def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, br
     for part in plates:  # the legend and two labels; texts are fitted to the pixels on screen and not here, so their ink is compared
         ink = [np.abs(pixels[part] - np.median(by_gpu[part], axis=(0, 1))).sum() for pixels in (by_painter, by_gpu)]
         assert ink[0] == pytest.approx(ink[1], rel=0.15)
-    bar = np.s_[plates[0][0].stop - round(21.5 * scale), plates[0][1].start + 12 : plates[0][1].stop - 12]
+    bar = np.s_[plates[0][0].stop - round(29 * picture_scale(SIZE)), plates[0][1].start + 12 : plates[0][1].stop - 12]
     assert np.abs(by_painter[bar] - by_gpu[bar]).max() <= 4
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import networkx
 import numpy as np
 import pytest
+from haptic_tracing.addon.view.annotations import label_text
 from haptic_tracing.addon.view.colour_map import GainScale
 from haptic_tracing.addon.view.render_data import IMPACT_COLOUR, SILENT_COLOUR, SOURCE_COLOUR, Options, Shape, path_steps, render_data
 from haptic_tracing.core.scene.values import Mode, Settings, SourceKind
@@ -105,12 +106,12 @@ def test_bridge_points(bridge):
 def test_bridge_labels(bridge):
     data = render_data(bridge, BRIDGE.settings, Options())
     level = 20 * math.log10(math.exp(-0.4 * 1.7))
-    assert {label.name: label.value for label in data.labels} == {
+    assert {label.name: label_text(label) for label in data.labels} == {
         "truck": "0 dB",
         "siren": "silent",
         "driver": f"−{-level:.1f} dB",
         "walker": f"−{-20 * math.log10(math.exp(-0.4 * 6.5)):.1f} dB",
-        "hermit": "silent",
+        "hermit": "not reached",
     }
     assert render_data(bridge, BRIDGE.settings, Options(show_labels=False)).labels == ()
 

@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.addon.view.annotations import plate_of
 from haptic_tracing.addon.view.levels import Level
-from haptic_tracing.addon.view.meter_board import MOST_ROWS, ROW, Scope, colour_of, meters
+from haptic_tracing.addon.view.meter_layout import MOST_ROWS, ROW, Scope, colour_of, meter_hud
 from haptic_tracing.addon.view.screen import text_width
 from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 from hypothesis import given, settings
@@ -32,14 +31,14 @@ def _texts(items):
 @given(st.floats(0, 1400), st.floats(0, 900), st.sampled_from([1.0, 1.5, 2.0]), st.integers(0, 40), st.booleans())
 def test_everything_lies_within_the_plate_and_the_plate_within_the_room(width, height, scale, count, body):
     shown = [level(f"listener {k}", -1.5 * k, DEFAULT_LISTENERS[k % 10]) for k in range(count)]
-    items = meters(shown, SCOPE, (50.0, 40.0), (width, height), scale, text_width, title="Mode HT", body=body)
+    items = meter_hud(shown, SCOPE, (width, height), scale, text_width, "Mode HT", body=body)
     if not len(items.lines.width):
         assert items.texts == ()
         return
-    ((left, bottom, right, top),) = plate_of(items)
-    assert (left, bottom) == (50, 40)
-    assert right <= 50 + width + 1e-3
-    assert top <= 40 + height + 1e-3
+    ((left, bottom, right, top),) = items.bounds
+    assert (left, bottom) == (0, 0)
+    assert right <= width + 1e-3
+    assert top <= height + 1e-3
     half = items.lines.width[:, None, None] / 2 * scale * (items.lines.shape == 0)[:, None, None]
     places = items.lines.position[:, :, :2]
     assert (places - half >= np.array([left, bottom]) - 1e-3).all()
@@ -51,31 +50,36 @@ def test_everything_lies_within_the_plate_and_the_plate_within_the_room(width, h
 
 
 def test_values_are_there_as_text():
-    texts = _texts(meters(LEVELS, SCOPE, (0, 0), (1200, 600), 1.0, text_width, title="Mode HT"))
+    texts = _texts(meter_hud(LEVELS, SCOPE, (1200, 600), 1.0, text_width, "Mode HT"))
     for item in LEVELS:
         assert item.listener in texts
-    assert {"Mode HT", "−5 dB", "35 dB felt", "front", "back", "L", "R", "hand.L, last second", "±0.316", "−60", "0 dB"} <= set(texts)
+    assert {"Mode HT", "−5 dB", "+35 dB", "Level", "Margin", "front", "back", "L", "R", "hand.L, last second", "±0.316", "−60", "0"} <= set(
+        texts
+    )
 
 
 def test_what_has_no_room_is_left_out_in_order():
-    full = meters(LEVELS, SCOPE, (0, 0), (1200, 600), 1.0, text_width)
-    narrow = meters(LEVELS, SCOPE, (0, 0), (500, 600), 1.0, text_width)
-    narrower = meters(LEVELS, SCOPE, (0, 0), (300, 600), 1.0, text_width)
-    low = meters(LEVELS, SCOPE, (0, 0), (300, 7 * ROW), 1.0, text_width)
-    assert "35 dB felt" in _texts(full)
-    assert "35 dB felt" not in _texts(narrow)
+    full = meter_hud(LEVELS, SCOPE, (1200, 600), 1.0, text_width)
+    narrow = meter_hud(LEVELS, SCOPE, (250, 600), 1.0, text_width)
+    narrower = meter_hud(LEVELS, SCOPE, (180, 600), 1.0, text_width)
+    lower = meter_hud(LEVELS, SCOPE, (300, 18 * ROW), 1.0, text_width)
+    low = meter_hud(LEVELS, SCOPE, (300, 7 * ROW), 1.0, text_width)
+    assert "+35 dB" in _texts(full)
+    assert "+35 dB" not in _texts(narrow)
     assert "front" in _texts(narrow)
     assert "front" not in _texts(narrower)
     assert "hand.L, last second" in _texts(narrower)
+    assert "front" not in _texts(lower)
+    assert "hand.L, last second" in _texts(lower)
     assert "hand.L, last second" not in _texts(low)
     assert any(words.startswith("and ") for words in _texts(low))
-    assert meters(LEVELS, SCOPE, (0, 0), (90, 600), 1.0, text_width).texts == ()
-    assert meters([], SCOPE, (0, 0), (900, 600), 1.0, text_width).texts == ()
+    assert meter_hud(LEVELS, SCOPE, (90, 600), 1.0, text_width).texts == ()
+    assert meter_hud([], SCOPE, (900, 600), 1.0, text_width).texts == ()
 
 
 def test_of_many_listeners_the_strongest_are_shown():
     many = [level(f"l{k}", -50.0 + k) for k in range(30)]
-    texts = _texts(meters(many, None, (0, 0), (900, 900), 1.0, text_width))
+    texts = _texts(meter_hud(many, None, (900, 900), 1.0, text_width))
     assert [words for words in texts if words.startswith("l")] == [f"l{k}" for k in range(31 - MOST_ROWS, 30)]
     assert f"and {31 - MOST_ROWS} more" in texts
 
@@ -91,10 +95,10 @@ def test_colours_rise_with_the_level_and_grey_is_not_felt():
 def test_scope_shows_where_in_the_last_second_something_was():
     samples = np.zeros(8000)
     samples[6000:6100] = 0.9
-    items = meters([level("a")], Scope("a", samples, 8000.0), (0, 0), (600, 400), 1.0, text_width, body=False)
+    items = meter_hud([level("a")], Scope("a", samples, 8000.0), (600, 400), 1.0, text_width, body=False)
     extent = items.lines.position[:, 1, 1] - items.lines.position[:, 0, 1]
     columns = items.lines.position[extent > 15, 0, 0]
-    ((_, _, right, _),) = plate_of(items)
+    ((_, _, right, _),) = items.bounds
     tall = columns[(columns > 0.6 * right) & (columns < 0.9 * right)]
     assert len(tall)
     assert np.median(tall) == pytest.approx(10 + 0.755 * (right - 20), abs=6)

@@ -1,0 +1,137 @@
+"""Plates, symbols and texts over a viewport, in its pixels. No GPU; text widths come from outside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import TypeVar
+
+import numpy as np
+
+from .render_data import Lines, Points, Shape
+
+TEXT_SIZE = 11.0
+SMALL_TEXT = 0.86 * TEXT_SIZE
+INK = (0.94, 0.94, 0.94)
+FAINT_INK = (0.72, 0.72, 0.72)
+PLATE = (0.075, 0.075, 0.085, 0.84)
+ELLIPSIS = "…"
+
+Part = TypeVar("Part", Lines, Points)
+
+Rectangle = tuple[float, float, float, float]
+"""Left, bottom, right, top in pixels."""
+Measure = Callable[[str, float], float]
+"""Width in pixels of a text at a size in pixels."""
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A text with the start of its baseline at ``position`` [pixels]."""
+
+    words: str
+    position: tuple[float, float]
+    size: float
+    colour: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Hud:
+    """What is drawn over a viewport: ``lines`` and ``points`` in pixels (z = 0, sizes in points) and ``texts``; ``bounds``: the plates."""
+
+    lines: Lines
+    points: Points
+    texts: tuple[Text, ...]
+    bounds: tuple[Rectangle, ...] = ()
+
+    @property
+    def is_empty(self) -> bool:
+        """True where nothing is drawn."""
+        return not len(self.lines.width)
+
+    def moved(self, right: float, up: float) -> Hud:
+        """The same some pixels further to the right and up."""
+        by = np.array([right, up, 0], dtype=np.float32)
+        return Hud(
+            replace(self.lines, position=self.lines.position + by),
+            replace(self.points, position=self.points.position + by),
+            tuple(replace(text, position=(text.position[0] + right, text.position[1] + up)) for text in self.texts),
+            tuple((left + right, bottom + up, end + right, top + up) for left, bottom, end, top in self.bounds),
+        )
+
+    def joined(self, other: Hud) -> Hud:
+        """Both, ``other`` drawn over this one."""
+        return Hud(
+            _joined(self.lines, other.lines), _joined(self.points, other.points), self.texts + other.texts, self.bounds + other.bounds
+        )
+
+
+def _joined(first: Part, second: Part) -> Part:
+    return type(first)(*(np.concatenate([getattr(first, f.name), getattr(second, f.name)]) for f in fields(first)))
+
+
+class HudBuilder:
+    """Collects plates, lines, symbols and texts. ``scale``: pixels per point."""
+
+    def __init__(self, scale: float) -> None:
+        self.scale = scale
+        self._strokes: list[tuple[float, ...]] = []
+        self._symbols: list[tuple[float, ...]] = []
+        self._texts: list[Text] = []
+        self._bounds: list[Rectangle] = []
+
+    def panel(self, low: Sequence[float], high: Sequence[float], radius: float) -> None:
+        """A plate under other things, which counts as covered."""
+        self.plate(low, high, PLATE, radius)
+        self._bounds.append((float(low[0]), float(low[1]), float(high[0]), float(high[1])))
+
+    def plate(
+        self, low: Sequence[float], high: Sequence[float], colour: Sequence[float], radius: float, right: Sequence[float] | None = None
+    ) -> None:
+        """A rectangle; ``radius`` of its corners in points; ``right``: the colour at the right end where it is another."""
+        self._strokes.append((*low, 0, *high, 0, *colour, *(colour if right is None else right), 2 * radius, Shape.PLATE))
+
+    def line(self, start: Sequence[float], end: Sequence[float], colour: Sequence[float], width: float) -> None:
+        """A line of ``width`` points."""
+        self._strokes.append((*start, 0, *end, 0, *colour, *colour, width, Shape.LINE))
+
+    def symbol(self, centre: Sequence[float], shape: Shape, size: float, colour: Sequence[float]) -> None:
+        """A symbol of ``size`` points."""
+        self._symbols.append((*centre, 0, *colour, 1, size, shape))
+
+    def text(self, words: str, position: Sequence[float], colour: Sequence[float], size: float = TEXT_SIZE) -> None:
+        """A text of ``size`` points, the start of its baseline at ``position``."""
+        self._texts.append(Text(words, (float(position[0]), float(position[1])), size * self.scale, tuple(colour)))
+
+    def build(self) -> Hud:
+        """Everything collected so far."""
+        strokes = np.array(self._strokes, dtype=np.float32).reshape(-1, 16)
+        symbols = np.array(self._symbols, dtype=np.float32).reshape(-1, 9)
+        return Hud(
+            Lines(
+                position=strokes[:, :6].reshape(-1, 2, 3),
+                colour=strokes[:, 6:14].reshape(-1, 2, 4),
+                width=strokes[:, 14],
+                way=np.full((len(strokes), 2), -1, dtype=np.float32),
+                shape=strokes[:, 15],
+            ),
+            Points(position=symbols[:, :3], colour=symbols[:, 3:7], size=symbols[:, 7], shape=symbols[:, 8]),
+            tuple(self._texts),
+            tuple(self._bounds),
+        )
+
+
+def shortened(words: str, width: float, size: float, measure: Measure) -> str:
+    """A text of at most ``width`` pixels, its middle cut out where it is longer; "" where not even its ends fit."""
+    if measure(words, size) <= width:
+        return words
+    for count in range(len(words) - 1, 1, -1):
+        cut = f"{words[: (count + 1) // 2]}{ELLIPSIS}{words[-(count // 2) :]}"
+        if measure(cut, size) <= width:
+            return cut
+    return ""
+
+
+def overlaps(one: Rectangle, other: Rectangle) -> bool:
+    """True where two rectangles share more than an edge."""
+    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]

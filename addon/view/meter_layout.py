@@ -1,0 +1,269 @@
+"""Layout of the meters over a viewport: a bar per listener, the scope of one, the body. No GPU."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
+
+from ...core.arrays import FloatArray, IntArray
+from .body_map import HALF_WIDTH, HEIGHT, View, figure
+from .colour_map import colour_table
+from .hud import FAINT_INK, INK, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder, Measure, shortened
+from .levels import FLOOR, Level, decibels, place_of
+from .render_data import SOURCE_COLOUR
+
+Colour = tuple[float, ...]
+
+# Points at a user interface scale of 1.
+PADDING, GAP = 8.0, 8.0
+ROW, BAR = 17.0, 9.0
+LEVEL_WIDTH, MARGIN_WIDTH = 46.0, 44.0
+LEAST_NAME_WIDTH, NAME_WIDTH = 48.0, 130.0
+LEAST_BAR_WIDTH, BAR_WIDTH = 34.0, 150.0
+LEAST_SCOPE_WIDTH, SCOPE_HEIGHT = 120.0, 58.0
+FIGURE_HEIGHT = 140.0
+MOST_ROWS = 12
+_SCOPE_COLUMNS = 160
+_CAPTION = 14.0  # points of the scope's height
+
+_TRACK = (0.20, 0.20, 0.22, 1.0)
+_ABSENT = (0.26, 0.26, 0.28, 1.0)
+_NOT_FELT = (0.42, 0.42, 0.44, 1.0)
+_WHITE = (0.97, 0.97, 0.97, 1.0)
+_MARK = (*SOURCE_COLOUR.tolist(), 1.0)
+_GRID = (0.32, 0.32, 0.34, 1.0)
+SCOPE_COLOUR: Colour = (*colour_table()[len(colour_table()) * 3 // 5].tolist(), 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """The last second of a listener: ``samples`` (n,), fewer than a second's at the beginning."""
+
+    listener: str
+    samples: FloatArray
+    sample_rate: float
+
+
+def colour_of(level: Level) -> Colour:
+    """By RMS level, grey where nothing is felt."""
+    if not level.is_felt:
+        return _NOT_FELT
+    return (*colour_table()[round(level.place * (len(colour_table()) - 1))].tolist(), 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class _Columns:
+    """Widths in points of names, bars, levels and margins; ``margin`` is 0 where there is no room for it."""
+
+    name: float
+    bar: float
+    level: float
+    margin: float
+
+    @property
+    def width(self) -> float:
+        return self.name + self.bar + self.level + self.margin
+
+    @classmethod
+    def within(cls, across: float, names: float) -> _Columns | None:
+        """What ``across`` points allow where the longest name takes ``names``; None where that is too little.
+
+        Names are shortened before bars become narrow, margins are left out before names are shortened.
+        """
+        name = min(names + 8.0, NAME_WIDTH)
+        if across >= name + 2 * LEAST_BAR_WIDTH + LEVEL_WIDTH + MARGIN_WIDTH:
+            return cls(name, min(across - name - LEVEL_WIDTH - MARGIN_WIDTH, BAR_WIDTH), LEVEL_WIDTH, MARGIN_WIDTH)
+        bar = min(max(across - name - LEVEL_WIDTH, LEAST_BAR_WIDTH), BAR_WIDTH)
+        name = min(name, across - bar - LEVEL_WIDTH)
+        return cls(name, bar, LEVEL_WIDTH, 0.0) if name >= min(LEAST_NAME_WIDTH, names + 8.0) else None
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """What has room: the levels shown, their columns, the scope and the body."""
+
+    shown: tuple[Level, ...]
+    hidden: int  # listeners that are not shown
+    columns: _Columns
+    scope: Scope | None
+    body: bool
+
+    @property
+    def height(self) -> float:
+        """Points."""
+        rows = 1 + len(self.shown) + (self.hidden > 0)
+        return rows * ROW + 2 * PADDING + (SCOPE_HEIGHT + GAP) * (self.scope is not None) + (FIGURE_HEIGHT + ROW) * self.body
+
+
+def meter_hud(
+    levels: Sequence[Level],
+    scope: Scope | None,
+    room: tuple[float, float],
+    scale: float,
+    measure: Measure,
+    title: str = "",
+    *,
+    body: bool = True,
+) -> Hud:
+    """The meters, their lower left corner at the origin, within ``room`` [pixels]. ``scale``: pixels per point.
+
+    What has no room is left out: the margins, the body, the scope, then listeners, at last everything.
+    """
+    layout = _layout(levels, scope, (room[0] / scale, room[1] / scale), scale, measure, body)
+    builder = HudBuilder(scale)
+    if layout is None:
+        return builder.build()
+    columns, width, height = layout.columns, layout.columns.width + 2 * PADDING, layout.height
+    builder.panel((0.0, 0.0), (width * scale, height * scale), 6.0)
+    x, y = PADDING * scale, (height - PADDING) * scale
+    _add_heads(builder, (x, y), title, columns, measure)
+    y -= ROW * scale
+    for level in layout.shown:
+        y -= ROW * scale
+        _add_row(builder, (x, y), level, columns, measure)
+    if layout.hidden:
+        y -= ROW * scale
+        builder.text(iface_("and {} more").format(layout.hidden), (x, y + 4 * scale), FAINT_INK)
+    if layout.scope is not None:
+        y -= (SCOPE_HEIGHT + GAP) * scale
+        _add_scope(builder, (x, y), columns.width * scale, layout.scope, measure)
+    if layout.body:
+        parts = {level.body_part: level for level in levels if level.body_part}
+        left = x + (columns.width - 4 * FIGURE_HEIGHT / HEIGHT * HALF_WIDTH) / 2 * scale
+        _add_body(builder, (left, y - (FIGURE_HEIGHT + ROW) * scale), FIGURE_HEIGHT, parts, measure)
+    return builder.build()
+
+
+def _layout(
+    levels: Sequence[Level], scope: Scope | None, room: tuple[float, float], scale: float, measure: Measure, body: bool
+) -> _Layout | None:
+    """What has ``room`` [points]; None where not even two listeners have."""
+    names = max((measure(level.listener, TEXT_SIZE * scale) for level in levels), default=0.0) / scale
+    columns = _Columns.within(room[0] - 2 * PADDING, names)
+    rows = min(int((room[1] - 2 * PADDING) / ROW) - 1, MOST_ROWS)
+    if columns is None or not levels or rows < min(len(levels), 2):
+        return None
+    shown = tuple(levels) if len(levels) <= rows else _strongest(levels, rows - 1)
+    wanted = _Layout(shown, len(levels) - len(shown), columns, None, False)
+    if scope is not None and columns.width >= LEAST_SCOPE_WIDTH:
+        wanted = _fitting(wanted, replace(wanted, scope=scope), room[1])
+    has_width = columns.width >= 4 * FIGURE_HEIGHT / HEIGHT * HALF_WIDTH
+    if body and has_width and any(level.body_part for level in levels):
+        wanted = _fitting(wanted, replace(wanted, body=True), room[1])
+    return wanted
+
+
+def _fitting(layout: _Layout, larger: _Layout, height: float) -> _Layout:
+    return larger if larger.height <= height else layout
+
+
+def _strongest(levels: Sequence[Level], most: int) -> tuple[Level, ...]:
+    """The strongest ones, in their order."""
+    chosen = sorted(range(len(levels)), key=lambda k: -levels[k].rms)[:most]
+    return tuple(levels[k] for k in sorted(chosen))
+
+
+def _add_heads(builder: HudBuilder, corner: tuple[float, float], title: str, columns: _Columns, measure: Measure) -> None:
+    """The title, the scale of the bars, and what the numbers are."""
+    scale, size = builder.scale, SMALL_TEXT * builder.scale
+    x, base = corner[0], corner[1] - 12 * scale
+    builder.text(shortened(title, (columns.name - 6) * scale, TEXT_SIZE * scale, measure), (x, base), INK)
+    left, width = x + columns.name * scale, (columns.bar - 8) * scale
+    for tick in (-60, -40, -20, 0) if columns.bar > 110 else (-60, 0) if columns.bar > 60 else ():
+        words = f"\N{MINUS SIGN}{-tick}" if tick else "0"
+        half = measure(words, size) / 2
+        place = min(max(left + place_of(tick) * width - half, left), left + width - half)
+        builder.text(words, (place, base), FAINT_INK, SMALL_TEXT)
+    values = left + columns.bar * scale
+    builder.text(shortened(iface_("Level"), (LEVEL_WIDTH - 2) * scale, size, measure), (values, base), FAINT_INK, SMALL_TEXT)
+    if columns.margin:
+        words = shortened(iface_("Margin"), MARGIN_WIDTH * scale, size, measure)
+        builder.text(words, (values + columns.level * scale, base), FAINT_INK, SMALL_TEXT)
+
+
+def _add_row(builder: HudBuilder, corner: tuple[float, float], level: Level, columns: _Columns, measure: Measure) -> None:
+    """Name, bar and values of a listener. The bar is the level, the white mark the peak, the orange one the threshold of feeling."""
+    scale = builder.scale
+    x, y = corner
+    base = y + 4 * scale
+    builder.text(shortened(level.listener, (columns.name - 6) * scale, TEXT_SIZE * scale, measure), (x, base), INK)
+    left, width = x + columns.name * scale, (columns.bar - 8) * scale
+    low, high = y + (ROW - BAR) / 2 * scale, y + (ROW + BAR) / 2 * scale
+    builder.plate((left, low), (left + width, high), _TRACK, 2.0)
+    if level.place > 0.01:
+        builder.plate((left, low), (left + level.place * width, high), colour_of(level), 2.0)
+    if level.threshold is not None and FLOOR < level.threshold < 0:
+        place = left + place_of(level.threshold) * width
+        builder.plate((place - 0.8 * scale, low - 2 * scale), (place + 0.8 * scale, high + 2 * scale), _MARK, 0.0)
+    if level.peak > FLOOR:
+        place = left + place_of(level.peak) * width
+        builder.plate((place - 1.0 * scale, low), (place + 1.0 * scale, high), _WHITE, 0.0)
+    values = left + columns.bar * scale
+    builder.text(shortened(decibels(level.rms), LEVEL_WIDTH * scale, TEXT_SIZE * scale, measure), (values, base), INK)
+    if columns.margin:
+        builder.text(level.margin_text(), (values + columns.level * scale, base), INK if level.is_felt else FAINT_INK)
+
+
+def _add_scope(builder: HudBuilder, corner: tuple[float, float], width: float, scope: Scope, measure: Measure) -> None:
+    """The last second: for every column the range between its lowest and highest sample, the latest at the right."""
+    scale, size = builder.scale, SMALL_TEXT * builder.scale
+    left, low = corner
+    high = low + SCOPE_HEIGHT * scale
+    top = high - _CAPTION * scale
+    middle, half = (low + top) / 2, (top - low) / 2 - 2 * scale
+    builder.plate((left, low), (left + width, high), _TRACK, 3.0)
+    for quarter in (0.25, 0.5, 0.75):
+        x = left + quarter * width
+        builder.plate((x - 0.5, low), (x + 0.5, top), _GRID, 0.0)
+    builder.plate((left, middle - 0.5), (left + width, middle + 0.5), _GRID, 0.0)
+    full = full_scale(scope)
+    columns, least, greatest = spans(scope, _SCOPE_COLUMNS)
+    lows, highs = middle + half / full * least - 0.5 * scale, middle + half / full * greatest + 0.5 * scale
+    for x, low_end, high_end in zip((left + columns * width / _SCOPE_COLUMNS).tolist(), lows.tolist(), highs.tolist(), strict=True):
+        builder.plate((x, low_end), (x + width / _SCOPE_COLUMNS, high_end), SCOPE_COLOUR, 0.0)
+    span = f"±{full:.3g}"
+    room = width - measure(span, size) - 15 * scale
+    words = shortened(iface_("{}, last second").format(scope.listener), room, size, measure)
+    builder.text(words, (left + 5 * scale, high - 11 * scale), FAINT_INK, SMALL_TEXT)
+    builder.text(span, (left + width - measure(span, size) - 5 * scale, high - 11 * scale), FAINT_INK, SMALL_TEXT)
+
+
+def full_scale(scope: Scope) -> float:
+    """What the edge of the scope stands for: the next of 1, 0.316, 0.1, ... above the peak, at least 0.001."""
+    peak = float(np.abs(scope.samples).max(initial=0.0))
+    return 10 ** (math.ceil(math.log10(peak) * 2 - 1e-9) / 2) if peak > 1e-3 else 1e-3
+
+
+def spans(scope: Scope, count: int) -> tuple[IntArray, FloatArray, FloatArray]:
+    """The last second cut into ``count`` columns: the numbers of those that there is something of, their lowest and highest samples."""
+    whole = round(scope.sample_rate)
+    samples = scope.samples[-whole:]
+    borders = np.round(np.linspace(0, whole, count + 1)).astype(np.int64) - (whole - len(samples))
+    filled = np.flatnonzero(borders[:-1] >= 0)
+    if not len(filled) or not len(samples):
+        return np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0)
+    starts = borders[filled]
+    return filled, np.minimum.reduceat(samples, starts), np.maximum.reduceat(samples, starts)
+
+
+def _add_body(builder: HudBuilder, corner: tuple[float, float], height: float, parts: dict[str, Level], measure: Measure) -> None:
+    """Two figures of ``height`` points, from the front and from behind; parts with a listener light up."""
+    scale, size = builder.scale, SMALL_TEXT * builder.scale
+    unit = height / HEIGHT * scale
+    x, y = corner
+    views: tuple[View, ...] = ("front", "back")
+    for number, view in enumerate(views):
+        middle = x + (2 * number + 1) * HALF_WIDTH * unit
+        for limb in figure(view):
+            colour = colour_of(parts[limb.part]) if limb.part in parts else _ABSENT
+            ends = [(middle + place[0] * unit, y + place[1] * unit) for place in (limb.start, limb.end)]
+            builder.line(*ends, colour, limb.width * unit / scale)
+        words = iface_(view)
+        width = measure(words, size)
+        builder.text(words, (middle - width / 2, y + HEIGHT * unit + 6 * scale), FAINT_INK, SMALL_TEXT)
+        for side, place in (("L", 1.0 if view == "front" else -1.0), ("R", -1.0 if view == "front" else 1.0)):
+            builder.text(side, (middle + place * 0.52 * unit - 3 * scale, y + 0.06 * unit), FAINT_INK, SMALL_TEXT)
