@@ -31,6 +31,12 @@ def one_line(text: str) -> str:
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
+def warn_of_unknown(file: object, unknown: Sequence[str]) -> None:
+    """Say on stderr which keys of a newer version were not read."""
+    if unknown:
+        print(one_line(f"{file}: of a newer version; not read: {', '.join(unknown)}"), file=sys.stderr)
+
+
 def build_parser() -> argparse.ArgumentParser:
     """The parser of all subcommands."""
     parser = _OneLineParser(prog="haptic-tracing", description="Vibration propagated through touching objects.")

@@ -26,9 +26,13 @@ def _tolerance(text: str) -> float:
 def run(args: argparse.Namespace) -> int:
     """Print ``{"contacts": [...]}`` in the form of the scene file, each contact with its signed ``distance`` in metres."""
     from ..core.contacts.scene_contacts import contacts_of_scene
-    from ..core.formats.scene.scene_json import read_scene
+    from ..core.formats.io.strict_json import read_json
+    from ..core.formats.scene.scene_json import current_document, scene_of
+    from . import warn_of_unknown
 
-    scene = read_scene(args.scene)
+    document, unknown = current_document(read_json(args.scene), args.scene)
+    warn_of_unknown(args.scene, unknown)
+    scene = scene_of(document, args.scene)
     try:
         contacts = contacts_of_scene(scene, args.tolerance, args.points)
     except ValueError as error:

@@ -24,12 +24,14 @@ def run(args: argparse.Namespace) -> int:
     """Read, write, print. Exit code 0."""
     from ..core.formats import haptic_scene, registry
     from ..core.formats.io.catalogue import named
+    from . import warn_of_unknown
 
     folder = args.target.parent
     if is_scene(args.source):
         if not is_scene(args.target):
             raise ValueError(f"{args.target}: a haptic scene becomes a haptic scene; to render it, use export")
         export = haptic_scene.read_export(args.source)
+        warn_of_unknown(args.source, export.unknown)
         tracks = "none" if export.tracks is None else "inline"
         files = haptic_scene.write_export(export, args.target, tracks=tracks, encoding="float32")
         print_written({"scene": registry.Written(tuple(files), ())})

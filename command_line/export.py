@@ -44,12 +44,14 @@ def run(args: argparse.Namespace) -> int:
     """Read, render what is not in the file, write, print. Exit code 0."""
     from ..core.formats import registry
     from ..core.formats.haptic_scene import read_export
+    from . import warn_of_unknown
 
     names = list(registry.FORMATS) if args.to == "all" else list(dict.fromkeys(args.to.split(",")))
     chosen = chosen_options(args.options, names)
     if not 0 < args.seconds <= LONGEST:
         raise ValueError(f"--seconds: must be above 0 and at most {LONGEST:g}, not {args.seconds:g}")
     export = read_export(args.scene)
+    warn_of_unknown(args.scene, export.unknown)
     if export.tracks is None and export.need_scene().listeners and names != ["scene"]:
         export = replace(export, tracks=_rendered(export, args.seconds, args.sample_rate))
     if args.losses:

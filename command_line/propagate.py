@@ -64,12 +64,14 @@ def run(args: argparse.Namespace) -> int:
     """Read, propagate, print."""
     from ..core.formats.io.strict_json import read_json
     from ..core.formats.scene.modalities_json import modalities_from_dict
-    from ..core.formats.scene.scene_json import current_document, scene_from_dict
+    from ..core.formats.scene.scene_json import current_document, scene_of
     from ..core.graph.haptic_graph import NoGain, graph_of_scene
     from ..core.propagation import propagate
+    from . import warn_of_unknown
 
-    document = current_document(read_json(args.scene), args.scene)
-    scene = scene_from_dict(document, args.scene)
+    document, unknown = current_document(read_json(args.scene), args.scene)
+    warn_of_unknown(args.scene, unknown)
+    scene = scene_of(document, args.scene)
     modalities = modalities_from_dict(document, scene, args.scene)
     chosen = {key: value for key in ("strategy", "mode", "threshold", "tolerance") if (value := getattr(args, key)) is not None}
     if args.max_connections is not _UNSET:

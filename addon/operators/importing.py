@@ -47,10 +47,13 @@ class HAPTIC_OT_import_scene(Operator):
 
     def execute(self, context: Context) -> set[str]:
         try:
-            losses = build(read_export(bpy.path.abspath(self.filepath)), context.scene, self.use_settings)
+            export = read_export(bpy.path.abspath(self.filepath))
+            losses = build(export, context.scene, self.use_settings)
         except (ValueError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        if export.unknown:
+            self.report({"WARNING"}, _rpt("Of a newer version; not read: {}").format(", ".join(export.unknown)))
         for loss in losses[:MOST_REPORTED]:
             self.report({"WARNING"}, loss)
         self.report({"INFO"}, _rpt("Haptic scene imported: {}").format(Path(self.filepath).name))

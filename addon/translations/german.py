@@ -430,6 +430,7 @@ MESSAGES: dict[str, str] = {
     "1 frame baked": "1 Bild gebacken",
     "{} frames baked": "{} Bilder gebacken",
     "Haptic scene imported: {}": "Haptische Szene importiert: {}",
+    "Of a newer version; not read: {}": "Aus einer neueren Version; nicht gelesen: {}",
     "'{}' has no surface: parent it to a haptic object, so that it has something to shake": "„{}“ hat keine Oberfläche: einem haptischen Objekt unterordnen, damit es etwas zu erschüttern hat",
     "'{}' emits {}": "„{}“ sendet {}",
     "'{}' emits {}, channel {} of {}": "„{}“ sendet {}, Kanal {} von {}",

@@ -19,7 +19,11 @@ def _today() -> str:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Export:
-    """A scene with what was recorded and rendered of it. Files are named after ``name``; ``date`` is in ISO 8601."""
+    """A scene with what was recorded and rendered of it.
+
+    Files are named after ``name``; ``date`` is in ISO 8601. ``unknown``: JSON pointers of keys of the file's newer version that were not
+    read.
+    """
 
     name: str
     scene: HapticScene | None = None
@@ -29,6 +33,7 @@ class Export:
     modalities: tuple[ModalityScene, ...] = ()
     materials: tuple[LibraryMaterial, ...] = ()
     date: str = field(default_factory=_today)
+    unknown: tuple[str, ...] = ()
 
     def need_tracks(self) -> Tracks:
         """The rendered tracks. Raises ValueError where there are none."""

@@ -14,7 +14,7 @@ from .scene.frames_json import frame_to_dict, recording_from_dict
 from .scene.materials_json import material_to_dict, materials_from_dict
 from .scene.modalities_json import modalities_from_dict, modalities_to_dict
 from .scene.motion import packed
-from .scene.scene_json import current_document, scene_from_dict, scene_to_dict, write_document
+from .scene.scene_json import current_document, scene_of, scene_to_dict, write_document
 from .scene.tracks_json import tracks_from_dict, tracks_to_dict
 from .tracks import wav
 from .tracks.track_export import scene_file
@@ -76,8 +76,8 @@ def write_export(export: Export, path: Path, frames: bool = True, tracks: str = 
 def read_export(path: str | Path) -> Export:
     """The content of a ``.json`` or ``.json.gz`` file. Raises FormatError or OSError."""
     path = Path(path)
-    document = current_document(read_json(path), path)
-    scene = scene_from_dict(document, path)
+    document, unknown = current_document(read_json(path), path)
+    scene = scene_of(document, path)
     return Export(
         name=path.name.removesuffix(".gz").removesuffix(SUFFIX),
         scene=scene,
@@ -86,4 +86,5 @@ def read_export(path: str | Path) -> Export:
         materials=materials_from_dict(document, path),
         recording=recording_from_dict(document, scene, path),
         tracks=tracks_from_dict(document, path),
+        unknown=unknown,
     )

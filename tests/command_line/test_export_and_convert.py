@@ -51,6 +51,16 @@ def test_export_to_all_formats(capsys, scene_file, tmp_path):
         assert np.abs(channel.samples[800:]).max() == pytest.approx(gains[channel.name], rel=2e-3, abs=1e-4)
 
 
+def test_keys_of_a_newer_version_are_named_and_left_out(capsys, scene_file, tmp_path):
+    document = json.loads(scene_file.read_text())
+    scene_file.write_text(json.dumps({**document, "version": "1.9", "weather": "rain"}))
+    for command in (["propagate"], ["contacts"], ["export", "--to", "scene", "--out", tmp_path / "new"]):
+        code, out, err = run(capsys, command[0], scene_file, *command[1:])
+        assert code == 0 and json.loads(out) and err == f"{scene_file}: of a newer version; not read: /weather\n"
+    again = json.loads((tmp_path / "new" / "bench.json").read_text())
+    assert again == json.loads(json.dumps(document))
+
+
 def test_export_of_frames_is_as_long_as_they_are(capsys, tmp_path):
     frames = (RecordedFrame(1), RecordedFrame(13, amplitudes={"hammer": 0.0}), RecordedFrame(25))
     write_export(Export("timed", SCENE, recording=Recording(24, 1, frames)), tmp_path / "timed.json.gz")

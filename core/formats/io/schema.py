@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,21 +16,68 @@ SCHEMAS = Path(__file__).parents[1] / "schemas"
 
 Place = tuple[str | int, ...]
 
+MOST_UNKNOWN = 200
+"""Maximum number of unknown keys, list items counted once, of a readable document of a newer version."""
+
 _LONGEST_VALUE = 60
 
 
 def validate(document: Any, schema: str, file: str | Path) -> None:
     """Raise FormatError unless ``document``, read from ``file``, is valid by ``schemas/<schema>.schema.json``."""
+    fault = _fault(document, schema)
+    if fault is not None:
+        place, key, reason = fault.place, fault.key, fault.reason
+        raise FormatError(file, json_pointer(place if key is None else (*place, key)), reason)
+
+
+def without_unknown_keys(document: dict[str, Any], schema: str, file: str | Path) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """A copy of the document without the keys that the schema does not define, and JSON pointers to these (``*``: all items of a list).
+
+    Raises FormatError for any other fault.
+    """
+    document = copy.deepcopy(document)
+    unknown: list[str] = []
+    while (fault := _fault(document, schema)) is not None:
+        if not fault.unknown or fault.key is None or len(unknown) == MOST_UNKNOWN:
+            raise FormatError(file, json_pointer(fault.place if fault.key is None else (*fault.place, fault.key)), fault.reason)
+        pattern = [None if isinstance(part, int) else part for part in fault.place]
+        _remove(document, pattern, fault.key)
+        unknown.append(json_pointer("*" if part is None else part for part in (*pattern, fault.key)))
+    return document, tuple(unknown)
+
+
+def _remove(value: Any, pattern: Sequence[str | None], key: str) -> None:
+    """Remove ``key`` from the objects that the pattern leads to; None matches every item of a list."""
+    if not pattern:
+        if isinstance(value, dict):
+            value.pop(key, None)
+    elif pattern[0] is None:
+        for item in value if isinstance(value, list) else ():
+            _remove(item, pattern[1:], key)
+    elif isinstance(value, dict) and pattern[0] in value:
+        _remove(value[pattern[0]], pattern[1:], key)
+
+
+@dataclass(frozen=True, slots=True)
+class _Fault:
+    """The first fault of a document: ``key`` of the value at ``place``, None for that value itself. ``unknown``: the key is undefined."""
+
+    place: Place
+    key: str | None
+    reason: str
+    unknown: bool
+
+
+def _fault(document: Any, schema: str) -> _Fault | None:
     import fastjsonschema
 
     try:
         _validator(schema)(document)
     except fastjsonschema.JsonSchemaValueException as error:
-        parts = next(
-            (parts for parts, value in _readings(document, (error.name or "data").removeprefix("data"), ()) if value is error.value), ()
-        )
-        key, reason = _reason(error)
-        raise FormatError(file, json_pointer(parts if key is None else (*parts, key)), reason) from None
+        name = (error.name or "data").removeprefix("data")
+        place = next((parts for parts, value in _readings(document, name, ()) if value is error.value), ())
+        return _Fault(place, *_reason(error), unknown=error.rule == "additionalProperties")
+    return None
 
 
 def load_schema(schema: str) -> dict[str, Any]:

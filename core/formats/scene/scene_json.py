@@ -1,28 +1,39 @@
-"""Haptic scene JSON 1.0: reading and writing `HapticScene`."""
+"""Haptic scene JSON 1.1: reading and writing `HapticScene`; older versions are migrated, newer ones read as far as they are known."""
 
 from __future__ import annotations
 
 import gzip
 import json
+import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from ...scene.values import HapticScene, Settings, Strategy
+from ...scene.values import HapticScene, Settings
 from ..io.atomic import atomic_file
 from ..io.error import FormatError, errors_in
 from ..io.json_text import compact
-from ..io.schema import validate
+from ..io.schema import validate, without_unknown_keys
 from ..io.strict_json import read_json
 from .values_json import json_value, read_contact, read_listener, read_object, read_source, read_value, scene_items
 
 FORMAT = "haptic-scene"
-VERSION = "1.0"
+VERSION = "1.1"
+SCHEMA = f"haptic-scene-{VERSION}"
 
-Migration = Callable[[dict[str, Any]], dict[str, Any]]
+_NEWER = re.compile(r"1\.[0-9]{1,4}")
 
-MIGRATIONS: dict[str, Migration] = {}
+
+def _from_1_0(document: dict[str, Any]) -> dict[str, Any]:
+    """A 1.0 document as 1.1, with the same meaning: ``auto``, the default strategy of 1.0, is ``as_in_the_paper`` in 1.1."""
+    settings = document.get("settings", {})
+    if isinstance(settings, dict) and settings.get("strategy", "auto") == "auto":
+        settings = {**settings, "strategy": "as_in_the_paper"}
+    return {**document, "version": "1.1", "settings": settings}
+
+
+MIGRATIONS: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {"1.0": _from_1_0}
 """By version: the function that makes a document of a later version (it sets ``version``)."""
 
 
@@ -48,50 +59,44 @@ def write_document(document: Mapping[str, Any], path: str | Path) -> None:
 
 def scene_from_dict(document: Any, file: str | Path) -> HapticScene:
     """The scene of a parsed document; ``file`` names it in errors. Raises FormatError."""
-    document = current_document(document, file)
-    validate(document, "haptic-scene-1.0", file)
+    return scene_of(current_document(document, file)[0], file)
+
+
+def scene_of(document: Mapping[str, Any], file: str | Path) -> HapticScene:
+    """The scene of a document from `current_document`. Raises FormatError."""
     with errors_in(file):
         return HapticScene(
             objects=tuple(read_object(form, ("objects", i)) for i, form in enumerate(document["objects"])),
             contacts=tuple(read_contact(form, ("contacts", i)) for i, form in enumerate(document.get("contacts", []))),
             sources=tuple(read_source(form, ("sources", i)) for i, form in enumerate(document.get("sources", []))),
             listeners=tuple(read_listener(form, ("listeners", i)) for i, form in enumerate(document.get("listeners", []))),
-            settings=_read_settings(document.get("settings", {})),
+            settings=read_value(Settings, document.get("settings", {}), ("settings",)),
             extras=document.get("extras", {}),
         )
 
 
-def _read_settings(form: Mapping[str, Any]) -> Settings:
-    """Settings of version 1.0, in which ``auto``, its default, is the paper's pair of strategies."""
-    settings = read_value(Settings, form, ("settings",))
-    return replace(settings, strategy=Strategy.AS_IN_THE_PAPER) if settings.strategy is Strategy.AUTO else settings
+def current_document(document: Any, file: str | Path) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """The valid document in the current version, and the JSON pointers of keys of a newer version, which are not read.
 
-
-def _in_version_1_0(settings: Settings) -> Settings:
-    """Settings with the same meaning in version 1.0: `Strategy.AUTO` is the best path over any number of connections."""
-    if settings.strategy is Strategy.AUTO:
-        return replace(settings, strategy=Strategy.BEST_PATH, max_connections=None)
-    return replace(settings, strategy=Strategy.AUTO) if settings.strategy is Strategy.AS_IN_THE_PAPER else settings
-
-
-def current_document(document: Any, file: str | Path) -> Any:
-    """The document in the current version. Raises FormatError for anything but a haptic scene of a known version."""
+    Raises FormatError for anything but a valid haptic scene of version 1.x.
+    """
     if not isinstance(document, dict):
         raise FormatError(file, "/", "not a haptic scene: the document must be an object")
     if document.get("format") != FORMAT:
         raise FormatError(file, "/format", f'not a haptic scene: must be "{FORMAT}"')
-    while (version := document.get("version")) != VERSION:
-        if not isinstance(version, str) or version not in MIGRATIONS:
-            older = "".join(f' or "{known}"' for known in MIGRATIONS)
-            raise FormatError(file, "/version", f'this reads version "{VERSION}"{older}, not {json.dumps(version)[:40]}')
+    while isinstance(version := document.get("version"), str) and version in MIGRATIONS:
         document = MIGRATIONS[version](document)
-    return document
+    if version != VERSION:
+        if not isinstance(version, str) or not _NEWER.fullmatch(version):
+            raise FormatError(file, "/version", f'this reads version "{min(MIGRATIONS)}" to "{VERSION}", not {json.dumps(version)[:40]}')
+        return without_unknown_keys({**document, "version": VERSION}, SCHEMA, file)
+    validate(document, SCHEMA, file)
+    return document, ()
 
 
 def scene_to_dict(scene: HapticScene) -> dict[str, Any]:
     """The document of a scene, keys in the order of the definition; defaults are left out, except positions and settings."""
-    own = _in_version_1_0(scene.settings)
-    settings = {key.name: json_value(getattr(own, key.name)) for key in fields(Settings)}
+    settings = {key.name: json_value(getattr(scene.settings, key.name)) for key in fields(Settings)}
     if not scene.settings.localise:
         del settings["localise"]
     document = {"format": FORMAT, "version": VERSION, "settings": settings, **scene_items(scene)}

@@ -17,7 +17,7 @@ from haptic_tracing.core.formats.io import atomic
 from haptic_tracing.core.formats.io.file_names import file_stem, file_stems
 from haptic_tracing.core.formats.scene.scene_json import read_scene, write_scene
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
-from haptic_tracing.core.scene.values import HapticObject, HapticScene, Settings
+from haptic_tracing.core.scene.values import HapticObject, HapticScene
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -155,8 +155,7 @@ def test_a_folder_in_the_way(tmp_path):
 
 def test_a_reader_sees_the_old_file_or_the_new_one(tmp_path):
     path = tmp_path / "scene.json"
-    chosen = Settings(strategy="best_path")
-    scenes = [HapticScene(tuple(HapticObject(f"{version}.{k}", 0, 1) for k in range(200)), settings=chosen) for version in range(8)]
+    scenes = [HapticScene(tuple(HapticObject(f"{version}.{k}", 0, 1) for k in range(200))) for version in range(8)]
     write_scene(scenes[0], path)
 
     def keep_writing():

@@ -17,7 +17,7 @@ from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene,
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-REFERENCE = jsonschema.Draft202012Validator(load_schema("haptic-scene-1.0"))
+REFERENCE = jsonschema.Draft202012Validator(load_schema("haptic-scene-1.1"))
 NAMES = ("bench", "hearth", "rug")
 BENCH = HapticScene(
     objects=tuple(HapticObject(name, 0.1, 0.9) for name in NAMES),

@@ -17,7 +17,7 @@ from haptic_tracing.core.formats.scene.devices_json import ActuatorMapping, Devi
 from haptic_tracing.core.formats.scene.recording import RecordedFrame, Recording, SceneRecorder, states, traced
 from haptic_tracing.core.formats.tracks.track_recorder import recorded_tracks
 from haptic_tracing.core.scene.functions import Exponential, HapticTracing
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, SourceKind
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source, SourceKind
 from haptic_tracing.core.signals import Noise
 from haptic_tracing.core.tracer import Frame, Tracer
 
@@ -91,8 +91,7 @@ def test_the_samples_of_a_take_are_those_of_the_frames(run):
 def test_export_import_export_is_identical(run, tmp_path, tracks, encoding):
     results, recorder = run
     devices = (DeviceMapping("pad", "dualsense", (ActuatorMapping("left grip", "seat", 0.5),), {"note": "mine"}),)
-    scene = replace(recorder.scene(), settings=Settings(strategy="best_path"))
-    export = Export("fall", scene, recorded_tracks(results), recorder.recording(), devices)
+    export = Export("fall", recorder.scene(), recorded_tracks(results), recorder.recording(), devices)
     first = write_export(export, tmp_path / "fall.json", tracks=tracks, encoding=encoding)
     imported = read_export(tmp_path / "fall.json")
     assert imported.devices == devices and imported.recording == export.recording and imported.scene == export.scene
