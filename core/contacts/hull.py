@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -70,6 +71,19 @@ def convex_hull(points: FloatArray) -> Hull:
     points = np.unique(np.asarray(points, dtype=np.float64), axis=0)
     if len(points) > MAX_HULL_POINTS:
         points = extreme_points(points, MAX_HULL_POINTS)
+    return _hull_of(points.tobytes())
+
+
+@lru_cache(256)
+def _hull_of(coordinates: bytes) -> Hull:
+    """The hull of distinct points. Kept for the next scene with the same meshes, and for the hulls that a shrunk hull starts from."""
+    points = np.frombuffer(coordinates).reshape(-1, 3)
+    hull = _computed_hull(points)
+    hull.points.flags.writeable = hull.triangles.flags.writeable = False
+    return hull
+
+
+def _computed_hull(points: FloatArray) -> Hull:
     extent = float(np.max(np.ptp(points, axis=0)))
     simplex = _simplex(points, 1e-9 * max(extent, float(np.max(np.abs(points))) * 1e-4))
     if len(simplex) == 1:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -61,7 +62,13 @@ class SampleLimits:
         peaks = np.abs(samples).max(axis=1, initial=0.0)
         allowed = self._limits.limited(np.minimum(peaks, 1.0), seconds)
         gains = np.divide(allowed, peaks, out=np.ones_like(peaks), where=peaks > 0.0)[:, None]
-        ramp = np.linspace(0.0, 1.0, samples.shape[1])
+        ramp = _ramp(samples.shape[1])
         start = np.minimum(self._gains, gains)
         self._gains = gains
         return np.asarray(samples * (start + (gains - start) * ramp))
+
+
+@cache
+def _ramp(count: int) -> FloatArray:
+    """``count`` values from 0 to 1, evenly spaced. Shared: not to be written to."""
+    return np.linspace(0.0, 1.0, count)

@@ -354,7 +354,8 @@ class StreamPacing:
         self._fill(frames)
         taken, self._queue = self._queue[:, :frames], self._queue[:, frames:]
         dry = frames - taken.shape[1]
-        played = np.pad(taken, ((0, 0), (0, dry)))
+        played = np.zeros((taken.shape[0], frames))
+        played[:, : taken.shape[1]] = taken
         if dry:
             join(played, taken.shape[1], taken[:, -1:] if taken.shape[1] else self._last)
         self._seam = dry > 0

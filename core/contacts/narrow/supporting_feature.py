@@ -97,11 +97,10 @@ def merged_faces(hull: Hull) -> tuple[FloatArray, FloatArray]:
     normals, offsets = hull.planes()
     extent = float(np.max(np.ptp(hull.points, axis=0)))
     polygons = []
-    for normal, offset in zip(normals, offsets, strict=True):
+    across = np.cross(normals, np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]))
+    for normal, offset, u, v in zip(normals, offsets, across, np.cross(normals, across), strict=True):
         on = hull.points[np.abs(hull.points @ normal - offset) <= 1e-5 * extent]
         middle = on.mean(axis=0)
-        u = np.cross(normal, [1.0, 0.0, 0.0] if abs(normal[0]) < 0.7 else [0.0, 1.0, 0.0])
-        v = np.cross(normal, u)
         polygon = on[np.argsort(np.arctan2((on - middle) @ v, (on - middle) @ u), kind="stable")]
         if len(polygon) > MANY:
             polygon = polygon[np.linspace(0, len(polygon), MANY, endpoint=False).astype(int)]

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from path_reference import connected_scene, recursive_paths
 
 FREE = {"max_connections": None, "threshold": 0.0, "tolerance": 0.0}
+LONG, KAPPA = 100_000, 3.3e-4
 SEEDS = st.integers(0, 10**6)
 
 
@@ -79,25 +80,34 @@ def chain(count: int, functions, step: float = 0.0, kappa: float = 0.0, rho: flo
     return HapticScene(objects, contacts, (Source("s", "000000"),), (Listener("l", f"{count - 1:06d}", (count * step, 0, 0)),))
 
 
+@pytest.fixture(scope="module")
+def chain_of_gains_near_one():
+    return graph_of_scene(chain(LONG, [HapticObject("x", 0, 1).propagation], kappa=KAPPA))
+
+
+@pytest.fixture(scope="module")
+def chain_of_small_gains():
+    return graph_of_scene(chain(LONG, [Constant(gain_value=1e-3)]))
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS])
 @pytest.mark.parametrize("threshold", [0.0, 1e-300])
-def test_chain_of_100000_objects(strategy, threshold):
+def test_chain_of_100000_objects(chain_of_gains_near_one, strategy, threshold):
     """Gains close to 1, so that the answer is not tiny: rounding errors of every link would add up to 1e-11."""
-    count, kappa = 100_000, 3.3e-4
-    graph = graph_of_scene(chain(count, [HapticObject("x", 0, 1).propagation], kappa=kappa))
-    result = propagate(graph, Settings(strategy=strategy, max_connections=None, threshold=threshold))
+    result = propagate(chain_of_gains_near_one, Settings(strategy=strategy, max_connections=None, threshold=threshold))
     with mpmath.workdps(40):
-        exact = (1 - mpmath.mpf(kappa)) ** count
+        exact = (1 - mpmath.mpf(KAPPA)) ** LONG
         assert exact > 1e-20
         assert close(result.gain[0, 0], exact)
     assert result.error_bound[0, 0] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE])
-def test_chain_of_100000_gains_of_one_in_a_thousand(strategy):
+def test_chain_of_100000_gains_of_one_in_a_thousand(chain_of_small_gains, strategy):
     """10^-300000 is 0, the path is known all the same, and nothing overflows on the way."""
-    graph = graph_of_scene(chain(100_000, [Constant(gain_value=1e-3)]))
-    result = propagate(graph, Settings(strategy=strategy, max_connections=None, threshold=0))
+    result = propagate(chain_of_small_gains, Settings(strategy=strategy, max_connections=None, threshold=0))
     assert result.gain[0, 0] == 0
     assert len(result.best_path[0, 0]) == 200_000
     assert np.isfinite(result.error_bound).all()
