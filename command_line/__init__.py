@@ -1,7 +1,7 @@
 """The console program ``haptic-tracing``.
 
-Each subcommand is a module with ``add_parser(subparsers)``, which sets ``run=run``, and ``run(args) -> int``, which imports what it needs
-when it is called: asking for help loads nothing heavy.
+Each subcommand is a module with ``run(args) -> int``. Only the one that is asked for is imported; the arguments of all are described in
+`arguments`, so that asking for help loads nothing heavy.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
-SUBCOMMANDS = ("propagate", "contacts", "devices", "export", "convert", "sample", "trace", "demo", "study")
+from .arguments import SUBCOMMANDS
 
 BAD_INPUT = 2
 INTERRUPTED = 130
 
 
 class _OneLineParser(argparse.ArgumentParser):
-    """Says what is wrong with the arguments in one line."""
+    """A parser that explains wrong arguments in one line."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(BAD_INPUT, f"{self.prog}: {one_line(message)} (see {self.prog} --help)\n")
@@ -41,23 +41,34 @@ def build_parser() -> argparse.ArgumentParser:
     """The parser of all subcommands."""
     parser = _OneLineParser(prog="haptic-tracing", description="Vibration propagated through touching objects.")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for name in SUBCOMMANDS:
-        import_module(f".{name}", __name__).add_parser(subparsers)
+    for name, command in SUBCOMMANDS.items():
+        command.describe(subparsers.add_parser(name, help=command.summary, description=command.description))
     return parser
+
+
+def run(args: argparse.Namespace) -> int:
+    """Import the subcommand and run it. Raises ValueError where it needs Blender and there is none."""
+    try:
+        module = import_module(f".{args.command}", __name__)
+    except ModuleNotFoundError as error:
+        if error.name != "bpy":
+            raise
+        raise ValueError("this needs Blender as a Python module: pip install bpy (its version decides the Python version)") from None
+    code: int = module.run(args)
+    return code
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the program on ``argv`` (the process' arguments by default) and return its exit code: 0, or 2 for bad input, which is
     explained in one line on stderr."""
     try:
-        args = build_parser().parse_args(argv)
-        code: int = args.run(args)
+        code = run(build_parser().parse_args(argv))
         sys.stdout.flush()
         return code
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else 0
     except BrokenPipeError:
-        # The reader of our output went away: keep the interpreter from complaining about it when it closes stdout.
+        # The reader of the output has gone: the interpreter would complain when it closes stdout.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except KeyboardInterrupt:

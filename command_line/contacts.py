@@ -4,32 +4,15 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 
-
-def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Describe the subcommand."""
-    parser = subparsers.add_parser("contacts", help="print the contacts of a scene file, found from the shapes and poses of its objects")
-    parser.add_argument("scene", metavar="SCENE.json", help="haptic scene")
-    parser.add_argument("--tolerance", type=_tolerance, default=0.01, metavar="M", help="greatest signed distance of a contact (0.01 m)")
-    parser.add_argument("--points", action="store_true", help="one contact per point of a patch, with its share, instead of its centre")
-    parser.set_defaults(run=run)
-
-
-def _tolerance(text: str) -> float:
-    value = float(text)
-    if not 0 <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"must be finite and >= 0 m, got {text}")
-    return value
+from ..core.contacts.scene_contacts import contacts_of_scene
+from ..core.formats.io.strict_json import read_json
+from ..core.formats.scene.scene_json import current_document, scene_of
+from . import warn_of_unknown
 
 
 def run(args: argparse.Namespace) -> int:
     """Print ``{"contacts": [...]}`` in the form of the scene file, each contact with its signed ``distance`` in metres."""
-    from ..core.contacts.scene_contacts import contacts_of_scene
-    from ..core.formats.io.strict_json import read_json
-    from ..core.formats.scene.scene_json import current_document, scene_of
-    from . import warn_of_unknown
-
     document, unknown = current_document(read_json(args.scene), args.scene)
     warn_of_unknown(args.scene, unknown)
     scene = scene_of(document, args.scene)

@@ -6,26 +6,20 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .export import add_option_argument, chosen_options, print_written
+import numpy as np
+
+from ..core.formats import haptic_scene, registry
+from ..core.formats.export import Export
+from ..core.formats.io.catalogue import named
+from ..core.formats.tracks.listener_tracks import ListenerTrack, Tracks
+from . import warn_of_unknown
+from .export import chosen_options, print_written
 
 SAMPLE_RATE = 8000
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the command to the program's."""
-    parser = subparsers.add_parser("convert", help="convert between file formats", description=__doc__)
-    parser.add_argument("source", metavar="IN", type=Path, help=".wav, .hjif, .haptic, .ahap, .haps, or a haptic scene: .json, .json.gz")
-    parser.add_argument("target", metavar="OUT", type=Path, help="its ending tells the format; a channel each may make a file each")
-    add_option_argument(parser)
-    parser.set_defaults(run=run)
-
-
 def run(args: argparse.Namespace) -> int:
     """Read, write, print. Exit code 0."""
-    from ..core.formats import haptic_scene, registry
-    from ..core.formats.io.catalogue import named
-    from . import warn_of_unknown
-
     folder = args.target.parent
     if is_scene(args.source):
         if not is_scene(args.target):
@@ -54,11 +48,6 @@ def is_scene(path: Path) -> bool:
 
 def _export(name: str, reading: Any) -> Any:
     """The channels of a file as tracks, all as long as the longest."""
-    import numpy as np
-
-    from ..core.formats.export import Export
-    from ..core.formats.tracks.listener_tracks import Tracks
-
     rate = max((round(channel.sample_rate) for channel in reading.channels), default=0) or SAMPLE_RATE
     rows = [channel.at_rate(rate) for channel in reading.channels]
     count = max(map(len, rows), default=0)
@@ -71,8 +60,6 @@ def _export(name: str, reading: Any) -> Any:
 
 
 def _listeners(reading: Any) -> list[Any]:
-    from ..core.formats.tracks.listener_tracks import ListenerTrack
-
     listeners: dict[str, Any] = {}
     for channel in reading.channels:
         name, number = channel.name, 2

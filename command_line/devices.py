@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import argparse
 import math
-from pathlib import Path
-from typing import TYPE_CHECKING
+import sys
+import time
 
-if TYPE_CHECKING:
-    from argparse import _SubParsersAction
+import numpy as np
 
-    from ..core.devices.output import DeviceOutput
-    from ..core.devices.profiles import Profile
+from ..core.devices.connection import connected, hid_module, missing_permission
+from ..core.devices.families.registry import rumble_report
+from ..core.devices.output import DeviceOutput
+from ..core.devices.profiles import BUILT_IN, Profile, load_profiles
 
 _RATE = 8000
 _FRAME = 0.02
@@ -20,40 +21,21 @@ _LOWEST_HZ, _HIGHEST_HZ, _AMPLITUDE = 30.0, 400.0, 0.6
 _LOOK_FOR = 3.0
 
 
-def add_parser(subparsers: _SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Register ``devices`` with its actions."""
-    parser = subparsers.add_parser("devices", help="haptic devices: list, test, encode", description="List the connected haptic devices.")
-    parser.set_defaults(run=run_list)
-    parser.add_argument("--profiles", metavar="FOLDER", type=Path, help="folder with device profiles of your own (*.json)")
-    actions = parser.add_subparsers(dest="action", metavar="ACTION")
-
-    test = actions.add_parser("test", help="play a sweep on each actuator of a device in turn, then silence and release it")
-    test.add_argument("name", metavar="NAME", help="a device's name as listed, such as dualsense")
-    test.add_argument("--serial", default="", help="of one device among several alike")
-    test.add_argument("--seconds", type=float, default=3.0, help="length of the sweep, 0.1 to 60 (default 3)")
-    test.set_defaults(run=run_test)
-
-    encode = actions.add_parser("encode", help="print the report that drives a device, as hexadecimal")
-    encode.add_argument("device", metavar="DEVICE", help="dualsense, switch-pro, xbox, ...")
-    encode.add_argument("--transport", choices=("usb", "bt"), help="default: the device's first")
-    encode.add_argument("--left", type=float, default=0.0, help="amplitude in [0, 1] of the left or low-frequency motor (default 0)")
-    encode.add_argument("--right", type=float, default=0.0, help="amplitude in [0, 1] of the right or high-frequency motor (default 0)")
-    encode.add_argument("--sequence", type=int, default=0, help="number of the report, 0 to 15 (default 0)")
-    encode.set_defaults(run=run_encode)
+def run(args: argparse.Namespace) -> int:
+    """List the devices, or do the action that is asked for."""
+    if args.action == "test":
+        return run_test(args)
+    return run_encode(args) if args.action == "encode" else run_list(args)
 
 
 def run_encode(args: argparse.Namespace) -> int:
     """Print one report as lower-case hexadecimal."""
-    from ..core.devices.families.registry import rumble_report
-
     print(rumble_report(args.device, args.left, args.right, args.transport, args.sequence).data.hex())
     return 0
 
 
 def run_list(args: argparse.Namespace) -> int:
     """Print a line for each connected device, then what keeps some of them from being used."""
-    from ..core.devices.connection import connected, hid_module, missing_permission
-
     profiles = _profiles(args)
     devices = connected(hid_module())
     if not devices:
@@ -73,8 +55,6 @@ def run_list(args: argparse.Namespace) -> int:
 
 def run_test(args: argparse.Namespace) -> int:
     """Play a sweep and say what was written."""
-    from ..core.devices.output import DeviceOutput
-
     profiles = _profiles(args)
     if args.name not in profiles:
         raise ValueError(f"device {args.name!r} is unknown: use one of {', '.join(profiles)}")
@@ -96,10 +76,6 @@ def run_test(args: argparse.Namespace) -> int:
 
 def _profiles(args: argparse.Namespace) -> dict[str, Profile]:
     """The built-in profiles and the user's; a broken file is named on stderr and does not keep the others from being used."""
-    import sys
-
-    from ..core.devices.profiles import BUILT_IN, load_profiles
-
     if args.profiles is not None and not args.profiles.is_dir():
         raise ValueError(f"{args.profiles}: is not a folder")
     profiles, problems = load_profiles([BUILT_IN] if args.profiles is None else [BUILT_IN, args.profiles])
@@ -109,8 +85,6 @@ def _profiles(args: argparse.Namespace) -> dict[str, Profile]:
 
 
 def _wait_until_open(output: DeviceOutput) -> None:
-    import time
-
     end = time.perf_counter() + _LOOK_FOR
     while output.status.state == "searching" and time.perf_counter() < end and not output.status.message:
         time.sleep(0.01)
@@ -121,10 +95,6 @@ def _wait_until_open(output: DeviceOutput) -> None:
 
 def _play_sweep(output: DeviceOutput, seconds: float) -> None:
     """A logarithmic sweep on one actuator after the other, in blocks at the pace of time."""
-    import time
-
-    import numpy as np
-
     actuators = len(output.profile.actuators)
     frames = round(seconds / _FRAME)
     growth = math.log(_HIGHEST_HZ / _LOWEST_HZ)

@@ -1,4 +1,5 @@
-"""``haptic-tracing export SCENE.json --to FORMATS --out FOLDER``: what the listeners of a haptic scene feel, in the formats of others."""
+"""``haptic-tracing export SCENE.json --to FORMATS --out FOLDER``: what the listeners of a haptic scene feel, in the formats of other
+programs."""
 
 from __future__ import annotations
 
@@ -6,14 +7,20 @@ import argparse
 import json
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from ..core.formats.export import Export
-    from ..core.formats.io.options import Value
-    from ..core.render.frame_result import FrameResult
-    from ..core.scene.values import HapticScene
+from ..core.contacts.scene_contacts import contacts_of_scene
+from ..core.formats import registry
+from ..core.formats.export import Export
+from ..core.formats.haptic_scene import read_export
+from ..core.formats.io.catalogue import named
+from ..core.formats.io.options import Value
+from ..core.formats.scene.recording import frame_of, traced
+from ..core.formats.tracks.track_recorder import recorded_tracks
+from ..core.render.frame_result import FrameResult
+from ..core.scene.values import HapticScene
+from ..core.tracer import Tracer
+from . import warn_of_unknown
 
 STILL_RATE = 30
 """Frames a second in which a scene without frames is traced."""
@@ -21,31 +28,8 @@ LONGEST = 3600.0
 """Seconds."""
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the command to the program's."""
-    parser = subparsers.add_parser("export", help="write a haptic scene in other formats", description=__doc__)
-    parser.add_argument("scene", help="haptic scene, .json or .json.gz")
-    formats = "scene, wav, ohm, hjif, wyvrn, haptic, ahap, tact, hla, csv, npz, or all"
-    parser.add_argument("--to", required=True, metavar="FORMAT,...", help=formats)
-    parser.add_argument("--out", default="out", type=Path, metavar="FOLDER", help="where the files are written (out)")
-    add_option_argument(parser)
-    parser.add_argument("--seconds", type=float, default=10.0, metavar="X", help="how long a scene without frames is rendered (10)")
-    parser.add_argument("--sample-rate", type=int, default=8000, metavar="HZ", help="of the rendered tracks (8000)")
-    parser.add_argument("--losses", action="store_true", help="only say what the formats can't carry")
-    parser.set_defaults(run=run)
-
-
-def add_option_argument(parser: argparse.ArgumentParser) -> None:
-    """``--set``, for the options of formats."""
-    parser.add_argument("--set", action="append", default=[], metavar="FORMAT.OPTION=VALUE", help="an option of a format", dest="options")
-
-
 def run(args: argparse.Namespace) -> int:
     """Read, render what is not in the file, write, print. Exit code 0."""
-    from ..core.formats import registry
-    from ..core.formats.haptic_scene import read_export
-    from . import warn_of_unknown
-
     names = list(registry.FORMATS) if args.to == "all" else list(dict.fromkeys(args.to.split(",")))
     chosen = chosen_options(args.options, names)
     if not 0 < args.seconds <= LONGEST:
@@ -65,8 +49,6 @@ def run(args: argparse.Namespace) -> int:
 
 def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str, Value]]:
     """The options of each format from ``format.option=value``. Raises ValueError that names what is unknown or out of range."""
-    from ..core.formats.io.catalogue import named
-
     chosen: dict[str, dict[str, Value]] = {name: {} for name in names}
     known = {name: {option.name: option for option in named(name).options} for name in names}
     for setting in settings:
@@ -89,9 +71,6 @@ def print_written(written: dict[str, Any]) -> None:
 
 
 def _rendered(export: Export, seconds: float, sample_rate: int) -> Any:
-    from ..core.formats.scene.recording import traced
-    from ..core.formats.tracks.track_recorder import recorded_tracks
-
     scene = export.need_scene()
     if export.recording is not None:
         return recorded_tracks(traced(scene, export.recording, sample_rate))
@@ -100,10 +79,6 @@ def _rendered(export: Export, seconds: float, sample_rate: int) -> Any:
 
 def _still(scene: HapticScene, seconds: float, sample_rate: int) -> Iterator[FrameResult]:
     """The frames of a scene in which nothing moves."""
-    from ..core.contacts.scene_contacts import contacts_of_scene
-    from ..core.formats.scene.recording import frame_of
-    from ..core.tracer import Tracer
-
     if not scene.contacts:
         names = [item.name for item in scene.objects]
         scene = replace(scene, contacts=contacts_of_scene(scene).to_contacts(names))

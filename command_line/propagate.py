@@ -5,76 +5,29 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import json
-import math
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from ..core.graph.haptic_graph import HapticGraph, NoGain
-    from ..core.modalities.propagation import Felt
-    from ..core.propagation import Propagation
-    from ..core.scene.values import HapticScene, Strategy
-
-_UNSET = object()
-
-
-def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Describe the subcommand."""
-    parser = subparsers.add_parser("propagate", help="gains of a haptic scene file")
-    parser.add_argument("scene", metavar="SCENE.json", help="haptic scene; without contacts they are found from shapes and poses")
-    strategies = ("auto", "as_in_the_paper", "best_path", "all_paths", "energy_balance")
-    parser.add_argument("--strategy", choices=strategies, help="how gains are computed (the scene's)")
-    parser.add_argument("--mode", choices=("HT", "SD", "MD", "MN"), help="rendering: haptic graph, nearest listener, direct (the scene's)")
-    parser.add_argument("--max-connections", type=_connections, default=_UNSET, metavar="N|none", help="most connections on a path")
-    parser.add_argument("--threshold", type=_threshold, metavar="X", help="a path stops where its gain falls below; 0: nowhere")
-    parser.add_argument("--tolerance", type=_tolerance, metavar="X", help="relative error wanted of a sum that is out of reach (0.01)")
-    parser.set_defaults(run=run)
-
-
-def _connections(text: str) -> int | None:
-    if text == "none":
-        return None
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"must be a whole number, 0 or more, or none, got {text}")
-    return int(text)
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"must be a number, got {text}") from None
-
-
-def _threshold(text: str) -> float:
-    value = _number(text)
-    if not 0 <= value <= 1:
-        raise argparse.ArgumentTypeError(f"must lie in [0, 1], got {text}")
-    return value
-
-
-def _tolerance(text: str) -> float:
-    value = _number(text)
-    if not 0 <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"must be finite and >= 0, got {text}")
-    return value
+from ..core.contacts.scene_contacts import contacts_of_scene
+from ..core.diagnosis.sentences import sentence
+from ..core.formats.io.strict_json import read_json
+from ..core.formats.scene.modalities_json import modalities_from_dict
+from ..core.formats.scene.scene_json import current_document, scene_of
+from ..core.graph.haptic_graph import HapticGraph, NoGain, graph_of_scene
+from ..core.modalities.propagation import Felt
+from ..core.propagation import Propagation, objects_on, propagate
+from ..core.scene.values import HapticScene, Strategy
+from . import warn_of_unknown
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, propagate, print."""
-    from ..core.formats.io.strict_json import read_json
-    from ..core.formats.scene.modalities_json import modalities_from_dict
-    from ..core.formats.scene.scene_json import current_document, scene_of
-    from ..core.graph.haptic_graph import NoGain, graph_of_scene
-    from ..core.propagation import propagate
-    from . import warn_of_unknown
-
     document, unknown = current_document(read_json(args.scene), args.scene)
     warn_of_unknown(args.scene, unknown)
     scene = scene_of(document, args.scene)
     modalities = modalities_from_dict(document, scene, args.scene)
     chosen = {key: value for key in ("strategy", "mode", "threshold", "tolerance") if (value := getattr(args, key)) is not None}
-    if args.max_connections is not _UNSET:
+    if "max_connections" in args:  # none is a value
         chosen["max_connections"] = args.max_connections
     settings = dataclasses.replace(scene.settings, **chosen)
     try:
@@ -107,8 +60,6 @@ def _with_contacts(scene: HapticScene) -> HapticScene:
     """The scene, with contacts from shapes and poses where it lists none itself."""
     if scene.contacts or sum(item.shape is not None for item in scene.objects) < 2:
         return scene
-    from ..core.contacts.scene_contacts import contacts_of_scene
-
     return dataclasses.replace(scene, contacts=contacts_of_scene(scene).to_contacts([item.name for item in scene.objects]))
 
 
@@ -123,9 +74,6 @@ def _pointer(scene: HapticScene, error: NoGain) -> str:
 def report(graph: HapticGraph, result: Propagation, strategy: Strategy, seconds: dict[str, float]) -> dict[str, Any]:
     """The printed object: every pair present, gains with the source's amplitude; band gains (relative to the source, in the order of
     `core.bands`), the delay of the best path [s] and (delay, gain) of the strongest paths where the scene uses them."""
-    from ..core.diagnosis.sentences import sentence
-    from ..core.propagation import objects_on
-
     pairs = []
     for row, source in enumerate(graph.sources):
         for column, listener in enumerate(graph.listeners):

@@ -4,45 +4,25 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:
-    from ..study.checks import Check
-    from ..study.rendition import Ride
+from tqdm import tqdm
+
+from ..addon.changes.suspension import suspended
+from ..addon.view.picture import starts_gpu
+from ..core.formats.tracks.wav import write_wav
+from ..sample_scenes import build_sample
+from ..study import baking, plots
+from ..study.checks import Check, checks_of
+from ..study.rendition import Ride
+from ..study.report import write_numbers, write_report
+from .trace import start_blender
 
 NAME = "mine_ride"
 
 
-def add_parser(subparsers: Any) -> None:
-    """Describe the subcommand."""
-    parser = subparsers.add_parser("study", help="render the paper's ride in its four modes and report", description=__doc__)
-    parser.add_argument("--out", default="out/study", type=Path, metavar="FOLDER", help="where the results are written (out/study)")
-    parser.add_argument("--frames", type=_frames, metavar="FIRST:LAST", help="only these frames, counted from 1 (all 3,600)")
-    parser.add_argument("--pictures", type=int, default=3, metavar="N", help="pictures of the ride in each section (3)")
-    parser.add_argument("--no-tracks", action="store_true", help="write no WAV files")
-    parser.set_defaults(run=run)
-
-
-def _frames(text: str) -> tuple[int, int]:
-    first, colon, last = text.partition(":")
-    if not (colon and first.isdecimal() and last.isdecimal() and 1 <= int(first) < int(last)):
-        raise argparse.ArgumentTypeError(f"must be FIRST:LAST with 1 <= FIRST < LAST, got {text}")
-    return int(first), int(last)
-
-
 def run(args: argparse.Namespace) -> int:
     """Play, render, measure, write, print. Exit code 0."""
-    from .trace import start_blender
-
     start_blender()
-    from tqdm import tqdm
-
-    from ..addon.changes.suspension import suspended
-    from ..sample_scenes import build_sample
-    from ..study import baking, plots
-    from ..study.checks import checks_of
-    from ..study.report import write_numbers, write_report
-
     with suspended():
         scene = build_sample(NAME)
     first, last = args.frames or (scene.frame_start, scene.frame_end)
@@ -54,7 +34,7 @@ def run(args: argparse.Namespace) -> int:
         ride = baking.bake_ride(scene, first, last, lambda frame: bar.update())
     checks = checks_of(ride)
     pictures = {}
-    if args.pictures > 0 and baking.can_draw():
+    if args.pictures > 0 and starts_gpu():
         pictures = baking.draw_frames(scene, baking.lively_frames(ride, args.pictures))
     elif args.pictures > 0:
         notes.append("There are no pictures of the ride: off-screen drawing needs Blender 5.2 or a window, and OpenGL.")
@@ -76,8 +56,6 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _write_tracks(folder: Path, ride: Ride) -> list[Path]:
-    from ..core.formats.tracks.wav import write_wav
-
     written = []
     for mode, rendition in ride.renditions.items():
         written.append(folder / f"{NAME}.{mode}.wav")

@@ -3,39 +3,30 @@
 from __future__ import annotations
 
 import argparse
+import atexit
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
+import bpy
 import numpy as np
+from tqdm import tqdm
 
-if TYPE_CHECKING:
-    from ..addon.session.timeline import ImpactFelt, Played
-    from ..core.render.frame_result import FrameResult
-
-
-def add_parser(subparsers: Any) -> None:
-    """Add the command to the program's."""
-    parser = subparsers.add_parser("trace", help="play a tagged .blend file and write what is felt", description=__doc__)
-    parser.add_argument("file", help="Blender file with haptic objects, sources and listeners")
-    add_output_arguments(parser)
-    parser.set_defaults(run=run)
-
-
-def add_output_arguments(parser: argparse.ArgumentParser) -> None:
-    """Where results go and which frames are played."""
-    parser.add_argument("--out", default="out", type=Path, metavar="FOLDER", help="where the results are written (out)")
-    parser.add_argument("--start", type=int, help="first frame (the scene's)")
-    parser.add_argument("--end", type=int, help="last frame (the scene's)")
-    parser.add_argument("--no-picture", action="store_true", help="draw no picture")
+from .. import register, unregister
+from ..addon.changes.suspension import suspended
+from ..addon.io.frame_scene import scene_of_result, written_export
+from ..addon.session import timeline
+from ..addon.session.timeline import ImpactFelt, Played
+from ..addon.view.picture import draw_picture
+from ..core.formats.haptic_scene import read_export, write_export
+from ..core.formats.tracks.listener_tracks import Tracks
+from ..core.formats.tracks.wav import write_wav
+from ..core.render.frame_result import FrameResult
 
 
 def run(args: argparse.Namespace) -> int:
     """Open the file, trace it, write the results. Exit code 0."""
     start_blender()
-    from ..addon.session import timeline
-
     if not Path(args.file).is_file():
         raise ValueError(f"{args.file}: there is no such file")
     timeline.open_blend(str(Path(args.file).resolve()))
@@ -43,33 +34,15 @@ def run(args: argparse.Namespace) -> int:
 
 
 def start_blender() -> None:
-    """Import Blender as a module and enable the add-on. Raises ValueError where bpy is not installed."""
-    try:
-        import bpy
-    except ImportError:
-        raise ValueError("this needs Blender as a Python module: pip install bpy (its version decides the Python version)") from None
-    import atexit
-
-    import haptic_tracing
-
+    """Begin with an empty file and enable the add-on until the program ends."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    haptic_tracing.register()
+    register()
     # With handlers or timers still there, Blender 4.2 ends with a segmentation fault and 4.5 not at all.
-    atexit.register(haptic_tracing.unregister)
+    atexit.register(unregister)
 
 
 def trace_and_report(args: argparse.Namespace, name: str) -> int:
     """Play the open file's scene, write haptic scene, WAV and picture into the folder, print what is felt and what it cost."""
-    import bpy
-    from tqdm import tqdm
-
-    from ..addon.changes.suspension import suspended
-    from ..addon.io.frame_scene import scene_of_result, written_export
-    from ..addon.session import timeline
-    from ..core.formats.haptic_scene import read_export, write_export
-    from ..core.formats.tracks.listener_tracks import Tracks
-    from ..core.formats.tracks.wav import write_wav
-
     scene = bpy.context.scene
     start = scene.frame_start if args.start is None else args.start
     end = scene.frame_end if args.end is None else args.end
@@ -82,8 +55,6 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
     read_export(written[0])  # validates what was written
     write_wav(Tracks.of(played), written[1])
     if not args.no_picture:
-        from ..addon.view.picture import draw_picture
-
         written.append(args.out / f"{name}.png")
         with suspended():
             scene.frame_set(played.liveliest.number)

@@ -7,10 +7,15 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+from bpy.types import Scene
 
+from ..addon.changes.suspension import suspended
+from ..addon.session import session, timeline
+from ..addon.view.picture import viewport_picture
+from ..addon.view.png import write_png
+from ..addon.view.render_data import Options
 from ..core.arrays import FloatArray
 from ..core.formats.tracks.track_recorder import TrackRecorder
 from ..core.propagation import propagate
@@ -19,10 +24,8 @@ from ..core.render.mixdown import Mixdown
 from ..core.render.renderer import SAMPLE_RATE
 from ..core.scene.values import Mode, Settings, Source
 from ..core.signals import DEFAULT_IMPACT, Signal
+from ..sample_scenes.mine_ride import SECTIONS
 from .rendition import MODES, Rendition, Ride, Sounding
-
-if TYPE_CHECKING:
-    from bpy.types import Scene
 
 RUN_UP = 8
 """Frames traced before one that is drawn."""
@@ -66,9 +69,6 @@ def bake_ride(
 
     Raises ValueError in words where a frame can't be traced.
     """
-    from ..addon.session import session, timeline
-    from ..sample_scenes.mine_ride import SECTIONS
-
     scene.haptics.mode = "HT"
     scene.rigidbody_world.enabled = False  # everything moves by keys: there is nothing to simulate
     renderings = {mode: ModeRendering(mode) for mode in MODES[1:]}
@@ -118,21 +118,8 @@ def lively_frames(ride: Ride, count: int) -> list[int]:
     return chosen
 
 
-def can_draw() -> bool:
-    """True where pictures can be drawn here."""
-    from ..addon.view.picture import starts_gpu
-
-    return starts_gpu()
-
-
 def draw_frames(scene: Scene, frames: Sequence[int], size: tuple[int, int] = (480, 300)) -> dict[int, bytes]:
-    """PNG by frame: the ride as its camera sees it, with the best paths over it. Needs what `can_draw` says."""
-    from ..addon.changes.suspension import suspended
-    from ..addon.session import timeline
-    from ..addon.view.picture import viewport_picture
-    from ..addon.view.png import write_png
-    from ..addon.view.render_data import Options
-
+    """PNG by frame: the ride as its camera sees it, with the best paths over it. Needs a GPU (`picture.starts_gpu`)."""
     pictures = {}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "picture.png"

@@ -1,12 +1,8 @@
-"""Checks of names and of references between the parts of a scene."""
+"""Checks of names and of references to them, which say where in a scene an error is."""
 
 from __future__ import annotations
 
 from collections.abc import Container, Sequence
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from .values import Contact, HapticObject, Listener, Source
 
 Place = tuple[str | int, ...]
 """Keys and indices that lead to a value of a scene."""
@@ -33,22 +29,3 @@ def require_unique(names: Sequence[str], kind: str, key: str) -> None:
         return
     index = next(i for i, name in enumerate(names) if name in names[:i])
     raise PlacedError((key, index, "name"), f"there is {'an' if kind[0] in 'aeiou' else 'a'} {kind} {names[index]!r} already")
-
-
-def check_references(
-    objects: Sequence[HapticObject], contacts: Sequence[Contact], sources: Sequence[Source], listeners: Sequence[Listener]
-) -> None:
-    """Raise PlacedError unless names are unique within their list and every object that is named exists."""
-    require_unique([item.name for item in objects], "object", "objects")
-    require_unique([item.name for item in sources], "source", "sources")
-    require_unique([item.name for item in listeners], "listener", "listeners")
-    known = {item.name for item in objects}
-    for i, contact in enumerate(contacts):
-        for k, name in enumerate(contact.objects):
-            require_known(name, known, "object", ("contacts", i, "objects", k))
-    for i, source in enumerate(sources):
-        require_known(source.object, known, "object", ("sources", i, "object"))
-        if source.second_object is not None:
-            require_known(source.second_object, known, "object", ("sources", i, "second_object"))
-    for i, listener in enumerate(listeners):
-        require_known(listener.object, known, "object", ("listeners", i, "object"))

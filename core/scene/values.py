@@ -16,7 +16,7 @@ from .choices import Mode as Mode
 from .choices import SourceKind as SourceKind
 from .choices import Strategy as Strategy
 from .functions import MIXING_VARIABLES, HapticTracing, Identity, ModulationFunction, compile_expression
-from .references import check_references
+from .references import require_known, require_unique
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -229,4 +229,16 @@ class HapticScene:
     extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
-        check_references(self.objects, self.contacts, self.sources, self.listeners)
+        require_unique([item.name for item in self.objects], "object", "objects")
+        require_unique([item.name for item in self.sources], "source", "sources")
+        require_unique([item.name for item in self.listeners], "listener", "listeners")
+        known = {item.name for item in self.objects}
+        for i, contact in enumerate(self.contacts):
+            for k, name in enumerate(contact.objects):
+                require_known(name, known, "object", ("contacts", i, "objects", k))
+        for i, source in enumerate(self.sources):
+            require_known(source.object, known, "object", ("sources", i, "object"))
+            if source.second_object is not None:
+                require_known(source.second_object, known, "object", ("sources", i, "second_object"))
+        for i, listener in enumerate(self.listeners):
+            require_known(listener.object, known, "object", ("listeners", i, "object"))

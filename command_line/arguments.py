@@ -1,0 +1,177 @@
+"""The arguments of every subcommand. Describing them imports nothing of what the commands need."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from ..sample_scenes import SAMPLES
+
+Parser = argparse.ArgumentParser
+
+
+class Subcommand(NamedTuple):
+    """``summary``: its line in the program's help. ``describe`` adds its arguments to a parser."""
+
+    summary: str
+    description: str
+    describe: Callable[[Parser], None]
+
+
+def _propagate(parser: Parser) -> None:
+    parser.add_argument("scene", metavar="SCENE.json", help="haptic scene; without contacts they are found from shapes and poses")
+    strategies = ("auto", "as_in_the_paper", "best_path", "all_paths", "energy_balance")
+    parser.add_argument("--strategy", choices=strategies, help="how gains are computed (the scene's)")
+    parser.add_argument("--mode", choices=("HT", "SD", "MD", "MN"), help="rendering: haptic graph, nearest listener, direct (the scene's)")
+    parser.add_argument(
+        "--max-connections", type=_connections, default=argparse.SUPPRESS, metavar="N|none", help="most connections on a path (the scene's)"
+    )
+    parser.add_argument("--threshold", type=_share, metavar="X", help="a path stops where its gain falls below; 0: nowhere")
+    parser.add_argument("--tolerance", type=_not_negative, metavar="X", help="relative error wanted of a sum that is out of reach (0.01)")
+
+
+def _contacts(parser: Parser) -> None:
+    parser.add_argument("scene", metavar="SCENE.json", help="haptic scene")
+    parser.add_argument("--tolerance", type=_not_negative, default=0.01, metavar="M", help="greatest signed distance of a contact (0.01 m)")
+    parser.add_argument("--points", action="store_true", help="one contact per point of a patch, with its share, instead of its centre")
+
+
+def _devices(parser: Parser) -> None:
+    parser.add_argument("--profiles", metavar="FOLDER", type=Path, help="folder with device profiles of your own (*.json)")
+    actions = parser.add_subparsers(dest="action", metavar="ACTION")
+
+    test = actions.add_parser("test", help="play a sweep on each actuator of a device in turn, then silence and release it")
+    test.add_argument("name", metavar="NAME", help="a device's name as listed, such as dualsense")
+    test.add_argument("--serial", default="", help="of one device among several of the same kind")
+    test.add_argument("--seconds", type=float, default=3.0, help="length of the sweep, 0.1 to 60 (default 3)")
+
+    encode = actions.add_parser("encode", help="print the report that drives a device, as hexadecimal")
+    encode.add_argument("device", metavar="DEVICE", help="dualsense, switch-pro, xbox, ...")
+    encode.add_argument("--transport", choices=("usb", "bt"), help="default: the device's first")
+    encode.add_argument("--left", type=float, default=0.0, help="amplitude in [0, 1] of the left or low-frequency motor (default 0)")
+    encode.add_argument("--right", type=float, default=0.0, help="amplitude in [0, 1] of the right or high-frequency motor (default 0)")
+    encode.add_argument("--sequence", type=int, default=0, help="number of the report, 0 to 15 (default 0)")
+
+
+def _export(parser: Parser) -> None:
+    parser.add_argument("scene", help="haptic scene, .json or .json.gz")
+    formats = "scene, wav, ohm, hjif, wyvrn, haptic, ahap, tact, hla, csv, npz, or all"
+    parser.add_argument("--to", required=True, metavar="FORMAT,...", help=formats)
+    parser.add_argument("--out", default="out", type=Path, metavar="FOLDER", help="where the files are written (out)")
+    _add_format_options(parser)
+    parser.add_argument("--seconds", type=float, default=10.0, metavar="X", help="how long a scene without frames is rendered (10)")
+    parser.add_argument("--sample-rate", type=int, default=8000, metavar="HZ", help="of the rendered tracks (8000)")
+    parser.add_argument("--losses", action="store_true", help="only say what the formats can't carry")
+
+
+def _convert(parser: Parser) -> None:
+    parser.add_argument("source", metavar="IN", type=Path, help=".wav, .hjif, .haptic, .ahap, .haps, or a haptic scene: .json, .json.gz")
+    parser.add_argument("target", metavar="OUT", type=Path, help="its ending tells the format; some formats take one file per channel")
+    _add_format_options(parser)
+
+
+def _sample(parser: Parser) -> None:
+    names = "\n".join(f"  {sample.name.ljust(18)} {sample.description}" for sample in SAMPLES.values())
+    parser.epilog, parser.formatter_class = f"samples:\n{names}", argparse.RawDescriptionHelpFormatter
+    parser.add_argument("name", metavar="NAME", choices=tuple(SAMPLES), help="one of the samples below")
+    parser.add_argument("--output", type=Path, metavar="FILE.blend", help="where to save it (NAME.blend)")
+    counted = " and ".join(f"{sample.name} ({sample.count})" for sample in SAMPLES.values() if sample.count)
+    parser.add_argument("--count", type=int, metavar="N", help=f"how many things, for {counted}")
+    parser.add_argument("--no-bake", action="store_true", help="leave the rigid bodies to be simulated when the file is played")
+
+
+def _trace(parser: Parser) -> None:
+    parser.add_argument("file", help="Blender file with haptic objects, sources and listeners")
+    _demo(parser)
+
+
+def _demo(parser: Parser) -> None:
+    parser.add_argument("--out", default="out", type=Path, metavar="FOLDER", help="where the results are written (out)")
+    parser.add_argument("--start", type=int, help="first frame (the scene's)")
+    parser.add_argument("--end", type=int, help="last frame (the scene's)")
+    parser.add_argument("--no-picture", action="store_true", help="draw no picture")
+
+
+def _study(parser: Parser) -> None:
+    parser.add_argument("--out", default="out/study", type=Path, metavar="FOLDER", help="where the results are written (out/study)")
+    parser.add_argument("--frames", type=_frame_range, metavar="FIRST:LAST", help="only these frames, counted from 1 (all 3,600)")
+    parser.add_argument("--pictures", type=int, default=3, metavar="N", help="pictures of the ride in each section (3)")
+    parser.add_argument("--no-tracks", action="store_true", help="write no WAV files")
+
+
+SUBCOMMANDS: Mapping[str, Subcommand] = {
+    "propagate": Subcommand("gains of a haptic scene file", "Print the gains of a haptic scene file as one JSON object.", _propagate),
+    "contacts": Subcommand(
+        "contacts of a haptic scene file",
+        "Print the contacts of a haptic scene file, found from the shapes and poses of its objects.",
+        _contacts,
+    ),
+    "devices": Subcommand("haptic devices: list, test, encode", "List the connected haptic devices.", _devices),
+    "export": Subcommand(
+        "write a haptic scene in other formats",
+        "Write what the listeners of a haptic scene feel, in the formats of other programs.",
+        _export,
+    ),
+    "convert": Subcommand(
+        "convert between file formats", "Convert a vibration, or a haptic scene, to the format that the new name ends in.", _convert
+    ),
+    "sample": Subcommand(
+        "build a sample scene as a .blend file", "Build a sample scene, bake its rigid bodies and save it as a Blender file.", _sample
+    ),
+    "trace": Subcommand(
+        "play a tagged .blend file and write what is felt", "Play a tagged Blender file and write what its listeners feel.", _trace
+    ),
+    "demo": Subcommand(
+        "trace the paper's first figure: a jackhammer felt on a bench",
+        "Build the paper's first figure, play it in Blender and write what the avatar feels.",
+        _demo,
+    ),
+    "study": Subcommand(
+        "render the paper's ride in its four modes and report",
+        "Render the paper's ride in the four modes HT, SD, MD and MN and report how they differ.",
+        _study,
+    ),
+}
+
+
+def _add_format_options(parser: Parser) -> None:
+    parser.add_argument("--set", action="append", default=[], metavar="FORMAT.OPTION=VALUE", help="an option of a format", dest="options")
+
+
+def _connections(text: str) -> int | None:
+    if text == "none":
+        return None
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"must be a whole number, 0 or more, or none, got {text}")
+    return int(text)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a number, got {text}") from None
+
+
+def _share(text: str) -> float:
+    value = _number(text)
+    if not 0 <= value <= 1:
+        raise argparse.ArgumentTypeError(f"must lie in [0, 1], got {text}")
+    return value
+
+
+def _not_negative(text: str) -> float:
+    value = _number(text)
+    if not 0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"must be finite and >= 0, got {text}")
+    return value
+
+
+def _frame_range(text: str) -> tuple[int, int]:
+    first, colon, last = text.partition(":")
+    if not (colon and first.isdecimal() and last.isdecimal() and 1 <= int(first) < int(last)):
+        raise argparse.ArgumentTypeError(f"must be FIRST:LAST with 1 <= FIRST < LAST, got {text}")
+    return int(first), int(last)

@@ -1,0 +1,136 @@
+"""The floors of `docs/architecture.md`, read from the imports; and no function too long or too branched to read."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import sys
+
+import pytest
+from import_graph import Import, cycles, imports, modules
+
+FLOORS = (
+    ("core.arrays", "core.message"),
+    ("core.signals", "core.perception"),
+    ("core.scene",),
+    ("core.contacts", "core.devices"),
+    ("core.graph",),
+    ("core.propagation", "core.collisions"),
+    ("core.render", "core.modalities"),
+    ("core.tracer", "core.diagnosis"),
+    ("core.formats",),
+    ("addon.blender", "addon.changes", "addon.translations"),
+    ("addon.properties",),
+    ("addon.scene_reader",),
+    ("addon.session",),
+    ("addon.view", "addon.bake", "addon.io", "addon.live_output"),
+    ("addon.authoring", "sample_scenes"),
+    ("addon.operators",),
+    ("addon.panels",),
+    ("addon.registration",),
+    ("__init__",),
+    ("study",),
+    ("command_line",),
+)
+"""From the ground up. What stands on one floor does not know its neighbours."""
+
+LATE = {
+    "bpy": "the command line's help lists the samples where there is no Blender",
+    "gpu": "not there without a graphics card",
+    "aud": "loaded with the first preview as sound",
+    "fcl": "native",
+    "soxr": "native",
+    "networkx": "slow to import, needed by scripts alone",
+    "fastjsonschema": "slow to import, needed for files and device profiles",
+    "io_scene_gltf2": "Blender's glTF exporter, which the user may have disabled",
+    "matplotlib": "optional: the study's plots",
+}
+"""Packages that may be imported inside a function, and why."""
+
+GATEWAYS = {"__init__": "Blender imports the package before it enables the add-on, and the core is used without the add-on"}
+"""Modules that may import others of this package inside a function, and why."""
+
+UPWARD: set[tuple[str, str]] = set()
+"""Known violations, importer's and imported floor; to be emptied, never to grow."""
+
+INSIDE = {
+    "addon.bake.digest",
+    "addon.live_output.outputs",
+    "addon.translations",
+}
+"""Modules that import others of this package inside functions; to be emptied, never to grow."""
+
+LONG = {"_cross", "_contacts", "search", "_intersection", "result", "box_to_box", "write_keyframes", "_degree"}
+"""Functions that are still too long or too branched; to be emptied, never to grow."""
+
+BLENDER = {"bpy", "mathutils", "bmesh", "gpu", "gpu_extras", "aud", "blf", "bpy_extras", "bl_math", "idprop"}
+
+
+@pytest.fixture(scope="module")
+def found(root) -> list[Import]:
+    return imports(root)
+
+
+def floor(module: str) -> str:
+    """The name of the floor's part that a module is in."""
+    parts = [part for row in FLOORS for part in row if f"{module}.".startswith(f"{part}.")]
+    assert len(parts) == 1 or module in {"core", "addon"}, f"{module} is on no floor"
+    return parts[0] if parts else module
+
+
+def height(part: str) -> int:
+    return next((k for k, row in enumerate(FLOORS) if part in row), -1)
+
+
+def test_every_module_is_on_a_floor(root):
+    assert {module for module in modules(root) if height(floor(module)) < 0} == {"core", "addon"}
+
+
+def test_a_floor_uses_only_those_below_it(found):
+    own = [(floor(one.importer), floor(one.imported), str(one)) for one in found if one.own]
+    upward = [line for a, b, line in own if a != b and height(a) <= height(b) and (a, b) not in UPWARD]
+    assert upward == []
+
+
+def test_no_module_imports_itself_by_way_of_others(found):
+    assert cycles((one.importer, one.imported) for one in found if one.own) == []
+
+
+def test_the_core_knows_neither_blender_nor_the_add_on(found):
+    assert [str(one) for one in found if one.importer.startswith("core.") and not one.own and one.imported in BLENDER] == []
+
+
+def test_imports_stand_at_the_head_of_a_module(found):
+    inside = [one for one in found if one.inside]
+    assert [str(one) for one in inside if one.own and one.importer not in GATEWAYS.keys() | INSIDE] == []
+    assert [str(one) for one in inside if not one.own and one.imported not in LATE] == []
+
+
+@pytest.fixture(scope="module")
+def code_size(root):
+    """The module `benchmarks/code_size.py`."""
+    specification = importlib.util.spec_from_file_location("code_size", root / "benchmarks" / "code_size.py")
+    module = sys.modules["code_size"] = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+def test_functions_are_under_60_lines_and_a_complexity_of_20(code_size, root):
+    large = [item for item in code_size.functions(root) if item.lines >= 60 or item.complexity >= 20]
+    assert [(item.place, item.lines, item.complexity) for item in large if item.name not in LONG] == []
+
+
+def test_code_is_counted_without_comments_docstrings_and_blank_lines(code_size):
+    lines = [
+        '"""Docstring',
+        'of two lines."""',
+        "# comment",
+        "",
+        'x = """text',
+        'of two lines"""',
+        "def f(a):",
+        "    return (",
+        "        a)",
+    ]
+    source = "\n".join(lines) + "\n"
+    assert code_size.code_lines(source, ast.parse(source)) == {5, 6, 7, 8, 9}

@@ -1,0 +1,66 @@
+"""The imports between the modules of this package and from other packages, read from the source."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+PARTS = ("core", "addon", "sample_scenes", "study", "command_line")
+
+
+@dataclass(frozen=True, slots=True)
+class Import:
+    """One imported name.
+
+    ``importer`` and, where ``own``, ``imported`` are modules relative to the package ("core.contacts.tracker"); of other packages
+    ``imported`` is the top-level name. ``inside``: the statement stands in a function.
+    """
+
+    importer: str
+    imported: str
+    line: int
+    own: bool
+    inside: bool
+
+    def __str__(self) -> str:
+        return f"{self.importer}:{self.line} imports {self.imported}"
+
+
+def modules(root: Path) -> dict[str, Path]:
+    """File by module name, relative to the package, whose own module is "__init__"."""
+    paths = [root / "__init__.py", *(path for part in PARTS for path in sorted((root / part).rglob("*.py")))]
+    return {".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path for path in paths}
+
+
+def imports(root: Path) -> list[Import]:
+    """Every import statement of the package, one entry per name."""
+    known = modules(root)
+    return [found for name, path in known.items() for found in _imports_of(name, path, known.keys())]
+
+
+def _imports_of(name: str, path: Path, known: Iterable[str]) -> Iterator[Import]:
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    functions = [node for node in ast.walk(tree) if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
+    in_functions = {id(node) for function in functions for node in ast.walk(function)}
+    package = name.split(".") if path.name == "__init__.py" else name.split(".")[:-1]
+    for node in ast.walk(tree):
+        inside = id(node) in in_functions
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield Import(name, alias.name.split(".")[0], node.lineno, False, inside)
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            yield Import(name, node.module.split(".")[0], node.lineno, False, inside)
+        elif isinstance(node, ast.ImportFrom) and node.level:
+            base = ".".join([*package[: len(package) - node.level + 1], *([node.module] if node.module else [])]) or "__init__"
+            for target in {f"{base}.{alias.name}" if f"{base}.{alias.name}" in known else base for alias in node.names}:
+                yield Import(name, target, node.lineno, True, inside)
+
+
+def cycles(edges: Iterable[tuple[str, str]]) -> list[list[str]]:
+    """The groups of two or more that can each be reached from the others (strongly connected components), sorted."""
+    import networkx
+
+    graph = networkx.DiGraph(edge for edge in edges if edge[0] != edge[1])
+    return sorted(sorted(component) for component in networkx.strongly_connected_components(graph) if len(component) > 1)
