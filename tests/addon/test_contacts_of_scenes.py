@@ -77,6 +77,7 @@ def test_flat_and_self_intersecting_meshes_take_part(bench, traced, body):
     assert problems() == {}
 
 
+@pytest.mark.slow
 def test_a_mesh_of_two_million_triangles(bench, traced):
     side = 1001
     x, y = np.meshgrid(np.arange(side) / side, np.arange(side) / side)
@@ -128,6 +129,7 @@ def played(scene, frames):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rate", "gravity", "scale"), [(24, 9.81, 1.0), (60, 9.81, 1.0), (24, 1.62, 1.0), (25, 9.81, 0.5)])
 def test_a_simulated_fall_hits_with_its_potential_energy(drop, scene, rate, gravity, scale):
     scene.render.fps = rate

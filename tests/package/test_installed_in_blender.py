@@ -46,6 +46,7 @@ def run(zips, blender_only, tmp_path_factory) -> tuple[dict, str, Path]:
     return json.loads(report.read_text(encoding="utf-8")), printed, resources
 
 
+@pytest.mark.slow
 def test_installs_offline_and_enables(run):
     found, printed, resources = run
     assert found["install"] == ["FINISHED"]

@@ -59,6 +59,7 @@ def absolute_imports(path) -> list[tuple[int, str]]:
     return found
 
 
+@pytest.mark.slow
 def test_what_is_shipped_imports_only_what_is_there_in_blender(root):
     in_blender = {"aud", "bl_ui", "blf", "bmesh", "bpy", "bpy_extras", "gpu", "gpu_extras", "idprop", "io_scene_gltf2", "mathutils"}
     in_blender |= {"numpy", "rna_keymap_ui", "rna_prop_ui"}

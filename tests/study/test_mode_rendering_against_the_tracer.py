@@ -10,6 +10,7 @@ from haptic_tracing.study.baking import ModeRendering
 FIRST, LAST = 2108, 2120  # the shock wave: several impacts at a time
 
 
+@pytest.mark.slow
 def test_same_gains_and_samples_as_traced_in_that_mode(mine_ride):
     mine_ride.haptics.mode = "HT"
     renderings = {mode: ModeRendering(mode) for mode in Mode}

@@ -45,6 +45,7 @@ def report(bake, tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_needs_nothing_beside_it(report):
     elements = elements_of(report)
     assert elements.references and all(reference.startswith("data:") for reference in elements.references)
@@ -90,12 +91,14 @@ def test_shades_go_from_silence_to_full_scale():
     assert len(set(shades())) == len(shades())
 
 
+@pytest.mark.slow
 def test_plots_are_pictures_of_what_there_is_data_for(bake):
     drawn = {title: png for title, _, png in plots.plots(bake(*FRAMES))}
     assert list(drawn) == ["Explosion", "Intensity", "Spectrogram", "Shock wave"]
     assert all(png.startswith(b"\x89PNG\r\n\x1a\n") and len(png) > 5000 for png in drawn.values())
 
 
+@pytest.mark.slow
 def test_command_writes_everything(tmp_path):
     command = [sys.executable, "-m", "haptic_tracing", "study", "--frames", "60:80", "--out", str(tmp_path), "--pictures", "1"]
     answer = subprocess.run(command, capture_output=True, text=True, timeout=300)
@@ -117,6 +120,7 @@ def test_frames_that_are_none_are_refused_in_a_line(frames, tmp_path, capfd):
     assert not out.exists()
 
 
+@pytest.mark.slow
 def test_frames_after_the_end_are_refused(tmp_path):
     command = [sys.executable, "-m", "haptic_tracing", "study", "--frames", "3590:3700", "--out", str(tmp_path / "out")]
     answer = subprocess.run(command, capture_output=True, text=True, timeout=120)

@@ -13,6 +13,7 @@ SHOCK_WAVE = (2100, 2130)
 WALLS = (wall_frame(2) - 20, wall_frame(6) + 20)  # the last of stone, all of wood, the first of ribbons
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frames", [STALACTITES, BRIDGE, SHOCK_WAVE, WALLS], ids=["stalactites", "bridge", "shock wave", "walls"])
 def test_every_check_that_these_frames_have_data_for_holds(bake, frames):
     found = {check.name: check for check in checks.checks_of(bake(*frames))}

@@ -37,6 +37,7 @@ def rig(request, tmp_path):
     return bpy.data.objects["rig in question"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rig", "missing", "generated"),
     [

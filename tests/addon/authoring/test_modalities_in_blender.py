@@ -76,6 +76,7 @@ def test_properties_are_those_of_the_data(modality, add_box):
     assert THERMAL in MODALITIES.values()
 
 
+@pytest.mark.slow
 def test_the_sample_with_a_fire_warms_the_side_that_faces_it():
     build_sample("fireplace")
     bpy.context.scene.frame_set(2)

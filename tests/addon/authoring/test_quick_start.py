@@ -151,6 +151,7 @@ def test_tracing_is_toggled(scene):
     assert scene.haptics.tracing
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("operator", ["make_objects", "add_listener", "guess_material", "clear"])
 def test_ten_thousand_objects(operator, add_box):
     """They are done with a progress bar."""

@@ -82,6 +82,7 @@ def _range(scene):
     scene.frame_end = 99
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "words"),
     [

@@ -59,6 +59,7 @@ def test_packed_and_inline(shaken, tmp_path):
     assert read_export(tmp_path / "without.json").tracks is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in registry.FORMATS if name != "scene"])
 def test_every_format_is_written(shaken, tmp_path, name):
     suffix = named(name).suffix

@@ -96,6 +96,7 @@ def scenes(draw):
     return HapticScene(objects, contacts, sources, listeners, wanted)
 
 
+@pytest.mark.slow
 @FEW
 @given(scene=scenes())
 def test_generated_scenes(tmp_path_factory, scene):

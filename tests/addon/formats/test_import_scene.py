@@ -134,6 +134,7 @@ def test_what_is_moved_or_scaled_afterwards_counts(workshop, tmp_path):
     assert now["Cone"]["shape"]["type"] == "convex_hull" and now["Capsule"] == was["Capsule"]
 
 
+@pytest.mark.slow
 def test_a_frame_of_the_demo_with_its_impacts(tmp_path, traced):
     """The study's scene in the midst of its crates' impacts."""
     from haptic_tracing.sample_scenes import jackhammer_bench
@@ -233,6 +234,7 @@ def scenes(draw):
     return HapticScene(objects, contacts, sources, listeners, wanted, draw(extras))
 
 
+@pytest.mark.slow
 @FEW
 @given(scene=scenes())
 def test_generated_scenes_come_back_the_same(tmp_path_factory, scene):
@@ -264,6 +266,7 @@ def test_signals_come_back_as_they_were(tmp_path, traced):
         assert source.signal == signal and bpy.data.objects[source.name].haptics.source.signal == kind
 
 
+@pytest.mark.slow
 def test_frames_become_keyframes(workshop, tmp_path, traced):
     """A range, imported, moves as it did: what is traced in Blender is what the core traces from the file."""
     plank, floor = bpy.data.objects["plank"], bpy.data.objects["floor"]

@@ -54,6 +54,7 @@ def test_blender_and_core_feel_the_same(hearth, tmp_path):
     assert exported(tmp_path / "b.json") == first
 
 
+@pytest.mark.slow
 def test_the_sample_with_a_fireplace(tmp_path):
     from haptic_tracing.sample_scenes import fireplace
 

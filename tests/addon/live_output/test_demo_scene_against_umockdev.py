@@ -28,6 +28,7 @@ def played(tmp_path_factory):
     return json.loads(done.stdout.splitlines()[-1])
 
 
+@pytest.mark.slow
 def test_all_devices_play_the_demo_without_a_failed_write(played):
     assert set(played["devices"]) == set(DEVICES)
     assert all(state == ["open", 0, 0] for state in played["states"].values())

@@ -129,6 +129,7 @@ def test_bakes_and_exports_are_not_felt(plug, connect, felt):
     assert not sounding(pad)
 
 
+@pytest.mark.slow
 def test_a_device_that_is_unplugged_while_playing_is_counted_and_felt_again_when_it_is_back(sounds, playing, hid):
     output = outputs.running()["dualsense"]
     hid.pads.remove(sounds)

@@ -27,6 +27,7 @@ def slow(monkeypatch):
     monkeypatch.setattr(Tracer, "step", slow_step)
 
 
+@pytest.mark.slow
 def test_blocks_follow_each_other_while_frames_are_still_being_traced(felt, plug, connect, slow):
     plug()
     connect()
@@ -47,6 +48,7 @@ def test_blocks_follow_each_other_while_frames_are_still_being_traced(felt, plug
     handlers.animation_playback_post(felt)
 
 
+@pytest.mark.slow
 def test_gains_come_a_frame_later(felt, plug, connect, slow):
     plug()
     connect()

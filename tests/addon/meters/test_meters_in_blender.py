@@ -164,6 +164,7 @@ def test_every_panel_of_the_result_draws_without_one(scene):
         assert isinstance(_drawn(panel).labels, list)
 
 
+@pytest.mark.slow
 def test_picture_has_the_meters_at_the_upper_left(felt, tmp_path):
     if not picture.starts_gpu():
         assert bpy.app.version < (5, 2), "Blender 5.2 on can draw off-screen with Mesa: install libegl1 and libgl1-mesa-dri"

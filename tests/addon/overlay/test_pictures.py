@@ -112,6 +112,7 @@ def wall(scene, camera):
     bpy.context.view_layer.update()
 
 
+@pytest.mark.slow
 def test_wall_hides_the_graph_unless_it_is_drawn_in_front(off_screen, scene, camera, wall, bridge):
     scene.haptics.show_labels = False
     in_front = picture.viewport_picture(scene, bridge, SIZE)
@@ -124,6 +125,7 @@ def test_wall_hides_the_graph_unless_it_is_drawn_in_front(off_screen, scene, cam
     assert 0.05 < np.abs(_pixel(scene, hidden, place) - wall_colour).max() < 3 * overlay.HIDDEN
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
 def test_what_lies_on_a_surface_is_seen_whole(off_screen, scene, camera, bridge, kind):
     """The surface passes through the nodes; only what comes towards the viewer wins everywhere."""
@@ -168,6 +170,7 @@ def test_picture_leaves_viewport_and_preferences_as_they_were(off_screen, scene,
     assert not overlay._drawings
 
 
+@pytest.mark.slow
 def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, bridge):
     """The same annotations by the shader and by the painter for pictures without a GPU."""
     scene.haptics.show_intra = scene.haptics.show_best_paths = False
@@ -191,6 +194,7 @@ def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, br
     assert np.abs(by_painter[bar] - by_gpu[bar]).max() <= 4
 
 
+@pytest.mark.slow
 def test_rendered_picture_shows_the_same_and_leaves_the_scene_alone(scene, camera, bridge, monkeypatch):
     monkeypatch.setattr(cycles_picture, "SAMPLES", 4)
     monkeypatch.setattr(cycles_picture, "GRAPH_SAMPLES", 4)
@@ -207,6 +211,7 @@ def test_rendered_picture_shows_the_same_and_leaves_the_scene_alone(scene, camer
     assert np.abs(found - data.paths.colour.mean(axis=1)[:, :3]).max() < 0.2
 
 
+@pytest.mark.slow
 def test_rendered_graph_is_hidden_unless_it_is_drawn_in_front(scene, camera, wall, bridge, monkeypatch):
     monkeypatch.setattr(cycles_picture, "SAMPLES", 4)
     monkeypatch.setattr(cycles_picture, "GRAPH_SAMPLES", 4)
@@ -216,6 +221,7 @@ def test_rendered_graph_is_hidden_unless_it_is_drawn_in_front(scene, camera, wal
     assert [obj.name for obj in scene.objects if "Haptic" in obj.name] == []
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="EGL is Linux's way to a GPU without a screen")
 def test_without_egl_the_gpu_is_left_alone():
     """Blender itself ends with a segmentation fault there."""

@@ -25,6 +25,7 @@ def touching(result):
     return {frozenset((result.objects[a], result.objects[b])) for a, b in result.contacts.pairs.tolist()}
 
 
+@pytest.mark.slow
 def test_bodies_touch_as_the_figure_shows_and_none_is_deep_in_another(played):
     first = played[0]
     feet = [f"Bench Foot {along}.{side}" for along in ("Front", "Back") for side in "LR"]
@@ -47,6 +48,7 @@ def test_bodies_touch_as_the_figure_shows_and_none_is_deep_in_another(played):
     assert not any(any(name.startswith("Crate") for name in pair) for pair in touching(first))
 
 
+@pytest.mark.slow
 def test_every_listener_feels_the_jackhammer_and_none_more_than_it(played):
     first = played[0]
     assert [source.name for source in first.sources] == ["Jackhammer"]
@@ -57,6 +59,7 @@ def test_every_listener_feels_the_jackhammer_and_none_more_than_it(played):
     assert first.gains[0, legs].min() > 3 * first.gains[0, ears].max()
 
 
+@pytest.mark.slow
 def test_crates_hit_with_the_energy_of_their_fall(played):
     found = {}
     for result in played:
@@ -77,6 +80,7 @@ def test_crates_hit_with_the_energy_of_their_fall(played):
     assert max(energies) > 100.0
 
 
+@pytest.mark.slow
 def test_nothing_but_crates_moves(played):
     scene = bpy.context.scene
     assert sorted(obj.name for obj in scene.objects if obj.rigid_body and obj.rigid_body.type == "ACTIVE") == [

@@ -13,6 +13,7 @@ def run(*arguments, cwd):
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120)
 
 
+@pytest.mark.slow
 def test_saved_file_has_its_rigid_bodies_baked(tmp_path):
     answer = run("domino_wall", "--count", "8", "--output", "few.blend", cwd=tmp_path)
     assert answer.returncode == 0, answer.stderr
@@ -29,6 +30,7 @@ def test_saved_file_has_its_rigid_bodies_baked(tmp_path):
     assert all(obj.haptics.enabled for obj in dominoes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [

@@ -32,6 +32,7 @@ def test_every_sample_has_stored_values():
     assert set(STORED) == set(short_parts.PARTS) == set(SAMPLES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
 def test_gains_tracks_and_impacts_are_the_stored_ones(build, name):
     found, stored = short_parts.digest(name, build(name, short_parts.PARTS[name][2])), STORED[name]
@@ -50,6 +51,7 @@ def test_gains_tracks_and_impacts_are_the_stored_ones(build, name):
         assert np.max([row[1:] for row in rows]) > 20 * TOLERANCE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
 def test_from_building_to_the_files_of_all_formats(build, tmp_path, name):
     first, last, count = short_parts.PARTS[name]

@@ -42,6 +42,7 @@ def described(scene):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
 def test_built_twice_is_identical_and_names_are_unique(name):
     scene = fresh(name)
@@ -54,6 +55,7 @@ def test_built_twice_is_identical_and_names_are_unique(name):
     assert [m.name for m in bpy.data.materials if re.search(r"\.\d{3}$", m.name)] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
 def test_has_what_tracing_and_a_picture_need(name):
     scene = fresh(name)
@@ -69,6 +71,7 @@ def test_has_what_tracing_and_a_picture_need(name):
     assert all(slot.material is not None for obj in scene.objects for slot in obj.material_slots)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
 def test_first_frames_are_traced_without_a_problem(name):
     scene = fresh(name)
@@ -85,6 +88,7 @@ def test_unknown_sample_is_named_with_the_known_ones():
         build_sample("pyramid")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
 def test_built_again_in_the_same_file_plays_beside_the_first(name):
     """Names get a number there; nothing of the first may become part of the second."""

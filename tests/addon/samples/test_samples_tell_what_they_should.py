@@ -19,6 +19,7 @@ def impacts(result):
     return [frozenset(result.objects[k] for k in impact.objects) for impact in result.impacts]
 
 
+@pytest.mark.slow
 def test_every_blow_of_the_hammer_is_one_impact_that_the_hammer_hands_on(build, results, gain_along):
     scene = build("hammer_nail")
     found = []
@@ -33,6 +34,7 @@ def test_every_blow_of_the_hammer_is_one_impact_that_the_hammer_hands_on(build, 
     assert [number for number, _ in found] == pytest.approx(hammer_nail.STRIKES[:2], abs=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "source", "frame"), [("fireplace", "Fire", 1), ("air_blast", "Barrel Bottom", 32)])
 def test_what_goes_through_air_takes_no_other_way(build, results, gain_along, name, source, frame):
     scene = build(name)
@@ -44,6 +46,7 @@ def test_what_goes_through_air_takes_no_other_way(build, results, gain_along, na
     assert result.gains.min() > 0.02
 
 
+@pytest.mark.slow
 def test_dishwasher_is_felt_through_the_cupboards_and_not_its_rubber_feet(build, results):
     *_, result = results(build("dishwasher_kitchen"), 1, 1)
     for k in range(len(result.listeners)):
@@ -51,6 +54,7 @@ def test_dishwasher_is_felt_through_the_cupboards_and_not_its_rubber_feet(build,
     assert result.path_objects(0, listener(result, "middle_back.L"))[3].startswith("Chair Leg")
 
 
+@pytest.mark.slow
 def test_far_train_is_felt_through_the_rails_and_without_them_as_the_closed_form_says(build, results, gain_along):
     scene = build("rails")
     *_, result = results(scene, 1, 1)
@@ -70,6 +74,7 @@ def test_far_train_is_felt_through_the_rails_and_without_them_as_the_closed_form
         assert result.gains[0, k] < 0.1 * with_rails[item.name]
 
 
+@pytest.mark.slow
 def test_every_domino_makes_one_impact_with_the_next_and_there_is_no_other(build, results):
     count = 32
     scene = build("domino_wall", count)
@@ -92,6 +97,7 @@ def test_number_of_things_is_refused_where_there_is_no_choice(build):
         build("pile", 3)
 
 
+@pytest.mark.slow
 def test_ride_is_150_seconds_in_six_sections(build):
     scene = build("mine_ride")
     assert (scene.frame_end - scene.frame_start + 1) / scene.render.fps == 150
@@ -105,6 +111,7 @@ def test_ride_is_150_seconds_in_six_sections(build):
     assert sum(name.startswith("Projectile") for name in names) == 20
 
 
+@pytest.mark.slow
 def test_falling_stalactite_shakes_both_legs_through_the_ground(build, results, gain_along):
     scene = build("mine_ride")
     hits = [result for result in results(scene, 60, 74) if result.impacts]
@@ -120,6 +127,7 @@ def test_falling_stalactite_shakes_both_legs_through_the_ground(build, results, 
     assert result.gains[source, legs[0]] == pytest.approx(result.gains[source, legs[1]], rel=0.01)
 
 
+@pytest.mark.slow
 def test_coming_into_the_wind_is_no_collision(build, results):
     scene = build("mine_ride")
     before_the_air, in_the_wind = 619, 662
@@ -131,6 +139,7 @@ def test_coming_into_the_wind_is_no_collision(build, results):
     assert found == []
 
 
+@pytest.mark.slow
 def test_wind_blows_from_below_while_the_cart_is_on_the_bridge(build, results):
     scene = build("mine_ride")
     *_, result = results(scene, 900, 901)
@@ -142,6 +151,7 @@ def test_wind_blows_from_below_while_the_cart_is_on_the_bridge(build, results):
     assert result.gains[wind].max() == 0
 
 
+@pytest.mark.slow
 def test_walls_of_stone_wood_and_ribbons_differ_by_tracing_alone(build, results):
     scene = build("mine_ride")
 
@@ -167,6 +177,7 @@ def test_walls_of_stone_wood_and_ribbons_differ_by_tracing_alone(build, results)
         assert wood == pytest.approx(ribbon, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_shock_wave_passes_from_left_to_right(build, results):
     scene = build("mine_ride")
     order = []

@@ -72,6 +72,7 @@ def check(answers, share: float) -> None:
         assert (found["point"] < 3e-3).mean() >= share, where
 
 
+@pytest.mark.slow
 def test_recorded_pairs(capsys):
     with np.load(bullet_pairs.RECORDED) as answers:
         with capsys.disabled():
@@ -100,6 +101,7 @@ def check_pile(answers) -> None:
     assert touching > 250
 
 
+@pytest.mark.slow
 def test_recorded_pile():
     with np.load(bullet_pairs.RECORDED) as answers:
         check_pile(answers)

@@ -54,6 +54,7 @@ def test_same_contacts(seed, tilt, square):
     assert (np.linalg.norm(fast.centre - general.centre, axis=0)[same] < 0.01).mean() > 0.9
 
 
+@pytest.mark.slow
 @settings(max_examples=25, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), tilt=st.sampled_from([0.0, 1e-3, 0.05, 2.0]))
 def test_distances_against_bounded_least_squares(seed, tilt):

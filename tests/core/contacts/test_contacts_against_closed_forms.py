@@ -63,6 +63,7 @@ def at(x=0.0, y=0.0, z=0.0, rotation=(1.0, 0.0, 0.0, 0.0)):
 LYING = (np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)  # z to -y
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ground", GROUNDS)
 @pytest.mark.parametrize("gap", [-0.003, -1e-6, 0.0, 1e-6, 0.004])
 @settings(max_examples=15, derandomize=True, deadline=None)
@@ -236,6 +237,7 @@ def test_media_touch_what_they_overlap():
     np.testing.assert_allclose(found.positions[2].mean(axis=0), [0.5, 0, -0.5], atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rounding", [0.0, 0.04])
 @pytest.mark.parametrize("corners", [3, 5, 6, 8, 12])
 def test_prisms_face_to_face(corners, rounding):

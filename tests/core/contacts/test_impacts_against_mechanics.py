@@ -55,6 +55,7 @@ def poses(*places, turns=None):
     return result
 
 
+@pytest.mark.slow
 @settings(max_examples=150, derandomize=True, deadline=None)
 @given(
     shape=st.sampled_from(sorted(SHAPES)),
@@ -102,6 +103,7 @@ def test_dropped_bodies(shape, ground, h, mass, restitution, rate, scale, late):
         assert len(impacts) >= expected
 
 
+@pytest.mark.slow
 @settings(max_examples=60, derandomize=True, deadline=None)
 @given(
     speeds=st.tuples(st.floats(-8, 8), st.floats(-8, 8)).filter(lambda s: s[0] - s[1] > 1),

@@ -65,6 +65,7 @@ CASES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("settings", "special"), CASES)
 @pytest.mark.parametrize("seed", [1, 2])
 def test_lazy_tracing_gives_the_same(settings, special, seed):

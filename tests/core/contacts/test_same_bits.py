@@ -44,6 +44,7 @@ def distinct(shapes: list[Shape], rotation: np.ndarray, offset: np.ndarray, repe
     return len(answers)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name_a", "name_b"), bullet_pairs.PAIRS)
 def test_of_contacts(name_a: str, name_b: str) -> None:
     with np.load(Path(__file__).parent / "bullet_pairs.npz") as answers:
@@ -54,6 +55,7 @@ def test_of_contacts(name_a: str, name_b: str) -> None:
     assert distinct([bullet_pairs.SHAPES[name_a], bullet_pairs.SHAPES[name_b]], *relative_pose(*poses), 12) == 1
 
 
+@pytest.mark.slow
 def test_of_limbs_that_bend() -> None:
     angle = 0.1 * np.arange(20)
     one, none = np.ones(20), np.zeros(20)

@@ -62,6 +62,7 @@ def rows(contacts):
     return {tuple(pair): values for pair, *values in zip(contacts.pairs.tolist(), *columns, strict=True)}
 
 
+@pytest.mark.slow
 @settings(max_examples=25, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_what_is_kept_is_what_would_be_found(seed):
@@ -157,6 +158,7 @@ def brute_force_gains(reach, pairs, positions, count):
     return best.max(axis=1)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), threshold=st.sampled_from([0.5, 0.1, 0.01, 0.0]))
 def test_what_signals_can_reach_is_all_found(seed, threshold):
@@ -213,6 +215,7 @@ def hopping(generator, frames, rate):
     return bodies, sequence
 
 
+@pytest.mark.slow
 @settings(max_examples=30, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), rate=st.sampled_from([24.0, 60.0]), energy=st.sampled_from(["kinetic", "normal"]))
 def test_impacts_do_not_depend_on_what_is_wanted(seed, rate, energy):

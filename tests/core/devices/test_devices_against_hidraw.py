@@ -71,6 +71,7 @@ def test_devices_are_found_with_their_transport_and_strangers_are_named(scene):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fake", "name", "transport", "vectors"),
     [
@@ -116,6 +117,7 @@ def test_an_old_dualsense_gets_the_reports_of_its_generation(scene):
     assert VECTORS["dualsense_usb_v1_l0.5_r0.25"] in split(scene("play", "dualsense", "200", fakes=[old])["captured"], 48)
 
 
+@pytest.mark.slow
 def test_playing_on_a_switch_pro_over_usb_and_bluetooth(scene):
     words = VECTORS["switch_kernel_l0.5_r0.25"][4:]
     neutral = VECTORS["switch_neutral_any"][4:]
@@ -147,6 +149,7 @@ def test_playing_on_a_steam_deck_goes_through_feature_reports(scene):
     assert VECTORS["steamdeck_rumble_l0.5_r0.25"] in features
 
 
+@pytest.mark.slow
 def test_the_watchdog_silences_the_real_device(scene):
     reports = split(scene("watchdog", "dualsense", fakes=[DUALSENSE_USB])["captured"], 48)
     assert VECTORS["dualsense_usb_v2_l0.5_r0.25"] in reports
@@ -168,6 +171,7 @@ def test_an_unplugged_device_is_counted_searched_and_driven_again(scene):
     assert answer["done"]
 
 
+@pytest.mark.slow
 def test_a_program_ends_in_time_and_without_a_crash_while_a_write_is_blocked(scene):
     stuck = replace(DUALSENSE_BT, keeps=False)
     answer = scene("stuck", "dualsense", fakes=[stuck])
@@ -198,6 +202,7 @@ def test_the_command_lists_devices_and_names_what_it_can_not_drive(under_umockde
     assert under_umockdev(COMMAND).stdout == "no haptic device is connected\n"
 
 
+@pytest.mark.slow
 def test_the_command_plays_a_sweep_on_one_actuator_after_the_other(under_umockdev):
     program = "import sys; from haptic_tracing.command_line import main; main(); print(open('/dev/hidraw0', 'rb').read().hex())"
     done = under_umockdev(["-c", program, "devices", "test", "dualsense", "--seconds", "0.8"], DUALSENSE_USB)
@@ -209,6 +214,7 @@ def test_the_command_plays_a_sweep_on_one_actuator_after_the_other(under_umockde
     assert left and right and max(left) < max(right) and min(left) < min(right)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

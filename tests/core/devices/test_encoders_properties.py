@@ -81,6 +81,7 @@ def motors(name, transport, report):
     return tuple(int.from_bytes(bytes(report[place] for place in field), "little") for field in (left, right))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("family", "transport"), RUMBLE, **NAMED)
 @given(left=amplitudes, right=amplitudes, sequence=sequences)
 def test_length_is_fixed_and_sony_checksums_hold(family, transport, left, right, sequence):
@@ -90,6 +91,7 @@ def test_length_is_fixed_and_sony_checksums_hold(family, transport, left, right,
         assert int.from_bytes(data[-4:], "little") == bitwise_crc(b"\xa2" + data[:-4])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("family", "transport"), [pair for pair in RUMBLE if not pair[0].has_tones], **NAMED)
 @given(one=amplitudes, other=amplitudes)
 def test_more_amplitude_never_drives_less_and_sides_stay_apart(family, transport, one, other):

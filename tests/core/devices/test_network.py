@@ -171,6 +171,7 @@ def pings():
     return [thread for thread in threading.enumerate() if thread.name == "haptics ping"]
 
 
+@pytest.mark.slow
 def test_a_connection_is_kept_alive_by_pings_while_nothing_plays_and_while_something_does(server, started):
     strict = server(kind=StrictServer)
     (cushion, module), _ = intiface(strict.url)
@@ -189,6 +190,7 @@ def test_a_connection_is_kept_alive_by_pings_while_nothing_plays_and_while_somet
     assert strict.cut == 0 and not pings()
 
 
+@pytest.mark.slow
 def test_a_connection_without_pings_is_cut_off_which_is_noticed_and_mended(server, started, monkeypatch):
     strict = server(kind=StrictServer)
     monkeypatch.setattr(network, "_PINGS_IN_TIME", 0.1)  # far too late
@@ -232,6 +234,7 @@ def test_bhaptics_gets_frames_that_end_by_themselves(server, started):
     until(lambda: made_up.said[-1] == {"Submit": [{"Type": "turnOffAll"}]})
 
 
+@pytest.mark.slow
 def test_a_player_that_ends_is_said_and_found_again(server, started):
     made_up = server()
     profile, module = bhaptics(made_up.url)

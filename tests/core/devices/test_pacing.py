@@ -61,6 +61,7 @@ class Simulation:
 ALL = [(name, transport) for name, device in PROFILES.items() for transport in device.family.transports]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "transport"), ALL)
 @settings(deadline=None, max_examples=20)
 @given(data=st.data())
@@ -371,6 +372,7 @@ def test_the_actuation_must_be_of_the_familys_kind():
         pacing_of(device, device.family, "usb", actuation_of(stream, stream.family, RATE, {}))
 
 
+@pytest.mark.slow
 def test_half_an_hour_of_frames_does_not_drift_from_the_picture():
     """Frames of 333 or 334 samples at 24 a second, each sent as its picture comes; a knock is felt just as late in every minute."""
     paced = pacing("dualsense-pcm", "bt")

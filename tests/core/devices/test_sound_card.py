@@ -147,6 +147,7 @@ def test_gain_ceiling_and_full_drive_are_limited(started):
     assert max(loudest) == pytest.approx(1.0) and loudest[-1] == pytest.approx(0.7, abs=0.01), "0.7 for as long as it lasts"
 
 
+@pytest.mark.slow
 def test_a_card_that_goes_away_or_can_not_be_opened_is_said_and_tried_again(started):
     module = PortAudio(("Cushion", 1, 0))
     output = started(module)

@@ -64,6 +64,7 @@ def test_names_that_differ_in_case_alone_are_told_apart():
     assert file_stems(["a", "A", "a", "b", "a_2"]) == ["a", "A_2", "a_3", "b", "a_2_2"]
 
 
+@pytest.mark.slow
 @given(st.lists(st.text(max_size=6), max_size=8))
 def test_file_stems_are_unique_for_every_file_system(names):
     stems = [stem.casefold() for stem in file_stems(names)]
@@ -114,6 +115,7 @@ except OSError as error:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="only Unix can refuse to let a file grow")
 @pytest.mark.parametrize("name", list(registry.FORMATS))
 @pytest.mark.parametrize("most", [1, 1000])

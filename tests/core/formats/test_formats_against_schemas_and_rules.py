@@ -32,6 +32,7 @@ def write_all(tracks, folder, name="scene"):
     return {form: registry.write(form, export, folder) for form in FORMATS}
 
 
+@pytest.mark.slow
 def test_the_study_in_every_format(study, tmp_path):
     written = write_all(study, tmp_path)
     for result in written.values():
@@ -44,6 +45,7 @@ def test_the_study_in_every_format(study, tmp_path):
     assert {path for path in tmp_path.rglob("*") if path.is_file()} == files
 
 
+@pytest.mark.slow
 def test_two_writings_are_the_same_bytes(study, tmp_path):
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()
@@ -83,6 +85,7 @@ def generated_tracks(draw):
     return Tracks(listeners, rate, samples, start=draw(st.sampled_from([0.0, -3.5, 10.0])))
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(generated_tracks())
 def test_generated_tracks_in_every_format(tmp_path_factory, tracks):
@@ -95,6 +98,7 @@ def test_generated_tracks_in_every_format(tmp_path_factory, tracks):
                     assert np.isfinite(channel.at_rate(tracks.sample_rate)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 127, 128])
 def test_many_listeners(tmp_path, count):
     time = np.arange(400) / 8000
@@ -105,6 +109,7 @@ def test_many_listeners(tmp_path, count):
             rules.check_file(path, tracks)
 
 
+@pytest.mark.slow
 def test_ten_minutes_and_ten_thousand_impacts(tmp_path):
     rate = 1000
     time = np.arange(600 * rate) / rate
@@ -170,6 +175,7 @@ def test_losses_say_what_is_cut_and_who_is_nowhere():
         registry.losses("midi", export)
 
 
+@pytest.mark.slow
 def test_csv_and_npz_hold_the_samples(study, tmp_path):
     write_all(study, tmp_path)
     with (tmp_path / "scene.csv").open(newline="") as file:

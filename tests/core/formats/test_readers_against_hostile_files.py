@@ -78,6 +78,7 @@ def test_the_corpus_itself_reads(corpus):
         assert one_clear_error(path) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [*registry.READERS, ".json"])
 @LOOSE
 @given(data=st.data())
@@ -109,6 +110,7 @@ def places(document, path=()):
         yield from places(value, (*path, key))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".hjif", ".haptic", ".ahap", ".haps", ".json"])
 @LOOSE
 @given(data=st.data())
@@ -161,6 +163,7 @@ def test_brackets_in_strings_are_text(tmp_path):
     assert read_scene(tmp_path / "odd.json").objects[0].name.startswith('\\"[[')
 
 
+@pytest.mark.slow
 def test_a_zip_bomb_is_not_unpacked(tmp_path):
     path = tmp_path / "bomb.json.gz"
     with gzip.open(path, "wb", compresslevel=9) as file:

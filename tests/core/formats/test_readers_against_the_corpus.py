@@ -52,6 +52,7 @@ def test_bad_files_give_one_clear_error(name):
     assert text.startswith(f"{CORPUS / name}: ") and text.isprintable() and caught.value.reason and len(text) < 500
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 @settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(data=st.data())

@@ -38,6 +38,7 @@ def read_back(files, suffix):
     return [channel for path in paths for channel in registry.read(path).channels] if suffix in registry.READERS else []
 
 
+@pytest.mark.slow
 def test_the_study_scene_comes_back_as_it_was(study, tmp_path):
     rows = []
     for name in registry.FORMATS:

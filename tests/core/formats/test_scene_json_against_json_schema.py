@@ -235,6 +235,7 @@ def test_the_schema_knows_every_signal_with_every_parameter():
         assert set(rule.get("required", [])) == {key for key, entry in parameters.items() if entry.default is MISSING}
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(scenes())
 def test_writing_and_reading_gives_the_same_scene_and_again_the_same_bytes(tmp_path_factory, scene):
@@ -329,6 +330,7 @@ def places(document, path=()):
         yield from places(value, (*path, key))
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(scenes(), st.data())
 def test_our_validator_and_jsonschema_agree_on_mutated_scenes(scene, data):

@@ -50,18 +50,21 @@ def check(scene: HapticScene, max_connections: int | None, threshold: float, ref
             assert result.paths[0, column] == len(kept)
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(scenes(METRIC, most_contacts=4, refined=True), LIMITS)
 def test_sum_over_all_simple_paths(scene, limits):
     check(scene, *limits)
 
 
+@pytest.mark.slow
 @settings(max_examples=250, deadline=None, derandomize=True)
 @given(SEEDS, LIMITS)
 def test_longer_paths(seed, limits):
     check(connected_scene(seed, (*METRIC[:4], *OTHER), extra=4, listeners=4), *limits, "recursion")
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(SEEDS, LIMITS)
 def test_refined_patches(seed, limits):
@@ -78,6 +81,7 @@ def test_gains_above_1(seed, limits):
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(SEEDS, st.sampled_from([None, 7]), st.sampled_from([0.5, 0.1, 1e-3]))
 def test_tolerance_is_kept(seed, max_connections, tolerance):

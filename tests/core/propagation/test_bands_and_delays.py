@@ -59,6 +59,7 @@ def carried(scene: HapticScene, graph: HapticGraph, path: tuple[int, ...]) -> tu
     return bands, delay
 
 
+@pytest.mark.slow
 @settings(max_examples=120, deadline=None, derandomize=True)
 @given(SEEDS, LIMITS)
 def test_sums_per_band_and_taps(seed, limits):

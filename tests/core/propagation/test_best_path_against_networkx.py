@@ -36,6 +36,7 @@ def check(scene: HapticScene, max_connections: int | None, threshold: float, ref
             assert kept[found] == pytest.approx(best, rel=1e-9)
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(scenes(METRIC, most_contacts=4), LIMITS)
 def test_largest_product_over_all_simple_paths(scene, limits):
@@ -51,18 +52,21 @@ def test_longer_paths(seed, limits):
     check(connected_scene(seed), *limits, "recursion")
 
 
+@pytest.mark.slow
 @settings(max_examples=250, deadline=None, derandomize=True)
 @given(SEEDS, LIMITS)
 def test_functions_that_are_no_metric(seed, limits):
     check(connected_scene(seed, (*METRIC, *OTHER, *OTHER), size=3.0), *limits, "recursion")
 
 
+@pytest.mark.slow
 @settings(max_examples=250, deadline=None, derandomize=True)
 @given(SEEDS, LIMITS)
 def test_gains_above_1(seed, limits):
     check(connected_scene(seed, (*METRIC[:3], *AMPLIFYING, *OTHER)), *limits, "recursion")
 
 
+@pytest.mark.slow
 @settings(max_examples=120, deadline=None, derandomize=True)
 @given(scenes(METRIC, most_contacts=12, listeners=4))
 def test_equals_dijkstra_on_the_explicit_graph(scene):

@@ -33,6 +33,7 @@ def true_sums(graph, max_connections=None, threshold=0.0) -> list[float]:
     ]
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(SEEDS, st.sampled_from([0, 10, 100, 1000, 10000]), st.sampled_from([None, 9]), st.sampled_from([0.0, 0.01, 0.3]))
 def test_any_budget_and_tolerance(seed, budget, max_connections, tolerance):
@@ -114,6 +115,7 @@ def test_amplifying_scene_ends():
     assert result.gain[0, 0] <= 1  # energy is not created
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(SEEDS, st.sampled_from([1e60, 1e160, 1e308]), st.sampled_from([(None, 0.0), (32, 1e-3), (9, 0.0)]), st.sampled_from([100, 10000]))
 def test_gains_too_large_for_a_number(seed, gain, limits, budget):
@@ -135,6 +137,7 @@ def test_gains_too_large_for_a_number(seed, gain, limits, budget):
             assert error == LARGEST or true <= (mpmath.mpf(got) + error) * (1 + 1e-9)
 
 
+@pytest.mark.slow
 def test_long_amplifying_chain_ends():
     """More contacts than layers are looked at: a bound instead of a path, and no memory of all the ways so far."""
     count = 3000

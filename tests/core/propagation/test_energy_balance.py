@@ -75,6 +75,7 @@ def test_parts_that_do_not_touch_and_objects_that_block():
         assert gain(scene) == 0
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(SEEDS, st.floats(0.3, 20))
 def test_energy_is_conserved_and_never_created(seed, size):

@@ -108,6 +108,7 @@ def solved(damping, rows, columns, coupling, power) -> mpmath.matrix:
     return mpmath.lu_solve(matrix, mpmath.matrix([mpmath.mpf(float(value)) for value in power]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LARGER)
 def test_energies_of_every_subsystem(name):
     """Also the smallest ones, relative to themselves."""
@@ -121,6 +122,7 @@ def test_energies_of_every_subsystem(name):
     assert doubt.max() == 0
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.integers(0, 10**6), st.integers(14, 24), st.floats(1e-3, 1.0))
 def test_dense_core(seed, count, weakest):
@@ -186,6 +188,7 @@ def test_energies_from_authored_numbers(seed, count):
         assert close(propagate(graph, Settings(strategy=Strategy.ENERGY_BALANCE)).gain[0, 0], exact)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.integers(0, 10**6))
 def test_walks(seed):

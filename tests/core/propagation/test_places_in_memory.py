@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, ObjectTable, build_graph
 from haptic_tracing.core.propagation import Propagation, propagate
@@ -69,6 +70,7 @@ def graph_from(scene: HapticScene, place) -> HapticGraph:
     return elsewhere(build_graph(elsewhere(table, place), contacts, scene.sources, scene.listeners), place)
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(SEEDS, STRATEGIES, LIMITS, OFFSETS, st.booleans())
 def test_same_bits_at_every_offset(seed, strategy, limits, offset, bands):
@@ -95,6 +97,7 @@ def heap(count: int = 120) -> HapticScene:
     return HapticScene(tuple(objects), tuple(contacts), sources, listeners)
 
 
+@pytest.mark.slow
 def test_same_bits_in_a_heap():
     scene = heap()
     for strategy in (Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE):
@@ -105,6 +108,7 @@ def test_same_bits_in_a_heap():
             assert_same_bits(propagate(graph_from(scene, place), chosen), expected)
 
 
+@pytest.mark.slow
 def test_same_bits_with_any_number_of_threads():
     """Libraries for linear algebra divide large products among threads: energies with a core of some hundred subsystems."""
     code = (

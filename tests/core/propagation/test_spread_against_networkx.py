@@ -64,6 +64,7 @@ def strongest_by_networkx(graph: HapticGraph, threshold: float, max_connections:
     return best
 
 
+@pytest.mark.slow
 @settings(deadline=None, derandomize=True, max_examples=300)
 @given(graphs(), st.sampled_from((0.0, 0.01, 0.2)), st.sampled_from((None, 0, 1, 2, 3, 5)))
 def test_gain_is_the_largest_product(graph: HapticGraph, threshold: float, max_connections: int | None) -> None:

@@ -119,6 +119,7 @@ def test_a_frame_that_comes_twice_is_played_once():
     assert [block.shape[1] > 0 for block in played(results, 0)] == [True, True, False]
 
 
+@pytest.mark.slow
 def test_thirty_minutes_do_not_drift():
     """The sample that each block ends with is the picture's, within one sample, at every frame of half an hour."""
     fps = 30000 / 1001

@@ -160,6 +160,7 @@ signals = st.sampled_from(
 )
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.tuples(signals, st.floats(-0.1, 0.4), st.booleans(), st.booleans()), max_size=4),
     st.lists(st.floats(0.001, 0.039), max_size=8),

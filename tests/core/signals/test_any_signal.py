@@ -6,6 +6,7 @@ import json
 import math
 
 import numpy as np
+import pytest
 from haptic_tracing.core.signals import (
     Adsr,
     Automation,
@@ -89,6 +90,7 @@ signals = st.recursive(simple, composed, max_leaves=6)
 rates = st.sampled_from([8000.0, 1000.0, 44_100.0, 333.3])
 
 
+@pytest.mark.slow
 @given(signals, rates, numbers(-1.0, 1.0), st.integers(-500, 9000), st.lists(st.integers(0, 700), min_size=1, max_size=6))
 @settings(deadline=None, max_examples=300)
 def test_samples_do_not_depend_on_blocks(signal: Signal, rate: float, onset: float, start: int, sizes: list[int]) -> None:

@@ -97,6 +97,7 @@ def forms(draw: st.DrawFn) -> dict[str, Any]:
     return {"signal": kind, **draw(st.dictionaries(st.sampled_from(names), json_values | forms(), max_size=3))}
 
 
+@pytest.mark.slow
 @given(json_values | forms())
 @settings(deadline=None, max_examples=500)
 def test_any_json_gives_a_signal_or_a_value_error(data: object) -> None:

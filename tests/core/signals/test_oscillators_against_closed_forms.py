@@ -84,6 +84,7 @@ def test_waves_are_scipys_away_from_edges(oscillator: Oscillator) -> None:
     assert np.abs(oscillator.sample(0, 8000, RATE) - wave_of(oscillator, cycles))[far].max() < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frequency", [3.0, 61.0, 333.0, 1999.0, 3900.0])
 @pytest.mark.parametrize("kind", [Square(), Saw(), Triangle(), Pulse(duty=0.03), Pulse(duty=0.5), Pulse(duty=0.97)])
 def test_waves_are_averaged_over_the_sample_period(kind: Oscillator, frequency: float) -> None:
