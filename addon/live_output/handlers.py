@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 from collections.abc import Callable
+from concurrent.futures import Future
 from typing import Any
 
 import bpy
@@ -19,13 +20,23 @@ from . import outputs, player, preview, refresh
 from .adjustment import adjustment_of
 
 
+def frame_comes(scene: Scene) -> None:
+    """Where tracing takes long, let a frame be felt before it is traced, with what the last traced frame says."""
+    traced = session.shown(scene) if player.is_wanted() else None
+    if traced is not None:
+        time = seconds_of(scene, scene.frame_current)
+        player.play_ahead(scene.session_uid, traced.result, scene.frame_current, time, frame_seconds(scene), choices(traced.result))
+
+
 def frame_changed(scene: Scene, recorded: bool = False) -> None:
-    """Let the frame be felt that has just been traced; be silent where it was not, because tracing failed or is off. ``recorded``: it was
-    read from a baked track."""
+    """Let the frame be felt that is being traced, once that is done; be silent where it can't be traced, or tracing is off. ``recorded``:
+    it was read from a baked track."""
     if not player.is_wanted():
         return
     try:
-        if scene.haptics.tracing and _goes_ahead(scene):
+        begun = session.of(scene).begun if scene.haptics.tracing else None
+        if begun is not None and player.went_ahead(scene.session_uid, scene.frame_current):
+            begun.add_done_callback(_correct)
             return
         result = session.result_of(scene) if scene.haptics.tracing else None
         if result is None or result.number != scene.frame_current:
@@ -37,13 +48,10 @@ def frame_changed(scene: Scene, recorded: bool = False) -> None:
         raise
 
 
-def _goes_ahead(scene: Scene) -> bool:
-    """Let a frame that is still being traced be felt in time, with gains that are a frame old, where tracing takes long."""
-    latest = session.latest_while_busy(scene)
-    if latest is None:
-        return False
-    time = seconds_of(scene, scene.frame_current)
-    return player.play_ahead(scene.session_uid, latest, time, frame_seconds(scene), choices(latest))
+def _correct(begun: Future[session.Traced]) -> None:
+    """On the worker: a frame that went ahead has been traced."""
+    if not begun.cancelled() and begun.exception() is None:
+        player.correct(begun.result().result)
 
 
 @persistent

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from time import perf_counter as clock
 
 import numpy as np
 
@@ -18,21 +20,35 @@ from ..properties.actuators import places_of
 from ..properties.preferences import preferences
 from . import outputs, preview
 
-SLOW = 20.0
+SLOW = 8.0
 """Milliseconds: where the tracing of a few frames in a row takes longer, the next is not waited for."""
 _SLOW_FRAMES = 3
 
 
+@dataclass(frozen=True, slots=True)
+class _Ahead:
+    """A frame that was felt before it was traced: that of a scene (its session id), when its block was sent, and the listeners' choices."""
+
+    scene: int
+    frame: int
+    sent: float
+    choices: Mapping[str, str]
+
+
 @dataclass(slots=True)
 class _State:
+    """lock: for what the worker uses when it corrects a block."""
+
+    lock: threading.RLock = field(default_factory=threading.RLock)
     playing: bool = False
     scene: int | None = None
     result: FrameResult | None = None  # the last one that was played
     playback: Playback = field(default_factory=Playback)
     mapping: ActuatorMapping | None = None
     mapped: tuple = ()
-    timed: FrameResult | None = None  # the last one whose tracing time was looked at
+    timed: float | None = None  # the time [s] of the last frame whose tracing time was looked at
     slow: int = 0  # frames in a row that took long
+    ahead: _Ahead | None = None
 
 
 _state = _State()
@@ -50,8 +66,9 @@ def is_wanted() -> bool:
 
 def start(scene: int, time: float) -> None:
     """Playback begins in a scene (its session id), at ``time`` [s]."""
-    _state.playing, _state.scene, _state.result = True, scene, None
-    _state.playback.start(time)
+    with _state.lock:
+        _state.playing, _state.scene, _state.result, _state.ahead = True, scene, None, None
+        _state.playback.start(time)
 
 
 def stop() -> None:
@@ -62,9 +79,10 @@ def stop() -> None:
 
 def rest(release: bool = True) -> None:
     """Zero, then release, now; the next frame plays again."""
-    _state.result = None
-    _state.playback = Playback()
-    (outputs.rest if release else outputs.silence)()
+    with _state.lock:
+        _state.result = _state.ahead = None
+        _state.playback = Playback()
+        (outputs.rest if release else outputs.silence)()
     preview.silence()
 
 
@@ -77,35 +95,58 @@ def play(scene: int, result: FrameResult, frame_seconds: float, choices: Mapping
         rest()
     if _state.result is result or not result.listeners:
         return
-    _state.result = result
-    samples = _samples(result, frame_seconds, recorded)
-    if not samples.shape[1]:
-        return
-    _send(result, samples, choices, recorded)
+    with _state.lock:
+        _state.result, _state.ahead = result, None
+        samples = _samples(result, frame_seconds, recorded)
+        if not samples.shape[1]:
+            return
+        _send(result, samples, choices, recorded)
+    preview.play([listener.body_part for listener in result.listeners], samples, result.sample_rate)
 
 
-def play_ahead(scene: int, latest: FrameResult, time: float, frame_seconds: float, choices: Mapping[str, str]) -> bool:
-    """Let the frame at ``time`` [s] be felt with what the ``latest`` traced frame says, if tracing has been slow. False where the frame's
-    own result is to be waited for."""
-    if latest is not _state.timed:
-        _state.timed = latest
+def play_ahead(scene: int, latest: FrameResult, frame: int, time: float, frame_seconds: float, choices: Mapping[str, str]) -> None:
+    """Let the ``frame`` at ``time`` [s], which is not traced yet, be felt with what the ``latest`` traced frame says, if tracing has been
+    slow; else its own result is to be waited for."""
+    if latest.time != _state.timed:
+        _state.timed = latest.time
         _state.slow = _state.slow + 1 if sum(latest.milliseconds.values()) > SLOW else 0
     if not _state.playing or _state.scene != scene or _state.slow < _SLOW_FRAMES:
-        return False
-    samples = _state.playback.ahead(latest, time, frame_seconds)
-    if samples is None:
-        return False
-    _send(latest, samples, choices)
-    return True
+        return
+    with _state.lock:
+        sent = clock()
+        samples = _state.playback.ahead(latest, time, frame_seconds)
+        if samples is None:
+            return
+        _state.ahead = _Ahead(scene, frame, sent, choices)
+        _send(latest, samples, choices, sent=sent)
+    preview.play([listener.body_part for listener in latest.listeners], samples, latest.sample_rate)
 
 
-def _send(result: FrameResult, samples: FloatArray, choices: Mapping[str, str], recorded: bool = False) -> None:
-    mapping = mapping_of(result, choices)
-    sent = {key: outputs.running()[key].send(block) for key, block in mapping.blocks(samples).items()}
-    if sent and _state.playing and not recorded:
+def went_ahead(scene: int, frame: int) -> bool:
+    """Whether a frame was felt before it was traced."""
+    return _state.ahead is not None and (_state.ahead.scene, _state.ahead.frame) == (scene, frame)
+
+
+def correct(result: FrameResult) -> None:
+    """Let the rest of the block that went ahead be felt as the frame says that has been traced meanwhile. For any thread."""
+    with _state.lock:
+        ahead = _state.ahead
+        if ahead is None:
+            return
+        elapsed = clock() - ahead.sent
+        samples = _state.playback.correction(result, elapsed)
+        if samples is not None and samples.shape[1]:
+            _send(result, samples, ahead.choices, sent=ahead.sent + elapsed)
+
+
+def _send(result: FrameResult, samples: FloatArray, choices: Mapping[str, str], recorded: bool = False, sent: float | None = None) -> None:
+    """Send a block to the devices, and what would follow it."""
+    mapping, running = mapping_of(result, choices), dict(outputs.running())
+    blocks = {key: block for key, block in mapping.blocks(samples).items() if key in running}
+    times = {key: running[key].send(block) if sent is None else running[key].send(block, sent) for key, block in blocks.items()}
+    if times and _state.playing and not recorded:
         following = _state.playback.following(result, WATCHDOG)
-        outputs.expect(lambda: mapping.blocks(following()), sent)
-    preview.play([listener.body_part for listener in result.listeners], samples, result.sample_rate)
+        outputs.expect(lambda: mapping.blocks(following()), times)
 
 
 def _samples(result: FrameResult, frame_seconds: float, recorded: bool) -> FloatArray:
@@ -144,7 +185,7 @@ def _tone(signal: Signal | None) -> Sine | None:
 
 
 def _mapped(listeners: Mapping[str, str], choices: Mapping[str, str], bands: Mapping[str, tuple[float, float]]) -> ActuatorMapping:
-    devices = {key: output.profile for key, output in outputs.running().items()}
+    devices = {key: output.profile for key, output in dict(outputs.running()).items()}
     known = {Place(key, actuator.name) for key, device in devices.items() for actuator in device.actuators}
     chosen: dict[str, list[Place]] = {}
     absent: list[Loss] = []

@@ -38,6 +38,7 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
         return
     try:
         if scene.haptics.tracing and not playback.play(scene):
+            live_output.frame_comes(scene)
             session.begin(scene, depsgraph, live=True)
     finally:
         live_output.frame_changed(scene, playback.plays(scene))

@@ -114,12 +114,6 @@ def result_of(scene: Scene) -> FrameResult | None:
     return session.result
 
 
-def latest_while_busy(scene: Scene) -> FrameResult | None:
-    """What there was of the frame before, while the one that was begun last is still being traced; else None."""
-    session = of(scene)
-    return session.previous if session.begun is not None and not session.begun.done() else None
-
-
 def problems_of(scene: Scene) -> tuple[Problem, ...]:
     """What a designer should mend."""
     session = _sessions.get(scene.session_uid)

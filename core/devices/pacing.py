@@ -279,7 +279,7 @@ class StreamPacing:
     def accept(self, block: FloatArray, sent: float) -> None:
         if self._ahead.begun:  # then the block waits for its turn as long as any other
             self._fill(round(self.lead * self._family.rate))
-        still_due = self._queue[:, : round((self.lead + _MARGIN) * self._family.rate)]
+        still_due = self._queue[:, : self._place(sent)]
         dry = self._seam and not still_due.shape[1]
         seam = dry or still_due.shape[1] < self._queue.shape[1] or self._ahead.begun
         if seam:
@@ -292,6 +292,13 @@ class StreamPacing:
         self._queue = np.concatenate([still_due, samples], axis=1)
         self._ahead = Ahead()
         self._fresh = sent
+
+    def _place(self, sent: float) -> int:
+        """Where in the queue a block begins: in its time, or after what is queued where that differs by less than a frame may be early."""
+        if self._due is None:
+            return self._queue.shape[1]
+        place = max(round((sent + self._delay + self.lead - self._due) * self._family.rate), 0)
+        return place if self._queue.shape[1] - place > _MARGIN * self._family.rate else self._queue.shape[1]
 
     def expect(self, ahead: FloatArray, sent: float) -> None:
         if sent == self._fresh:

@@ -39,8 +39,8 @@ _HOSTS = ("Windows WASAPI", "Core Audio", "PipeWire", "PulseAudio", "JACK Audio 
 _MOST_CHANNELS = 8
 _BAND = (20.0, 1000.0)
 _SAFE_MAXIMUM, _SLEW, _SUSTAINED, _SUSTAINED_SECONDS = 1.0, 50.0, 0.7, 10.0
-# So much lies ready before a block begins, so that a frame may be late without a gap; more than the second makes it begin anew.
-_MARGIN, _LATE = 0.015, 0.120
+# So much lies ready before a block begins, so that a frame may be late without a gap; of more than the second the rest is dropped.
+_MARGIN, _EARLY = 0.015, 0.030
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,8 +164,7 @@ class SoundCardWriter:
                 self._fill(round(_MARGIN * rate))
             seam = self._ahead.begun and self._queue.shape[1] > 0
             samples = self._resampled(checked)
-            if self._queue.shape[1] > _LATE * rate:
-                self._dropped += 1
+            if self._queue.shape[1] > _EARLY * rate:
                 self._queue = self._queue[:, : round(_MARGIN * rate)]
                 seam = True
             if seam:

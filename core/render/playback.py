@@ -7,6 +7,7 @@ touch never shifts against the picture. Frame by frame it is what a bake gives, 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -24,6 +25,8 @@ _GRAIN_RISE, _GRAIN_FALL = 0.005, 0.040
 _GRAIN_SILENCE = 0.060
 # A recorded block that is not the continuation of the last one begins at its last value, and leaves it within so many seconds.
 _SEAM = 0.008
+# A limiter's gain depends on so much of what went before, within a few percent.
+_LIMITER_SECONDS = 0.5
 # Frames that are dropped are rendered and left out; what jumps further is another place of the timeline.
 _LONGEST_STEP = 1.0
 
@@ -32,19 +35,20 @@ class Playback:
     """The stream of blocks of one scene while it plays."""
 
     def __init__(self) -> None:
-        self._renderer: Renderer | None = None
-        self._time: float | None = None
+        self._renderer: Renderer | None = None  # None where the last block was the result's own
+        self._shown: FrameResult | None = None  # the last result that was played
+        self._time: float | None = None  # the end of what was played
         self._last = np.zeros((0, 1))
         self._next = -1
-        self._heard: float | None = None  # when the last result was that was played
         self._late: dict[Hashable, float] = {}  # onsets that were moved, by voice
+        self._correctable: _Correctable | None = None
 
     def start(self, time: float) -> None:
         """Begin at ``time`` [s], from silence."""
-        self._renderer, self._time = None, time
+        self._renderer, self._time, self._shown = None, time, None
         self._last, self._next = np.zeros((0, 1)), -1
-        self._heard = None
         self._late.clear()
+        self._correctable = None
 
     def recorded(self, result: FrameResult) -> FloatArray:
         """The samples of a frame that was read from a track, (listeners, n), joined to those before where frames lie between."""
@@ -55,7 +59,7 @@ class Playback:
             last = self._last if self._last.shape[0] == block.shape[0] else np.zeros((block.shape[0], 1))
             seam = block[:, : round(_SEAM * result.sample_rate)]
             seam += (last - seam) * (1.0 - (np.arange(seam.shape[1]) + 1.0) / seam.shape[1])
-        self._renderer, self._time = None, result.time
+        self._renderer, self._time, self._shown, self._correctable = None, result.time, None, None
         self._last, self._next = block[:, -1:], result.first_sample + block.shape[1]
         return block
 
@@ -64,61 +68,110 @@ class Playback:
 
         At a jump (a loop, a step back, a long gap) what sounded fades out while what sounds there fades in.
         """
+        self._correctable = None
         mixes = listener_mixes(result.listeners)
-        if self._time == result.time and self._renderer is not None:
+        if self._time == result.time and self._shown is not None:
             return np.zeros((len(mixes), 0))
+        if result.block is not None and self._is_next(result, mixes):
+            self._renderer, self._time, self._shown = None, result.time, result
+            return result.block
         block = self._continued(mixes, result, result.time, frame_seconds)
         return self._elsewhere(mixes, result, frame_seconds) if block is None else block
 
     def ahead(self, latest: FrameResult, time: float, frame_seconds: float) -> FloatArray | None:
         """The samples of the frame that ends at ``time`` [s], which is still being traced, with what the ``latest`` traced frame says; None
-        where that is no continuation. What has begun in a frame that comes late begins with the next block."""
+        where that is no continuation. What has begun in a frame that comes late begins with the next block, or the next `correction`."""
         mixes = listener_mixes(latest.listeners)
-        if self._time is None or self._renderer is None or self._renderer.listeners != mixes:
+        begun, renderer = self._time, self._current(mixes)
+        if begun is None or renderer is None:
             return None
-        return self._continued(mixes, latest, time, frame_seconds)
+        before = renderer.fork()
+        samples = self._continued(mixes, latest, time, frame_seconds)
+        if samples is not None:
+            voices = self._moved(source_voices(latest.sources, latest.listeners, latest.propagation))
+            start = time - samples.shape[1] / latest.sample_rate
+            self._correctable = _Correctable(before, begun, max(start, begun), time, voices)
+        return samples
+
+    def correction(self, result: FrameResult, elapsed: float) -> FloatArray | None:
+        """The rest of a block that went `ahead`, from ``elapsed`` seconds after its start on, (listeners, n), as ``result`` says, which has
+        been traced meanwhile; None where there is nothing to correct."""
+        played = self._correctable
+        if played is None or played.renderer.listeners != listener_mixes(result.listeners):
+            return None
+        now = played.start + elapsed
+        if now >= played.end or _are_alike(source_voices(result.sources, result.listeners, result.propagation), played.voices):
+            return None
+        if now > played.begun:
+            played.renderer.render_frame(played.begun, now, played.voices)
+        before = played.renderer.fork()
+        voices = self._voices(result, now)
+        samples = played.renderer.render_frame(now, played.end, voices)
+        self._renderer, self._shown = played.renderer, result
+        self._correctable = _Correctable(before, now, played.start, played.end, voices)
+        return samples
 
     def following(self, result: FrameResult, seconds: float) -> Callable[[], FloatArray]:
         """A function that renders the ``seconds`` after the last block, (listeners, n), if the scene stayed as ``result`` shows it.
 
         It may be called later, by any thread. What it gives does not count as played: the next block is what it would be without it.
         """
-        if self._time is None or self._renderer is None:
+        time, shown = self._time, self._shown
+        if time is None or shown is None:
             return partial(np.zeros, (len(result.listeners), 0))
+        renderer = None if self._renderer is None else self._renderer.fork()
         voices = self._moved(source_voices(result.sources, result.listeners, result.propagation))
-        return partial(self._renderer.fork().render_frame, self._time, self._time + seconds, voices)
+
+        def render() -> FloatArray:
+            return (renderer or _primed(shown, time, voices)).render_frame(time, time + seconds, voices)
+
+        return render
+
+    def _is_next(self, result: FrameResult, mixes: tuple[ListenerMix, ...]) -> bool:
+        """Whether the block of a result goes on from what was played last: all of the frame before it, with nothing that began late."""
+        if self._shown is None or self._shown.block is None or self._shown.time != self._time or self._late:
+            return False
+        follows = result.first_sample == sample_index(self._time, result.sample_rate) and result.sample_rate == self._shown.sample_rate
+        return follows and listener_mixes(self._shown.listeners) == mixes
+
+    def _current(self, mixes: tuple[ListenerMix, ...]) -> Renderer | None:
+        """The renderer that goes on from the last block; None before the first one, and for other listeners."""
+        if self._renderer is None and self._shown is not None and self._time is not None:
+            shown = self._shown
+            voices = self._moved(source_voices(shown.sources, shown.listeners, shown.propagation))
+            self._renderer = _primed(shown, self._time, voices)
+        return self._renderer if self._renderer is not None and self._renderer.listeners == mixes else None
 
     def _continued(self, mixes: tuple[ListenerMix, ...], result: FrameResult, time: float, frame_seconds: float) -> FloatArray | None:
         """The samples up to ``time`` where they follow what was played so far, else None."""
-        before = self._renderer if self._renderer is not None and self._renderer.listeners == mixes else None
-        begun = self._time
+        before, begun = self._current(mixes), self._time
         if begun is None or not 0.0 < time - begun <= max(_LONGEST_STEP, 1.5 * frame_seconds) or self._renderer not in (None, before):
             return None
         renderer = before or Renderer(mixes, result.sample_rate)
         samples = renderer.render_frame(begun, time, self._voices(result, begun))
         start = begun if time - begun < 1.5 * frame_seconds else time - frame_seconds
-        self._renderer, self._time = renderer, time
+        self._renderer, self._time, self._shown = renderer, time, result
         return samples[:, samples.shape[1] - _count(start, time, result.sample_rate) :]
 
     def _elsewhere(self, mixes: tuple[ListenerMix, ...], result: FrameResult, frame_seconds: float) -> FloatArray:
         """The samples up to ``result`` at another place of the timeline."""
-        before, begun = self._renderer, self._time
+        before, begun = self._current(mixes), self._time
         self._late.clear()
         renderer = Renderer(mixes, result.sample_rate)
         block = renderer.render_frame(result.time - frame_seconds, result.time, self._voices(result, result.time - frame_seconds))
-        if before is not None and before.listeners == mixes and begun is not None:
+        if before is not None and begun is not None:
             ending = before.render_frame(begun, begun + frame_seconds, ())[:, : block.shape[1]]
             block[:, : ending.shape[1]] += ending
             ceilings = np.array([mix.s_max for mix in mixes])[:, None]
             block = np.clip(block, -ceilings, ceilings)
-        self._renderer, self._time = renderer, result.time
+        self._renderer, self._time, self._shown = renderer, result.time, result
         return block
 
     def _voices(self, result: FrameResult, begun: float) -> list[Voice]:
         """What is played of a result in a block that begins at ``begun``: what began after the last result, but before this block, begins
         with it."""
         voices = source_voices(result.sources, result.listeners, result.propagation)
-        heard, self._heard = self._heard, result.time
+        heard = None if self._shown is None else self._shown.time
         if heard is not None and heard < begun:
             self._late.update({voice.key: begun for voice in voices if heard <= voice.onset < begun and voice.key not in self._late})
         if not self._late:
@@ -129,6 +182,40 @@ class Playback:
     def _moved(self, voices: list[Voice]) -> list[Voice]:
         """The voices, each from the onset that it is played from."""
         return [voice._replace(onset=self._late.get(voice.key, voice.onset)) for voice in voices]
+
+
+@dataclass(frozen=True, slots=True)
+class _Correctable:
+    """A block that went ahead of its frame's trace: its samples from ``start`` to ``end`` [s], rendered with the ``voices`` from ``begun``
+    on, where ``renderer`` stands."""
+
+    renderer: Renderer
+    begun: float
+    start: float
+    end: float
+    voices: list[Voice]
+
+
+def _are_alike(voices: list[Voice], others: list[Voice]) -> bool:
+    """Whether voices sound the same."""
+    return len(voices) == len(others) and all(
+        (one.key, one.onset, one.amplitude, one.priority) == (other.key, other.onset, other.amplitude, other.priority)
+        and np.array_equal(one.gains, other.gains)
+        and (one.delays is None) == (other.delays is None)
+        and (one.delays is None or other.delays is None or np.array_equal(one.delays, other.delays))
+        and (one.signal is other.signal or one.signal == other.signal)
+        for one, other in zip(voices, others, strict=True)
+    )
+
+
+def _primed(shown: FrameResult, time: float, voices: list[Voice]) -> Renderer:
+    """A renderer that stands at ``time`` with the gains of ``voices``, for the listeners of ``shown``; a limiter has worked for a while."""
+    renderer = Renderer(listener_mixes(shown.listeners), shown.sample_rate)
+    start = time - _LIMITER_SECONDS if renderer.latency else time
+    renderer.render_frame(start, start, voices)
+    if renderer.latency:
+        renderer.render_frame(start, time, voices)
+    return renderer
 
 
 def grain(result: FrameResult, frame_seconds: float) -> FloatArray:
