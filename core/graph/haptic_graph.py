@@ -69,7 +69,9 @@ class ObjectTable:
         ordered = tuple(sorted(objects, key=lambda o: o.name))
         pairs = [o.propagation.log_linear(o.kappa, o.rho, epsilon) for o in ordered]
         forms = np.array([(math.nan, math.nan) if pair is None else pair for pair in pairs], dtype=np.float64).reshape(-1, 2)
-        bands, decays, slowness = _spectrum_arrays([o.propagation for o in ordered])
+        bands, decays, slowness = _spectrum_arrays(
+            [o.propagation.spectrum for o in ordered], [o.propagation.band_decays(o.kappa, o.rho) for o in ordered]
+        )
         return cls(
             names=tuple(o.name for o in ordered),
             objects=ordered,
@@ -108,14 +110,15 @@ class ObjectTable:
         return haptic_object.propagation.bounds(max_distance, haptic_object.kappa, haptic_object.rho, self.epsilon)
 
 
-def _spectrum_arrays(functions: Sequence[ModulationFunction]) -> tuple[FloatArray | None, FloatArray | None, FloatArray | None]:
+def _spectrum_arrays(
+    spectra: Sequence[Spectrum], band_decays: Sequence[tuple[float, ...]]
+) -> tuple[FloatArray | None, FloatArray | None, FloatArray | None]:
     """Band gains (n, bands), band decays (n, bands) and slowness (n,) of functions; each None where none of them uses it."""
-    spectra: list[Spectrum] = [f.spectrum for f in functions]
     gains = decays = slowness = None
     if any(s.band_gains for s in spectra):
         gains = np.array([s.band_gains or (1.0,) * BAND_COUNT for s in spectra], dtype=np.float64)
-    if any(s.band_decays for s in spectra):
-        decays = np.array([s.band_decays or (0.0,) * BAND_COUNT for s in spectra], dtype=np.float64)
+    if any(band_decays):
+        decays = np.array([values or (0.0,) * BAND_COUNT for values in band_decays], dtype=np.float64)
     if any(s.wave_speed for s in spectra):
         slowness = np.array([1.0 / s.wave_speed if s.wave_speed else 0.0 for s in spectra], dtype=np.float64)
     return gains, decays, slowness
@@ -390,7 +393,9 @@ def _transmissions(table: ObjectTable, contacts: ContactSet) -> tuple[FloatArray
         if function.name in ("constant", "exponential"):  # whose logarithm is known better than that of a rounded gain
             _, decay = function.log_linear(0.0, 0.0, table.epsilon) or (0.0, 0.0)
             losses[chosen] = function.loss(0.0, 0.0, table.epsilon) + decay * distance[chosen]
-    bands, decays, slowness = _spectrum_arrays(contacts.transmissions)
+    bands, decays, slowness = _spectrum_arrays(
+        [f.spectrum for f in contacts.transmissions], [f.spectrum.band_decays for f in contacts.transmissions]
+    )
     kind = contacts.transmission
     band_gains = None if bands is None else bands[kind]
     if decays is not None:

@@ -7,7 +7,6 @@ function of their contact. A function returns the gain of a signal over a distan
 from .checking import Finding, check_expression, excerpt
 from .expression import MIXING_VARIABLES, compile_expression
 from .modulation import (
-    FUNCTIONS,
     Conduction,
     Constant,
     Exponential,
@@ -17,8 +16,9 @@ from .modulation import (
     Linear,
     ModulationFunction,
     Spectrum,
-    function_from_dict,
 )
+from .physical import Physical, Wave
+from .registry import FUNCTIONS, function_from_dict
 
 __all__ = [
     "FUNCTIONS",
@@ -32,7 +32,9 @@ __all__ = [
     "Identity",
     "Linear",
     "ModulationFunction",
+    "Physical",
     "Spectrum",
+    "Wave",
     "check_expression",
     "compile_expression",
     "excerpt",

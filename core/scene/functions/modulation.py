@@ -105,6 +105,10 @@ class ModulationFunction:
         ends = (factor, factor * math.exp(-min(decay * max_distance, 745.0)))
         return min(ends), max(ends)
 
+    def band_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
+        """Attenuation of each frequency band beside that of the gain, in 1/m; () where all bands fade alike."""
+        return self.spectrum.band_decays
+
     def to_dict(self) -> dict[str, Any]:
         """The form of the scene file: ``{"function": name, parameters...}``."""
         parameters = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "spectrum" and f.init}
@@ -265,33 +269,3 @@ _NO_CONTACT = {"area": 0.0, "depth": 0.0, "angle": 0.0}
 def _first(distance: FloatArray, where: BoolArray) -> float:
     values = np.broadcast_to(np.asarray(distance, dtype=np.float64), where.shape)
     return float(values[where].flat[0])
-
-
-FUNCTIONS: dict[str, type[ModulationFunction]] = {
-    cls.name: cls for cls in (Identity, Constant, Linear, Exponential, HapticTracing, Expression)
-}
-_SPECTRUM_KEYS = ("band_gains", "band_decays", "wave_speed")
-
-
-def function_from_dict(form: Mapping[str, Any], functions: Mapping[str, type[ModulationFunction]] = FUNCTIONS) -> ModulationFunction:
-    """The function of a scene file's ``{"function": name, parameters...}``; ``functions``: those that its modality knows.
-
-    Raises ValueError that names the key for an unknown name, an unknown parameter or a value out of range.
-    """
-    name = form.get("function")
-    cls = functions.get(name) if isinstance(name, str) else None
-    if cls is None:
-        raise ValueError(f"function: unknown {name!r}; one of {', '.join(functions)}")
-    parameters: dict[str, Any] = {f.metadata.get("key", f.name): f.name for f in fields(cls) if f.init and f.name != "spectrum"}
-    arguments: dict[str, Any] = {}
-    for key, value in form.items():
-        if key in parameters:
-            arguments[parameters[key]] = value
-        elif key not in ("function", *_SPECTRUM_KEYS):
-            raise ValueError(f"{key}: unknown parameter of function {name!r}")
-    spectrum = Spectrum(
-        band_gains=tuple(form.get("band_gains", ())),
-        band_decays=tuple(form.get("band_decays", ())),
-        wave_speed=form.get("wave_speed", 0.0),
-    )
-    return cls(spectrum=spectrum, **arguments)

@@ -1,0 +1,39 @@
+"""All functions of vibration by name, and functions from the form that scene files have."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+from .modulation import Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction, Spectrum
+from .physical import Physical
+
+FUNCTIONS: dict[str, type[ModulationFunction]] = {
+    cls.name: cls for cls in (Identity, Constant, Linear, Exponential, HapticTracing, Physical, Expression)
+}
+_SPECTRUM_KEYS = ("band_gains", "band_decays", "wave_speed")
+
+
+def function_from_dict(form: Mapping[str, Any], functions: Mapping[str, type[ModulationFunction]] = FUNCTIONS) -> ModulationFunction:
+    """The function of a scene file's ``{"function": name, parameters...}``; ``functions``: those that its modality knows.
+
+    Raises ValueError that names the key for an unknown name, an unknown parameter or a value out of range.
+    """
+    name = form.get("function")
+    cls = functions.get(name) if isinstance(name, str) else None
+    if cls is None:
+        raise ValueError(f"function: unknown {name!r}; one of {', '.join(functions)}")
+    parameters: dict[str, Any] = {f.metadata.get("key", f.name): f.name for f in fields(cls) if f.init and f.name != "spectrum"}
+    arguments: dict[str, Any] = {}
+    for key, value in form.items():
+        if key in parameters:
+            arguments[parameters[key]] = value
+        elif key not in ("function", *_SPECTRUM_KEYS):
+            raise ValueError(f"{key}: unknown parameter of function {name!r}")
+    spectrum = Spectrum(
+        band_gains=tuple(form.get("band_gains", ())),
+        band_decays=tuple(form.get("band_decays", ())),
+        wave_speed=form.get("wave_speed", 0.0),
+    )
+    return cls(spectrum=spectrum, **arguments)

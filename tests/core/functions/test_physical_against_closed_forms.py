@@ -1,0 +1,120 @@
+"""Spreading and damping of vibration in bodies: lossy waves by their complex wave numbers, monotony, bounds, bands."""
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+from haptic_tracing.core.graph.haptic_graph import graph_of_scene
+from haptic_tracing.core.propagation import propagate
+from haptic_tracing.core.scene.bands import BAND_CENTRES
+from haptic_tracing.core.scene.functions import Physical, Wave, function_from_dict
+from haptic_tracing.core.scene.values import HapticObject, HapticScene, Listener, Settings, Source
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+K0 = (0.3, 0.8)  # kappa and rho of the material itself
+MATERIAL_K = (1 - 0.3) * 0.8
+
+
+def gain(function, distance, kappa=K0[0], rho=K0[1]):
+    return float(function.gain(np.array(distance), kappa, rho, 0.1))
+
+
+@pytest.mark.parametrize("wave", [Wave.ROD, Wave.SURFACE, Wave.SOLID])
+@pytest.mark.parametrize("frequency", [30.0, 100.0, 300.0])
+def test_damping_is_that_of_a_lossy_wave(wave, frequency):
+    """A modulus E (1 + i eta) gives the wave number k = (omega / c) / sqrt(1 + i eta); the amplitude falls by its imaginary part."""
+    eta, speed = 0.02, 900.0
+    k = 2 * math.pi * frequency / speed / cmath.sqrt(1 + 1j * eta)
+    function = Physical(wave=wave, loss_factor=eta, phase_speed=speed, material_k=MATERIAL_K)
+    assert float(function.damping(frequency, *K0)) == pytest.approx(-k.imag, rel=eta**2)
+
+
+@pytest.mark.parametrize("frequency", [30.0, 100.0, 300.0])
+def test_damping_of_bending_waves(frequency):
+    """k^4 = omega^2 m'' / (B (1 + i eta)), B = E h^3 / (12 (1 - nu^2)), so that the amplitude falls by eta / 4 of k."""
+    eta, speed, thickness, nu = 0.02, 3400.0, 0.2, 0.3
+    density = 2300.0
+    stiffness = density * speed**2 * thickness**3 / 12  # with the plate's own longitudinal speed
+    k = (complex((2 * math.pi * frequency) ** 2 * density * thickness) / (stiffness * (1 + 1j * eta))) ** 0.25
+    function = Physical(wave=Wave.PLATE, loss_factor=eta, phase_speed=speed, thickness=thickness, material_k=MATERIAL_K)
+    assert nu == 0.3
+    assert float(function.damping(frequency, *K0)) == pytest.approx(-k.imag, rel=0.01)  # 1.8 is 2 pi / sqrt(12) rounded
+
+
+@pytest.mark.parametrize(("wave", "per_doubling"), [(Wave.ROD, 0.0), (Wave.PLATE, 3.01), (Wave.SURFACE, 3.01), (Wave.SOLID, 6.02)])
+def test_spreading_in_decibels_per_doubling_of_distance(wave, per_doubling):
+    function = Physical(wave=wave, loss_factor=0.0, material_k=MATERIAL_K, reference_distance=0.001)
+    assert 20 * math.log10(gain(function, 10.0) / gain(function, 20.0)) == pytest.approx(per_doubling, abs=0.01)
+
+
+def test_spreading_ends_at_the_extent_of_the_body():
+    function = Physical(loss_factor=0.0, material_k=MATERIAL_K, extent=2.0)
+    assert gain(function, 1.0) > gain(function, 2.0) == gain(function, 50.0)
+
+
+PARAMETERS = st.builds(
+    Physical,
+    wave=st.sampled_from(Wave),
+    loss_factor=st.floats(0, 1),
+    phase_speed=st.floats(1, 6000),
+    thickness=st.floats(1e-3, 2),
+    absorption=st.floats(0, 5),
+    material_k=st.floats(0.01, 0.99),
+    reference_distance=st.floats(0.01, 10),
+    extent=st.none() | st.floats(0.01, 100),
+)
+
+
+@settings(max_examples=300, deadline=None)
+@given(PARAMETERS, st.floats(0, 1), st.floats(0, 1), st.floats(0, 1), st.floats(0, 1), st.floats(0, 1e4), st.floats(0, 1e4))
+def test_never_above_one_and_monotonic(function, kappa, other_kappa, rho, other_rho, distance, other_distance):
+    (kappa, worse), (weaker, rho) = sorted((kappa, other_kappa)), sorted((rho, other_rho))
+    near, far = sorted((distance, other_distance))
+    value = gain(function, near, kappa, rho)
+    assert 0 <= value <= 1
+    low, high = function.bounds(far, kappa, rho, 0.1)
+    assert low <= value <= high
+    assert gain(function, far, kappa, rho) <= value
+    assert gain(function, near, worse, rho) <= value * (1 + 1e-12)
+    assert gain(function, near, kappa, weaker) <= value * (1 + 1e-12)
+    decays = function.band_decays(kappa, rho)
+    assert len(decays) in (0, len(BAND_CENTRES))
+    for decay in decays:
+        assert decay >= 0
+    assert function_from_dict(function.to_dict()) == function
+
+
+def test_the_materials_own_coefficients_change_nothing():
+    lossy = Physical(wave=Wave.ROD, loss_factor=0.1, phase_speed=200.0, material_k=MATERIAL_K)
+    alpha = math.pi * BAND_CENTRES[0] * 0.1 / 200
+    assert gain(lossy, 3.0) == pytest.approx(math.exp(-3 * alpha), rel=1e-12)
+    assert gain(lossy, 3.0, 0.0, 1.0) == 1.0
+    assert gain(lossy, 3.0, 0.5, 0.0) == 0.0
+    assert gain(lossy, 0.0, 0.5, 0.0) == 1.0
+
+
+def test_bands_of_a_body_follow_the_formula():
+    """One object, source and listener 4 m apart."""
+    function = Physical(wave=Wave.SURFACE, loss_factor=0.06, phase_speed=200.0, material_k=MATERIAL_K, reference_distance=1.0)
+    scene = HapticScene(
+        objects=(HapticObject("ground", *K0, propagation=function),),
+        sources=(Source("drill", "ground", (0, 0, 0)),),
+        listeners=(Listener("foot", "ground", (4, 0, 0)),),
+        settings=Settings(threshold=0.0),
+    )
+    result = propagate(graph_of_scene(scene), scene.settings)
+    assert result.gain[0, 0] == pytest.approx(5**-0.5 * math.exp(-math.pi * BAND_CENTRES[0] * 0.06 / 200 * 4), rel=1e-12)
+    for band, centre in enumerate(BAND_CENTRES):
+        wanted = 5**-0.5 * math.exp(-math.pi * centre * 0.06 / 200 * 4)
+        assert result.band_gain[0, 0, band] == pytest.approx(wanted, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("wave", "ether"), ("loss_factor", -1.0), ("phase_speed", 0.0), ("thickness", math.nan), ("material_k", 1.0), ("extent", 0.0)],
+)
+def test_bad_parameters_are_named(key, value):
+    with pytest.raises(ValueError, match=key):
+        Physical(**{key: value})
