@@ -6,8 +6,10 @@ from collections.abc import Iterable, Sequence
 
 from bpy.types import Context, Object, Scene
 
-from ...core.scene.materials import Material, guess, is_wide_and_flat
+from ...core.scene.materials import MATERIALS, Material, guess, is_wide_and_flat
+from ...core.scene.measured import physical
 from ..blender.progress import progress
+from ..properties.function import PARAMETERS
 from ..properties.materials import HapticMaterial, add_material, values_of, write_values
 
 
@@ -41,6 +43,27 @@ def copy(scene: Scene, item: HapticMaterial) -> HapticMaterial:
     """A copy in the library, that nothing is made of yet."""
     values = {**values_of(item), "wave_speed": item.wave_speed, "use_delay": item.use_delay}
     return add_material(scene, item.name, values)
+
+
+def preset_of(obj: Object) -> Material | None:
+    """The preset that an object's material of the library was made from, by its title."""
+    title = obj.haptics.material.name.partition(".")[0]
+    return next((material for material in MATERIALS.values() if material.title == title), None)
+
+
+def make_physical(objects: Iterable[Object], in_a_building: bool) -> int:
+    """Let objects that are made of a preset spread and damp vibration as measured; how many are."""
+    known = 0
+    for obj in objects:
+        material = preset_of(obj)
+        if material is None:
+            continue
+        known += 1
+        form = physical(material.name, tuple(obj.dimensions), in_a_building).to_dict()
+        obj.haptics.function = form.pop("function")
+        for key, own in PARAMETERS["physical"].items():
+            setattr(obj.haptics, own, form[key])
+    return known
 
 
 def targets(context: Context, target: str) -> list[Object]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import EnumProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, StringProperty
 from bpy.types import Context, Operator
 
 from ...core.scene.materials import MATERIALS
@@ -88,6 +88,31 @@ class HAPTIC_OT_guess_material(Operator):
         return {"FINISHED"} if known else {"CANCELLED"}
 
 
+class HAPTIC_OT_physical_materials(Operator):
+    """Let all haptic objects that are made of a preset spread and damp vibration as measured, by their size"""
+
+    bl_idname = "haptic.physical_materials"
+    bl_label = "Physical Materials"
+    bl_options = UNDO
+
+    in_a_building: BoolProperty(
+        name="In a Building",
+        description="Walls and floors in place, whose joints and edges take 2 dB per metre",
+        default=False,
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return poll_object_mode(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        objects = [obj for obj in context.scene.objects if obj.haptics.enabled and obj.is_editable]
+        known = library.make_physical(objects, self.in_a_building)
+        message = bpy.app.translations.pgettext_rpt("{} of {} haptic objects are made of a preset")
+        self.report({"INFO"}, message.format(known, len(objects)))
+        return {"FINISHED"} if known else {"CANCELLED"}
+
+
 class HAPTIC_OT_new_material(Operator):
     """Put a new material into the library, with the values of the active object, which is then made of it"""
 
@@ -162,6 +187,7 @@ class HAPTIC_OT_unlink_material(Operator):
 CLASSES = (
     HAPTIC_OT_apply_material,
     HAPTIC_OT_guess_material,
+    HAPTIC_OT_physical_materials,
     HAPTIC_OT_new_material,
     HAPTIC_OT_copy_material,
     HAPTIC_OT_remove_material,

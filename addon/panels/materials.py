@@ -61,6 +61,7 @@ class HAPTIC_PT_materials(HapticsPanel, Panel):
             properties.name, properties.target = item.name, materials.target
         else:
             layout.label(text="Add materials with +", icon="INFO")
+        layout.operator("haptic.physical_materials", icon="PHYSICS")
 
 
 CLASSES = (HAPTIC_UL_materials, HAPTIC_MT_materials, HAPTIC_PT_materials)

@@ -13,6 +13,7 @@ FUNCTIONS = {
     "exponential": ("Exponential", "e^(-α d): fades with distance alone"),
     "haptic_tracing": ("Haptic Tracing", "K e^(-max(K, ε) d) with K = (1 - κ) ρ: fades with distance as the two properties say"),
     "expression": ("Expression", "Your own formula of x, d, kappa, rho, epsilon"),
+    "physical": ("Physical", "Spreads and fades as measured materials do, by loss factor, wave speed and kind of wave"),
     "conduction": ("Conduction", "e^(-m d) with m = √(2 h / (k t)): fades as heat does that leaks into the air on its way"),
 }
 """Title and description of each function of the core, by its name. Files hold a choice by its place in this order."""
@@ -25,6 +26,16 @@ PARAMETERS = {
     "linear": {"range": "range"},
     "constant": {"gain": "constant"},
     "expression": {"expression": "expression"},
+    "physical": {
+        "wave": "wave",
+        "loss_factor": "loss_factor",
+        "phase_speed": "phase_speed",
+        "thickness": "plate_thickness",
+        "absorption": "absorption",
+        "material_k": "material_k",
+        "reference_distance": "reference_distance",
+        "extent": "extent",
+    },
 }
 """Which properties are the parameters of which function, by their names in the core."""
 

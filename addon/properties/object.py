@@ -10,6 +10,7 @@ from .callbacks import changed, edited
 from .function import PARAMETERS, VIBRATION_FUNCTIONS, FunctionParameters, function_property
 from .imported import Imported, drop
 from .listener import HapticListenerProperties
+from .physical import PhysicalParameters
 from .source import HapticSourceProperties
 
 _OF_THE_FUNCTION = {
@@ -22,7 +23,7 @@ _OF_THE_FUNCTION = {
 """Properties that make an object's modulation function."""
 
 
-class HapticObjectProperties(Imported, FunctionParameters, PropertyGroup):
+class HapticObjectProperties(Imported, FunctionParameters, PhysicalParameters, PropertyGroup):
     """A haptic object: passes signals on."""
 
     enabled: BoolProperty(name="Haptic Object", description="Vibration passes through this object", default=False, update=changed)

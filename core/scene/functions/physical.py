@@ -46,7 +46,7 @@ class Physical(ModulationFunction):
     no other exceeds; the other bands follow the formula, unless none of them would differ by half a decibel over ten metres.
 
     Lengths in metres: ``thickness`` of the plate, ``reference_distance`` r0 (the radius of the region that is driven), ``extent`` of the
-    body (None: without end). ``phase_speed`` in m/s, of extensional, surface or shear waves; it sets no delay, which is the spectrum's.
+    body (0: without end). ``phase_speed`` in m/s, of extensional, surface or shear waves; it sets no delay, which is the spectrum's.
     """
 
     name: ClassVar[str] = "physical"
@@ -57,21 +57,21 @@ class Physical(ModulationFunction):
     absorption: float = 0.0
     material_k: float = 0.5
     reference_distance: float = 0.5
-    extent: float | None = None
+    extent: float = 0.0
 
     def __post_init__(self) -> None:
         try:
             object.__setattr__(self, "wave", Wave(self.wave))
         except ValueError:
             raise ValueError(f"wave: expected one of {', '.join(Wave)}, got {self.wave!r}") from None
-        for key in ("loss_factor", "absorption"):
+        for key in ("loss_factor", "absorption", "extent"):
             require(key, getattr(self, key))
-        for key in ("phase_speed", "thickness", "reference_distance", *(("extent",) if self.extent is not None else ())):
+        for key in ("phase_speed", "thickness", "reference_distance"):
             require(key, getattr(self, key))
             if getattr(self, key) == 0:
                 raise ValueError(f"{key}: must be greater than 0")
-        if not 0 < self.material_k < 1:
-            raise ValueError(f"material_k: must lie between 0 and 1, got {self.material_k!r}")
+        if not 0.001 <= self.material_k <= 0.999:
+            raise ValueError(f"material_k: must lie in [0.001, 0.999], got {self.material_k!r}")
 
     def damping(self, frequency: float, kappa: Value, rho: Value) -> FloatArray:
         """Attenuation alpha [1/m] at ``frequency`` [Hz]; infinite where K is 0."""
@@ -85,7 +85,7 @@ class Physical(ModulationFunction):
 
     def spreading(self, distance: FloatArray) -> FloatArray:
         """``(1 + min(d, extent) / r0)^-g``."""
-        limited = distance if self.extent is None else np.minimum(distance, self.extent)
+        limited = np.minimum(distance, self.extent) if self.extent > 0 else distance
         return np.asarray((1.0 + limited / self.reference_distance) ** -SPREADING[self.wave])
 
     def gain(
@@ -108,8 +108,4 @@ class Physical(ModulationFunction):
         return tuple(a + b for a, b in zip(relative, authored, strict=True)) if authored else relative
 
     def to_dict(self) -> dict[str, Any]:
-        form = super(Physical, self).to_dict()
-        form["wave"] = str(self.wave)
-        if self.extent is None:
-            del form["extent"]
-        return form
+        return {**super(Physical, self).to_dict(), "wave": str(self.wave)}

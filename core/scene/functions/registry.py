@@ -10,7 +10,7 @@ from .modulation import Constant, Exponential, Expression, HapticTracing, Identi
 from .physical import Physical
 
 FUNCTIONS: dict[str, type[ModulationFunction]] = {
-    cls.name: cls for cls in (Identity, Constant, Linear, Exponential, HapticTracing, Physical, Expression)
+    cls.name: cls for cls in (Identity, Constant, Linear, Exponential, HapticTracing, Expression, Physical)
 }
 _SPECTRUM_KEYS = ("band_gains", "band_decays", "wave_speed")
 

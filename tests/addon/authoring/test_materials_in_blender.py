@@ -5,9 +5,11 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.session import session
 from haptic_tracing.addon.view import gain_plot
+from haptic_tracing.core.scene.bands import BAND_CENTRES
 from haptic_tracing.core.scene.functions import Constant, HapticTracing, Spectrum
 from haptic_tracing.core.scene.functions.curve import gain_curve
 from haptic_tracing.core.scene.materials import MATERIALS
+from haptic_tracing.core.scene.measured import DAMPING
 
 
 def _select(*objects):
@@ -206,3 +208,26 @@ def test_every_part_of_a_material_is_shared(boxes, materials):
     assert haptics.wave_speed == pytest.approx(123.0)
     item.use_delay = False
     assert haptics.wave_speed == 0
+
+
+def test_physical_materials_follow_from_preset_and_size(add_box, traced):
+    """A beam of steel and one of rubber, source and listener 4 m apart on each: gains by the closed form of a rod."""
+    for name, preset, y in (("Beam", "steel", 0), ("Hose", "rubber", 5)):
+        box = add_box(name, (0, y, 0), (6, 0.1, 0.1))
+        _select(box)
+        bpy.ops.haptic.apply_material(preset=preset)
+        for role, x in (("source", -2), ("listener", 2)):
+            empty = bpy.data.objects.new(f"{name} {role}", None)
+            bpy.context.scene.collection.objects.link(empty)
+            empty.parent, empty.location = box, (x / 6, 0, 0)  # the beam is scaled by 6
+            getattr(empty.haptics, role).enabled = True
+    assert bpy.ops.haptic.physical_materials() == {"FINISHED"}
+    result = traced()
+    names = [source.name for source in result.sources], [listener.name for listener in result.listeners]
+    for name, preset in (("Beam", "steel"), ("Hose", "rubber")):
+        damping, size = DAMPING[preset], bpy.data.objects[name].dimensions
+        assert bpy.data.objects[name].haptics.wave == "rod"
+        assert bpy.data.objects[name].haptics.extent == pytest.approx(max(size))
+        alpha = np.pi * BAND_CENTRES[0] * damping.loss_factor / damping.speed
+        gain = result.gains[names[0].index(f"{name} source"), names[1].index(f"{name} listener")]
+        assert gain == pytest.approx(np.exp(-4 * alpha), rel=1e-5)
