@@ -71,19 +71,26 @@ def networkx_paths(graph: HapticGraph, row: int, column: int) -> Iterator[tuple[
 
 def recursive_paths(graph: HapticGraph, row: int, column: int) -> Iterator[tuple[tuple[int, ...], list[float]]]:
     """The same by recursion over contacts, from the definition."""
-    explicit = graph.to_networkx()
+    inside: dict[int, list[tuple[int, float]]] = {}
+    across: dict[tuple[int, int], float] = {}
+    for a, others in graph.to_networkx().adjacency():
+        for b, edge in others.items():
+            if edge["connection"] == "intra":
+                inside.setdefault(a, []).append((b, edge["gain"]))
+            else:
+                across[a, b] = edge["gain"]
+    partners = graph.partner.tolist()
     target = int(graph.listener_nodes[column])
 
     def onwards(path: tuple[int, ...], gains: list[float]) -> Iterator[tuple[tuple[int, ...], list[float]]]:
-        node = path[-1]
-        for other, edge in explicit.adj[node].items():
-            if edge["connection"] != "intra" or other in path:
+        for other, gain in inside.get(path[-1], ()):
+            if other in path:
                 continue
             if other == target:
-                yield (*path, other), [*gains, edge["gain"]]
-            partner = int(graph.partner[other])
+                yield (*path, other), [*gains, gain]
+            partner = partners[other]
             if partner >= 0 and partner not in path:
-                yield from onwards((*path, other, partner), [*gains, edge["gain"], explicit.edges[other, partner]["gain"]])
+                yield from onwards((*path, other, partner), [*gains, gain, across[other, partner]])
 
     for root in graph.sources[row].nodes:
         yield from onwards((root,), [])

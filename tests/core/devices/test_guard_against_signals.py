@@ -17,7 +17,7 @@ from umockdev_scenes import ENDINGS, serial_of
 HERE = Path(__file__).parent
 PROFILES = load_profiles()[0]
 SILENT_WITHIN = 0.150
-pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only")
+pytestmark = [pytest.mark.skipif(not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only"), pytest.mark.slow]
 
 
 def fake_of(name, number):

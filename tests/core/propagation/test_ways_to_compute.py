@@ -4,6 +4,7 @@ enough for recursion over all paths."""
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -27,9 +28,15 @@ WAYS = {
 }
 
 
-def sums_and_bests(scene: HapticScene, limits: tuple[int | None, float]) -> tuple[list[float], list[float]]:
+@cache
+def scene_of(seed: int) -> HapticScene:
+    return connected_scene(seed, (*METRIC, *OTHER), listeners=3)
+
+
+@cache
+def sums_and_bests(seed: int, limits: tuple[int | None, float]) -> tuple[list[float], list[float]]:
     """By recursion: the sum and the largest of the products of all paths within the limits, for each listener."""
-    graph = graph_of_scene(scene)
+    graph = graph_of_scene(scene_of(seed))
     sums, bests = [], []
     for column in range(len(graph.listeners)):
         kept = [math.prod(gains) for _, gains in recursive_paths(graph, 0, column) if meets(gains, *limits)]
@@ -38,15 +45,15 @@ def sums_and_bests(scene: HapticScene, limits: tuple[int | None, float]) -> tupl
     return sums, bests
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
 def test_shortest_paths(way):
     @settings(max_examples=150, deadline=None, derandomize=True)
     @given(SEEDS, LIMITS)
     def check(seed, limits):
-        scene = connected_scene(seed, (*METRIC, *OTHER), listeners=3)
-        sums, bests = sums_and_bests(scene, limits)
+        sums, bests = sums_and_bests(seed, limits)
         chosen = {"max_connections": limits[0], "threshold": limits[1]}
-        graph = graph_of_scene(scene)
+        graph = graph_of_scene(scene_of(seed))
         for strategy, expected in ((Strategy.BEST_PATH, bests), (Strategy.ALL_PATHS, sums)):
             result = propagate(graph, Settings(strategy=strategy, **chosen))
             assert result.gain[0] == pytest.approx(expected, rel=1e-9, abs=0)
