@@ -1,0 +1,27 @@
+"""Every snippet of `docs/scripting.md`, run in one go as a reader would."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+PAGE = Path(__file__).parents[2] / "docs" / "scripting.md"
+
+
+def test_the_snippets_tag_trace_bake_export_and_compute_again(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    snippets = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    names = {}
+    for snippet in snippets:
+        # Here the extension is installed as a package.
+        exec(compile(snippet.replace("bl_ext.user_default.haptic_tracing", "haptic_tracing"), PAGE.name, "exec"), names)
+    assert len(snippets) == 7
+    result, found = names["result"], names["found"]
+    assert result.path_objects(0, 0) == ("Ground", "Table")
+    assert 0 < result.gains[0, 0] < 0.8
+    assert names["written"].sources[0].amplitude * found.gain[0, 0] == pytest.approx(result.gains[0, 0], rel=1e-6)
+    assert {node for _, _, node in names["graph"].edges(data="connection")} == {"intra", "inter"}
+    assert names["table"].haptics.material.name == "Hardwood"
+    assert json.loads((tmp_path / "table.hjif").read_text(encoding="utf-8"))["perceptions"]
+    assert len(json.loads((tmp_path / "table.json").read_text(encoding="utf-8"))["frames"]) == 24
