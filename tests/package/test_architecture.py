@@ -7,32 +7,7 @@ import importlib.util
 import sys
 
 import pytest
-from import_graph import Import, cycles, imports, modules
-
-FLOORS = (
-    ("core.arrays", "core.message"),
-    ("core.signals", "core.perception"),
-    ("core.scene",),
-    ("core.contacts", "core.devices"),
-    ("core.graph",),
-    ("core.propagation", "core.collisions"),
-    ("core.render", "core.modalities"),
-    ("core.tracer", "core.diagnosis"),
-    ("core.formats",),
-    ("addon.blender", "addon.changes", "addon.translations"),
-    ("addon.properties",),
-    ("addon.scene_reader",),
-    ("addon.session",),
-    ("addon.view", "addon.bake", "addon.io", "addon.live_output"),
-    ("addon.authoring", "sample_scenes"),
-    ("addon.operators",),
-    ("addon.panels",),
-    ("addon.registration",),
-    ("__init__",),
-    ("study",),
-    ("command_line",),
-)
-"""From the ground up. What stands on one floor does not know its neighbours."""
+from import_graph import FLOORS, Import, cycles, floor, imports, modules
 
 LATE = {
     "bpy": "the command line's help lists the samples where there is no Blender",
@@ -66,20 +41,13 @@ LONG = {"_cross", "_contacts", "search", "_intersection", "result", "box_to_box"
 BLENDER = {"bpy", "mathutils", "bmesh", "gpu", "gpu_extras", "aud", "blf", "bpy_extras", "bl_math", "idprop"}
 
 
+def height(part: str) -> int:
+    return next((k for k, row in enumerate(FLOORS) if part in row), -1)
+
+
 @pytest.fixture(scope="module")
 def found(root) -> list[Import]:
     return imports(root)
-
-
-def floor(module: str) -> str:
-    """The name of the floor's part that a module is in."""
-    parts = [part for row in FLOORS for part in row if f"{module}.".startswith(f"{part}.")]
-    assert len(parts) == 1 or module in {"core", "addon"}, f"{module} is on no floor"
-    return parts[0] if parts else module
-
-
-def height(part: str) -> int:
-    return next((k for k, row in enumerate(FLOORS) if part in row), -1)
 
 
 def test_every_module_is_on_a_floor(root):

@@ -10,6 +10,32 @@ from pathlib import Path
 PARTS = ("core", "addon", "sample_scenes", "study", "command_line")
 
 
+FLOORS = (
+    ("core.arrays", "core.message"),
+    ("core.signals", "core.perception"),
+    ("core.scene",),
+    ("core.contacts", "core.devices"),
+    ("core.graph",),
+    ("core.propagation", "core.collisions"),
+    ("core.render", "core.modalities"),
+    ("core.tracer", "core.diagnosis"),
+    ("core.formats",),
+    ("addon.blender", "addon.changes", "addon.translations"),
+    ("addon.properties",),
+    ("addon.scene_reader",),
+    ("addon.session",),
+    ("addon.view", "addon.bake", "addon.io", "addon.live_output"),
+    ("addon.authoring", "sample_scenes"),
+    ("addon.operators",),
+    ("addon.panels",),
+    ("addon.registration",),
+    ("__init__",),
+    ("study",),
+    ("command_line",),
+)
+"""From the ground up. What stands on one floor does not know its neighbours."""
+
+
 @dataclass(frozen=True, slots=True)
 class Import:
     """One imported name.
@@ -64,3 +90,8 @@ def cycles(edges: Iterable[tuple[str, str]]) -> list[list[str]]:
 
     graph = networkx.DiGraph(edge for edge in edges if edge[0] != edge[1])
     return sorted(sorted(component) for component in networkx.strongly_connected_components(graph) if len(component) > 1)
+
+
+def floor(module: str) -> str:
+    """The part of `FLOORS` that a module belongs to; of a package that only holds floors, its own name."""
+    return next((part for row in FLOORS for part in row if f"{module}.".startswith(f"{part}.")), module)
