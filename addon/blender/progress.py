@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Future, wait
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import bpy
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 Item = TypeVar("Item")
 
 MOMENT = 0.1
-"""Seconds that nobody notices."""
+"""Delay before the progress cursor [s]."""
 
 MANY = 1000
-"""Fewer items than these are done in less than a moment."""
+"""Number of items from which on the progress cursor is shown."""
 
 
 def show(part: float) -> None:
@@ -57,4 +59,8 @@ def result_of(future: Future[Item]) -> Item:
 
 
 def _done_within(future: Future[Item], seconds: float) -> bool:
-    return bool(wait((future,), seconds).done)
+    try:
+        future.exception(seconds)
+    except TimeoutError:
+        return False
+    return True

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 import bpy
-from bpy.types import Depsgraph, Object
+from bpy.types import Context, Depsgraph, Object
 
 from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of
@@ -42,6 +42,17 @@ AUTHORED = (
 EXTRAS = "blender"
 MUTED = "muted"
 """True in the extras of a listener that is chosen to be felt nowhere."""
+
+
+def current_scene(context: Context) -> HapticScene:
+    """The current frame: as it was traced last, with the impacts that still ring, else traced now. Raises ValueError in words."""
+    scene = context.scene
+    depsgraph = context.evaluated_depsgraph_get()
+    result, reading = session.result_of(scene), session.of(scene).reading
+    is_traced = result is not None and "propagate" in result.milliseconds  # not read from a baked track
+    if scene.haptics.tracing and is_traced and reading is not None and result.number == scene.frame_current:
+        return scene_of_result(result, reading, scene)
+    return scene_of_frame(scene, depsgraph)
 
 
 def scene_of_frame(scene: bpy.types.Scene, depsgraph: Depsgraph) -> HapticScene:

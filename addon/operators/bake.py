@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from typing import Any
 
 import bpy
 from bpy.types import Context, Event, Operator, Timer
 
-from ..bake import curves, playback, sound, storage
-from ..bake.baking import Baking
+from ..bake import baking, curves, playback, sound, storage
 from ..blender.polling import UNDO, poll_object_mode
 from ..changes.redraw import redraw_viewports
 
@@ -16,10 +16,10 @@ _rpt = bpy.app.translations.pgettext_rpt
 
 _PIECE = 0.08  # seconds of baking between two looks at what the user does
 
-_running: list[Baking] = []
+_running: list[baking.Baking] = []
 
 
-def running() -> Baking | None:
+def running() -> baking.Baking | None:
     """The bake that is going on."""
     return _running[0] if _running else None
 
@@ -31,7 +31,7 @@ class HAPTIC_OT_bake(Operator):
     bl_label = "Bake Haptics"
     bl_options = UNDO
 
-    _baking: Baking | None = None
+    _baking: Any = None
     _timer: Timer | None = None
 
     @classmethod
@@ -43,18 +43,18 @@ class HAPTIC_OT_bake(Operator):
 
     def execute(self, context: Context) -> set[str]:
         try:
-            baking = Baking(context.scene)
-            baking.finish()
+            work = baking.Baking(context.scene)
+            work.finish()
         except ValueError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        return self._finished(baking)
+        return self._finished(work)
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         if context.window is None or bpy.app.background:
             return self.execute(context)
         try:
-            self._baking = Baking(context.scene)
+            self._baking = baking.Baking(context.scene)
         except ValueError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -66,8 +66,8 @@ class HAPTIC_OT_bake(Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: Context, event: Event) -> set[str]:
-        baking = self._baking
-        if baking is None or baking not in _running:  # the add-on was switched off meanwhile
+        work = self._baking
+        if work is None or work not in _running:  # the add-on was switched off meanwhile
             self._end(context)
             return {"CANCELLED"}
         if event.type == "ESC":
@@ -77,26 +77,26 @@ class HAPTIC_OT_bake(Operator):
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}
         try:
-            done = baking.advance(_PIECE)
+            done = work.advance(_PIECE)
         except ValueError as error:
             self.cancel(context)
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        context.window_manager.progress_update(100 * baking.part)
-        context.workspace.status_text_set(f"{baking.words}   ({100 * baking.part:.0f} %)   Esc to cancel")
+        context.window_manager.progress_update(100 * work.part)
+        context.workspace.status_text_set(f"{work.words}   ({100 * work.part:.0f} %)   Esc to cancel")
         redraw_viewports()
         if not done:
             return {"RUNNING_MODAL"}
         self._end(context)
-        return self._finished(baking)
+        return self._finished(work)
 
     def cancel(self, context: Context) -> None:
         """Also called by Blender where a file is loaded or the window is closed."""
-        baking = self._baking
+        work = self._baking
         self._end(context)
-        if baking is not None:
+        if work is not None:
             with suppress(ReferenceError):  # the scene may be gone
-                baking.close()
+                work.close()
 
     def _end(self, context: Context) -> None:
         if self._baking in _running:
@@ -111,10 +111,10 @@ class HAPTIC_OT_bake(Operator):
             context.workspace.status_text_set(None)
         redraw_viewports()
 
-    def _finished(self, baking: Baking) -> set[str]:
+    def _finished(self, work: baking.Baking) -> set[str]:
         redraw_viewports()
-        done = _rpt("1 frame baked") if baking.frame_count == 1 else _rpt("{} frames baked").format(baking.frame_count)
-        self.report({"WARNING"} if baking.warnings else {"INFO"}, "; ".join((done, *baking.warnings)))
+        done = _rpt("1 frame baked") if work.frame_count == 1 else _rpt("{} frames baked").format(work.frame_count)
+        self.report({"WARNING"} if work.warnings else {"INFO"}, "; ".join((done, *work.warnings)))
         return {"FINISHED"}
 
 

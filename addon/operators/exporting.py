@@ -4,32 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
-import numpy as np
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
-from bpy.types import Context, Event, Operator, Scene, UILayout
+from bpy.types import Context, Event, Operator, UILayout
 from bpy_extras.io_utils import ExportHelper
 
-from ...core.formats import registry
-from ...core.formats.export import Export
-from ...core.formats.haptic_scene import write_export
-from ...core.formats.io.catalogue import named
-from ...core.formats.scene.recording import Recording
-from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
-from ...core.modalities.modality_scene import ModalityScene
-from ...core.scene.values import HapticScene
-from ..bake.playback import fitting_track
+from ...core.formats import haptic_scene, registry
+from ...core.formats.io.catalogue import FORMATS, named
+from ..bake import playback
 from ..blender import job
 from ..blender.text import wrapped
-from ..io.capture import Capture
-from ..io.frame_scene import scene_of_frame, scene_of_result, within, written_export
-from ..properties.modalities import SHOWN
-from ..session import session
+from ..io import capture, frame_scene, preview
 from .format_options import chosen, draw_options, option_properties
 
-TRACK_FORMATS = tuple(name for name in registry.FORMATS if name != "scene")
+if TYPE_CHECKING:
+    from ...core.formats.export import Export
+
+TRACK_FORMATS = tuple(name for name in FORMATS if name != "scene")
 SCENE_ENDINGS = (".json.gz", ".json")
 LINE = 34
 """Characters of a line in the file browser's sidebar."""
@@ -64,10 +57,10 @@ class RangeExport(ExportHelper):
     def captured(self, context: Context, recorded: bool, felt: bool, finish: Callable[[Export], list[job.Report]]) -> set[str]:
         """Step through the range, then ``finish``."""
         scene, start, end = context.scene, self.frame_start, self.frame_end
-        track = None if recorded else fitting_track(scene, start, end)
-        capture = Capture(scene, start, end, recorded, felt, self.names(), track)
+        track = None if recorded else playback.fitting_track(scene, start, end)
+        work = capture.Capture(scene, start, end, recorded, felt, self.names(), track)
         name = export_name(self.filepath)
-        return job.run(self, context, job.Job("Exporting", capture.frames, capture.steps(), lambda: finish(capture.export(name))))
+        return job.run(self, context, job.Job("Exporting", work.frames, work.steps(), lambda: finish(work.export(name))))
 
     def draw_range(self, layout: UILayout) -> None:
         column = layout.column(align=True)
@@ -131,7 +124,7 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
             if self.tracks != "none":
                 layout.prop(self, "encoding")
         layout.prop(self, "compressed")
-        draw_losses(layout, "scene", expected(context.scene, self.frames == "RANGE"), self._options())
+        draw_losses(layout, "scene", preview.expected(context.scene, self.frames == "RANGE"), self._options())
 
     def execute(self, context: Context) -> set[str]:
         if not self.filepath.lower().endswith(SCENE_ENDINGS):
@@ -148,9 +141,9 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
         return {"FINISHED"}
 
     def _current(self, context: Context) -> Export:
-        scene, names = current_scene(context), self.names()
-        scene = scene if names is None else within(scene, names)
-        return written_export(export_name(self.filepath), context.scene, scene, names)
+        scene, names = frame_scene.current_scene(context), self.names()
+        scene = scene if names is None else frame_scene.within(scene, names)
+        return frame_scene.written_export(export_name(self.filepath), context.scene, scene, names)
 
     def _writer(self) -> Callable[[Export], list[job.Report]]:
         """What writes the file once all frames are stepped: this operator is gone by then."""
@@ -158,7 +151,7 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
 
         def write(export: Export) -> list[job.Report]:
             tracks = options["tracks"] if export.tracks is not None else "none"
-            files = write_export(export, path, tracks=tracks, encoding=options["encoding"])
+            files = haptic_scene.write_export(export, path, tracks=tracks, encoding=options["encoding"])
             return written(files, registry.losses("scene", export, options))
 
         return write
@@ -201,7 +194,7 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
         layout.prop(self, "format")
         self.draw_range(layout)
         draw_options(layout, self, self.format)
-        draw_losses(layout, self.format, expected(context.scene, True, self.collection), chosen(self, self.format))
+        draw_losses(layout, self.format, preview.expected(context.scene, True, self.collection), chosen(self, self.format))
 
     def execute(self, context: Context) -> set[str]:
         try:
@@ -219,29 +212,6 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
             return written(done.files, done.losses)
 
         return write
-
-
-def current_scene(context: Context) -> HapticScene:
-    """The current frame: as it was traced last, with the impacts that still ring, else traced now. Raises ValueError in words."""
-    scene = context.scene
-    depsgraph = context.evaluated_depsgraph_get()
-    result, reading = session.result_of(scene), session.of(scene).reading
-    is_traced = result is not None and "propagate" in result.milliseconds  # not read from a baked track
-    if scene.haptics.tracing and is_traced and reading is not None and result.number == scene.frame_current:
-        return scene_of_result(result, reading, scene)
-    return scene_of_frame(scene, depsgraph)
-
-
-def expected(scene: Scene, ranged: bool, collection: str = "") -> Export:
-    """What would be exported, without a sample: enough to say what a format can't carry."""
-    inside = bpy.data.collections.get(collection)
-    objects = scene.objects if inside is None else inside.all_objects
-    tagged = [obj for obj in objects if obj.haptics.listener.enabled]
-    parts = [(obj.name_full, obj.haptics.listener.body_part) for obj in tagged]
-    listeners = tuple(ListenerTrack(name, "" if part == "NONE" else part) for name, part in parts)
-    tracks = Tracks(listeners, 8000, np.zeros((len(listeners), 1))) if ranged and listeners else None
-    modalities = tuple(ModalityScene(item) for item in SHOWN if getattr(scene.haptics.modalities, item.name).enabled)
-    return Export("scene", HapticScene(), tracks, Recording(1.0, 1, ()) if ranged else None, modalities=modalities)
 
 
 def draw_losses(layout: UILayout, name: str, export: Export, options: dict[str, Any]) -> None:

@@ -8,7 +8,7 @@ from bpy.types import Context, Operator
 
 from ..blender.polling import UNDO, poll_object_mode
 from ..session import session
-from ..view.graph_mesh import graph_in_collection
+from ..view import graph_mesh
 
 
 class HAPTIC_OT_graph_to_geometry(Operator):
@@ -42,7 +42,8 @@ class HAPTIC_OT_graph_to_geometry(Operator):
         if result is None:
             self.report({"WARNING"}, "This frame could not be traced: see the problems in the panel Haptic Tracing")
             return {"CANCELLED"}
-        graph, collection = graph_in_collection(context.scene, result, self.thickness, in_front=self.in_front, labels=self.labels)
+        options = {"in_front": self.in_front, "labels": self.labels}
+        graph, collection = graph_mesh.graph_in_collection(context.scene, result, self.thickness, **options)
         self.report({"INFO"}, _rpt("{:,} vertices in collection '{}'").format(len(graph.data.vertices), collection.name))
         return {"FINISHED"}
 

@@ -8,21 +8,15 @@ import bpy
 from bpy.props import BoolProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
-from ...core.formats import registry
-from ...core.formats.haptic_scene import read_export
-from ...core.formats.tracks.vibration_file import Channel, VibrationFile
-from ...core.signals import Loop, Sampled, Signal
+from ...core.formats import haptic_scene, registry
+from ...core.formats.io.catalogue import READERS
 from ..blender.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode
-from ..blender.single_precision import shortest
-from ..io.scene_builder import build
-from ..scene_reader.imported import text_of
+from ..io import scene_builder, vibration_signal
+from ..scene_reader import imported
 from ..scene_reader.roles import haptic_carrier
 from .exporting import MOST_REPORTED
 
 _rpt = bpy.app.translations.pgettext_rpt
-
-HIGHEST_RATE = 8000
-"""Samples a second that are kept of a recording: as many as are rendered."""
 
 
 class HAPTIC_OT_import_scene(Operator):
@@ -47,8 +41,8 @@ class HAPTIC_OT_import_scene(Operator):
 
     def execute(self, context: Context) -> set[str]:
         try:
-            export = read_export(bpy.path.abspath(self.filepath))
-            losses = build(export, context.scene, self.use_settings)
+            export = haptic_scene.read_export(bpy.path.abspath(self.filepath))
+            losses = scene_builder.build(export, context.scene, self.use_settings)
         except (ValueError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -68,7 +62,7 @@ class HAPTIC_OT_import_signal(Operator):
     bl_options = UNDO
 
     filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
-    filter_glob: StringProperty(default=";".join(f"*{suffix}" for suffix in registry.READERS), options={"HIDDEN"})
+    filter_glob: StringProperty(default=";".join(f"*{suffix}" for suffix in READERS), options={"HIDDEN"})
     channel: IntProperty(name="Channel", description="Which one of the file's vibrations", default=1, min=1, soft_max=32)
     loop: BoolProperty(name="Loop", description="Play it again and again; otherwise once, at the scene's beginning", default=True)
 
@@ -83,8 +77,8 @@ class HAPTIC_OT_import_signal(Operator):
         obj = context.object
         try:
             reading = registry.read(bpy.path.abspath(self.filepath))
-            channel = chosen_channel(reading, self.channel)
-            signal = kept_signal(channel, self.loop)
+            channel = vibration_signal.chosen_channel(reading, self.channel)
+            signal = vibration_signal.signal_of(channel, self.loop)
         except (ValueError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -95,7 +89,7 @@ class HAPTIC_OT_import_signal(Operator):
                 return {"CANCELLED"}
             obj.haptics.enabled = True
         source = obj.haptics.source
-        source.imported = text_of(signal=signal.to_dict())
+        source.imported = imported.text_of(signal=signal.to_dict())
         source.signal = "KEPT"
         source.enabled = True
         for loss in reading.losses[:MOST_REPORTED]:
@@ -112,25 +106,6 @@ def ask(operator: Operator, context: Context) -> set[str]:
         return manager.invoke_props_dialog(operator, title=Path(operator.filepath).name, confirm_text=operator.bl_label)
     manager.fileselect_add(operator)
     return {"RUNNING_MODAL"}
-
-
-def chosen_channel(reading: VibrationFile, number: int) -> Channel:
-    """A channel by its number, from 1. Raises ValueError where there is none."""
-    if not reading.channels:
-        raise ValueError("There is no vibration in this file")
-    if number > len(reading.channels):
-        raise ValueError(f"There are only {len(reading.channels)} channels in this file")
-    return reading.channels[number - 1]
-
-
-def kept_signal(channel: Channel, loop: bool) -> Signal:
-    """The signal of a channel as it is kept: recordings with as many samples as are rendered, in single precision."""
-    signal = channel.to_signal()
-    if isinstance(signal, Sampled):
-        rate = min(signal.rate, HIGHEST_RATE)
-        samples = channel.at_rate(rate) if rate < signal.rate else signal.samples
-        signal = Sampled([shortest(v) for v in samples.tolist()], rate)
-    return Loop(signal) if loop else signal
 
 
 CLASSES = (HAPTIC_OT_import_scene, HAPTIC_OT_import_signal)

@@ -6,12 +6,10 @@ import bpy
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Operator
 
-from ...core.devices.mapping import Place
 from ..blender.extension import profile_folders
 from ..blender.polling import UNDO
-from ..live_output import outputs, player, preview, refresh
-from ..live_output.adjustment import adjustment_of
-from ..properties.actuators import AUTOMATIC, MUTED, choice_of, places_of
+from ..live_output import adjustment, outputs, player, preview, refresh
+from ..properties import actuators
 from ..properties.preferences import preferences
 
 _rpt = bpy.app.translations.pgettext_rpt
@@ -50,7 +48,7 @@ class HAPTIC_OT_connect_device(Operator):
         if settings is None:
             settings = devices.add()
             settings.name = key
-        outputs.connect(key, adjustment_of(settings, found.device))
+        outputs.connect(key, adjustment.adjustment_of(settings, found.device))
         refresh.start()
         return {"FINISHED"}
 
@@ -113,11 +111,9 @@ class HAPTIC_OT_choose_actuator(Operator):
             return {"CANCELLED"}
         settings = obj.haptics.live_output
         if self.place in (_AUTOMATIC, _NONE):
-            settings.actuators = AUTOMATIC if self.place == _AUTOMATIC else MUTED
+            settings.actuators = actuators.AUTOMATIC if self.place == _AUTOMATIC else actuators.MUTED
             return {"FINISHED"}
-        place = Place(*self.place.rsplit("/", 1))
-        places = places_of(settings.actuators) or []
-        settings.actuators = choice_of([p for p in places if p != place] if place in places else [*places, place])
+        settings.actuators = actuators.toggled(settings.actuators, self.place)
         return {"FINISHED"}
 
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from bpy.types import Context, Panel, Scene, UILayout
 
 from ..bake import playback, storage
-from ..bake.track import HapticTrack
 from ..blender.text import wrapped
 from ..operators.bake import running
 from .drawing import HapticsPanel
+
+if TYPE_CHECKING:
+    from ..bake.track import HapticTrack
 
 
 class HAPTIC_PT_bake(HapticsPanel, Panel):

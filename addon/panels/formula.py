@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import blf
 import bpy
 from bpy.types import UILayout
 
-from ...core.scene.functions import Finding, check_expression, excerpt
+from ...core.scene import functions
 from ..blender.text import wrapped
 from ..properties.function import PARAMETERS
 
-_checked = lru_cache(maxsize=256)(check_expression)
+if TYPE_CHECKING:
+    from ...core.scene.functions import Finding
+
+
+@lru_cache(maxsize=256)
+def _checked(source: str, kappa: float, rho: float, epsilon: float) -> Finding | None:
+    """What is wrong with a formula; panels ask at every redraw."""
+    return functions.check_expression(source, kappa, rho, epsilon)
 
 
 def draw_parameters(layout: UILayout, group: Any, kappa: float, rho: float, epsilon: float) -> None:
@@ -42,7 +49,7 @@ def draw_finding(layout: UILayout, source: str, finding: Finding | None) -> Find
     column.scale_y = 0.8
     column.alert = not finding.usable
     if finding.column is not None:
-        shown, place = excerpt(source, finding.column)
+        shown, place = functions.excerpt(source, finding.column)
         column.label(text=shown, translate=False)
         column.label(text=" " * spaces_under(shown, place) + "^", translate=False)
     for number, line in enumerate(wrapped(finding.message, 34)):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bpy.types import Context, Panel
 
-from ...core.render.mixing import check_mixing
+from ...core.render import mixing
 from .drawing import HapticsPanel, draw_carrier
 from .formula import draw_finding
 
@@ -34,7 +34,7 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
             row = settings.row()
             row.use_property_split = False
             row.prop(listener, "mixing_expression", text="")
-            draw_finding(settings, listener.mixing_expression, check_mixing(listener.mixing_expression, listener.s_max))
+            draw_finding(settings, listener.mixing_expression, mixing.check_mixing(listener.mixing_expression, listener.s_max))
         column = settings.column(align=True)
         column.prop(listener, "gain")
         column.prop(listener, "s_max")

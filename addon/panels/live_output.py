@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from bpy.types import AddonPreferences, Context, Panel, Scene, UILayout
 
-from ...core.devices.connection import UDEV_FILE
-from ...core.devices.mapping import LATEST, ActuatorMapping
-from ...core.devices.status import Status
-from ...core.render.limiter import LOOK_AHEAD
+from ...core.devices import connection, mapping
+from ...core.render import limiter
 from ..blender.text import wrapped
 from ..blender.time import frame_seconds
 from ..live_output import handlers, outputs, player, preview
@@ -15,6 +15,10 @@ from ..properties.preferences import preferences
 from ..session import session
 from ..translations.sentences import sentence
 from .drawing import HapticsPanel, draw_pair
+
+if TYPE_CHECKING:
+    from ...core.devices.mapping import ActuatorMapping
+    from ...core.devices.status import Status
 
 EARLIEST = -0.015
 """Seconds by which touch may lead the picture unnoticed (Di Luca and Mahnan, 2019)."""
@@ -55,25 +59,25 @@ class HAPTIC_PT_actuators(HapticsPanel, Panel):
             layout.label(text="No listener was traced yet", icon="INFO")
             return
         choices = handlers.choices(result)
-        mapping = player.mapping_of(result, choices)
+        mapped = player.mapping_of(result, choices)
         for row_number, listener in enumerate(result.listeners):
             column = layout.column(align=True)
             row = column.split(factor=0.45)
             row.label(text=listener.name)
-            text = ", ".join(_actuators_of(mapping, row_number)) or "none"
+            text = ", ".join(_actuators_of(mapped, row_number)) or "none"
             text = text if listener.name in choices else f"Auto: {text}"
             row.operator_menu_enum("haptic.choose_actuator", "place", text=text).listener = listener.name
-            for loss in mapping.losses:
+            for loss in mapped.losses:
                 if loss.listener == listener.name and outputs.running():
                     _draw_text(column, sentence(loss.message))
 
 
-def _actuators_of(mapping: ActuatorMapping, row: int) -> list[str]:
+def _actuators_of(mapped: ActuatorMapping, row: int) -> list[str]:
     """The actuators of a listener, with their device where there are several."""
     running = outputs.running()
     return [
         f"{running[key].profile.title}: {actuator.name}" if len(running) > 1 else actuator.name
-        for key, weights in mapping.weights.items()
+        for key, weights in mapped.weights.items()
         for actuator, weight in zip(running[key].profile.actuators, weights[:, row], strict=True)
         if weight
     ]
@@ -101,7 +105,7 @@ def _draw_devices(layout: UILayout, scene: Scene) -> None:
         box = _draw_title(layout, found.title, found.kind)
         if found.rule:
             _draw_text(box, "You may not use it yet. Copy the rule into", icon="ERROR")
-            box.label(text=UDEV_FILE)
+            box.label(text=connection.UDEV_FILE)
             _draw_text(box, "and plug the device in again")
             box.operator("haptic.copy_udev_rule", icon="COPYDOWN").device = found.key
         elif found.permission:
@@ -133,7 +137,7 @@ def _draw_status(layout: UILayout, status: Status, frame_seconds: float, renderi
     draw_pair(column, "Failed, lost", f"{status.failed_writes}, {status.losses}")
     lag = lag_of_picture(status, frame_seconds, rendering_seconds)
     if lag is not None:
-        late = lag > LATEST or lag < EARLIEST
+        late = lag > mapping.LATEST or lag < EARLIEST
         draw_pair(column, "Touch follows by", f"{1000 * lag:.0f} ms" + (" (noticed)" if late else ""))
         column.label(text="-15 to 50 ms go unnoticed", icon="ERROR" if late else "BLANK1")
 
@@ -147,7 +151,7 @@ def lag_of_picture(status: Status, frame_seconds: float, rendering_seconds: floa
 def limiter_seconds(scene: Scene) -> float:
     """Seconds by which a limiter holds back what all listeners feel; 0 where none has one."""
     traced = session.shown(scene)
-    return LOOK_AHEAD if traced is not None and any(listener.limiter for listener in traced.result.listeners) else 0.0
+    return limiter.LOOK_AHEAD if traced is not None and any(listener.limiter for listener in traced.result.listeners) else 0.0
 
 
 def _draw_text(layout: UILayout, text: str, icon: str = "NONE") -> None:

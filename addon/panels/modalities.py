@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from bpy.types import Context, Panel
 
 from ...core.modalities import Modality
-from ...core.modalities.propagation import Felt
 from ..properties.modalities import SHOWN
 from ..session import session
 from .drawing import HapticsPanel, draw_carrier
 from .formula import draw_parameters
+
+if TYPE_CHECKING:
+    from ...core.modalities.propagation import Felt
 
 _ORDER = 35
 """After the panels of objects, sources and listeners."""

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Object, Panel, UILayout
 
 from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
-from ...core.scene.functions import ModulationFunction
 from ..properties.preferences import gain_text, preferences
-from ..scene_reader.functions import read_function
-from ..view import gain_plot
-from ..view.panel_picture import theme_ink
+from ..scene_reader import functions
+from ..view import gain_plot, panel_picture
 from .drawing import HapticsPanel, draw_pair, warn
 from .formula import draw_parameters
+
+if TYPE_CHECKING:
+    from ...core.scene.functions import ModulationFunction
 
 _SAME = 0.005
 """Two values of (1 - κ) ρ that nobody tells apart."""
@@ -143,7 +144,7 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
         if curve is None:
             layout.label(text="The formula gives no gain", icon="ERROR")
             return
-        icon = gain_plot.icon(key, curve, tuple(preferences().curve_colour), theme_ink(context))
+        icon = gain_plot.icon(key, curve, tuple(preferences().curve_colour), panel_picture.theme_ink(context))
         layout.template_icon(icon_value=icon, scale=7.0)
         row = layout.row()
         row.label(text="0 m, 0 to -60 dB")
@@ -164,7 +165,7 @@ def _curve_key(context: Context) -> tuple[ModulationFunction, float, float, floa
     """What the curve of the active object's function depends on; None where the function is wrong."""
     haptics = context.object.haptics
     try:
-        return read_function(haptics), haptics.kappa, haptics.rho, context.scene.haptics.epsilon
+        return functions.read_function(haptics), haptics.kappa, haptics.rho, context.scene.haptics.epsilon
     except ValueError:
         return None
 

@@ -32,6 +32,13 @@ def choice_of(places: Sequence[Place]) -> str:
     return ";".join(map(_text, places)) or MUTED
 
 
+def toggled(choice: str, actuator: str) -> str:
+    """The choice with the actuator, as "device/actuator", added to it, or removed where it is chosen already."""
+    place = Place(*actuator.rsplit("/", 1))
+    places = places_of(choice) or []
+    return choice_of([other for other in places if other != place] if place in places else [*places, place])
+
+
 def _text(place: Place) -> str:
     plain = place.gain == 1.0 and "*" not in place.actuator
     return f"{place.device}/{place.actuator}" if plain else f"{place.device}/{place.actuator}*{place.gain!r}"

@@ -5,6 +5,9 @@ from __future__ import annotations
 
 import bpy
 
+from ...core.diagnosis.sentences import ENGLISH
+from . import german
+
 # Blender looks texts of buttons for operators up in a context of their own. "Haptics" is for words that Blender translates in another sense.
 _CONTEXTS = ("*", "Operator", "Haptics")
 _NAME = __package__
@@ -12,9 +15,6 @@ _NAME = __package__
 
 def dictionary() -> dict[str, dict[tuple[str, str], str]]:
     """Translations in Blender's form, by locale."""
-    from ...core.diagnosis.sentences import ENGLISH
-    from . import german
-
     texts = german.MESSAGES | {ENGLISH[cause]: words for cause, words in german.SENTENCES.items()}
     messages = {(context, text): words for text, words in texts.items() for context in _CONTEXTS}
     return {"de_DE": messages, "de": messages}

@@ -1,0 +1,85 @@
+"""The gateway between what Blender registers and what computes: modules that are imported when something of them is first used.
+
+Enabling the add-on registers classes, properties and handlers, and that must be quick. The core and the floors that work with it are needed
+only once something is tagged, an output is used or a file is exported. `install` therefore puts a stand-in for each of these modules into
+its package. In the modules that are imported at registration
+
+    from ..session import session
+
+binds the stand-in, and the first use, ``session.trace(...)``, imports the module. So those modules import these as modules and take no
+names from them; types for annotations come from under ``TYPE_CHECKING``.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import Any
+
+MODULES = (
+    "addon.authoring.body_kit",
+    "addon.authoring.materials",
+    "addon.bake.baking",
+    "addon.bake.curves",
+    "addon.bake.playback",
+    "addon.bake.sound",
+    "addon.bake.storage",
+    "addon.io.capture",
+    "addon.io.frame_scene",
+    "addon.io.preview",
+    "addon.io.scene_builder",
+    "addon.io.vibration_signal",
+    "addon.live_output.adjustment",
+    "addon.live_output.outputs",
+    "addon.live_output.player",
+    "addon.live_output.preview",
+    "addon.live_output.unfelt",
+    "addon.properties.actuators",
+    "addon.scene_reader.functions",
+    "addon.scene_reader.imported",
+    "addon.scene_reader.settings",
+    "addon.session.session",
+    "addon.view.comparison",
+    "addon.view.explanation",
+    "addon.view.gain_plot",
+    "addon.view.graph_mesh",
+    "addon.view.levels",
+    "addon.view.meter_board",
+    "addon.view.meter_pictures",
+    "addon.view.meters",
+    "addon.view.overlay",
+    "addon.view.panel_picture",
+    "core.devices.connection",
+    "core.devices.mapping",
+    "core.formats.haptic_scene",
+    "core.formats.registry",
+    "core.render.limiter",
+    "core.render.mixing",
+    "core.scene.functions",
+    "core.scene.values",
+)
+"""Those that modules imported at registration use, by their names in the extension's package."""
+
+_ROOT = __package__.rpartition(".")[0]
+
+
+class StandIn(ModuleType):
+    """Stands for a module that may not be imported yet."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(import_module(self.__name__), name)
+
+
+def install() -> None:
+    """Put the stand-ins of the modules that are not imported yet into their packages."""
+    for name in MODULES:
+        full_name = f"{_ROOT}.{name}"
+        if full_name not in sys.modules:
+            package, _, own_name = full_name.rpartition(".")
+            setattr(import_module(package), own_name, StandIn(full_name))
+
+
+def is_loaded(module: ModuleType) -> bool:
+    """Whether a module of the gateway has been imported."""
+    return module.__name__ in sys.modules
