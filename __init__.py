@@ -25,6 +25,9 @@ def __getattr__(name: str) -> Any:
 
 def register() -> None:
     """Called by Blender when the extension is enabled."""
+    from .addon import gateway
+
+    gateway.install()
     from .addon import registration
 
     registration.register()

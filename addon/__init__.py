@@ -1,5 +1,1 @@
 """The Blender side: properties, panels, operators, handlers and overlays. Thin: what is computed is computed in `core`."""
-
-from . import gateway
-
-gateway.install()

@@ -1,8 +1,8 @@
 """The gateway between what Blender registers and what computes: modules that are imported when something of them is first used.
 
 Enabling the add-on registers classes, properties and handlers, and that must be quick. The core and the floors that work with it are needed
-only once something is tagged, an output is used or a file is exported. `install` therefore puts a stand-in for each of these modules into
-its package. In the modules that are imported at registration
+only once something is tagged, an output is used or a file is exported. `install`, called before everything else, therefore puts a stand-in
+for each of these modules into its package. In the modules that are imported at registration
 
     from ..session import session
 
@@ -45,7 +45,7 @@ MODULES = (
     "addon.view.gain_plot",
     "addon.view.graph_mesh",
     "addon.view.levels",
-    "addon.view.meter_board",
+    "addon.view.meter_layout",
     "addon.view.meter_pictures",
     "addon.view.meters",
     "addon.view.overlay",
@@ -57,7 +57,6 @@ MODULES = (
     "core.render.limiter",
     "core.render.mixing",
     "core.scene.functions",
-    "core.scene.values",
 )
 """Those that modules imported at registration use, by their names in the extension's package."""
 

@@ -29,7 +29,7 @@ import bpy
 import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.scene_reader.settings import read_settings
-from haptic_tracing.addon.session import session, worker
+from haptic_tracing.addon.session import session, sessions, worker
 from haptic_tracing.addon.view import meters, overlay, picture, shader
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.render.frame_result import FrameResult
@@ -105,9 +105,9 @@ def viewport(scene: bpy.types.Scene) -> Iterator[Callable[[float], None]]:
     def redraw(turn: float) -> None:
         view = Matrix.Translation((0, 0, -35)) @ Euler((-np.pi / 2, 0, 0)).to_matrix().to_4x4() @ Euler((0, 0, turn)).to_matrix().to_4x4()
         context.region_data = SimpleNamespace(window_matrix=window, view_matrix=view, perspective_matrix=window @ view)
-        overlay._draw_view()
-        meters._draw_pixels()
-        overlay._draw_pixels()
+        overlay.draw_view()
+        meters.draw_pixels()
+        overlay.draw_pixels()
 
     buffer = GPUOffScreen(*SIZE)
     try:
@@ -169,7 +169,7 @@ def show(scene: bpy.types.Scene, result: FrameResult) -> None:
     own = session.of(scene)
     own.result, own.serial = result, own.serial + 1
     own.history.feed(result)
-    own.shown = session.Traced(own.serial, result, read_settings(scene), own.history.all())
+    own.shown = sessions.Traced(own.serial, result, read_settings(scene), own.history.all())
     for derived in tuple(own.derived):
         worker.submit(derived.follow, own).result()
 

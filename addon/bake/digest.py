@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from bpy.types import ID, Object, Scene
 
+from ..blender.compatibility import fcurves_of
 from ..scene_reader.roles import is_tagged
 
 Digest = dict[str, Any]
@@ -154,8 +155,6 @@ def _shape(obj: Object) -> str:
 
 def _animation(datablock: ID) -> tuple[frozenset[str], str]:
     """The data paths that are animated, and a check sum of their keys, drivers and strips."""
-    from ..blender.compatibility import fcurves_of
-
     data = datablock.animation_data
     if data is None:
         return frozenset(), ""

@@ -10,7 +10,7 @@ from bpy.types import Scene
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import SECONDS
 from ..changes import revisions
-from ..changes.events import track_switched
+from ..changes.events import file_changed
 from ..changes.redraw import redraw_viewports
 from ..session import session
 from . import storage
@@ -124,10 +124,4 @@ def forget() -> None:
     _compared.clear()
 
 
-def register() -> None:
-    track_switched.subscribe(show_current)
-
-
-def unregister() -> None:
-    track_switched.unsubscribe(show_current)
-    forget()
+file_changed.subscribe(forget)

@@ -1,4 +1,4 @@
-"""Changes of properties that a floor above has to follow at once. Properties raise them, the registration subscribes to them."""
+"""Changes that a floor above has to follow at once: whoever makes one calls its event, whoever depends on it subscribes."""
 
 from __future__ import annotations
 
@@ -32,3 +32,7 @@ preview_volume_changed = Event()
 """The volume, 0 to 1."""
 track_switched = Event()
 """Playing the baked track was switched on or off, in a scene (bpy.types.Scene)."""
+file_changed = Event()
+"""Another file is loaded, or the add-on is disabled: what was kept of the scenes is void."""
+disabled = Event()
+"""The add-on is disabled: what it holds of Blender is freed."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import atexit
 from collections.abc import Callable
-from concurrent.futures import Future
-from typing import Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.app.handlers import persistent
@@ -14,15 +14,45 @@ from bpy.types import Scene
 from ..blender.time import frame_seconds, seconds_of
 from ..changes import revisions
 from ..changes.events import device_adjusted, preview_volume_changed
+from ..gateway import is_loaded
 from ..properties.live_output import HapticDeviceProperties
-from ..session import session
-from . import outputs, player, preview, refresh
-from .adjustment import adjustment_of
+from ..session import session, sessions
+from . import adjustment, outputs, player, preview, refresh
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+
+@dataclass(slots=True)
+class _State:
+    """``started``: the scene (its session id) and the time [s] where playback began, None while it does not play. ``chosen``: what
+    `choices` gave last, ``chosen_for``: from what."""
+
+    started: tuple[int, float] | None = None
+    chosen_for: Any = None
+    chosen: dict[str, str] = field(default_factory=dict)
+
+
+_state = _State()
+
+
+def _is_used() -> bool:
+    """Whether live output has been used: devices were looked for, or the preview was switched on. Its modules are loaded then."""
+    return is_loaded(outputs) or is_loaded(preview)
+
+
+def _is_wanted() -> bool:
+    """Whether there is anything to play on; tells a player that was loaded during playback that it plays."""
+    if not _is_used() or not player.is_wanted():
+        return False
+    if _state.started is not None and not player.is_playing():
+        player.start(*_state.started)
+    return True
 
 
 def frame_comes(scene: Scene) -> None:
     """Where tracing takes long, let a frame be felt before it is traced, with what the last traced frame says."""
-    traced = session.shown(scene) if player.is_wanted() else None
+    traced = sessions.shown(scene) if _is_wanted() else None
     if traced is not None:
         time = seconds_of(scene, scene.frame_current)
         player.play_ahead(scene.session_uid, traced.result, scene.frame_current, time, frame_seconds(scene), choices(traced.result))
@@ -31,7 +61,7 @@ def frame_comes(scene: Scene) -> None:
 def frame_changed(scene: Scene, recorded: bool = False) -> None:
     """Let the frame be felt that is being traced, once that is done; be silent where it can't be traced, or tracing is off. ``recorded``:
     it was read from a baked track."""
-    if not player.is_wanted():
+    if not _is_wanted():
         return
     try:
         begun = session.of(scene).begun if scene.haptics.tracing else None
@@ -48,7 +78,7 @@ def frame_changed(scene: Scene, recorded: bool = False) -> None:
         raise
 
 
-def _correct(begun: Future[session.Traced]) -> None:
+def _correct(begun: Future[sessions.Traced]) -> None:
     """On the worker: a frame that went ahead has been traced."""
     if not begun.cancelled() and begun.exception() is None:
         player.correct(begun.result().result)
@@ -57,48 +87,51 @@ def _correct(begun: Future[session.Traced]) -> None:
 @persistent
 def animation_playback_pre(scene: Scene, *_: Any) -> None:
     """Playback starts."""
-    player.start(scene.session_uid, seconds_of(scene, scene.frame_current))
+    _state.started = scene.session_uid, seconds_of(scene, scene.frame_current)
+    if _is_used():
+        player.start(*_state.started)
 
 
 @persistent
 def animation_playback_post(*_: Any) -> None:
     """Playback was stopped or paused."""
-    player.stop()
+    _state.started = None
+    if _is_used():
+        player.stop()
 
 
 @persistent
 def rest(*_: Any) -> None:
     """Something happened that has nothing to do with playing: silence until the next frame."""
-    player.rest()
+    if _is_used():
+        player.rest()
 
 
 @persistent
 def load_pre(*_: Any) -> None:
-    """Another file is loaded: its settings are not these devices', which are let go."""
-    player.stop()
-    outputs.disconnect_all()
-    preview.switch_off()
+    """Another file is loaded, with settings of its own: the devices are disconnected."""
+    _state.started = None
+    if _is_used():
+        player.stop()
+        outputs.disconnect_all()
+        preview.switch_off()
 
 
 @persistent
 def exit_pre(*_: Any) -> None:
     """Blender ends. Where it is a module of Python, Python has ended before it, with `atexit`, and taken this module's names away."""
-    if player is not None:
+    if _state is not None:
         stop_everything()
 
 
 def choices(result: Any) -> dict[str, str]:
     """What the listeners of a frame are to be felt through, where that is not automatic. Read where something was chosen since."""
-    global _chosen
     key = (revisions.actuators(), tuple(listener.name for listener in result.listeners))
-    if _chosen[0] != key:
+    if _state.chosen_for != key:
         objects = ((name, bpy.data.objects.get(name)) for name in key[1])
         found = {name: obj.haptics.live_output.actuators for name, obj in objects if obj is not None}
-        _chosen = key, {name: actuators for name, actuators in found.items() if actuators}
-    return _chosen[1]
-
-
-_chosen: tuple[Any, dict[str, str]] = (None, {})
+        _state.chosen_for, _state.chosen = key, {name: actuators for name, actuators in found.items() if actuators}
+    return _state.chosen
 
 
 @persistent
@@ -109,13 +142,21 @@ def choose_again(*_: Any) -> None:
 
 def adjust(settings: HapticDeviceProperties) -> None:
     """Drive a device as its settings say now."""
-    output = outputs.running().get(settings.name)
+    output = outputs.running().get(settings.name) if _is_used() else None
     if output is not None:
-        output.adjust(adjustment_of(settings, output.profile))
+        output.adjust(adjustment.adjustment_of(settings, output.profile))
+
+
+def set_preview_volume(volume: float) -> None:
+    """Let the preview be heard at this volume."""
+    if _is_used():
+        preview.set_volume(volume)
 
 
 def stop_everything() -> None:
-    """Silence and let go of everything, and wait for it a little."""
+    """Silence and disconnect everything, and wait for that a little."""
+    if not _is_used():
+        return
     player.stop()
     preview.switch_off()
     outputs.stop_all()
@@ -140,19 +181,20 @@ def register() -> None:
         if hasattr(bpy.app.handlers, event):  # exit_pre: Blender 5.1 on
             getattr(bpy.app.handlers, event).append(handler)
     device_adjusted.subscribe(adjust)
-    preview_volume_changed.subscribe(preview.set_volume)
+    preview_volume_changed.subscribe(set_preview_volume)
     atexit.register(stop_everything)
     choose_again()
 
 
 def unregister() -> None:
     device_adjusted.unsubscribe(adjust)
-    preview_volume_changed.unsubscribe(preview.set_volume)
+    preview_volume_changed.unsubscribe(set_preview_volume)
     atexit.unregister(stop_everything)
     for event, handler in _HANDLERS.items():
         handlers = getattr(bpy.app.handlers, event, [])
         if handler in handlers:
             handlers.remove(handler)
     stop_everything()
-    outputs.forget()
+    if _is_used():
+        outputs.forget()
     refresh.stop()

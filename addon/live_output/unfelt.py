@@ -5,14 +5,14 @@ from __future__ import annotations
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Scene
 
-from ..session import session
+from ..session import sessions
 from ..translations.sentences import sentence
 from . import handlers, outputs, player
 
 
 def device_words(scene: Scene, listener: str) -> str:
     """Whether a connected device lets the listener be felt: words where not, "" where it does, or where no device is connected."""
-    traced = session.shown(scene)
+    traced = sessions.shown(scene)
     if traced is None or not outputs.running():
         return ""
     result = traced.result

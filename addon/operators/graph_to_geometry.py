@@ -7,7 +7,7 @@ from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Context, Operator
 
 from ..blender.polling import UNDO, poll_object_mode
-from ..session import session
+from ..session import session, sessions
 from ..view import graph_mesh
 
 
@@ -32,7 +32,7 @@ class HAPTIC_OT_graph_to_geometry(Operator):
     def poll(cls, context: Context) -> bool:
         if not poll_object_mode(cls, context):
             return False
-        if session.shown(context.scene) is None and not session.is_behind(context.scene):
+        if sessions.shown(context.scene) is None and not sessions.is_behind(context.scene):
             cls.poll_message_set("Nothing has been traced yet: tag objects, then play or change the frame")
             return False
         return True

@@ -8,7 +8,7 @@ from bpy.types import Context, Object, UILayout
 from ..blender.text import wrapped
 from ..changes.redraw import SIDEBAR_TAB
 from ..scene_reader.roles import haptic_carrier
-from ..session import session
+from ..session import sessions
 
 
 class HapticsPanel:
@@ -51,7 +51,7 @@ def warn(layout: UILayout, *lines: str) -> None:
 
 def draw_problems(layout: UILayout, context: Context) -> None:
     """What a designer should mend, with a button to each object."""
-    problems = session.shown_problems(context.scene)
+    problems = sessions.shown_problems(context.scene)
     if not problems:
         return
     box = layout.box()

@@ -12,7 +12,7 @@ from ..blender.text import wrapped
 from ..blender.time import frame_seconds
 from ..live_output import handlers, outputs, player, preview
 from ..properties.preferences import preferences
-from ..session import session
+from ..session import sessions
 from ..translations.sentences import sentence
 from .drawing import HapticsPanel, draw_pair
 
@@ -53,7 +53,7 @@ class HAPTIC_PT_actuators(HapticsPanel, Panel):
 
     def draw(self, context: Context) -> None:
         layout = self.layout
-        traced = session.shown(context.scene)
+        traced = sessions.shown(context.scene)
         result = None if traced is None else traced.result
         if result is None or not result.listeners:
             layout.label(text="No listener was traced yet", icon="INFO")
@@ -150,7 +150,7 @@ def lag_of_picture(status: Status, frame_seconds: float, rendering_seconds: floa
 
 def limiter_seconds(scene: Scene) -> float:
     """Seconds by which a limiter holds back what all listeners feel; 0 where none has one."""
-    traced = session.shown(scene)
+    traced = sessions.shown(scene)
     return limiter.LOOK_AHEAD if traced is not None and any(listener.limiter for listener in traced.result.listeners) else 0.0
 
 

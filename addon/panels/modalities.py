@@ -8,7 +8,7 @@ from bpy.types import Context, Panel
 
 from ...core.modalities import Modality
 from ..properties.modalities import SHOWN
-from ..session import session
+from ..session import sessions
 from .drawing import HapticsPanel, draw_carrier
 from .formula import draw_parameters
 
@@ -28,7 +28,7 @@ def _scene_panel(modality: Modality) -> type[Panel]:
     def draw(self: Panel, context: Context) -> None:
         layout = self.layout
         layout.active = getattr(context.scene.haptics.modalities, modality.name).enabled
-        felt = next((felt for felt in session.felt_in(context.scene) if felt.modality is modality), None)
+        felt = next((felt for felt in sessions.felt_in(context.scene) if felt.modality is modality), None)
         if felt is None:
             layout.label(text="Switch it on and trace a frame", icon="INFO")
         elif not felt.emitters:

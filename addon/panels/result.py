@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Panel, UILayout
 
-from ...core.arrays import FloatArray
-from ...core.render.frame_result import FrameResult
-from ...core.scene.values import Mode
+from ...core.scene.choices import Mode
 from ..bake import playback
 from ..blender.playing import is_playing
 from ..blender.text import wrapped
-from ..live_output.unfelt import device_words
-from ..session import session
+from ..live_output import unfelt
+from ..session import sessions
 from ..translations.sentences import sentence
-from ..view import meter_pictures, meters
-from ..view.comparison import compared
-from ..view.explanation import why_silent
-from ..view.levels import Level, decibels
-from ..view.meter_layout import full_scale
-from ..view.panel_picture import theme_ink
+from ..view import comparison, explanation, levels, meter_layout, meter_pictures, meters, panel_picture
 from .drawing import HapticsPanel, draw_pair
+
+if TYPE_CHECKING:
+    from ...core.arrays import FloatArray
+    from ...core.render.frame_result import FrameResult
+    from ..view.levels import Level
 
 _SHOWN_SOURCES = 4
 _PICTURE = 5.0  # lines high
@@ -41,7 +40,7 @@ class HAPTIC_PT_result(HapticsPanel, Panel):
         row = layout.row(align=True)
         for mode in Mode:
             row.operator("haptic.set_mode", text=str(mode), depress=scene.haptics.mode == mode).mode = str(mode)
-        traced = session.shown(scene)
+        traced = sessions.shown(scene)
         if traced is None:
             layout.label(text="Nothing traced yet: play, or", icon="INFO")
             layout.operator("haptic.trace_frame", icon="FILE_REFRESH")
@@ -52,14 +51,14 @@ class HAPTIC_PT_result(HapticsPanel, Panel):
         words = iface_("Frame {}, from the baked track" if baked else "Frame {}").format(result.number)
         row.label(text=words, icon="RENDER_ANIMATION" if baked else "NONE", translate=False)
         row.operator("haptic.trace_frame", text="", icon="FILE_REFRESH")
-        if session.is_behind(scene) and not is_playing():
+        if sessions.is_behind(scene) and not is_playing():
             layout.label(text="Tracing...", icon="SORTTIME")
-        levels = meters.levels_of(scene)
+        shown = meters.levels_of(scene)
         chosen = context.object.name_full if context.object is not None else ""
         column = layout.column(align=True)
-        for index, level in enumerate(levels):
+        for index, level in enumerate(shown):
             _draw_level(column, level)
-            if len(levels) <= _ALL_IN_DETAIL or level.listener == chosen:
+            if len(shown) <= _ALL_IN_DETAIL or level.listener == chosen:
                 _draw_sources(column, result, index)
         if not result.listeners:
             layout.label(text="No listener: add one to feel something", icon="INFO")
@@ -79,14 +78,14 @@ class HAPTIC_PT_silence(HapticsPanel, Panel):
         layout = self.layout
         scene, name = context.scene, context.object.name_full
         layout.label(text=name, icon="OUTLINER_OB_LIGHTPROBE")
-        why = why_silent(scene, name)
+        why = explanation.why_silent(scene, name)
         if not why.is_current:
             layout.label(text="Looking for reasons...", icon="SORTTIME")
         elif not why.notice and not why.reasons:
             level = next((level for level in meters.levels_of(scene) if level.listener == name), None)
             words = iface_("It feels something") if level is None else iface_("It is felt, with a margin of {}").format(level.margin_text())
             layout.label(text=words, icon="CHECKMARK", translate=False)
-        for text in (why.notice, device_words(scene, name)):
+        for text in (why.notice, unfelt.device_words(scene, name)):
             _draw_sentence(layout, text)
         for reason in why.reasons:
             box = layout.box()
@@ -112,15 +111,17 @@ class HAPTIC_PT_meters(HapticsPanel, Panel):
         row.active = chosen.show
         row.prop(chosen, "show_scope", toggle=True)
         row.prop(chosen, "show_body", toggle=True)
+        if sessions.shown(scene) is None:
+            return
         _draw_pictures(layout, context)
-        levels = meters.levels_of(scene)
+        shown = meters.levels_of(scene)
         column = layout.column(align=True)
         column.scale_y = 0.8
-        if levels:
+        if shown:
             split = column.split(factor=_NAMES)
             split.label(text="")
             split.label(text="Peak, level in dB")
-        for level in levels:
+        for level in shown:
             _draw_row(column, level.listener, level.peak_and_level(), level.margin_text())
 
 
@@ -133,7 +134,7 @@ class HAPTIC_PT_comparison(HapticsPanel, Panel):
     def draw(self, context: Context) -> None:
         layout = self.layout
         scene = context.scene
-        traced = session.shown(scene)
+        traced = sessions.shown(scene)
         if traced is None or not traced.result.listeners:
             layout.label(text="Nothing traced yet" if traced is None else "No listener: add one to feel something")
             return
@@ -142,7 +143,7 @@ class HAPTIC_PT_comparison(HapticsPanel, Panel):
             layout.label(text="This frame was not traced:", icon="INFO")
             layout.label(text="switch off Play Baked Track", icon="BLANK1")
             return
-        gains = compared(scene)
+        gains = comparison.compared(scene)
         grid = layout.grid_flow(row_major=True, columns=1 + len(Mode), even_columns=False, align=True)
         grid.label(text="")
         for mode in Mode:
@@ -164,7 +165,7 @@ class HAPTIC_PT_statistics(HapticsPanel, Panel):
 
     def draw(self, context: Context) -> None:
         layout = self.layout
-        traced = session.shown(context.scene)
+        traced = sessions.shown(context.scene)
         if traced is None:
             layout.label(text="Nothing traced yet")
             return
@@ -172,7 +173,7 @@ class HAPTIC_PT_statistics(HapticsPanel, Panel):
         column = layout.column(align=True)
         for stage, milliseconds in result.milliseconds.items():
             draw_pair(column, stage.replace("_", " ").capitalize(), f"{milliseconds:.2f} ms")
-        draw_pair(column, "Draw", f"{session.of(context.scene).draw_milliseconds:.2f} ms")
+        draw_pair(column, "Draw", f"{sessions.known(context.scene).draw_milliseconds:.2f} ms")
         column.separator()
         for name, value in result.statistics.items():
             draw_pair(column, name.replace("_", " ").capitalize(), f"{value:g}")
@@ -197,7 +198,7 @@ def _draw_level(layout: UILayout, level: Level) -> None:
     row.alignment = "LEFT"
     row.operator("haptic.select_object", text=level.listener, icon="OUTLINER_OB_LIGHTPROBE", emboss=False).name = level.listener
     too_weak = not level.is_silent and not level.is_felt
-    split.progress(factor=level.place, text=iface_("{}, too weak" if too_weak else "{}").format(decibels(level.rms)))
+    split.progress(factor=level.place, text=iface_("{}, too weak" if too_weak else "{}").format(levels.decibels(level.rms)))
 
 
 def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
@@ -225,17 +226,17 @@ def _draw_row(layout: UILayout, name: str, values: str, feeling: str) -> None:
 
 def _draw_pictures(layout: UILayout, context: Context) -> None:
     """The scope and the body side by side, as in the viewport."""
-    scene, ink = context.scene, theme_ink(context)
-    levels, scope = meters.levels_of(scene), meters.scope_of(scene)
-    body = scene.haptics.meters.show_body and any(level.body_part for level in levels)
+    scene, ink = context.scene, panel_picture.theme_ink(context)
+    shown, scope = meters.levels_of(scene), meters.scope_of(scene)
+    body = scene.haptics.meters.show_body and any(level.body_part for level in shown)
     row = layout.row()
     if scope is not None:
         column = row.column()
         column.template_icon(icon_value=meter_pictures.scope_icon(scope, ink), scale=_PICTURE)
-        column.label(text=f"{scope.listener}, ±{full_scale(scope):.3g}", translate=False)
+        column.label(text=f"{scope.listener}, ±{meter_layout.full_scale(scope):.3g}", translate=False)
     if body:
         column = row.column()
-        column.template_icon(icon_value=meter_pictures.body_icon(levels, ink), scale=_PICTURE)
+        column.template_icon(icon_value=meter_pictures.body_icon(shown, ink), scale=_PICTURE)
         column.label(text="Front and back")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bpy.types import Context, Panel, Scene
 
-from ..session import session
+from ..session import sessions
 from .drawing import HapticsPanel, draw_problems
 
 
@@ -33,12 +33,12 @@ class HAPTIC_PT_scene(HapticsPanel, Panel):
 
 def next_step(scene: Scene) -> str:
     """What to do next on the way to something that is felt."""
-    traced = session.shown(scene)
+    traced = sessions.shown(scene)
     result = None if traced is None else traced.result
     if not scene.haptics.tracing:
         return "Switch tracing on, above"
     if result is None or not result.objects:
-        if session.shown_problems(scene):
+        if sessions.shown_problems(scene):
             return "Mend the problem below"
         return "Select objects: Make Haptic"
     if not result.sources and not scene.haptics.impacts:

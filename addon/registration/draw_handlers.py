@@ -2,16 +2,36 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from bpy.types import SpaceView3D
+
+from ..gateway import is_loaded
+from ..session import session
 from ..view import meters, overlay
+
+_handlers: list[Any] = []
+
+
+def _draw_view() -> None:
+    if is_loaded(session):
+        overlay.draw_view()
+
+
+def _draw_pixels() -> None:
+    if is_loaded(session):
+        meters.draw_pixels()
+        overlay.draw_pixels()
 
 
 def register() -> None:
-    """Start drawing."""
-    meters.register()
-    overlay.register()
+    """Start drawing, once."""
+    if not _handlers:
+        _handlers.append(SpaceView3D.draw_handler_add(_draw_view, (), "WINDOW", "POST_VIEW"))
+        _handlers.append(SpaceView3D.draw_handler_add(_draw_pixels, (), "WINDOW", "POST_PIXEL"))
 
 
 def unregister() -> None:
     """Stop drawing."""
-    overlay.unregister()
-    meters.unregister()
+    while _handlers:
+        SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")

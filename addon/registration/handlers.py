@@ -1,4 +1,7 @@
-"""Blender's events: a frame change traces the frame, an edit traces it again, a file load forgets everything."""
+"""Blender's events: a frame change traces the frame, an edit traces it again, a file load drops everything.
+
+In scenes where nothing is tagged they return without loading the core.
+"""
 
 from __future__ import annotations
 
@@ -12,27 +15,29 @@ from bpy.types import Depsgraph, Scene
 from ..bake import playback
 from ..blender import job
 from ..blender.playing import is_playing
+from ..changes import events
 from ..changes.redraw import redraw_viewports
 from ..changes.revisions import mark_changed, mark_edited
 from ..changes.suspension import is_stepped, is_suspended
+from ..gateway import is_loaded
 from ..live_output import handlers as live_output
 from ..operators import bake
-from ..session import session
-from ..view import gain_plot, meter_pictures, meters, overlay
+from ..scene_reader import roles
+from ..session import session, sessions
 
 
 @persistent
 def frame_change_pre(*_: Any) -> None:
     """Blender begins to evaluate a frame."""
-    session.frame_begins()
+    sessions.evaluation_begins()
 
 
 @persistent
 def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
     """Trace the frame that Blender has just evaluated, or read it from the baked track."""
-    if is_suspended() or depsgraph.mode == "RENDER":
+    if is_suspended() or depsgraph.mode == "RENDER" or not _is_concerned(scene):
         return
-    session.frame_evaluated()
+    sessions.evaluation_ends()
     if is_stepped(scene):
         session.begin(scene, depsgraph)
         return
@@ -50,27 +55,30 @@ def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
     if is_suspended() or is_stepped(scene) or depsgraph.mode == "RENDER" or is_playing():
         return
     mark_edited()
-    if not scene.haptics.tracing or playback.keep_up(scene):
-        return
     if _edited(depsgraph):
-        session.of(scene).reader.forget()
+        mark_changed()
+    if not scene.haptics.tracing or not _is_concerned(scene) or playback.keep_up(scene):
+        return
     if session.trace(scene, depsgraph, live=True) is not None:
         redraw_viewports()
 
 
 @persistent
-def forget_everything(*_: Any) -> None:
+def file_changed(*_: Any) -> None:
     """Before and after another file is loaded."""
-    session.clear()
-    overlay.forget()
-    meters.forget()
-    playback.forget()
+    mark_changed()
+    events.file_changed()
 
 
 @persistent
 def reread(*_: Any) -> None:
-    """After undo and redo any property may be another."""
+    """After undo and redo any property may have another value."""
     mark_changed()
+
+
+def _is_concerned(scene: Scene) -> bool:
+    """Whether there is anything to trace or play in a scene, or has been in any: then the session knows."""
+    return is_loaded(session) or roles.is_any_tagged(scene) or scene.haptics.bake.track is not None
 
 
 def _edited(depsgraph: Depsgraph) -> bool:
@@ -78,12 +86,17 @@ def _edited(depsgraph: Depsgraph) -> bool:
     return any(not isinstance(u.id, bpy.types.Object) or not u.is_updated_transform or u.is_updated_geometry for u in depsgraph.updates)
 
 
+def _show_track(scene: Scene) -> None:
+    """The choice between track and tracing was made anew."""
+    playback.show_current(scene)
+
+
 _HANDLERS: dict[str, Callable[..., None]] = {
     "frame_change_pre": frame_change_pre,
     "frame_change_post": frame_change_post,
     "depsgraph_update_post": depsgraph_update_post,
-    "load_pre": forget_everything,
-    "load_post": forget_everything,
+    "load_pre": file_changed,
+    "load_post": file_changed,
     "undo_post": reread,
     "redo_post": reread,
 }
@@ -93,20 +106,19 @@ def register() -> None:
     """Start listening to Blender's events."""
     for event, handler in _HANDLERS.items():
         getattr(bpy.app.handlers, event).append(handler)
-    playback.register()
+    events.track_switched.subscribe(_show_track)
     live_output.register()
 
 
 def unregister() -> None:
-    """Stop listening, end what is going on, and forget everything."""
+    """Stop listening, end what is going on, and drop everything."""
     job.stop()
     bake.stop()
     live_output.unregister()
-    playback.unregister()
+    events.track_switched.unsubscribe(_show_track)
     for event, handler in _HANDLERS.items():
         handlers = getattr(bpy.app.handlers, event)
         if handler in handlers:
             handlers.remove(handler)
-    forget_everything()
-    gain_plot.forget()
-    meter_pictures.forget()
+    file_changed()
+    events.disabled()

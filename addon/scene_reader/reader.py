@@ -25,7 +25,8 @@ from .collision_shapes import collision_shape
 from .imported import imported_object, near
 from .imported_contacts import ImportedContacts
 from .objects import read_impact_material, read_listener, read_motion, read_object, read_source
-from .reading import Problem, Reading
+from .problem import Problem
+from .reading import Reading
 from .roles import haptic_carrier, is_tagged
 from .settings import read_contact_settings, read_settings
 from .signals import is_audible

@@ -9,15 +9,8 @@ from ...core.arrays import FloatArray
 from ...core.contacts.authored import AuthoredContacts
 from ...core.contacts.tracker import Body, ContactSettings
 from ...core.scene.values import HapticObject, Listener, Settings, Source
+from .problem import Problem
 from .world_transforms import pose_of
-
-
-@dataclass(frozen=True, slots=True)
-class Problem:
-    """Something a designer should mend: the object's name ("" for the scene) and what to do, in the words of the panel."""
-
-    object: str
-    message: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,13 +2,34 @@
 
 from __future__ import annotations
 
-from bpy.types import Object
+from bpy.types import Object, Scene
+
+from ..changes import revisions
+
+_MOST_SCENES = 64
+"""Scenes that are remembered as untagged."""
 
 
 def is_tagged(obj: Object) -> bool:
     """True where the object has any haptic role."""
     haptics = obj.haptics
     return haptics.enabled or haptics.source.enabled or haptics.listener.enabled
+
+
+_untagged: dict[int, int] = {}
+"""The revision in which nothing was tagged, by session id of the scene."""
+
+
+def is_any_tagged(scene: Scene) -> bool:
+    """True where an object of the scene has a role. Where none has, the objects are asked again only after a change."""
+    if _untagged.get(scene.session_uid) == revisions.authored():
+        return False
+    if any(map(is_tagged, scene.objects)):
+        return True
+    if len(_untagged) > _MOST_SCENES:
+        _untagged.clear()
+    _untagged[scene.session_uid] = revisions.authored()
+    return False
 
 
 def haptic_carrier(obj: Object | None) -> Object | None:

@@ -11,7 +11,7 @@ from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.tracker import Body
 from ...core.scene.values import HapticObject, Listener, Pose, Source
 from .imported_contacts import Homes
-from .reading import Problem
+from .problem import Problem
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from typing import Any, Generic, TypeVar
 from bpy.types import Scene
 
 from ..blender.playing import is_playing
-from . import session, worker
+from . import sessions, worker
 
 Choice = TypeVar("Choice", bound=Hashable)
 Value = TypeVar("Value")
@@ -105,23 +105,25 @@ class Derived(Generic[Choice, Value]):
         every_frame: compute right after each frame is traced. Else what takes long is computed once no more frames follow.
     """
 
-    def __init__(self, compute: Callable[[session.Traced, Choice, Value | None], Value], every_frame: bool = False) -> None:
+    def __init__(self, compute: Callable[[sessions.Traced, Choice, Value | None], Value], every_frame: bool = False) -> None:
         self._compute = compute
         self._every_frame = every_frame
 
     def latest(self, scene: Scene, choice: Choice) -> Latest[Value] | None:
         """The last value, without waiting; None before there is one, or where nothing is traced."""
-        traced, own = session.shown(scene), session.of(scene)
-        if traced is None:
-            own.derived.pop(self, None)
+        own = sessions.known(scene)
+        if own is None or own.shown is None:
+            if own is not None:
+                own.derived.pop(self, None)
             return None
+        traced = own.shown
         background = own.derived.setdefault(self, Background())
         background.choice = choice
         key, compute = (traced.serial, choice), partial(self._compute, traced, choice)
         may_start = self._every_frame or background.is_brief or _rests(own)
         return background.latest(key, compute, may_start=may_start)
 
-    def follow(self, own: session.Session) -> None:
+    def follow(self, own: sessions.Session) -> None:
         """On the worker: compute the value of the frame that has just been traced, where it is shown."""
         background, traced = own.derived.get(self), own.shown
         if not self._every_frame or background is None or traced is None or time.monotonic() - background.shown > _SHOWN_SECONDS:
@@ -131,7 +133,7 @@ class Derived(Generic[Choice, Value]):
         background.update()
 
 
-def _rests(own: session.Session) -> bool:
+def _rests(own: sessions.Session) -> bool:
     """True where the frame is not followed by others: the timeline stands still, and nothing has been edited for a moment."""
     if is_playing():
         return False

@@ -1,7 +1,5 @@
-"""The live tracing of each scene: its reader, its tracer and its last result. Plain Python, keyed by session id; nothing of it is saved.
-
-A frame is read in Blender's frame handler and traced on the worker thread, while Blender draws it and evaluates the next one. `result_of`
-waits for the trace; draw callbacks use `shown`, which never waits.
+"""Traces scenes: a frame is read in Blender's frame handler and traced on the worker thread, while Blender draws it and evaluates the next
+one. `result_of` waits for the trace; draw callbacks use `sessions.shown`, which never waits.
 """
 
 from __future__ import annotations
@@ -9,49 +7,27 @@ from __future__ import annotations
 import itertools
 import sys
 import time
-from collections.abc import Iterator
-from concurrent.futures import Future
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 from bpy.types import Depsgraph, Scene
 
 from ...core.arrays import FloatArray
 from ...core.modalities.modality_scene import ModalityScene
-from ...core.modalities.propagation import Felt
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
-from ...core.scene.values import Settings
 from ...core.tracer import Frame, Tracer
-from ..blender import progress
 from ..blender.time import seconds_of
 from ..changes import revisions
+from ..changes.events import file_changed
+from ..scene_reader.problem import Problem
 from ..scene_reader.reader import SceneReader
-from ..scene_reader.reading import Problem, Reading
+from ..scene_reader.reading import Reading
 from ..scene_reader.settings import read_settings
-from ..translations.sentences import sentence
-from . import modalities, worker
+from . import modalities, sessions, worker
+from .sessions import Session, Traced, known, problems_in
 
 _PATIENCE = 2e-4
 """Seconds for which the thread that traces keeps Blender's own Python waiting; 5 ms otherwise."""
-
-
-@dataclass(frozen=True, slots=True)
-class Traced:
-    """A frame that was traced or read from a track, complete: all that panels and viewports show is made of it.
-
-    ``serial`` differs between any two frames. ``samples`` (l, n): up to a second of what each listener felt, until the frame.
-    ``reading``: what it was traced from, None for a track. ``felt``: of the other modalities. ``errors``: in words of the core.
-    """
-
-    serial: int
-    result: FrameResult
-    settings: Settings
-    samples: FloatArray
-    reading: Reading | None = None
-    felt: tuple[Felt, ...] = ()
-    errors: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,48 +42,21 @@ class _Begun:
     blender_milliseconds: float
 
 
-@dataclass(slots=True)
-class Session:
-    """One scene being traced. ``begun`` is the frame whose trace nobody has waited for yet; after that ``result`` is what it gave.
-    ``previous``: the result before. ``shown``: the last complete frame, for draw callbacks; the worker sets it."""
-
-    reader: SceneReader = field(default_factory=SceneReader)
-    tracer: Tracer = field(default_factory=Tracer)
-    reading: Reading | None = None
-    result: FrameResult | None = None
-    previous: FrameResult | None = None
-    problems: tuple[Problem, ...] = ()
-    frame: int | None = None
-    frame_seconds: float = 0.0
-    version: int = -1
-    history: History = field(default_factory=History)
-    begun: Future[Traced] | None = None
-    serial: int = 0  # of the frame that was begun last
-    begun_at: float = 0.0  # time.monotonic() of that
-    shown: Traced | None = None
-    failure: tuple[Problem, ...] = ()  # where the last frame could not be traced
-    derived: dict[Any, Any] = field(default_factory=dict)  # see `derived.Derived`
-    watched: str = ""  # the listener that was the active object last
-    draw_milliseconds: float = 0.0  # of the last redraw of a viewport
-
-
-_sessions: dict[int, Session] = {}
-_begun = 0.0
-_evaluating = 0.0
 _serials = itertools.count(1)
 
 
 def of(scene: Scene) -> Session:
     """The session of a scene, made at first use."""
-    session = _sessions.get(scene.session_uid)
+    session = known(scene)
     if session is None:
-        session = _sessions[scene.session_uid] = Session()
+        session = Session(SceneReader(), Tracer(), History())
+        sessions.add(scene, session)
     return session
 
 
 def result_of(scene: Scene) -> FrameResult | None:
     """The last frame of a scene whose tracing was begun; waits for it."""
-    session = _sessions.get(scene.session_uid)
+    session = known(scene)
     if session is None:
         return None
     _finish(scene, session)
@@ -116,47 +65,11 @@ def result_of(scene: Scene) -> FrameResult | None:
 
 def problems_of(scene: Scene) -> tuple[Problem, ...]:
     """What a designer should mend."""
-    session = _sessions.get(scene.session_uid)
+    session = known(scene)
     if session is None:
         return ()
     _finish(scene, session)
     return session.problems
-
-
-def shown(scene: Scene) -> Traced | None:
-    """The last frame that is complete, without waiting for one that is being traced."""
-    session = _sessions.get(scene.session_uid)
-    return None if session is None else session.shown
-
-
-def felt_in(scene: Scene) -> tuple[Felt, ...]:
-    """What the last complete frame of a scene felt like, one value per modality beside vibration that is switched on."""
-    traced = shown(scene)
-    return () if traced is None else traced.felt
-
-
-def is_behind(scene: Scene) -> bool:
-    """True while a newer frame than the one `shown` is being traced."""
-    session = _sessions.get(scene.session_uid)
-    return session is not None and session.begun is not None and (session.shown is None or session.shown.serial != session.serial)
-
-
-def shown_problems(scene: Scene) -> tuple[Problem, ...]:
-    """What a designer should mend, as far as it is known without waiting."""
-    session = _sessions.get(scene.session_uid)
-    if session is None:
-        return ()
-    return session.failure if session.shown is None else _problems(session.shown)
-
-
-@contextmanager
-def drawing(scene: Scene) -> Iterator[None]:
-    """What is done inside counts as drawing the scene's results."""
-    started = time.perf_counter()
-    try:
-        yield
-    finally:
-        of(scene).draw_milliseconds += 1000 * (time.perf_counter() - started)
 
 
 def show(scene: Scene, result: FrameResult, samples: FloatArray) -> None:
@@ -173,20 +86,8 @@ def show(scene: Scene, result: FrameResult, samples: FloatArray) -> None:
 def clear() -> None:
     """Forget every scene."""
     worker.shut_down()
-    _sessions.clear()
+    sessions.clear()
     revisions.mark_changed()
-
-
-def frame_begins() -> None:
-    """Blender begins to evaluate a frame."""
-    global _begun
-    _begun = time.perf_counter()
-
-
-def frame_evaluated() -> None:
-    """Blender has evaluated the frame: what that took is in the statistics of the frame that is traced now."""
-    global _evaluating
-    _evaluating = time.perf_counter() - _begun if _begun else 0.0
 
 
 def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult | None:
@@ -222,7 +123,7 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     session.frame, session.frame_seconds = scene.frame_current if whole else None, step
     session.serial = next(_serials)
     read_milliseconds = 1000 * (time.perf_counter() - started)
-    begun = _Begun(session.serial, reading, others, errors, read_milliseconds, 1000 * _evaluating)
+    begun = _Begun(session.serial, reading, others, errors, read_milliseconds, 1000 * sessions.evaluation_seconds())
     session.begun_at = time.monotonic()
     session.begun = worker.submit(_step, session, begun, frame_of(scene, reading, continuous))
     worker.submit(_follow, session)
@@ -270,21 +171,14 @@ def _finish(scene: Scene, session: Session) -> None:
     session.result = None
     started = time.perf_counter()
     try:
-        traced = progress.result_of(begun)
+        traced = worker.result_of(begun)
     except ValueError:
         session.problems = session.failure
         return
     waited = 1000 * (time.perf_counter() - started)
     session.result = replace(traced.result, statistics={**traced.result.statistics, "waited_milliseconds": waited})
     session.shown = replace(traced, result=session.result)
-    session.problems = _problems(traced)
-
-
-def _problems(traced: Traced) -> tuple[Problem, ...]:
-    """What a designer should mend of a frame, in the language of the interface."""
-    read = () if traced.reading is None else traced.reading.problems
-    warnings = (Problem(warning.object, sentence(warning)) for warning in traced.result.warnings)
-    return (*read, *warnings, *(Problem("", error) for error in traced.errors))
+    session.problems = problems_in(traced)
 
 
 def frame_of(scene: Scene, reading: Reading, continuous: bool) -> Frame:
@@ -301,3 +195,6 @@ def frame_of(scene: Scene, reading: Reading, continuous: bool) -> Frame:
         continuous=continuous,
         authored=reading.authored,
     )
+
+
+file_changed.subscribe(clear)

@@ -16,7 +16,8 @@ from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Source
 from ..blender.time import seconds_of
 from ..changes.suspension import stepped, suspended
-from ..scene_reader.reading import Problem, Reading
+from ..scene_reader.problem import Problem
+from ..scene_reader.reading import Reading
 from . import session
 
 

@@ -8,15 +8,20 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import bpy
 
+from ..blender.playing import is_playing
+from ..blender.progress import show
 from ..changes.redraw import redraw_viewports
 
 Value = TypeVar("Value")
+
+_MOMENT = 0.1
+"""Delay before the progress cursor [s]."""
 
 _INTERVAL = 0.02
 """Seconds between two looks at the worker while it has something to do."""
@@ -41,6 +46,26 @@ def submit(job: Callable[..., Value], *arguments: object) -> Future[Value]:
     future.add_done_callback(_ended)
     _start_timer()
     return future
+
+
+def result_of(future: Future[Value]) -> Value:
+    """Wait for a result. After `_MOMENT` the mouse pointer shows progress, except while the timeline plays."""
+    if _done_within(future, _MOMENT) or is_playing():
+        return future.result()
+    manager = bpy.context.window_manager
+    manager.progress_begin(0, 1)
+    begun = time.perf_counter()
+    try:
+        while not _done_within(future, _MOMENT):
+            passed = time.perf_counter() - begun
+            show(passed / (1 + passed))  # how long it takes is not known
+    finally:
+        manager.progress_end()
+    return future.result()
+
+
+def _done_within(future: Future[Any], seconds: float) -> bool:
+    return bool(wait((future,), seconds).done)
 
 
 def redraw_after(seconds: float) -> None:

@@ -12,7 +12,7 @@ from ...core.arrays import FloatArray
 from ...core.propagation import propagate
 from ...core.scene.values import Mode
 from ..session.derived import Derived, Latest
-from ..session.session import Traced
+from ..session.sessions import Traced
 
 
 def mode_gains(mode: Mode, traced: Traced, choice: None = None, before: FloatArray | None = None) -> FloatArray:

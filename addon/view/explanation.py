@@ -13,9 +13,9 @@ from ...core.diagnosis.silence import reasons
 from ...core.message import Message
 from ...core.render.frame_result import FrameResult
 from ..blender.playing import is_playing
-from ..session import session
+from ..session import sessions
 from ..session.derived import Derived
-from ..session.session import Traced
+from ..session.sessions import Traced
 from .levels import felt_samples
 
 
@@ -54,11 +54,11 @@ _REASONS: Derived[_Question, tuple[Message, ...]] = Derived(_reasons)
 
 def why_silent(scene: Scene, listener: str) -> Explanation:
     """Why a listener feels nothing, as far as it is known, without waiting."""
-    traced = session.shown(scene)
+    traced = sessions.shown(scene)
     if not scene.haptics.tracing and traced is None:
         return Explanation(iface_("Tracing is switched off: tick the box of the panel Haptic Tracing"))
     if traced is None:
-        problems = session.shown_problems(scene)
+        problems = sessions.shown_problems(scene)
         return Explanation(problems[0].message if problems else iface_("Nothing has been traced yet: play, or press Trace This Frame"))
     if listener not in [item.name for item in traced.result.listeners]:
         return Explanation(iface_("It was no listener when this frame was traced"))

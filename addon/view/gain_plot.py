@@ -9,6 +9,7 @@ import numpy as np
 from ...core.arrays import FloatArray, IntArray
 from ...core.scene.functions import ModulationFunction
 from ...core.scene.functions.curve import Curve, gain_curve
+from ..changes.events import disabled
 from ..session.derived import Background, Latest
 from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
 
@@ -86,3 +87,6 @@ def icon(key: Hashable, curve: Curve, colour: Colour, ink: Colour) -> int:
 def forget() -> None:
     """Free the picture."""
     _picture.forget()
+
+
+disabled.subscribe(forget)

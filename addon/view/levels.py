@@ -17,7 +17,7 @@ from ...core.perception import sensation_level
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import still_samples
 from ..session.derived import Derived
-from ..session.session import Traced
+from ..session.sessions import Traced
 
 FLOOR = -60.0
 """Decibels of full scale at which a meter begins."""

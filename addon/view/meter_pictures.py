@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
+from ..changes.events import disabled
 from .body_map import HALF_WIDTH, HEIGHT, View, figure
 from .levels import Level
 from .meter_layout import SCOPE_COLOUR, Scope, colour_of, full_scale, spans
@@ -88,3 +89,6 @@ def forget() -> None:
     """Free the pictures."""
     _scope.forget()
     _body.forget()
+
+
+disabled.subscribe(forget)

@@ -8,14 +8,15 @@ from typing import Any
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.types import Context, Scene, SpaceView3D
+from bpy.types import Context, Scene
 
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import still_samples
 from ..blender.playing import is_playing
+from ..changes.events import file_changed
 from ..changes.redraw import SIDEBAR_TAB
 from ..properties.preferences import preferences
-from ..session import session
+from ..session import sessions
 from . import shader
 from .hud import Hud, Rectangle
 from .layout import corner_room, free_rectangle, is_main_view
@@ -27,8 +28,6 @@ from .screen import draw_flat, shared_atlas, text_width
 _MARGIN = 12.0  # points to the edges of the free part of the viewport
 _SHARE_ACROSS, _SHARE_UP = 0.25, 0.6  # of the viewport's width, and of the height of its free part
 _PANEL_SECONDS = 0.1
-
-_handlers: list[Any] = []
 
 
 @dataclass(slots=True)
@@ -52,9 +51,12 @@ def levels_of(scene: Scene) -> tuple[Level, ...]:
 
 def watched(scene: Scene) -> str:
     """The listener that is looked at: the active object, else the last one that was, else the one that feels the most; "" for none."""
-    traced = session.shown(scene)
+    traced = sessions.shown(scene)
     names = [] if traced is None else [listener.name for listener in traced.result.listeners]
-    active, own = bpy.context.view_layer.objects.active, session.of(scene)
+    own = sessions.known(scene)
+    if own is None:
+        return ""
+    active = bpy.context.view_layer.objects.active
     if active is not None and active.name_full in names:
         own.watched = active.name_full
     if own.watched in names:
@@ -65,7 +67,7 @@ def watched(scene: Scene) -> str:
 
 def scope_of(scene: Scene) -> Scope | None:
     """The last second of the listener that is looked at; None where there is none, or where it is not to be drawn."""
-    traced, name = session.shown(scene), watched(scene)
+    traced, name = sessions.shown(scene), watched(scene)
     if traced is None or not scene.haptics.meters.show_scope or not name:
         return None
     row = [listener.name for listener in traced.result.listeners].index(name)
@@ -81,7 +83,8 @@ def meters_above(scene: Scene, result: FrameResult, size: tuple[int, int], scale
     return items.moved(round(margin), round(size[1] - margin - high))
 
 
-def _draw_pixels() -> None:
+def draw_pixels() -> None:
+    """Draw callback: the meters."""
     context = bpy.context
     scene, space = context.scene, context.space_data
     if scene is not None and space is not None:
@@ -91,7 +94,7 @@ def _draw_pixels() -> None:
     if not levels_of(scene):
         _shown.pop(context.region.as_pointer(), None)
         return
-    with session.drawing(scene):
+    with sessions.drawing(scene):
         _draw_meters(context, scene)
 
 
@@ -127,13 +130,13 @@ def _draw_meters(context: Context, scene: Scene) -> None:
 
 def _key(context: Context, scene: Scene, scale: float) -> tuple[Any, ...]:
     """All that the meters of a view depend on."""
-    traced, chosen = session.shown(scene), scene.haptics.meters
+    traced, chosen = sessions.shown(scene), scene.haptics.meters
     choices = chosen.corner, chosen.show_scope, chosen.show_body, watched(scene), _title(scene), bpy.app.translations.locale
     return traced and traced.serial, levels_of(scene), _room(context, scene, scale), scale, choices, shared_atlas().generation
 
 
 def _title(scene: Scene) -> str:
-    is_late = session.is_behind(scene) and not is_playing()
+    is_late = sessions.is_behind(scene) and not is_playing()
     return iface_("Tracing...") if is_late else iface_("Mode {}").format(scene.haptics.mode)
 
 
@@ -165,14 +168,4 @@ def forget() -> None:
     _refreshed.clear()
 
 
-def register() -> None:
-    """Add the draw handler, once."""
-    if not _handlers:
-        _handlers.append(SpaceView3D.draw_handler_add(_draw_pixels, (), "WINDOW", "POST_PIXEL"))
-
-
-def unregister() -> None:
-    """Remove the draw handler and forget what it drew."""
-    while _handlers:
-        SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")
-    forget()
+file_changed.subscribe(forget)

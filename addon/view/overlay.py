@@ -1,4 +1,4 @@
-"""Draws the haptic graph over every 3D viewport: handlers, and what they keep between redraws.
+"""Draws the haptic graph over every 3D viewport: draw callbacks, and what they keep between redraws.
 
 The shapes are made on the worker thread. A redraw with nothing changed compares one signature and issues two draw calls: one for the
 graph, one for labels and legend.
@@ -13,13 +13,14 @@ from typing import Any
 import bpy
 import gpu
 import numpy as np
-from bpy.types import Context, Scene, SpaceView3D
+from bpy.types import Context, Scene
 
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Settings
 from ..blender.time import seconds_of
+from ..changes.events import file_changed
 from ..properties.preferences import preferences
-from ..session import session
+from ..session import sessions
 from ..session.derived import Derived
 from . import meters, shader
 from .annotations import LegendSide, annotations
@@ -35,7 +36,6 @@ HIDDEN = 0.15  # opacity of what objects hide, where the graph is not drawn in f
 PULSE_LENGTH = 0.8  # metres between two pulses of the signal flow
 PULSE_SPEED = 1.6  # metres per second of the timeline
 
-_handlers: list[Any] = []
 _drawings: dict[int, Drawing] = {}  # by session id of the scene
 _KEPT_VIEWS = 8
 
@@ -77,7 +77,7 @@ class Drawing:
         return cls(shapes, shader.upload(shapes.quads))
 
 
-def _shapes(traced: session.Traced, options: Options, before: GraphShapes | None) -> GraphShapes:
+def _shapes(traced: sessions.Traced, options: Options, before: GraphShapes | None) -> GraphShapes:
     return GraphShapes.of(traced.result, traced.settings, options, before)
 
 
@@ -86,7 +86,7 @@ _SHAPES: Derived[Options, GraphShapes] = Derived(_shapes, every_frame=True)
 
 def drawing_of(scene: Scene) -> Drawing | None:
     """The last graph that is complete, without waiting; None where there is none."""
-    traced = session.shown(scene)
+    traced = sessions.shown(scene)
     latest = None if traced is None else _SHAPES.latest(scene, options_of(scene, traced.result))
     if latest is None:
         _drawings.pop(scene.session_uid, None)
@@ -160,15 +160,17 @@ def _is_shown(context: Context) -> bool:
     return scene is not None and space is not None and scene.haptics.show_overlay and space.overlay.show_overlays
 
 
-def _draw_view() -> None:
+def draw_view() -> None:
+    """Draw callback: the graph, in world space."""
     context = bpy.context
     scene = context.scene
-    if scene is not None:
-        session.of(scene).draw_milliseconds = 0.0  # this comes first in a redraw
+    own = None if scene is None else sessions.known(scene)
+    if own is not None:
+        own.draw_milliseconds = 0.0  # this comes first in a redraw
     if not _is_shown(context):
         return
     region, view = context.region, context.region_data
-    with session.drawing(scene):
+    with sessions.drawing(scene):
         drawing = drawing_of(scene)
         if drawing is None:
             return
@@ -183,14 +185,15 @@ def _draw_view() -> None:
         )
 
 
-def _draw_pixels() -> None:
+def draw_pixels() -> None:
+    """Draw callback: labels and legend of the graph, over it."""
     context = bpy.context
-    drawing = _drawings.get(context.scene.session_uid) if _is_shown(context) else None  # `_draw_view` has just drawn it
+    drawing = _drawings.get(context.scene.session_uid) if _is_shown(context) else None  # `draw_view` has just drawn it
     if drawing is None:
         return
     region, scene = context.region, context.scene
     perspective = np.array(context.region_data.perspective_matrix, dtype=np.float64)
-    with session.drawing(scene):
+    with sessions.drawing(scene):
         draw_annotations(
             drawing,
             perspective,
@@ -221,15 +224,4 @@ def forget() -> None:
     free_texts()
 
 
-def register() -> None:
-    """Add the draw handlers, once."""
-    if not _handlers:
-        _handlers.append(SpaceView3D.draw_handler_add(_draw_view, (), "WINDOW", "POST_VIEW"))
-        _handlers.append(SpaceView3D.draw_handler_add(_draw_pixels, (), "WINDOW", "POST_PIXEL"))
-
-
-def unregister() -> None:
-    """Remove the draw handlers and free what they drew."""
-    while _handlers:
-        SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")
-    forget()
+file_changed.subscribe(forget)

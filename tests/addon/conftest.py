@@ -6,6 +6,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from importlib import import_module
 from typing import Any
 
 # Keep this machine's own extensions and preferences out; must be set before bpy is imported.
@@ -14,6 +15,10 @@ os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-
 import bpy
 import haptic_tracing
 import pytest
+from haptic_tracing.addon import gateway
+
+for _name in gateway.MODULES:  # tests replace parts of modules: they need the modules themselves, not their stand-ins
+    import_module(f"haptic_tracing.{_name}")
 
 
 @pytest.fixture(autouse=True)

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.blender import compatibility
-from haptic_tracing.addon.session import session
+from haptic_tracing.addon.session import session, sessions
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).with_name("recording_layout.py"))
 recording_layout = importlib.util.module_from_spec(_spec)
@@ -180,7 +180,7 @@ def test_statistics_tell_what_blender_took_and_what_was_skipped(drop, scene):
 def test_the_panel_shows_every_stage_of_the_frame(drop, scene):
     scene.frame_set(1)
     session.result_of(scene)
-    with session.drawing(scene):
+    with sessions.drawing(scene):
         pass
     layout = recording_layout.RecordingLayout()
     bpy.types.HAPTIC_PT_statistics.draw(SimpleNamespace(layout=layout), bpy.context)

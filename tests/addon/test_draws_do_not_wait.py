@@ -13,9 +13,8 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.blender import progress
 from haptic_tracing.addon.registration import classes
-from haptic_tracing.addon.session import session
+from haptic_tracing.addon.session import session, sessions, worker
 from haptic_tracing.addon.view import layout, meters, overlay, picture
 from haptic_tracing.core.tracer import Tracer
 from mathutils import Matrix
@@ -66,7 +65,7 @@ def held_up(monkeypatch):
 
     monkeypatch.setattr(Tracer, "step", blocked_step)
     monkeypatch.setattr(Future, "result", checked_result)
-    monkeypatch.setattr(progress, "wait", checked_wait)
+    monkeypatch.setattr(worker, "wait", checked_wait)
     yield release
     release.set()
 
@@ -96,17 +95,17 @@ def test_every_panel_draws_while_a_trace_is_held_up_and_then_shows_it(felt, sett
     assert "Frame 1" in before["HAPTIC_PT_result"]
     held_up.clear()
     felt.frame_set(2)
-    assert session.is_behind(felt)
+    assert sessions.is_behind(felt)
     meanwhile = {panel.__name__: drawn(panel).labels for panel in panels()}
     assert "Frame 1" in meanwhile["HAPTIC_PT_result"]
     assert "Tracing..." in meanwhile["HAPTIC_PT_result"]
     assert any("crate" in label for label in meanwhile["HAPTIC_PT_silence"]), "the last reasons stay"
-    assert session.is_behind(felt), "nobody has waited"
+    assert sessions.is_behind(felt), "nobody has waited"
     held_up.set()
     after = {panel.__name__: settle(lambda panel=panel: drawn(panel)).labels for panel in panels()}
     assert "Frame 2" in after["HAPTIC_PT_result"]
     assert "Tracing..." not in after["HAPTIC_PT_result"]
-    assert not session.is_behind(felt)
+    assert not sessions.is_behind(felt)
 
 
 def test_panels_draw_while_the_very_first_trace_is_held_up(felt, settle, held_up):
@@ -114,7 +113,7 @@ def test_panels_draw_while_the_very_first_trace_is_held_up(felt, settle, held_up
     felt.frame_set(2)
     for panel in panels():
         drawn(panel)
-    assert session.is_behind(felt)
+    assert sessions.is_behind(felt)
     held_up.set()
     assert "Frame 2" in settle(lambda: drawn(named("HAPTIC_PT_result"))).labels
 
@@ -124,7 +123,7 @@ def test_no_poll_waits_for_a_trace(felt, held_up):
     for cls in classes.CLASSES:
         if issubclass(cls, bpy.types.Operator) and hasattr(cls, "poll"):
             cls.poll(bpy.context)
-    assert session.is_behind(felt)
+    assert sessions.is_behind(felt)
 
 
 @pytest.fixture
@@ -158,9 +157,9 @@ def viewport(felt, monkeypatch):
         with buffer.bind():
             frame_buffer = gpu.state.active_framebuffer_get()
             frame_buffer.clear(color=(0.0, 0.0, 0.0, 1.0), depth=1.0)
-            overlay._draw_view()
-            meters._draw_pixels()
-            overlay._draw_pixels()
+            overlay.draw_view()
+            meters.draw_pixels()
+            overlay.draw_pixels()
             pixels = frame_buffer.read_color(0, 0, *SIZE, 4, 0, "UBYTE")
         pixels.dimensions = SIZE[0] * SIZE[1] * 4
         return np.array(pixels, dtype=np.uint8).reshape(SIZE[1], SIZE[0], 4)[..., :3].astype(int)
@@ -184,10 +183,10 @@ def test_the_view_is_drawn_while_a_trace_is_held_up_and_then_shows_it(felt, sett
         covered[int(bottom) : int(top), int(left) : int(right)] = True
     assert covered.any()
     assert np.array_equal(meanwhile[~covered], before[~covered]), "the graph of the frame before; the meters say that one is coming"
-    assert session.is_behind(felt)
+    assert sessions.is_behind(felt)
     held_up.set()
     after = settle(viewport)
-    assert not session.is_behind(felt)
+    assert not sessions.is_behind(felt)
     assert (np.abs(after - before)[~covered].max(axis=1) > 40).sum() > 50, "the foot has moved"
 
 

@@ -7,8 +7,7 @@ import threading
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.blender import progress
-from haptic_tracing.addon.session import session, timeline
+from haptic_tracing.addon.session import session, timeline, worker
 from haptic_tracing.sample_scenes import build_sample
 
 FRAMES = 1, 40
@@ -89,7 +88,7 @@ def test_no_thread_is_left_when_scenes_are_forgotten_while_a_frame_is_traced(ben
 @pytest.mark.slow
 def test_a_long_wait_shows_that_it_goes_on(bench, monkeypatch):
     shown = []
-    monkeypatch.setattr(progress, "show", shown.append)
+    monkeypatch.setattr(worker, "show", shown.append)
     step = type(session.of(bench).tracer).step
 
     def slow(self, frame):

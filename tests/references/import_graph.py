@@ -20,7 +20,7 @@ FLOORS = (
     ("core.render", "core.modalities"),
     ("core.tracer", "core.diagnosis"),
     ("core.formats",),
-    ("addon.blender", "addon.changes", "addon.translations"),
+    ("addon.blender", "addon.changes", "addon.gateway", "addon.translations"),
     ("addon.properties",),
     ("addon.scene_reader",),
     ("addon.session",),

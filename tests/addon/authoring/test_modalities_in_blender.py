@@ -4,7 +4,7 @@ import math
 
 import bpy
 import pytest
-from haptic_tracing.addon.session import session
+from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.core.modalities import MODALITIES, THERMAL
 from haptic_tracing.core.modalities.thermal import JOINT
 from haptic_tracing.sample_scenes import build_sample
@@ -27,7 +27,7 @@ def fireplace(add_box, add_empty, scene):
 
 def test_warmth_is_felt_through_stone(fireplace, traced, scene):
     traced()
-    (felt,) = session.felt_in(scene)
+    (felt,) = sessions.felt_in(scene)
     m = math.sqrt(20 / (2.8 * 0.3))
     far = 0.9 + 0.9
     assert felt.values[0] == pytest.approx(60 * math.exp(-m * far) * JOINT / (JOINT + 2.8 * m), rel=0.03)
@@ -37,18 +37,18 @@ def test_warmth_is_felt_through_stone(fireplace, traced, scene):
 def test_materials_bring_their_conductivity(fireplace, traced, scene):
     bench = fireplace[1]
     traced()
-    stone = session.felt_in(scene)[0].values[0]
+    stone = sessions.felt_in(scene)[0].values[0]
     bpy.context.view_layer.objects.active = bench
     bench.select_set(True)
     bpy.ops.haptic.apply_material(preset="hardwood")
     traced()
-    assert 0 < session.felt_in(scene)[0].values[0] < 0.2 * stone
+    assert 0 < sessions.felt_in(scene)[0].values[0] < 0.2 * stone
 
 
 def test_it_costs_nothing_where_it_is_switched_off(fireplace, traced, scene):
     scene.haptics.modalities.thermal.enabled = False
     traced()
-    assert session.felt_in(scene) == ()
+    assert sessions.felt_in(scene) == ()
 
 
 def test_an_expression_that_gives_no_gain_is_a_problem_in_words(fireplace, traced, scene):
@@ -62,7 +62,7 @@ def test_an_expression_that_gives_no_gain_is_a_problem_in_words(fireplace, trace
 
 def test_contacts_that_only_warmth_needs_are_found_while_previewing(fireplace, scene):
     session.trace(scene, bpy.context.evaluated_depsgraph_get(), True)
-    assert session.felt_in(scene)[0].values[0] > 0
+    assert sessions.felt_in(scene)[0].values[0] > 0
 
 
 @pytest.mark.parametrize("modality", [m for m in MODALITIES.values() if not m.sampled], ids=lambda m: m.name)
@@ -81,7 +81,7 @@ def test_the_sample_with_a_fire_warms_the_side_that_faces_it():
     build_sample("fireplace")
     bpy.context.scene.frame_set(2)
     assert session.problems_of(bpy.context.scene) == ()
-    (felt,) = session.felt_in(bpy.context.scene)
+    (felt,) = sessions.felt_in(bpy.context.scene)
     warmth = dict(zip(felt.listeners, felt.values, strict=True))
     assert min(warmth["ear.L"], warmth["upper_leg.L"]) > 1.2 * max(warmth["upper_back.L"], warmth["middle_back.R"]) > 0
     assert all(path[:2] == ("Fire", "Air") for path in felt.paths.values())

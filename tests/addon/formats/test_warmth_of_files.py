@@ -9,11 +9,11 @@ from scene_files import exported, imported
 
 def shown():
     """What the panel shows, by listener."""
-    from haptic_tracing.addon.session import session
+    from haptic_tracing.addon.session import session, sessions
 
     scene = bpy.context.scene
     session.trace(scene, bpy.context.evaluated_depsgraph_get())
-    (felt,) = session.felt_in(scene)
+    (felt,) = sessions.felt_in(scene)
     return dict(zip(felt.listeners, felt.values.tolist(), strict=True))
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from haptic_tracing.addon.scene_reader.reading import Reading
-from haptic_tracing.addon.session.session import Traced
+from haptic_tracing.addon.session.sessions import Traced
 from haptic_tracing.addon.view.body_map import HALF_WIDTH, HEIGHT, figure
 from haptic_tracing.addon.view.comparison import mode_gains
 from haptic_tracing.addon.view.levels import FLOOR, decibels, levels, place_of, shown_levels

@@ -184,14 +184,9 @@ def test_picture_has_the_meters_at_the_upper_left(felt, tmp_path):
     assert changed[~inside].mean() < 0.1  # labels that made way
 
 
-def test_handler_comes_and_goes(scene):
-    for _ in range(2):
-        meters.unregister()
-        assert not meters._handlers
-        meters.register()
-        meters.register()
-        assert len(meters._handlers) == 1
-    meters._draw_pixels()  # outside a viewport: nothing
+def test_outside_a_viewport_nothing_is_drawn(felt):
+    meters.draw_pixels()
+    assert not meters._shown
 
 
 def test_another_mode_is_traced_although_a_track_is_there(felt):

@@ -91,12 +91,12 @@ def camera(scene: Any) -> Iterator[Any]:
 @pytest.fixture
 def shown(scene: Any, bridge: FrameResult) -> Callable[[], FrameResult]:
     """Makes the bridge the scene's last traced frame."""
-    from haptic_tracing.addon.session import session
+    from haptic_tracing.addon.session import session, sessions
 
     def show() -> FrameResult:
         own = session.of(scene)
         own.result = bridge
-        own.shown = session.Traced(1, bridge, BRIDGE.settings, np.zeros((len(bridge.listeners), 0)))
+        own.shown = sessions.Traced(1, bridge, BRIDGE.settings, np.zeros((len(bridge.listeners), 0)))
         return bridge
 
     return show

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.changes import redraw
 from haptic_tracing.addon.properties.scene import HapticSceneProperties
-from haptic_tracing.addon.session import session
+from haptic_tracing.addon.registration import draw_handlers
+from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view import overlay as draw
 from haptic_tracing.addon.view import shader
 from haptic_tracing.addon.view.options import options_of
@@ -34,7 +35,7 @@ def show(scene, settle, monkeypatch):
     def shown(result, settings=BRIDGE.settings, options=None):
         own = session.of(scene)
         own.serial += 1
-        own.shown = session.Traced(own.serial, result, settings, np.zeros((len(result.listeners), 0)))
+        own.shown = sessions.Traced(own.serial, result, settings, np.zeros((len(result.listeners), 0)))
         monkeypatch.setattr(draw, "options_of", lambda *_: options or Options())
         return settle(lambda: draw.drawing_of(scene))
 
@@ -80,12 +81,12 @@ def test_selection_is_read_from_the_scene(scene, bridge, add_empty):
 
 def test_handlers_come_and_go_any_number_of_times():
     for _ in range(3):
-        draw.unregister()
-        assert not draw._handlers
-        draw.unregister()
-        draw.register()
-        draw.register()
-        assert len(draw._handlers) == 2
+        draw_handlers.unregister()
+        assert not draw_handlers._handlers
+        draw_handlers.unregister()
+        draw_handlers.register()
+        draw_handlers.register()
+        assert len(draw_handlers._handlers) == 2  # in world space and in pixels
 
 
 def test_redraw_tags_every_3d_viewport_and_nothing_else(monkeypatch):
@@ -99,8 +100,8 @@ def test_redraw_tags_every_3d_viewport_and_nothing_else(monkeypatch):
 
 def test_draw_callbacks_outside_a_viewport_draw_nothing(uploads, shown):
     shown()
-    draw._draw_view()
-    draw._draw_pixels()
+    draw.draw_view()
+    draw.draw_pixels()
     assert uploads == []
     assert not draw._drawings
 

@@ -1,0 +1,161 @@
+"""The tracing sessions of all scenes, and their last complete frames, which panels and draw callbacks read without waiting.
+
+Plain Python, keyed by the scene's session id; nothing of it is saved. Needs nothing of the core: it is asked in every scene.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import bpy
+from bpy.types import Scene
+
+from ..scene_reader.problem import Problem
+from ..translations.sentences import sentence
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+    from ...core.arrays import FloatArray
+    from ...core.modalities.propagation import Felt
+    from ...core.render.frame_result import FrameResult
+    from ...core.render.history import History
+    from ...core.scene.values import Settings
+    from ...core.tracer import Tracer
+    from ..scene_reader.reader import SceneReader
+    from ..scene_reader.reading import Reading
+
+
+@dataclass(frozen=True, slots=True)
+class Traced:
+    """A frame that was traced or read from a track, complete: all that panels and viewports show is made of it.
+
+    ``serial`` differs between any two frames. ``samples`` (l, n): up to a second of what each listener felt, until the frame.
+    ``reading``: what it was traced from, None for a track. ``felt``: of the other modalities. ``errors``: in words of the core.
+    """
+
+    serial: int
+    result: FrameResult
+    settings: Settings
+    samples: FloatArray
+    reading: Reading | None = None
+    felt: tuple[Felt, ...] = ()
+    errors: tuple[str, ...] = ()
+
+
+@dataclass(slots=True)
+class Session:
+    """One scene being traced. ``begun`` is the frame whose trace nobody has waited for yet; after that ``result`` is what it gave.
+    ``previous``: the result before. ``shown``: the last complete frame, for draw callbacks; the worker sets it."""
+
+    reader: SceneReader
+    tracer: Tracer
+    history: History
+    reading: Reading | None = None
+    result: FrameResult | None = None
+    previous: FrameResult | None = None
+    problems: tuple[Problem, ...] = ()
+    frame: int | None = None
+    frame_seconds: float = 0.0
+    version: int = -1
+    begun: Future[Traced] | None = None
+    serial: int = 0  # of the frame that was begun last
+    begun_at: float = 0.0  # time.monotonic() of that
+    shown: Traced | None = None
+    failure: tuple[Problem, ...] = ()  # where the last frame could not be traced
+    derived: dict[Any, Any] = field(default_factory=dict)  # see `derived.Derived`
+    watched: str = ""  # the listener that was the active object last
+    draw_milliseconds: float = 0.0  # of the last redraw of a viewport
+
+
+@dataclass(slots=True)
+class _State:
+    """The sessions by scene, and when Blender began to evaluate the current frame and how long that took [s]."""
+
+    sessions: dict[int, Session] = field(default_factory=dict)
+    evaluation_began: float = 0.0
+    evaluation_seconds: float = 0.0
+
+
+_state = _State()
+
+
+def known(scene: Scene) -> Session | None:
+    """The session of a scene; None before it is first traced."""
+    return _state.sessions.get(scene.session_uid)
+
+
+def add(scene: Scene, session: Session) -> None:
+    """Keep the session of a scene, and drop those of scenes that were deleted."""
+    for gone in _state.sessions.keys() - {other.session_uid for other in bpy.data.scenes}:
+        del _state.sessions[gone]
+    _state.sessions[scene.session_uid] = session
+
+
+def clear() -> None:
+    """Drop all sessions."""
+    _state.sessions.clear()
+
+
+def evaluation_begins() -> None:
+    """Blender begins to evaluate a frame."""
+    _state.evaluation_began = time.perf_counter()
+
+
+def evaluation_ends() -> None:
+    """Blender has evaluated the frame: the time that took is part of the statistics of the frame that is traced now."""
+    _state.evaluation_seconds = time.perf_counter() - _state.evaluation_began if _state.evaluation_began else 0.0
+
+
+def evaluation_seconds() -> float:
+    """How long Blender took for the current frame."""
+    return _state.evaluation_seconds
+
+
+def shown(scene: Scene) -> Traced | None:
+    """The last frame that is complete, without waiting for one that is being traced."""
+    session = known(scene)
+    return None if session is None else session.shown
+
+
+def felt_in(scene: Scene) -> tuple[Felt, ...]:
+    """What the last complete frame of a scene felt like, one value per modality beside vibration that is switched on."""
+    traced = shown(scene)
+    return () if traced is None else traced.felt
+
+
+def is_behind(scene: Scene) -> bool:
+    """True while a newer frame than the one `shown` is being traced."""
+    session = known(scene)
+    return session is not None and session.begun is not None and (session.shown is None or session.shown.serial != session.serial)
+
+
+def shown_problems(scene: Scene) -> tuple[Problem, ...]:
+    """What a designer should mend, as far as it is known without waiting."""
+    session = known(scene)
+    if session is None:
+        return ()
+    return session.failure if session.shown is None else problems_in(session.shown)
+
+
+def problems_in(traced: Traced) -> tuple[Problem, ...]:
+    """What a designer should mend of a frame, in the language of the interface."""
+    read = () if traced.reading is None else traced.reading.problems
+    warnings = (Problem(warning.object, sentence(warning)) for warning in traced.result.warnings)
+    return (*read, *warnings, *(Problem("", error) for error in traced.errors))
+
+
+@contextmanager
+def drawing(scene: Scene) -> Iterator[None]:
+    """What is done inside counts as drawing the scene's results."""
+    started = time.perf_counter()
+    try:
+        yield
+    finally:
+        session = known(scene)
+        if session is not None:
+            session.draw_milliseconds += 1000 * (time.perf_counter() - started)

@@ -1,0 +1,97 @@
+"""Enabling the add-on loads nothing that computes: the core follows when an object is tagged, an output is used or a file is exported."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from haptic_tracing.addon import gateway
+
+# Modules of the core that are data, or that scenes' properties are made of.
+LEAVES = {
+    "devices",
+    "diagnosis",
+    "diagnosis.sentences",
+    "formats",
+    "formats.io",
+    "formats.io.catalogue",
+    "formats.io.options",
+    "message",
+    "modalities",
+    "modalities.modality",
+    "modalities.thermal",
+    "modalities.vibrotactile",
+    "render",
+    "scene",
+    "scene.bands",
+    "scene.body",
+    "scene.choices",
+    "scene.coefficients",
+    "scene.materials",
+}
+
+PROGRAM = """
+import json, sys
+import bpy
+import haptic_tracing
+
+def modules():
+    prefix = "haptic_tracing."
+    return sorted(name.removeprefix(prefix) for name in sys.modules if name.startswith(prefix))
+
+bpy.ops.wm.read_homefile(use_factory_startup=True)  # a cube, a camera, a light
+haptic_tracing.register()
+loaded = {"registered": modules()}
+scene, cube = bpy.context.scene, bpy.data.objects["Cube"]
+for frame in (1, 2, 5):
+    scene.frame_set(frame)
+cube.location.x = 1.0
+bpy.context.view_layer.update()
+loaded["frames and edits"] = modules()
+STEP
+print(json.dumps(loaded))
+haptic_tracing.unregister()
+"""
+
+STEPS = {
+    "tagged": 'cube.haptics.enabled = True; bpy.context.view_layer.update(); scene.frame_set(6); loaded["tagged"] = modules()',
+    "devices": 'bpy.ops.haptic.find_devices(); loaded["devices"] = modules()',
+    "exported": "try: bpy.ops.export_scene.haptic_tracks(filepath='x.wav')\n"
+    "except RuntimeError: pass  # nothing is tagged\n"
+    "loaded['exported'] = modules()",
+    "removed": "bpy.data.objects.remove(cube); haptic_tracing.unregister(); haptic_tracing.register(); "
+    'bpy.ops.wm.read_homefile(use_empty=True); loaded["removed"] = modules()',
+}
+
+
+@pytest.fixture
+def loaded(tmp_path):
+    def after(step):
+        program = PROGRAM.replace("STEP", STEPS[step])
+        environment = {**os.environ, "BLENDER_USER_RESOURCES": str(tmp_path)}
+        done = subprocess.run([sys.executable, "-c", program], env=environment, cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return {moment: set(names) for moment, names in json.loads(done.stdout.splitlines()[-1]).items()}
+
+    return after
+
+
+def of_the_core(modules):
+    return {name.removeprefix("core.") for name in modules if name.startswith("core.")}
+
+
+def test_registering_frames_and_edits_of_an_untagged_scene_load_no_stage_of_the_core(loaded):
+    modules = loaded("removed")
+    for moment in ("registered", "frames and edits", "removed"):
+        assert of_the_core(modules[moment]) <= LEAVES
+        assert not modules[moment] & set(gateway.MODULES)
+
+
+@pytest.mark.parametrize(
+    ("step", "stages"), [("tagged", {"tracer", "contacts.tracker"}), ("devices", {"devices.inventory"}), ("exported", {"formats.export"})]
+)
+def test_the_core_is_loaded_when_it_is_used(loaded, step, stages):
+    modules = loaded(step)
+    assert of_the_core(modules["frames and edits"]) <= LEAVES
+    assert {f"core.{stage}" for stage in stages} <= modules[step]
