@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import bpy
 from bpy.types import Context, Event, Header, Operator, WindowManager
@@ -47,22 +48,28 @@ class Job:
             close()
 
 
-_running: Job | None = None
+@dataclass(slots=True)
+class _State:
+    """The job that runs in the window."""
+
+    running: Job | None = None
+
+
+_state = _State()
 
 
 def running() -> Job | None:
     """The job that runs in the window."""
-    return _running
+    return _state.running
 
 
 def run(operator: Operator, context: Context, job: Job) -> set[str]:
     """Run a job for an operator: in pieces where a person waits at a window, else at a stretch. ValueError and OSError are reported."""
     if operator.options.is_invoke and not bpy.app.background and context.window is not None and job.total > 1:
-        global _running
-        if _running is not None:
-            operator.report({"ERROR"}, _rpt("{} is not done yet").format(_running.label))
+        if _state.running is not None:
+            operator.report({"ERROR"}, _rpt("{} is not done yet").format(_state.running.label))
             return {"CANCELLED"}
-        _running = job
+        _state.running = job
         bpy.app.timers.register(_start, first_interval=0.05)  # the file browser closes first
         return {"FINISHED"}
     manager = context.window_manager
@@ -83,7 +90,7 @@ def run(operator: Operator, context: Context, job: Job) -> set[str]:
 
 def _start() -> None:
     """Begin the job that waits, in Blender's first window."""
-    if _running is None:
+    if _state.running is None:
         return
     window = bpy.context.window_manager.windows[0]
     with bpy.context.temp_override(window=window):
@@ -99,7 +106,7 @@ class HAPTIC_OT_run_job(Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return _running is not None
+        return _state.running is not None
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         self._timer = context.window_manager.event_timer_add(0.01, window=context.window)
@@ -108,7 +115,7 @@ class HAPTIC_OT_run_job(Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: Context, event: Event) -> set[str]:
-        assert _running is not None
+        assert _state.running is not None
         if event.type == "ESC":
             self.cancel(context)
             self.report({"WARNING"}, _rpt("Cancelled: nothing was written"))
@@ -116,7 +123,7 @@ class HAPTIC_OT_run_job(Operator):
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}  # nothing else happens while the frames are stepped
         try:
-            reports = _running.advance(BUDGET)
+            reports = _state.running.advance(BUDGET)
         except (ValueError, OSError) as error:
             self.cancel(context)
             self.report({"ERROR"}, str(error))
@@ -135,10 +142,9 @@ class HAPTIC_OT_run_job(Operator):
 
     def cancel(self, context: Context) -> None:
         """The end, whatever it is; Blender calls it too, when the window closes."""
-        global _running
-        if _running is not None:
-            _running.cancel()
-            _running = None
+        if _state.running is not None:
+            _state.running.cancel()
+            _state.running = None
         context.window_manager.event_timer_remove(self._timer)
         if context.workspace is not None:
             context.workspace.status_text_set(None)
@@ -147,12 +153,12 @@ class HAPTIC_OT_run_job(Operator):
 
 def draw_status(header: Header, context: Context) -> None:
     """The status bar of Blender's window."""
-    if _running is not None:
+    if _state.running is not None:
         row = header.layout.row()
         row.label(text="Cancel", icon="EVENT_ESC")
         bar = row.row()
         bar.ui_units_x = 16
-        draw_progress(bar, _running)
+        draw_progress(bar, _state.running)
 
 
 def draw_progress(layout: bpy.types.UILayout, job: Job) -> None:
@@ -169,12 +175,11 @@ def _redraw(manager: WindowManager) -> None:
 
 def stop() -> None:
     """Give up what runs: the add-on goes."""
-    global _running
     if bpy.app.timers.is_registered(_start):
         bpy.app.timers.unregister(_start)
-    if _running is not None:
-        _running.cancel()
-        _running = None
+    if _state.running is not None:
+        _state.running.cancel()
+        _state.running = None
 
 
 CLASSES = (HAPTIC_OT_run_job,)

@@ -4,40 +4,48 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 
 from bpy.types import Scene
 
-_depth = 0
-_stepped: list[int] = []  # session ids of scenes
+
+@dataclass(slots=True)
+class _State:
+    """``depth``: of nested suspensions. ``stepped``: session ids of the scenes that the add-on steps through."""
+
+    depth: int = 0
+    stepped: list[int] = field(default_factory=list)
+
+
+_state = _State()
 
 
 def is_suspended() -> bool:
     """True inside `suspended`."""
-    return _depth > 0
+    return _state.depth > 0
 
 
 @contextmanager
 def suspended() -> Iterator[None]:
     """Handlers do nothing inside; may be nested."""
-    global _depth
-    _depth += 1
+    _state.depth += 1
     try:
         yield
     finally:
-        _depth -= 1
+        _state.depth -= 1
 
 
 def is_stepped(scene: Scene) -> bool:
     """True inside `stepped`."""
-    return scene.session_uid in _stepped
+    return scene.session_uid in _state.stepped
 
 
 @contextmanager
 def stepped(scene: Scene) -> Iterator[None]:
     """Every frame that the scene comes to is traced, whatever is chosen for the preview, and edits are not."""
     scene_id = scene.session_uid
-    _stepped.append(scene_id)
+    _state.stepped.append(scene_id)
     try:
         yield
     finally:
-        _stepped.remove(scene_id)
+        _state.stepped.remove(scene_id)

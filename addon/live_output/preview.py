@@ -7,6 +7,7 @@ as Blender's sequencer begins a sound now and then a sample too late.
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import dataclass
 from typing import Any
 
 import bpy
@@ -91,54 +92,57 @@ class _Stream:
             self._sequence.remove(self._entries.pop()[1])
 
 
-_stream: _Stream | None = None
-_on = False
-_volume = 0.5
+@dataclass(slots=True)
+class _State:
+    """Whether the preview is switched on, how loud it is, and what it plays with."""
+
+    on: bool = False
+    volume: float = 0.5
+    stream: _Stream | None = None
+
+
+_state = _State()
 
 
 def is_on() -> bool:
     """True where the preview is switched on."""
-    return _on
+    return _state.on
 
 
 def switch_on() -> None:
     """From now on frames are heard. Raises AudioUnavailable."""
-    global _on
     _audio()
-    _on = True
+    _state.on = True
 
 
 def switch_off() -> None:
     """Silence, for good."""
-    global _on, _stream
-    _on = False
-    if _stream is not None:
-        _stream.stop()
-        _stream = None
+    _state.on = False
+    if _state.stream is not None:
+        _state.stream.stop()
+        _state.stream = None
 
 
 def set_volume(volume: float) -> None:
     """How loud, 0 to 1."""
-    global _volume
-    _volume = volume
-    if _stream is not None:
-        _stream.set_volume(volume)
+    _state.volume = volume
+    if _state.stream is not None:
+        _state.stream.set_volume(volume)
 
 
 def silence() -> None:
     """Nothing more of what was sent so far."""
-    if _stream is not None:
-        _stream.silence()
+    if _state.stream is not None:
+        _state.stream.silence()
 
 
 def play(body_parts: list[str], samples: FloatArray, sample_rate: float) -> None:
     """Let the next block be heard: ``samples`` (listeners, n). Nothing where the preview is off."""
-    global _stream
-    if not _on:
+    if not _state.on:
         return
-    if _stream is None or _stream.sample_rate != sample_rate:
-        _stream = _Stream(sample_rate, _volume)
-    _stream.append(stereo_mix(body_parts, samples))
+    if _state.stream is None or _state.stream.sample_rate != sample_rate:
+        _state.stream = _Stream(sample_rate, _state.volume)
+    _state.stream.append(stereo_mix(body_parts, samples))
 
 
 def stereo_mix(body_parts: list[str], samples: FloatArray) -> FloatArray:
