@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import bpy
 from bpy.types import ID, FCurve
@@ -12,7 +13,7 @@ Value = float | Sequence[float]
 CONSTANT, LINEAR, BEZIER = "CONSTANT", "LINEAR", "BEZIER"
 
 
-def animate(owner: ID, path: str, keys: Mapping[float, Value], interpolation: str = LINEAR) -> None:
+def animate(owner: ID, path: str, keys: Mapping[Any, Value], interpolation: str = LINEAR) -> None:
     """Keys of a property (``location``, ``energy``) by frame: numbers, or one tuple per frame for a property of several channels."""
     frames = sorted(keys)
     channels = [[value] if isinstance(value, int | float) else list(value) for value in (keys[frame] for frame in frames)]

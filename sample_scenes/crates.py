@@ -20,8 +20,8 @@ def crate_shape(edge: float) -> Geometry:
                 size[axis] = edge
                 centre[(axis + 1) % 3] = a * (edge - bar) / 2
                 centre[(axis + 2) % 3] = b * (edge - bar) / 2
-                frame.append(box(tuple(size), 0.008).moved(*centre).painted(1))
-    return joined([box((edge - 2 * inset,) * 3), *frame])
+                frame.append(box((size[0], size[1], size[2]), 0.008).moved(*centre).painted(1))
+    return joined([box((edge - 2 * inset, edge - 2 * inset, edge - 2 * inset)), *frame])
 
 
 def crate_materials() -> tuple[Material, Material]:

@@ -71,23 +71,24 @@ def box(size: Point, chamfer: float = 0.0) -> Geometry:
         return Geometry(corners, faces, (0,) * 6)
     inner = tuple(h - min(chamfer, 0.49 * 2 * min(half)) for h in half)
     vertices: list[Point] = []
-    index: dict[tuple[int, int, int, int], int] = {}
+    index: dict[tuple[int, ...], int] = {}
     for z in (-1, 1):
         for y in (-1, 1):
             for x in (-1, 1):
                 signs = (x, y, z)
                 for axis in range(3):
                     index[(*signs, axis)] = len(vertices)
-                    vertices.append(tuple(s * (half[k] if k == axis else inner[k]) for k, s in enumerate(signs)))
+                    dx, dy, dz = (s * (half[k] if k == axis else inner[k]) for k, s in enumerate(signs))
+                    vertices.append((dx, dy, dz))
     faces_out: list[tuple[int, ...]] = []
     for axis in range(3):
         u, v = (axis + 1) % 3, (axis + 2) % 3
         for side in (-1, 1):
             face = []
             for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
-                signs = [0, 0, 0]
-                signs[axis], signs[u], signs[v] = side, a, b
-                face.append(index[(*signs, axis)])
+                corner = [0, 0, 0]
+                corner[axis], corner[u], corner[v] = side, a, b
+                face.append(index[(*corner, axis)])
             faces_out.append(tuple(face if side > 0 else reversed(face)))
         for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
             low, high = [0, 0, 0], [0, 0, 0]
@@ -99,8 +100,8 @@ def box(size: Point, chamfer: float = 0.0) -> Geometry:
     for z in (-1, 1):
         for y in (-1, 1):
             for x in (-1, 1):
-                corner = tuple(index[(x, y, z, axis)] for axis in range(3))
-                faces_out.append(corner if x * y * z > 0 else corner[::-1])
+                cut = tuple(index[(x, y, z, axis)] for axis in range(3))
+                faces_out.append(cut if x * y * z > 0 else cut[::-1])
     return Geometry(tuple(vertices), tuple(faces_out), (0,) * len(faces_out))
 
 

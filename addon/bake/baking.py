@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import closing
 
 from bpy.types import Scene
@@ -46,7 +46,7 @@ class Baking:
         """Stop. The scene's frame is then what it was; before the last frame was traced nothing has changed."""
         self._work.close()
 
-    def _pieces(self, scene: Scene, first: int, last: int) -> Iterator[None]:
+    def _pieces(self, scene: Scene, first: int, last: int) -> Generator[None, None, None]:
         recorder = TrackRecorder()
         digest = digest_of(scene)
         frame_duration = scene.render.fps_base / scene.render.fps

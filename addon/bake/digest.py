@@ -158,7 +158,8 @@ def _animation(datablock: ID) -> tuple[frozenset[str], str]:
     data = datablock.animation_data
     if data is None:
         return frozenset(), ""
-    paths, parts = set(), []
+    paths: set[str] = set()
+    parts: list[tuple[Any, ...]] = []
     for curve in fcurves_of(datablock):
         if curve.data_path.startswith("haptics.felt."):
             continue  # written by the bake itself

@@ -87,8 +87,7 @@ def stale_reasons(scene: Scene, *, at_once: bool = False) -> tuple[str, ...]:
         return ()
     mark, version, now = storage.stamp(scene), revisions.edits(), time.perf_counter()
     known = _compared.get(scene.session_uid)
-    recent = known is not None and (known.version == version or now - known.at < _REST * known.seconds)
-    if recent and known.stamp == mark and not at_once:
+    if known is not None and known.stamp == mark and not at_once and (known.version == version or now - known.at < _REST * known.seconds):
         return known.reasons
     reasons = compare(scene, track)
     _compared[scene.session_uid] = _Compared(mark, version, time.perf_counter(), time.perf_counter() - now, reasons)

@@ -281,8 +281,8 @@ def _track(header: Mapping[str, Any], data: bytes, place: int) -> HapticTrack:
             raise TrackError(f"the haptic track is damaged: bake again ({name} has {len(values)} bytes, not {size})")
         arrays[name] = np.frombuffer(values, dtype=kind).reshape(shapes[name])
         place += packed
-    for name, values in arrays.items():
-        if values.dtype.kind == "f" and not (np.abs(values) <= 1e9).all():
+    for name, array in arrays.items():
+        if array.dtype.kind == "f" and not (np.abs(array) <= 1e9).all():
             raise TrackError(f"the haptic track is damaged: bake again ({name} is not finite)")
     for name, end in (("offsets", samples), ("rows", rows)):
         steps = arrays[name]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Generator, Iterator
 from contextlib import closing
 from dataclasses import replace
 from typing import Protocol
@@ -83,7 +83,7 @@ class Capture:
         scene = replace(self._recorder.scene(), settings=first.settings, extras=first.extras)
         return replace(self._first, name=name, scene=scene, tracks=tracks, recording=self._recorder.recording())
 
-    def _results(self) -> Iterator[FrameResult]:
+    def _results(self) -> Generator[FrameResult, None, None]:
         if self._track is None:
             with closing(timeline.steps(self.scene, self.start, self.end)) as steps:
                 for step in steps:
@@ -126,5 +126,5 @@ def contacts_within(contacts: ContactSet, objects: Collection[str], names: Colle
     inside = np.array([name in names for name in objects], dtype=np.bool_)
     if inside.all():
         return contacts
-    chosen = inside[contacts.pairs].all(axis=1)
+    chosen = np.asarray(inside[contacts.pairs].all(axis=1))
     return rows_of(contacts, chosen)

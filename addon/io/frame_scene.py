@@ -49,10 +49,10 @@ def current_scene(context: Context) -> HapticScene:
     scene = context.scene
     depsgraph = context.evaluated_depsgraph_get()
     result, reading = session.result_of(scene), session.of(scene).reading
-    is_traced = result is not None and "propagate" in result.milliseconds  # not read from a baked track
-    if scene.haptics.tracing and is_traced and reading is not None and result.number == scene.frame_current:
-        return scene_of_result(result, reading, scene)
-    return scene_of_frame(scene, depsgraph)
+    # A result without a propagation was read from a baked track.
+    if not scene.haptics.tracing or result is None or reading is None or "propagate" not in result.milliseconds:
+        return scene_of_frame(scene, depsgraph)
+    return scene_of_result(result, reading, scene) if result.number == scene.frame_current else scene_of_frame(scene, depsgraph)
 
 
 def scene_of_frame(scene: bpy.types.Scene, depsgraph: Depsgraph) -> HapticScene:

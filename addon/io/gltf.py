@@ -132,7 +132,7 @@ class glTF2ImportUserExtension:
 def read_roles(obj: Object, form: dict[str, Any]) -> None:
     """Give an object the roles that its node had. Raises ValueError, TypeError or KeyError for what is none."""
     nowhere = {"name": obj.name, "object": obj.name, "position": [0.0, 0.0, 0.0]}
-    items = {
+    items: dict[str, Any] = {
         role: make({key: value for key, value in {**base, **form[role]}.items() if key != "second_object"}, (role,))
         for role, make, base in (
             ("object", read_object, {"name": obj.name}),

@@ -11,7 +11,8 @@ from bpy.types import Object
 
 from ...core.arrays import FloatArray
 from ...core.contacts.shapes import pose_matrix
-from ...core.formats.scene.recording import PoseRow, Recording
+from ...core.formats.scene.poses import PoseRow
+from ...core.formats.scene.recording import Recording
 from ...core.scene.values import HapticScene, Pose, Vector
 
 Keys = dict[int, tuple[float, ...]]
@@ -42,8 +43,8 @@ def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[s
             carriers[f"source {source.name}"] = source.object
         for name, row in change.poses.items():
             poses[name][number] = row
-        for name, values in change.properties.items():
-            properties[name][number] = values
+        for name, pair in change.properties.items():
+            properties[name][number] = pair
         for name, amplitude in change.amplitudes.items():
             amplitudes[name][number] = (amplitude,)
         for name, positions in change.source_positions.items():
@@ -94,7 +95,8 @@ def _row(pose: Pose | None) -> PoseRow:
 
 def _held(keys: Keys) -> tuple[FloatArray, FloatArray]:
     """Frames (k,) and values (k, n), with a key more before every change after a rest, so that it changes from one frame to the next."""
-    times, values = [], []
+    times: list[int] = []
+    values: list[tuple[float, ...]] = []
     for frame, value in keys.items():
         if times and frame > times[-1] + 1:
             times.append(frame - 1)
@@ -118,8 +120,8 @@ def _local(places: Keys, poses: Keys) -> Keys:
     pose = poses[max((frame for frame in poses if frame <= first), default=next(iter(poses)))]
     for frame in sorted({*places, *(frame for frame in poses if frame > first)}):
         pose, place = poses.get(frame, pose), places.get(frame, place)
-        x, y, z, *rotation = pose
-        result[frame] = local_place(place, Pose((x, y, z), tuple(rotation)))
+        x, y, z, a, b, c, d = pose
+        result[frame] = local_place(place, Pose((x, y, z), (a, b, c, d)))
     return result
 
 

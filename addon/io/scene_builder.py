@@ -286,7 +286,8 @@ class _Builder:
         """A box around all that is known to be on an object, and its centre in the world."""
         known = [position for contact in self.haptic.contacts for name, position in zip(contact.objects, contact.positions, strict=True)
                  if name == item.name]  # fmt: skip
-        known += [other.position for other in (*self.haptic.sources, *self.haptic.listeners) if other.object == item.name]
+        known += [source.position for source in self.haptic.sources if source.object == item.name]
+        known += [listener.position for listener in self.haptic.listeners if listener.object == item.name]
         points = np.array(known or [self.poses[item.name].position])
         low, high = points.min(axis=0), points.max(axis=0)
         x, y, z = np.maximum(high - low, SMALLEST).tolist()

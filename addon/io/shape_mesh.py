@@ -53,7 +53,8 @@ def _turned(profile: list[tuple[float, float]]) -> Surface:
     inner = profile[1:-1]
     rings = [np.column_stack([r * np.cos(angles), r * np.sin(angles), np.full(SEGMENTS, z)]) for r, z in inner]
     points = np.concatenate([[[0.0, 0.0, profile[0][1]]], *rings, [[0.0, 0.0, profile[-1][1]]]])
-    last, faces = len(points) - 1, []
+    last = len(points) - 1
+    faces: list[tuple[int, ...]] = []
     for k in range(SEGMENTS):
         n = (k + 1) % SEGMENTS
         faces.append((0, 1 + n, 1 + k))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ...core.formats.tracks.vibration_file import Channel, VibrationFile
 from ...core.signals import Loop, Sampled, Signal
 from ..blender.single_precision import shortest
@@ -25,5 +27,5 @@ def signal_of(channel: Channel, loop: bool) -> Signal:
     if isinstance(signal, Sampled):
         rate = min(signal.rate, HIGHEST_RATE)
         samples = channel.at_rate(rate) if rate < signal.rate else signal.samples
-        signal = Sampled([shortest(v) for v in samples.tolist()], rate)
+        signal = Sampled(np.array([shortest(v) for v in samples.tolist()]), rate)
     return Loop(signal) if loop else signal

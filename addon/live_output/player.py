@@ -6,6 +6,7 @@ import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from time import perf_counter as clock
+from typing import Any
 
 import numpy as np
 
@@ -45,7 +46,7 @@ class _State:
     result: FrameResult | None = None  # the last one that was played
     playback: Playback = field(default_factory=Playback)
     mapping: ActuatorMapping | None = None
-    mapped: tuple = ()
+    mapped: tuple[Any, ...] = ()
     timed: float | None = None  # the time [s] of the last frame whose tracing time was looked at
     slow: int = 0  # frames in a row that took long
     ahead: _Ahead | None = None

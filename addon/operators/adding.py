@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import bmesh
 import bpy
@@ -138,7 +139,7 @@ class HAPTIC_OT_add_sample(Operator):
         return poll_object_mode(cls, context)
 
     @classmethod
-    def description(cls, context: Context, properties) -> str:
+    def description(cls, context: Context, properties: Any) -> str:
         return bpy.app.translations.pgettext_tip(SAMPLES[properties.sample].description)
 
     def execute(self, context: Context) -> set[str]:

@@ -108,10 +108,10 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
         return ".json.gz" if self.compressed else ".json"
 
     def check(self, context: Context) -> bool:
-        path = with_ending(self.filepath, SCENE_ENDINGS, self.filename_ext)
-        changed = path != self.filepath
-        self.filepath = path
-        return changed
+        before: str = self.properties.filepath
+        path = with_ending(before, SCENE_ENDINGS, self.filename_ext)
+        self.properties.filepath = path
+        return path != before
 
     def draw(self, context: Context) -> None:
         layout = self.layout
@@ -128,7 +128,7 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
 
     def execute(self, context: Context) -> set[str]:
         if not self.filepath.lower().endswith(SCENE_ENDINGS):
-            self.filepath += self.filename_ext
+            self.properties.filepath += self.filename_ext
         try:
             if self.frames == "RANGE":
                 return self.captured(context, True, self.tracks != "none", self._writer())
@@ -182,10 +182,10 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
         return named(self.format).suffix
 
     def check(self, context: Context) -> bool:
-        path = with_ending(self.filepath, [named(name).suffix for name in TRACK_FORMATS], self.filename_ext)
-        changed = path != self.filepath
-        self.filepath = path
-        return changed
+        before: str = self.properties.filepath
+        path = with_ending(before, [named(name).suffix for name in TRACK_FORMATS], self.filename_ext)
+        self.properties.filepath = path
+        return path != before
 
     def draw(self, context: Context) -> None:
         layout = self.layout

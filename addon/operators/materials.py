@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 from bpy.types import Context, Operator
@@ -42,7 +44,7 @@ class HAPTIC_OT_apply_material(Operator):
         return poll_selected(cls, context)
 
     @classmethod
-    def description(cls, context: Context, properties) -> str:
+    def description(cls, context: Context, properties: Any) -> str:
         material = MATERIALS[properties.preset]
         if properties.name:
             return ""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, Menu, Panel, UIList
+from typing import Any
+
+from bpy.types import Context, Menu, Panel, UILayout, UIList
 
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.materials import MATERIALS
@@ -14,7 +16,9 @@ class HAPTIC_UL_materials(UIList):
 
     bl_idname = "HAPTIC_UL_materials"
 
-    def draw_item(self, context: Context, layout, data, item, icon, active_data, active_property, index=0, flags=0) -> None:
+    def draw_item(
+        self, context: Context, layout: UILayout, data: Any, item: Any, icon: int, active_data: Any, active_property: str, index: int = 0
+    ) -> None:
         row = layout.row(align=True)
         row.prop(item, "name", text="", emboss=False, icon="MATERIAL")
         side = row.row()

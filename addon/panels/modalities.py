@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bpy.types import Context, Panel
+from bpy.types import Context, Panel, UILayout
 
 from ...core.modalities import Modality
 from ..properties.modalities import SHOWN
@@ -41,7 +41,7 @@ def _scene_panel(modality: Modality) -> type[Panel]:
     return _panel(modality, "scene", {"bl_label": modality.title, "bl_order": _ORDER, "draw_header": draw_header, "draw": draw})
 
 
-def _draw_listener(layout, felt: Felt, index: int) -> None:
+def _draw_listener(layout: UILayout, felt: Felt, index: int) -> None:
     value = float(felt.values[index])
     row = layout.split(factor=0.72)
     row.label(text=felt.listeners[index], translate=False)

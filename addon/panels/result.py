@@ -165,15 +165,15 @@ class HAPTIC_PT_statistics(HapticsPanel, Panel):
 
     def draw(self, context: Context) -> None:
         layout = self.layout
-        traced = sessions.shown(context.scene)
-        if traced is None:
+        session = sessions.known(context.scene)
+        if session is None or session.shown is None:
             layout.label(text="Nothing traced yet")
             return
-        result = traced.result
+        result = session.shown.result
         column = layout.column(align=True)
         for stage, milliseconds in result.milliseconds.items():
             draw_pair(column, stage.replace("_", " ").capitalize(), f"{milliseconds:.2f} ms")
-        draw_pair(column, "Draw", f"{sessions.known(context.scene).draw_milliseconds:.2f} ms")
+        draw_pair(column, "Draw", f"{session.draw_milliseconds:.2f} ms")
         column.separator()
         for name, value in result.statistics.items():
             draw_pair(column, name.replace("_", " ").capitalize(), f"{value:g}")

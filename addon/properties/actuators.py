@@ -34,7 +34,8 @@ def choice_of(places: Sequence[Place]) -> str:
 
 def toggled(choice: str, actuator: str) -> str:
     """The choice with the actuator, as "device/actuator", added to it, or removed where it is chosen already."""
-    place = Place(*actuator.rsplit("/", 1))
+    device, _, name = actuator.rpartition("/")
+    place = Place(device, name)
     places = places_of(choice) or []
     return choice_of([other for other in places if other != place] if place in places else [*places, place])
 

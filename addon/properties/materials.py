@@ -159,13 +159,13 @@ def add_material(scene: Scene, name: str, values: dict[str, object]) -> HapticMa
     return item
 
 
-def own_values(obj: Object) -> dict[str, object]:
+def own_values(obj: Object) -> dict[str, Any]:
     """The values that an object has itself, as a material of the library holds them."""
     values = _held(obj)
     return {**values, "use_delay": values["wave_speed"] > 0}
 
 
-def _held(obj: Object) -> dict[str, object]:
+def _held(obj: Object) -> dict[str, Any]:
     return {
         name: tuple(value) if name == "band_decays" else value
         for name, holder in holders(obj).items()

@@ -33,17 +33,17 @@ def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Sha
             return _hull(vertices.tobytes(), tuple(size.tolist()), margin, use_margin)
         case "MESH":
             vertices, triangles = _triangles(obj, depsgraph, body.mesh_source)
-            return mesh_shape(vertices * mirror, triangles, size, margin if use_margin else DEFAULT_MARGIN)
+            return mesh_shape(vertices * mirror, triangles, size.tolist(), margin if use_margin else DEFAULT_MARGIN)
         case "COMPOUND":
             return _compound(obj, depsgraph, size)
         case kind:
-            return shape_from_bounding_box(kind, _bounding_box(obj, depsgraph), size, margin, use_margin)
+            return shape_from_bounding_box(kind, _bounding_box(obj, depsgraph), size.tolist(), margin, use_margin)
 
 
 @lru_cache(maxsize=32)
 def _hull(vertices: bytes, size: tuple[float, ...], margin: float, use_margin: bool) -> Shape:
     """Objects of one mesh share its hull: shrinking it by the margin takes milliseconds. ``vertices``: (n, 3) as bytes."""
-    return convex_hull_shape(np.frombuffer(vertices).reshape(-1, 3), np.array(size), margin, use_margin)
+    return convex_hull_shape(np.frombuffer(vertices).reshape(-1, 3), size, margin, use_margin)
 
 
 def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:

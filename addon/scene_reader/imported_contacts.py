@@ -40,7 +40,7 @@ class Homes:
         """The bodies that stand there."""
         if not np.isfinite(self.transforms[:, 3, 3]).any():
             return frozenset()
-        return frozenset(compress(self.names, (np.abs(transforms - self.transforms) <= self.limits).all(axis=(1, 2)).tolist()))
+        return frozenset(compress(self.names, np.all(np.abs(transforms - self.transforms) <= self.limits, axis=(1, 2)).tolist()))
 
 
 class ImportedContacts:

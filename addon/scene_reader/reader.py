@@ -155,7 +155,7 @@ class SceneReader:
             rows |= {row for row in self._tagged if self._session_ids is not None and int(self._session_ids[row]) in deformed}
         changed = False
         again = sorted(rows)
-        scales = rigid_transforms(raw[np.array(again, dtype=np.int64)])[1] if again else ()
+        scales = rigid_transforms(raw[np.array(again, dtype=np.int64)])[1] if again else np.zeros((0, 3))
         for row, scale in zip(again, scales, strict=True):
             tagged = self._read_object(row, bpy.data.objects[row], depsgraph, scale)
             if tagged != self._tagged[row]:

@@ -10,7 +10,8 @@ from typing import Literal
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
-from .colour_map import STEPS, FloatArray, GainScale, colour_table, decibel_text
+from ...core.arrays import FloatArray
+from .colour_map import STEPS, GainScale, colour_table, decibel_text
 from .hud import FAINT_INK, INK, PLATE, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder, Measure, Rectangle, overlaps
 from .label_placement import place_labels, project, squares_around
 from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Label, Lines, RenderData, Shape
@@ -26,7 +27,7 @@ LegendSide = Literal["LEFT", "RIGHT", "NONE"]
 NAMES = {Shape.SOURCE: "Source", Shape.IMPACT: "Impact", Shape.LISTENER: "Listener", Shape.CONTACT: "Contact"}
 
 
-def annotations(
+def placed_annotations(
     data: RenderData,
     perspective: FloatArray,
     size: tuple[float, float],

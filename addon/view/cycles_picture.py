@@ -15,12 +15,12 @@ import numpy as np
 from bpy.types import Scene
 from numpy.typing import NDArray
 
+from ...core.arrays import FloatArray
 from ...core.render.frame_result import FrameResult
 from ..changes.suspension import suspended
 from ..scene_reader.settings import read_settings
-from .annotations import annotations
+from .annotations import placed_annotations
 from .camera import camera_view, picture_scale
-from .colour_map import FloatArray
 from .graph_mesh import add_graph
 from .meters import meters_above
 from .options import shown_options
@@ -46,7 +46,7 @@ def rendered_picture(scene: Scene, result: FrameResult, size: tuple[int, int], *
         else:
             canvas = _rendered_among(scene, solid, size)[..., :3]
     hud = meters_above(scene, result, size, scale) if meters else None
-    paint(canvas, annotations(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width, hud.bounds if hud else ()), scale)
+    paint(canvas, placed_annotations(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width, hud.bounds if hud else ()), scale)
     if hud is not None:
         paint(canvas, hud, scale)
     return np.rint(np.clip(canvas[::-1], 0, 1) * 255).astype(np.uint8)

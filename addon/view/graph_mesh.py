@@ -8,11 +8,12 @@ import bpy
 import numpy as np
 from bpy.types import Collection, Material, Mesh, Object, Scene
 
+from ...core.arrays import FloatArray
 from ...core.render.frame_result import FrameResult
 from ..scene_reader.settings import read_settings
-from .annotations import annotations, label_text
+from .annotations import label_text, placed_annotations
 from .camera import camera_view, picture_scale
-from .colour_map import FloatArray, linear
+from .colour_map import linear
 from .hud import INK, Hud
 from .options import options_of
 from .render_data import Label, render_data
@@ -53,7 +54,7 @@ def graph_in_collection(scene: Scene, result: FrameResult, thickness: float, *, 
     if in_front:
         _bring_to_front(graph, view, projection, scene.camera.data.clip_start)
     if labels:
-        items = annotations(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width)
+        items = placed_annotations(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width)
         _add_annotations(collection, items, scale, scene.camera, projection, size)
     return graph, collection
 

@@ -101,7 +101,7 @@ class HudBuilder:
 
     def text(self, words: str, position: Sequence[float], colour: Sequence[float], size: float = TEXT_SIZE) -> None:
         """A text of ``size`` points, the start of its baseline at ``position``."""
-        self._texts.append(Text(words, (float(position[0]), float(position[1])), size * self.scale, tuple(colour)))
+        self._texts.append(Text(words, (float(position[0]), float(position[1])), size * self.scale, (colour[0], colour[1], colour[2])))
 
     def build(self) -> Hud:
         """Everything collected so far."""

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 
-from ...core.arrays import BoolArray
-from .colour_map import FloatArray
+from ...core.arrays import BoolArray, FloatArray
 
 # Where a label's centre may be, in halves of its extent plus a reach: right, left, above, below, then the diagonals; near, then farther.
 _SIDES = np.array([(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)], dtype=np.float64)

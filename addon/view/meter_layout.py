@@ -260,8 +260,8 @@ def _add_body(builder: HudBuilder, corner: tuple[float, float], height: float, p
         middle = x + (2 * number + 1) * HALF_WIDTH * unit
         for limb in figure(view):
             colour = colour_of(parts[limb.part]) if limb.part in parts else _ABSENT
-            ends = [(middle + place[0] * unit, y + place[1] * unit) for place in (limb.start, limb.end)]
-            builder.line(*ends, colour, limb.width * unit / scale)
+            start, end = ((middle + place[0] * unit, y + place[1] * unit) for place in (limb.start, limb.end))
+            builder.line(start, end, colour, limb.width * unit / scale)
         words = iface_(view)
         width = measure(words, size)
         builder.text(words, (middle - width / 2, y + HEIGHT * unit + 6 * scale), FAINT_INK, SMALL_TEXT)

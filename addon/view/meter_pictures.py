@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 
 import numpy as np
@@ -59,7 +59,7 @@ def wave_colour(ink: Colour) -> Colour:
     return red, green, blue
 
 
-def body_picture(parts: dict[str, Colour], ink: Colour) -> Pixels:
+def body_picture(parts: Mapping[str, Sequence[float]], ink: Colour) -> Pixels:
     """Two figures as pixels (SIZE, SIZE, 4), from the front and from behind: ``parts`` in their colours, all others faint."""
     names, number, cover = _limbs()
     colour = np.array([(*parts[name], 1.0) if name in parts else (*ink, _FAINT) for name in names], dtype=np.float32)

@@ -15,6 +15,7 @@ import gpu
 import numpy as np
 from bpy.types import Context, Scene
 
+from ...core.arrays import FloatArray
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Settings
 from ..blender.time import seconds_of
@@ -23,8 +24,7 @@ from ..properties.preferences import preferences
 from ..session import sessions
 from ..session.derived import Derived
 from . import meters, shader
-from .annotations import LegendSide, annotations
-from .colour_map import FloatArray
+from .annotations import LegendSide, placed_annotations
 from .hud import Rectangle
 from .layout import free_rectangle, is_main_view, redo_panels
 from .options import options_of
@@ -146,7 +146,7 @@ def draw_annotations(
     key = (perspective.tobytes(), size, scale, free, occupied, legend, bpy.app.translations.locale)
     known = drawing.views.get((*key, atlas.generation))
     if known is None:
-        items = annotations(drawing.shapes.data, perspective, size, scale, free, text_width, occupied, legend)
+        items = placed_annotations(drawing.shapes.data, perspective, size, scale, free, text_width, occupied, legend)
         texts = atlas.lines(items.texts)
         known = shader.upload(quads_of((items.lines, texts), items.points))
         drawing.views[(*key, atlas.generation)] = known

@@ -120,7 +120,7 @@ def _plain_viewport(scene: Scene) -> Iterator[tuple[Any, Any]]:
     area = next(area for area in bpy.context.window.screen.areas if area.type == "VIEW_3D")
     region = next(region for region in area.regions if region.type == "WINDOW")
     space = area.spaces.active
-    wanted = {
+    wanted: dict[Any, dict[str, Any]] = {
         space.shading: {
             "type": "SOLID",
             "light": "STUDIO",

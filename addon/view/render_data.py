@@ -10,13 +10,13 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import BoolArray, IntArray
+from ...core.arrays import BoolArray, FloatArray, IntArray
 from ...core.graph.distance_only import distance_only
-from ...core.graph.haptic_graph import HapticGraph, distances
+from ...core.graph.haptic_graph import HapticGraph, SourceNodes, distances
 from ...core.propagation.spread import Spread, spread
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Mode, Settings, SourceKind
-from .colour_map import FloatArray, GainScale, hex_colour
+from .colour_map import GainScale, hex_colour
 
 Drawn = NDArray[np.float32]
 
@@ -270,7 +270,7 @@ def _listener_points(result: FrameResult, scale: GainScale, options: Options) ->
 def _source_points(result: FrameResult, options: Options) -> Points:
     """Each source once; an impact on both of its objects where they have parted."""
     graph = result.graph
-    places = []
+    places: list[tuple[SourceNodes, FloatArray]] = []
     for source in graph.sources:
         at = graph.node_position[list(source.nodes)]
         parted = len(at) > 1 and float(distances(at[0], at[1])) > PARTED
@@ -353,7 +353,7 @@ def _between(ends: tuple[float, float], place: FloatArray) -> FloatArray:
     return ends[0] + (ends[1] - ends[0]) * place
 
 
-def _lines(position: FloatArray, colour: FloatArray, width: FloatArray, way: FloatArray | None) -> Lines:
+def _lines(position: FloatArray | Drawn, colour: FloatArray, width: FloatArray | Drawn, way: FloatArray | None) -> Lines:
     way = np.full((len(position), 2), -1.0) if way is None else way
     shape = np.full(len(position), Shape.LINE)
     return Lines(*(values.astype(np.float32) for values in (position, colour, width, way, shape)))

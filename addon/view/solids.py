@@ -6,10 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...core.arrays import BoolArray, IntArray
-from .colour_map import FloatArray
+from ...core.arrays import BoolArray, FloatArray, IntArray
 from .hud import Hud
-from .render_data import HALO_COLOUR, Lines, Points, RenderData, Shape
+from .render_data import HALO_COLOUR, Drawn, Lines, Points, RenderData, Shape
 
 Triangles = IntArray
 WHITE = np.array([0.97, 0.97, 0.97])
@@ -118,7 +117,7 @@ def tubes(lines: Lines, unit: float) -> Solid:
     return Solid(vertices.reshape(-1, 3), _opaque(colours), triangles, np.ones(len(triangles), dtype=np.bool_))
 
 
-def _opaque(colours: FloatArray) -> FloatArray:
+def _opaque(colours: FloatArray | Drawn) -> FloatArray:
     return np.column_stack([colours, np.ones(len(colours))]).astype(np.float64)
 
 
@@ -153,14 +152,16 @@ def _listeners(points: Points, unit: float) -> Solid:
     corners = points.position[:, None, :] + (points.size * unit / 2)[:, None, None] * vertices
     position = corners[:, edges].reshape(-1, 2, 3)
     count = len(position)
+    thickness = np.float32(0.11) * points.size
     bars = Lines(
-        position,
-        np.broadcast_to(np.array([*WHITE, 1.0]), (count, 2, 4)),
-        np.repeat(points.size * 0.11, len(edges)),
-        np.zeros((count, 2)),
-        np.zeros(count),
+        position.astype(np.float32),
+        np.broadcast_to(np.array([*WHITE, 1.0], dtype=np.float32), (count, 2, 4)),
+        np.repeat(thickness, len(edges)),
+        np.zeros((count, 2), dtype=np.float32),
+        np.zeros(count, dtype=np.float32),
     )
-    joints = Points(corners.reshape(-1, 3), np.tile([*WHITE, 1.0], (corners.size // 3, 1)), np.repeat(points.size * 0.11, 6), np.zeros(0))
+    colours = np.tile(np.array([*WHITE, 1.0], dtype=np.float32), (corners.size // 3, 1))
+    joints = Points(corners.reshape(-1, 3).astype(np.float32), colours, np.repeat(thickness, 6), np.zeros(0, dtype=np.float32))
     return joined(
         [_copies((vertices, triangles), points, unit, smooth=False), tubes(bars, unit), _copies(sphere(1), joints, unit, smooth=True)]
     )

@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
-from haptic_tracing.addon.view.annotations import annotations
+from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.label_placement import place_labels, project
 from haptic_tracing.addon.view.render_data import Options, Shape, render_data
 from haptic_tracing.addon.view.screen import text_width
@@ -78,7 +78,7 @@ def test_a_label_leaves_paths_free():
 def test_annotations_name_what_is_there_and_keeps_within_what_is_free(scene, camera, bridge):
     data = render_data(bridge, BRIDGE.settings, Options())
     size, free, meters = (900.0, 700.0), (60.0, 30.0, 690.0, 640.0), (70.0, 40.0, 200.0, 120.0)
-    items = annotations(data, _perspective(scene, camera, size), size, 1.0, free, text_width, (meters,))
+    items = placed_annotations(data, _perspective(scene, camera, size), size, 1.0, free, text_width, (meters,))
     words = [text.words for text in items.texts]
     assert {"Source", "Listener", "Contact", "truck", "driver", "walker", "hermit", "0 dB", "−40"} <= set(words)
     assert "Impact" not in words
@@ -97,7 +97,7 @@ def test_annotations_name_what_is_there_and_keeps_within_what_is_free(scene, cam
 def test_legend_scales_with_the_user_interface(scene, camera, bridge):
     data = render_data(bridge, BRIDGE.settings, Options(show_labels=False))
     size = (800.0, 600.0)
-    one, two = (annotations(data, _perspective(scene, camera), size, scale, (0.0, 0.0, *size), text_width) for scale in (1.0, 2.0))
+    one, two = (placed_annotations(data, _perspective(scene, camera), size, scale, (0.0, 0.0, *size), text_width) for scale in (1.0, 2.0))
     extents = [np.ptp(items.lines.position[0], axis=0)[:2] for items in (one, two)]
     assert extents[1] == pytest.approx(2 * extents[0], rel=0.03)
     assert [text.size * 2 for text in one.texts] == pytest.approx([text.size for text in two.texts])

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from haptic_tracing.addon.view import cycles_picture, overlay, picture, raster
-from haptic_tracing.addon.view.annotations import annotations
+from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.camera import camera_view, picture_scale
 from haptic_tracing.addon.view.png import write_png
 from haptic_tracing.addon.view.render_data import SILENT_COLOUR, SOURCE_COLOUR, Options, render_data
@@ -179,7 +179,7 @@ def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, br
     size, scale = tuple(factor * side for side in SIZE), factor * picture_scale(SIZE)
     view, projection = camera_view(scene, size)
     data = render_data(bridge, BRIDGE.settings, Options(show_intra=False, show_best_paths=False))
-    items = annotations(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0, *size), text_width)
+    items = placed_annotations(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0, *size), text_width)
     canvas = np.full((size[1], size[0], 3), by_gpu[2, 2] / 255)
     raster.paint(canvas, items, scale)
     by_painter = picture.averaged(np.rint(canvas[::-1] * 255).astype(np.uint8), factor).astype(int)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from haptic_tracing.addon.view import graph_mesh
-from haptic_tracing.addon.view.annotations import annotations
+from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.camera import camera_view, picture_scale
 from haptic_tracing.addon.view.colour_map import linear
 from haptic_tracing.addon.view.render_data import Options, render_data
@@ -146,7 +146,7 @@ def test_labels_lie_where_the_overlay_has_them_before_everything_else(scene, cam
     size, scale = (900, 600), picture_scale((900, 600))
     view, projection = camera_view(scene, size)
     data = render_data(result, BRIDGE.settings, Options())
-    items = annotations(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0, *size), text_width)
+    items = placed_annotations(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0, *size), text_width)
     seen = np.array([world_to_camera_view(scene, camera, Vector(place)) for place in _world_vertices(plane)])
     expected = flat(items, scale).vertices[:, :2] / size
     assert seen[:, :2] == pytest.approx(expected, abs=2e-3)
