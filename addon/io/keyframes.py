@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import bpy
@@ -12,7 +13,7 @@ from bpy.types import Object
 from ...core.arrays import FloatArray
 from ...core.contacts.shapes import pose_matrix
 from ...core.formats.scene.poses import PoseRow
-from ...core.formats.scene.recording import Recording
+from ...core.formats.scene.recording import RecordedFrame, Recording
 from ...core.scene.values import HapticScene, Pose, Vector
 
 Keys = dict[int, tuple[float, ...]]
@@ -23,69 +24,91 @@ STILL = 1e-4
 """Metres that something may wander on the object that carries it and still count as fixed to it: poses in files are rounded."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Changes:
+    """What changes, by name: poses and (κ, ρ) of objects, amplitudes of sources, gains of listeners; places and the objects they are on by
+    ``source <name>`` and ``listener <name>``."""
+
+    poses: dict[str, Keys]
+    properties: dict[str, Keys]
+    amplitudes: dict[str, Keys]
+    gains: dict[str, Keys]
+    places: dict[str, Keys]
+    carriers: dict[str, str]
+
+    @classmethod
+    def of(cls, scene: HapticScene, recording: Recording) -> _Changes:
+        """From the first frame of a recording on."""
+        first = recording.frames[0].number
+        attached = [(f"source {item.name}", item) for item in scene.sources] + [(f"listener {item.name}", item) for item in scene.listeners]
+        changes = cls(
+            poses={item.name: {first: _row(item.pose)} for item in scene.objects},
+            properties={item.name: {first: (item.kappa, item.rho)} for item in scene.objects},
+            amplitudes={item.name: {first: (item.amplitude,)} for item in scene.sources},
+            gains={item.name: {first: (item.gain,)} for item in scene.listeners},
+            places={key: {first: item.position} for key, item in attached},
+            carriers={key: item.object for key, item in attached},
+        )
+        for frame in recording.frames:
+            changes._add(frame)
+        return changes
+
+    def _add(self, change: RecordedFrame) -> None:
+        number = change.number
+        for source in change.sources:
+            self.amplitudes[source.name] = {number: (source.amplitude,)}
+            self.places[f"source {source.name}"] = {number: source.position}
+            self.carriers[f"source {source.name}"] = source.object
+        for name, row in change.poses.items():
+            self.poses[name][number] = row
+        for name, pair in change.properties.items():
+            self.properties[name][number] = pair
+        for name, amplitude in change.amplitudes.items():
+            self.amplitudes[name][number] = (amplitude,)
+        for name, positions in change.source_positions.items():
+            self.places[f"source {name}"][number] = positions[0]
+        for name, position in change.listener_positions.items():
+            self.places[f"listener {name}"][number] = position
+        for name, gain in change.gains.items():
+            self.gains[name][number] = (gain,)
+
+
 def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[str, Object], attached: Mapping[str, Object]) -> list[str]:
     """Keyframes for all that changes; ``objects``: Blender's, by the names of haptic objects, ``attached``: those of sources and listeners,
     by ``source <name>`` and ``listener <name>``. What could not be carried over, in words."""
-    first = recording.frames[0].number
-    poses: dict[str, Keys] = {item.name: {first: _row(item.pose)} for item in scene.objects}
-    properties: dict[str, Keys] = {item.name: {first: (item.kappa, item.rho)} for item in scene.objects}
-    amplitudes: dict[str, Keys] = {item.name: {first: (item.amplitude,)} for item in scene.sources}
-    gains: dict[str, Keys] = {item.name: {first: (item.gain,)} for item in scene.listeners}
-    places: dict[str, Keys] = {f"source {item.name}": {first: item.position} for item in scene.sources}
-    places |= {f"listener {item.name}": {first: item.position} for item in scene.listeners}
-    carriers = {f"source {item.name}": item.object for item in scene.sources}
-    carriers |= {f"listener {item.name}": item.object for item in scene.listeners}
-    for change in recording.frames:
-        number = change.number
-        for source in change.sources:
-            amplitudes[source.name] = {number: (source.amplitude,)}
-            places[f"source {source.name}"] = {number: source.position}
-            carriers[f"source {source.name}"] = source.object
-        for name, row in change.poses.items():
-            poses[name][number] = row
-        for name, pair in change.properties.items():
-            properties[name][number] = pair
-        for name, amplitude in change.amplitudes.items():
-            amplitudes[name][number] = (amplitude,)
-        for name, positions in change.source_positions.items():
-            places[f"source {name}"][number] = positions[0]
-        for name, position in change.listener_positions.items():
-            places[f"listener {name}"][number] = position
-        for name, gain in change.gains.items():
-            gains[name][number] = (gain,)
+    changes = _Changes.of(scene, recording)
     losses = [f"the function of {name} over time" for name in sorted({name for change in recording.frames for name in change.functions})]
-    for name, keys in poses.items():
+    for name, keys in changes.poses.items():
         if len(keys) > 1:
             rows = _held(keys)
             _write(objects[name], {("location", k): (rows[0], rows[1][:, k]) for k in range(3)})
             turned = _continuous(rows[1][:, 3:])
             _write(objects[name], {("rotation_quaternion", k): (rows[0], turned[:, k]) for k in range(4)})
-    for name, keys in properties.items():
-        if len(keys) > 1:
-            times, values = _held(keys)
-            _write(objects[name], {("haptics.kappa", 0): (times, values[:, 0]), ("haptics.rho", 0): (times, values[:, 1])})
-    for name, keys in amplitudes.items():
-        if len(keys) > 1:
-            times, values = _held(keys)
-            _write(attached[f"source {name}"], {("haptics.source.amplitude", 0): (times, values[:, 0])})
-    for name, keys in gains.items():
-        if len(keys) > 1:
-            times, values = _held(keys)
-            _write(attached[f"listener {name}"], {("haptics.listener.gain", 0): (times, values[:, 0])})
-    for key, keys in places.items():
-        local = _local(keys, poses[carriers[key]])
+    _write_all(changes.properties, objects, "", ("haptics.kappa", "haptics.rho"))
+    _write_all(changes.amplitudes, attached, "source ", ("haptics.source.amplitude",))
+    _write_all(changes.gains, attached, "listener ", ("haptics.listener.gain",))
+    for key, keys in changes.places.items():
+        carrier = changes.carriers[key]
+        local = _local(keys, changes.poses[carrier])
         begin = next(iter(local.values()))
         drifts = np.abs(np.array(list(local.values())) - begin).max() > STILL
-        if attached[key] is objects[carriers[key]]:
+        if attached[key] is objects[carrier]:
             if drifts:
                 losses.append(f"{key} moves apart from its object")
             continue
         attached[key].location = begin  # what begins later does so where its object has come to
-        if not drifts:
-            continue
-        times, values = _held(local)
-        _write(attached[key], {("location", k): (times, values[:, k]) for k in range(3)})
+        if drifts:
+            times, values = _held(local)
+            _write(attached[key], {("location", k): (times, values[:, k]) for k in range(3)})
     return losses
+
+
+def _write_all(changes: Mapping[str, Keys], owners: Mapping[str, Object], prefix: str, paths: Sequence[str]) -> None:
+    """Keyframes of properties, each a column of what changes."""
+    for name, keys in changes.items():
+        if len(keys) > 1:
+            times, values = _held(keys)
+            _write(owners[prefix + name], {(path, 0): (times, values[:, k]) for k, path in enumerate(paths)})
 
 
 def _row(pose: Pose | None) -> PoseRow:

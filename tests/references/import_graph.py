@@ -70,7 +70,7 @@ def _imports_of(name: str, path: Path, known: Iterable[str]) -> Iterator[Import]
     tree = ast.parse(path.read_text(encoding="utf-8"))
     functions = [node for node in ast.walk(tree) if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
     in_functions = {id(node) for function in functions for node in ast.walk(function)}
-    package = name.split(".") if path.name == "__init__.py" else name.split(".")[:-1]
+    package = [] if name == "__init__" else name.split(".") if path.name == "__init__.py" else name.split(".")[:-1]
     for node in ast.walk(tree):
         inside = id(node) in in_functions
         if isinstance(node, ast.Import):

@@ -133,16 +133,8 @@ def compile_expression(source: str, variables: Collection[str] = VARIABLES) -> C
 def _degree(node: ast.expr, variables: Collection[str]) -> int | None:
     """Check one node and return its degree in x: f(c x) = c^degree f(x) for c >= 0. None for a literal 0, which has any degree."""
     match node:
-        case ast.Constant(value=value):
-            if isinstance(value, bool) or not isinstance(value, int | float):
-                raise ExpressionError(f"{value!r} is not a number", node.col_offset)
-            try:
-                finite = math.isfinite(float(value))
-            except OverflowError:
-                finite = False
-            if not finite:
-                raise ExpressionError("number too large", node.col_offset)
-            return None if value == 0 else 0
+        case ast.Constant():
+            return _degree_of_constant(node)
         case ast.Name(id=name):
             if name not in variables and name not in CONSTANTS:
                 known = ", ".join((*variables, *CONSTANTS, *FUNCTION_NAMES))
@@ -169,19 +161,35 @@ def _degree(node: ast.expr, variables: Collection[str]) -> int | None:
                 raise ExpressionError("a condition can't depend on x", node.col_offset)
             return _same_degree(node, [a, b], variables)
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in _FUNCTIONS:
-            function = _FUNCTIONS[name]
-            fewest, most = function.arguments
-            if not fewest <= len(arguments) <= most:
-                raise ExpressionError(f"{name}() takes {fewest} argument{'s' if fewest > 1 else ''}, got {len(arguments)}", node.col_offset)
-            if function.keeps_scale:
-                return _same_degree(node, arguments, variables)
-            if any(_degree(argument, variables) for argument in arguments):
-                raise ExpressionError(f"x can't stand inside {name}(): the formula must be proportional to x", node.col_offset)
-            return 0
+            return _degree_of_call(node, name, arguments, variables)
         case ast.Call(func=ast.Name(id=name)):
             raise ExpressionError(f"{name!r} can't be called like this; functions are {', '.join(FUNCTION_NAMES)}", node.col_offset)
         case _:
             raise ExpressionError(f"{type(node).__name__} is not allowed", getattr(node, "col_offset", 0))
+
+
+def _degree_of_constant(node: ast.Constant) -> int | None:
+    if isinstance(node.value, bool) or not isinstance(node.value, int | float):
+        raise ExpressionError(f"{node.value!r} is not a number", node.col_offset)
+    try:
+        finite = math.isfinite(float(node.value))
+    except OverflowError:
+        finite = False
+    if not finite:
+        raise ExpressionError("number too large", node.col_offset)
+    return None if node.value == 0 else 0
+
+
+def _degree_of_call(node: ast.expr, name: str, arguments: list[ast.expr], variables: Collection[str]) -> int | None:
+    function = _FUNCTIONS[name]
+    fewest, most = function.arguments
+    if not fewest <= len(arguments) <= most:
+        raise ExpressionError(f"{name}() takes {fewest} argument{'s' if fewest > 1 else ''}, got {len(arguments)}", node.col_offset)
+    if function.keeps_scale:
+        return _same_degree(node, arguments, variables)
+    if any(_degree(argument, variables) for argument in arguments):
+        raise ExpressionError(f"x can't stand inside {name}(): the formula must be proportional to x", node.col_offset)
+    return 0
 
 
 def _same_degree(node: ast.expr, parts: list[ast.expr], variables: Collection[str]) -> int | None:
