@@ -26,8 +26,9 @@ from ..scene_reader.settings import read_settings
 from . import modalities, sessions, worker
 from .sessions import Session, Traced, known, problems_in
 
-_PATIENCE = 2e-4
-"""Seconds for which the thread that traces keeps Blender's own Python waiting; 5 ms otherwise."""
+SWITCH_INTERVAL = 2e-4
+"""Python's switch interval [s] while a frame is traced: how long the worker may keep the GIL from Blender's own Python. With Python's 5 ms
+a draw callback comes 5.9 ms late in the median while contacts are found (benchmarks/bench_switch_interval.py)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,8 +132,8 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
 
 def _step(session: Session, begun: _Begun, frame: Frame) -> Traced:
     """On the worker: trace a frame. Raises ValueError that names the object where a designer's expression gives no gain."""
-    patience = sys.getswitchinterval()
-    sys.setswitchinterval(_PATIENCE)
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(SWITCH_INTERVAL)
     try:
         try:
             result = session.tracer.step(frame)
@@ -154,7 +155,7 @@ def _step(session: Session, begun: _Begun, frame: Frame) -> Traced:
         session.shown = None
         raise
     finally:
-        sys.setswitchinterval(patience)
+        sys.setswitchinterval(interval)
 
 
 def _follow(session: Session) -> None:
