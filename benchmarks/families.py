@@ -52,6 +52,7 @@ def _family(
         distance=np.zeros(contacts),
         area=np.zeros(contacts),
         share=np.ones(contacts),
+        weight=np.ones(contacts),
         transmission=np.zeros(contacts, dtype=np.int64),
     )
     return Family(

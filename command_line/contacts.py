@@ -30,6 +30,7 @@ def run(args: argparse.Namespace) -> int:
             "normal": contacts.normal[i].tolist(),
             "depth": float(contacts.depth[i]),
             "distance": float(contacts.distance[i]),
+            "weight": float(contacts.weight[i]),
             **({"share": float(contacts.share[i])} if args.points else {}),
         }
         for i, (a, b) in enumerate(contacts.pairs.tolist())

@@ -18,7 +18,8 @@ class ContactSet:
 
     ``pairs`` (n, 2), ``positions`` (n, 2, 3) of the contact node on either object [m, world], ``normal`` (n, 3) from first to second,
     ``depth`` (n,) penetration [m, >= 0], ``distance`` (n,) signed [m], ``area`` (n,) of the patch [m^2], ``share`` (n,) of its patch
-    (adds up to 1 over the contacts of a pair), ``transmission`` (n,) index into ``transmissions``.
+    (adds up to 1 over the contacts of a pair), ``weight`` (n,) in [0, 1] that multiplies what it passes on, ``transmission`` (n,) index
+    into ``transmissions``.
     """
 
     pairs: IntArray
@@ -28,6 +29,7 @@ class ContactSet:
     distance: FloatArray
     area: FloatArray
     share: FloatArray
+    weight: FloatArray
     transmission: IntArray
     transmissions: tuple[ModulationFunction, ...] = field(default_factory=lambda: (Identity(),))
 
@@ -52,6 +54,7 @@ class ContactSet:
             distance=np.array([-c.depth for c in contacts], dtype=np.float64),
             area=np.array([c.area for c in contacts], dtype=np.float64),
             share=np.array([c.share for c in contacts], dtype=np.float64),
+            weight=np.array([c.weight for c in contacts], dtype=np.float64),
             transmission=np.array([functions.setdefault(c.transmission, len(functions)) for c in contacts], dtype=np.int64),
             transmissions=tuple(functions) or (Identity(),),
         )
@@ -67,6 +70,7 @@ class ContactSet:
                 normal=tuple(self.normal[i].tolist()),
                 depth=float(-self.distance[i]),
                 share=float(self.share[i]),
+                weight=float(self.weight[i]),
             )
             for i, (a, b) in enumerate(self.pairs.tolist())
         )

@@ -33,6 +33,7 @@ def contacts_of_scene(scene: HapticScene, tolerance: float = 0.01, patch_points:
         distance=contacts.distance,
         area=contacts.area,
         share=contacts.share,
+        weight=contacts.weight,
         transmission=contacts.transmission,
         transmissions=contacts.transmissions,
     )

@@ -25,7 +25,19 @@ _COLUMNS = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10, 3, 7, 11])
 
 
 STILL = 1e-5
-"""Metres by which no point of a body has moved if it counts as not having moved: simulations at rest tremble, and poses are float32."""
+"""Metres by which no point of a body has moved if it counts as at rest: simulations at rest tremble, and poses are float32."""
+
+_SAME = 1e-12
+"""Metres of relative motion up to which a contact is still the same: two bodies that move together differ by rounding."""
+
+_RESTING = 0.2
+"""Part of the tolerance up to which the gap is one that bodies at rest have; up to twice that, corners and edges touch."""
+
+_APART = 0.1
+"""Weight of a corner or an edge of a box that is near but does not touch, beside that of faces as near."""
+
+_FACING = 0.05
+"""Part of a body's face that lies within the other's patch where the two count half as faces."""
 
 _FIRM = 2e-3
 """Metres of distance at which a contact is taken to act on the bodies."""
@@ -152,6 +164,7 @@ class ContactTracker:
         none = np.zeros(0, dtype=np.int64)
         self._history = MotionHistory(count)
         self._flat = np.full((count, 12), np.nan)
+        self._rest = self._flat.copy()
         self._seen: FloatArray | None = None
         self._lost = False
         self._pose = np.full((12, count), np.nan)
@@ -178,7 +191,7 @@ class ContactTracker:
             raise ValueError("bodies: they must have the same names as before")
         changed = np.array([a is not b and a != b for a, b in zip(bodies, self.bodies, strict=True)], dtype=np.bool_)
         self._set(tuple(bodies))
-        self._flat[changed] = np.nan
+        self._flat[changed] = self._rest[changed] = np.nan
         self._fat_low[:, changed], self._fat_high[:, changed] = np.inf, -np.inf
         self._near_larger, self._near_smaller = self._by_size(self._near)
         self._pairs.larger, self._pairs.smaller = self._by_size(self._pairs.key)
@@ -230,7 +243,7 @@ class ContactTracker:
         return np.stack([key // max(len(self.bodies), 1), key % max(len(self.bodies), 1)], axis=1)
 
     def _take(self, time: float, transforms: FloatArray) -> tuple[IntArray, tuple[Message, ...]]:
-        """Take over the poses of bodies that have moved; their numbers, and warnings of those left out."""
+        """Take over the poses that are not those of the last frame; the numbers of their bodies, and warnings of those left out."""
         # An array that can't be written to and is here again is not even compared.
         same = transforms is self._seen and not transforms.flags.writeable
         self._seen = transforms
@@ -238,13 +251,13 @@ class ContactTracker:
             self._history.advance_still(time)
             return np.zeros(0, dtype=np.int64), ()
         flat = transforms[:, :3].reshape(-1, 12).copy()
-        stays = np.abs(flat - self._flat) <= self._still
-        if stays.all():
+        differs = flat != self._flat
+        if not differs.any():
             self._history.advance(time, flat[:, _COLUMNS].T, np.zeros(0, dtype=np.int64))
             self._lost = False
             return np.zeros(0, dtype=np.int64), ()
         self._before = (self._low.copy(), self._high.copy())
-        moved = np.flatnonzero(~stays.all(axis=1))
+        moved = np.flatnonzero(differs.any(axis=1))
         poses = flat[moved]
         finite = np.isfinite(poses).all(axis=1)
         lost = moved[~finite]
@@ -254,12 +267,14 @@ class ContactTracker:
             gone = lost[np.isfinite(self._flat[lost, 0])]
             self._low[:, gone], self._high[:, gone] = np.inf, -np.inf
             self._version[gone] += 1
-            self._flat[lost] = np.nan
+            self._flat[lost] = self._rest[lost] = np.nan
         self._flat[moved] = poses
+        left = moved[(~(np.abs(poses - self._rest[moved]) <= self._still[moved])).any(axis=1)]
+        self._rest[left] = self._flat[left]
         self._pose[:, moved] = poses[:, _COLUMNS].T
         self._version[moved] += 1
         self._low[:, moved], self._high[:, moved] = self._world_bounds(moved, self._pose[:, moved])
-        self._history.advance(time, flat[:, _COLUMNS].T, moved)
+        self._history.advance(time, flat[:, _COLUMNS].T, left)
         self._history.disturb(lost)
         names = [self.bodies[k].name for k in lost.tolist()]
         warnings = tuple(Message.of(Cause.TRANSFORM_NOT_FINITE, name, object=name) for name in names)
@@ -432,7 +447,8 @@ class ContactTracker:
         self._airborne[pairs.larger[pairs.struck]] = False
         self._airborne[pairs.smaller[pairs.struck]] = False
 
-        reported = pairs.touching & asked
+        # Whether a pair has parted depends on the past, by the slack; its contact only on the poses.
+        reported = pairs.touching & asked & (pairs.values[_DISTANCE] <= self.settings.tolerance)
         rows = np.flatnonzero(reported)
         state = np.stack([key[rows], self._version[pairs.larger[rows]], self._version[pairs.smaller[rows]]])
         if self._last is None or not np.array_equal(state, self._reported):
@@ -506,7 +522,7 @@ class ContactTracker:
         travel, change = place - values[_PLACE], turn.reshape(9, -1) - values[_TURN]
         motion = np.sqrt(np.einsum("ip,ip->p", travel, travel)) + radius * np.sqrt(np.einsum("ip,ip->p", change, change) / 2)
         apart = pairs.values[_DISTANCE, rows] - motion > limit
-        return np.asarray(pairs.known[rows] & np.where(before, motion <= STILL, apart) & (pairs.touching[rows] == before))
+        return np.asarray(pairs.known[rows] & np.where(before, motion <= _SAME, apart) & (pairs.touching[rows] == before))
 
     def _patches(self, larger: IntArray, smaller: IntArray, turn: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
         """What the narrow phase finds. A medium and what is in it touch in the middle of what their bounds have in common, without area or
@@ -548,13 +564,14 @@ class ContactTracker:
         normal *= np.where(flipped, -1.0, 1.0)
         first, second = np.where(flipped, ends[::-1], ends)
         distance, area, share = values[_DISTANCE], values[_AREA], np.ones(len(rows))
+        weight = self._weights(larger, smaller, values)
         if self.settings.patch_points and len(rows):
             found = [pairs.corners[k] for k in key.tolist()]
             repeats = np.array([len(c) for c in found], dtype=np.int64)
             index = np.repeat(np.arange(len(rows)), repeats)
             points = np.concatenate(found).T
             points = (turn[..., index] * points).sum(axis=1) + pose_l[9:, index]
-            key, normal, distance = key[index], normal[:, index], distance[index]
+            key, normal, distance, weight = key[index], normal[:, index], distance[index], weight[index]
             gap = normal * (distance / 2)
             first, second = points - gap, points + gap
             share = 1.0 / repeats[index]
@@ -567,8 +584,31 @@ class ContactTracker:
             distance=distance,
             area=area,
             share=share,
+            weight=weight,
             transmission=np.zeros(len(key), dtype=np.int64),
         )
+
+    def _weights(self, larger: IntArray, smaller: IntArray, values: FloatArray) -> FloatArray:
+        """What contacts (k,) with ``values`` (rows, k) count: 1 as far apart as bodies at rest are, falling smoothly to 0 at the tolerance.
+
+        Boxes that do not touch are weighed by the area of the patch, too, compared with the face of the smaller one: edges do not face
+        each other as round bodies do where they are nearest.
+        """
+        distance, turn = values[_DISTANCE], values[_TURN].reshape(3, 3, -1)
+        rest = _RESTING * self.settings.tolerance
+        near = 1.0 - _smooth_step((distance - rest) / max(self.settings.tolerance - rest, 1e-300))
+        if not np.any(near < 1):
+            return near
+        touch = 1.0 - _smooth_step((distance - rest) / max(rest, 1e-300))
+        ways = values[_NORMAL], np.einsum("ijp,ip->jp", turn, values[_NORMAL])
+        faces = []
+        for bodies, way in zip((larger, smaller), ways, strict=True):
+            x, y, z = self._extent.take(bodies, axis=1)
+            faces.append(4 * (np.abs(way) * np.stack([y * z, z * x, x * y])).sum(axis=0))
+        area = values[_AREA]
+        facing = area / np.maximum(area + _FACING * np.minimum(*faces), 1e-300)
+        facing = np.where(self._narrow.is_box[larger] & self._narrow.is_box[smaller], facing, 1.0)
+        return np.asarray(near * (touch + (1.0 - touch) * (_APART + (1.0 - _APART) * facing)))
 
     def _hits(self, paths: Paths, able: IntArray, arrived: IntArray) -> Hits:
         """The hits among near pairs ``able`` that took place. Pairs (by key) that have ``arrived`` at each other by the end of the interval
@@ -649,6 +689,12 @@ def _from_impacts(reach: Reach, impacts: Sequence[Impact]) -> Reach:
 def _placed(pose: FloatArray, points: FloatArray) -> FloatArray:
     """Points (3, k) of bodies in ``pose`` (12, k), in the world."""
     return np.asarray(np.einsum("ijp,jp->ip", pose[:9].reshape(3, 3, -1), points) + pose[9:])
+
+
+def _smooth_step(x: FloatArray) -> FloatArray:
+    """0 up to 0, 1 from 1 on, and a cubic with continuous slope in between."""
+    inside = np.clip(x, 0.0, 1.0)
+    return np.asarray(inside * inside * (3.0 - 2.0 * inside))
 
 
 def _among(keys: IntArray, ordered: IntArray) -> BoolArray:

@@ -334,6 +334,8 @@ def _check(
             raise ValueError(f"contacts: {key} must be finite")
     if not ((contacts.share >= 0) & (contacts.share <= 1)).all():
         raise ValueError("contacts: share must lie in [0, 1]")
+    if not ((contacts.weight >= 0) & (contacts.weight <= 1)).all():
+        raise ValueError("contacts: weight must lie in [0, 1]")
 
 
 def _canonical(contacts: ContactSet) -> ContactSet:
@@ -350,7 +352,8 @@ def _canonical(contacts: ContactSet) -> ContactSet:
         by_name = sorted(range(len(contacts.transmissions)), key=lambda k: repr(contacts.transmissions[k]))
         function = np.argsort(by_name)[contacts.transmission]
         flat = positions.reshape(len(pairs), 6)
-        order = np.lexsort((function, *normal.T, contacts.depth, contacts.share, contacts.area, *flat.T[::-1], key))
+        values = (contacts.depth, contacts.weight, contacts.share, contacts.area)
+        order = np.lexsort((function, *normal.T, *values, *flat.T[::-1], key))
     return ContactSet(
         pairs=pairs[order],
         positions=positions[order],
@@ -359,6 +362,7 @@ def _canonical(contacts: ContactSet) -> ContactSet:
         distance=contacts.distance[order],
         area=contacts.area[order],
         share=contacts.share[order],
+        weight=contacts.weight[order],
         transmission=contacts.transmission[order],
         transmissions=contacts.transmissions,
     )
@@ -376,8 +380,17 @@ def _ascending(pairs: IntArray) -> bool:
 
 
 def _transmissions(table: ObjectTable, contacts: ContactSet) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
-    """Gain, loss, band gains and delay of each inter-connection. A function of kappa and rho sees the mean of the two objects; ``angle`` is
-    the contact normal's angle to the vertical."""
+    """Gain, loss, band gains and delay of each inter-connection, weights of the contacts included. A function of kappa and rho sees the
+    mean of the two objects; ``angle`` is the contact normal's angle to the vertical."""
+    gains, losses, band_gains, delay = _function_gains(table, contacts)
+    if np.any(contacts.weight < 1):
+        with np.errstate(divide="ignore"):
+            gains, losses = gains * contacts.weight, losses - np.log(contacts.weight)
+    return gains, losses, band_gains, delay
+
+
+def _function_gains(table: ObjectTable, contacts: ContactSet) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
+    """The same of the transmission functions alone."""
     gains = np.ones(len(contacts), dtype=np.float64)
     losses = np.zeros(len(contacts), dtype=np.float64)
     if all(function.name == "identity" and function.spectrum.is_plain for function in contacts.transmissions):

@@ -119,8 +119,8 @@ class HapticObject:
 class Contact:
     """Two touching objects: one contact node on each, ``positions[k]`` on ``objects[k]`` (world, metres).
 
-    ``share`` is this contact's part of its patch: shares of one patch add up to 1. ``normal`` is a unit vector from the first object to the
-    second.
+    ``share`` is this contact's part of its patch: shares of one patch add up to 1. ``weight`` multiplies what it passes on: less than 1
+    where the surfaces are further apart than those of bodies at rest. ``normal`` is a unit vector from the first object to the second.
     """
 
     objects: tuple[str, str]
@@ -130,6 +130,7 @@ class Contact:
     normal: Vector = (0.0, 0.0, 1.0)
     depth: float = 0.0
     share: float = 1.0
+    weight: float = 1.0
     extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
@@ -145,6 +146,7 @@ class Contact:
         if not math.isfinite(self.depth):
             raise ValueError(f"depth: must be finite, got {self.depth!r}")
         _unit_interval("share", self.share)
+        _unit_interval("weight", self.weight)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,19 +13,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
-from .manifold import PATCH_GAP
+from .manifold import PATCH_GAP, patch_gap
 
 _FACE_PREFERENCE = 1e-6
 """Metres by which an axis of two edges must be better than that of a face to be taken."""
 
-_FLAT = 0.9998
-"""Cosine of the angle between an edge axis and a face's normal from which on the patch is that of the face (1 degree)."""
+_FACING = 0.7
+"""Cosine of the angle between an edge axis and a face's normal from which on the patch is that of the face (45 degrees)."""
 
 _CERTAIN = 1e-4
 """Metres by which a lower bound on a distance may be below an upper bound and still pass for it."""
 
 _EDGE = 1e-9
 """Part of a face's size by which outlines that coincide are told apart."""
+
+_LEAST_WEIGHT = 1e-3
+"""Weight of the nearest points of two edges, or of a sliver, beside corners of either box that are as near."""
+
+_SLIVER = 0.005
+"""Metres of width below which the centre of a patch goes over to the mean of the nearest corners."""
 
 _OF_EDGES = 100
 """Added to the number of a face whose patch is wanted though edges are nearest."""
@@ -34,6 +40,7 @@ _NEXT = np.array([1, 2, 0])
 _AFTER = np.array([2, 0, 1])
 _TURNS = np.stack([_NEXT, _AFTER, np.arange(3)])
 _COLUMN = np.arange(3)[:, None]
+_SIGNS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]).T  # corners of a box
 # Corners of a face in turn, from one to the next along its first or its second direction.
 _START = np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])[:, :, None]
 _WAY = np.array([[2.0, 0.0, -2.0, 0.0], [0.0, 2.0, 0.0, -2.0]])[:, :, None]
@@ -99,7 +106,7 @@ def box_contacts(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, h
         normal = result.normal[:, edges]
         alignment = np.abs(np.concatenate([normal, np.einsum("ijp,ip->jp", boxes[0], normal)]))
         face = alignment.argmax(axis=0)
-        axis[edges] = np.where(_pick(alignment, face) > _FLAT, face + _OF_EDGES, 6)
+        axis[edges] = np.where(_pick(alignment, face) > _FACING, face + _OF_EDGES, 6)
     faces = np.flatnonzero(near & (axis != 6))
     if len(faces):
         _faces(result, faces, axis[faces], *_rows(faces, rotation, offset, half_a, half_b))
@@ -144,7 +151,10 @@ def _faces(
     unit = np.stack([1.0 / face[0], 1.0 / face[1], side])
     centre = (shift + turn[:, 2] * down) * unit
     centre[2] -= face[2]
-    area, u, v, lowest, found = _overlap(centre, turn[:, 0] * other[0] * unit, turn[:, 1] * other[1] * unit)
+    slope = np.hypot(turn[0, 2], turn[1, 2]) / np.maximum(np.abs(turn[2, 2]), 1e-9)
+    within = patch_gap(slope)
+    area, u, v, lowest, found = _overlap(centre, turn[:, 0] * other[0] * unit, turn[:, 1] * other[1] * unit, within)
+    area = area * face[0] * face[1]
     distance = result.distance[rows]
     lifted = lowest - distance
     apart = distance > 0
@@ -161,7 +171,15 @@ def _faces(
         turn_back = rotation.take(back, axis=2)
         middle[:, back] = np.einsum("ijp,jp->ip", turn_back, middle[:, back]) + offset[:, back]
         normal[:, back] = np.einsum("ijp,jp->ip", turn_back, normal[:, back])
-    area = area * face[0] * face[1]
+    # Slivers: no wider than what trembles.
+    length = np.minimum(np.maximum(face[0], face[1]), np.maximum(other[0], other[1]))
+    share = np.square(np.clip(1.0 - area / (2 * _SLIVER * length), 0.0, 1.0))
+    narrow = np.flatnonzero((share > 0) & (exact | by_edges))
+    if len(narrow):
+        boxes = _rows(narrow, rotation, offset, half_a, half_b)
+        mean = _mean_of_nearest(normal[:, narrow], middle[:, narrow], distance[narrow], *boxes)
+        mean = np.where(by_edges[narrow], result.centre[:, rows[narrow]], mean)
+        middle[:, narrow] += share[narrow] * (mean - middle[:, narrow])
     if by_edges.any():
         patched = np.flatnonzero(by_edges & (area > 0))
         result.centre[:, rows[patched]], result.area[rows[patched]] = middle[:, patched], area[patched]
@@ -174,10 +192,10 @@ def _faces(
 _Overlap = tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray]
 
 
-def _overlap(centre: FloatArray, first: FloatArray, second: FloatArray) -> _Overlap:
+def _overlap(centre: FloatArray, first: FloatArray, second: FloatArray, within: FloatArray) -> _Overlap:
     """`_intersection`, where no more than one corner of the parallelogram is low enough, and over the square, in one step: the triangle
     there."""
-    steps = PATCH_GAP / np.maximum(np.abs(np.stack([first[2], second[2]])), 1e-12)
+    steps = within / np.maximum(np.abs(np.stack([first[2], second[2]])), 1e-12)
     low = np.where(np.stack([first[2], second[2]]) < 0, 1.0, -1.0)
     corner = centre + first * low[0] + second * low[1]
     leg_1, leg_2 = first * (low[0] * steps[0]), second * (low[1] * steps[1])
@@ -188,15 +206,15 @@ def _overlap(centre: FloatArray, first: FloatArray, second: FloatArray) -> _Over
     found = alone.copy()
     rest = np.flatnonzero(~alone)
     if len(rest):
-        values = _intersection(centre.take(rest, axis=1), first.take(rest, axis=1), second.take(rest, axis=1))
+        values = _intersection(centre.take(rest, axis=1), first.take(rest, axis=1), second.take(rest, axis=1), within[rest])
         for result, value in zip((area, u, v, corner[2], found), values, strict=True):
             result[rest] = value
     return area, u, v, corner[2], found
 
 
-def _intersection(centre: FloatArray, first: FloatArray, second: FloatArray) -> _Overlap:
+def _intersection(centre: FloatArray, first: FloatArray, second: FloatArray, within: FloatArray) -> _Overlap:
     """The part of the square |u|, |v| <= 1 under the parallelogram ``centre + s first + t second``, |s|, |t| <= 1, each (3, p) as (u, v,
-    height), as far as its height is within ``PATCH_GAP`` of the least there: area, centre (u, v), least height, and whether there is
+    height), as far as its height is ``within`` (p,) of the least there: area, centre (u, v), least height, and whether there is
     any."""
     (cu, cv, cz), (e1u, e1v, e1z), (e2u, e2v, e2z) = centre, first, second
     count = len(cu)
@@ -245,7 +263,7 @@ def _intersection(centre: FloatArray, first: FloatArray, second: FloatArray) -> 
     z_low = heights.min(axis=0)
     found = used.any(axis=0)
     # Leave out what is higher; the cut closes the outline from where it goes out to where it comes in.
-    top = np.where(found, z_low, 0.0) + PATCH_GAP
+    top = np.where(found, z_low, 0.0) + within
     at = (top - z) / np.where(np.abs(dz) < 1e-15, 1e-15, dz)
     used &= (np.abs(dz) > 1e-15) | (z <= top)
     leaves, enters = used & (dz > 1e-15) & (at < t1), used & (dz < -1e-15) & (at > t0)
@@ -298,5 +316,75 @@ def _edges(
     on_a = np.where(of_i, np.clip(s, -most_s, most_s), on_a)
     on_b += way * np.clip(t, -most_t, most_t)
     result.normal[:, rows] = normal
-    result.centre[:, rows] = (on_a + on_b) / 2
+    result.centre[:, rows] = _mean_of_nearest(normal, (on_a + on_b) / 2, result.distance[rows], rotation, offset, half_a, half_b)
     result.exact[rows] = within | (result.distance[rows] <= 0)
+
+
+def _nearness(excess: FloatArray) -> FloatArray:
+    """Weights of points that are further apart than the nearest ones by ``excess`` [m]: 1 there, 0 from ``PATCH_GAP`` on."""
+    return np.square(np.clip(1.0 - excess / PATCH_GAP, 0.0, 1.0))
+
+
+@dataclass(frozen=True, slots=True)
+class _Corners:
+    """The 16 corners of two boxes, those of the second first: ``distance`` (16, p) to the other box, points ``middle`` (3, 16, p) midway to
+    it, and vectors ``way`` (3, 16, p) from the first box to the second."""
+
+    distance: FloatArray
+    middle: FloatArray
+    way: FloatArray
+
+
+def _corners(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> _Corners:
+    of_b = offset[:, None] + np.einsum("ijp,jkp->ikp", rotation, _SIGNS[..., None] * half_b[:, None])
+    on_a = np.clip(of_b, -half_a[:, None], half_a[:, None])
+    of_a = _SIGNS[..., None] * half_a[:, None]
+    local = np.einsum("ijp,ikp->jkp", rotation, of_a - offset[:, None])
+    on_b = offset[:, None] + np.einsum("ijp,jkp->ikp", rotation, np.clip(local, -half_b[:, None], half_b[:, None]))
+    first, second = np.concatenate([on_a, of_a], axis=1), np.concatenate([of_b, on_b], axis=1)
+    way = second - first
+    return _Corners(np.sqrt(np.einsum("ikp,ikp->kp", way, way)), (first + second) / 2, way)
+
+
+def _mean_of_nearest(
+    normal: FloatArray,
+    middle: FloatArray,
+    least: FloatArray,
+    rotation: FloatArray,
+    offset: FloatArray,
+    half_a: FloatArray,
+    half_b: FloatArray,
+) -> FloatArray:
+    """The mean (3, p) of the corners that are as near to the other box or as deep in it along ``normal`` as the ``least`` distance, in the
+    plane of ``middle``, which counts a little, too."""
+    corners = _corners(rotation, offset, half_a, half_b)
+    top = np.einsum("ip,ip->p", np.abs(normal), half_a)
+    bottom = np.einsum("ip,ip->p", normal, offset) - np.einsum("ip,ip->p", np.abs(np.einsum("ijp,ip->jp", rotation, normal)), half_b)
+    height = np.einsum("ip,ikp->kp", normal, corners.middle + corners.way / 2)
+    other = np.einsum("ip,ikp->kp", normal, corners.middle - corners.way / 2)
+    depth = np.concatenate([height[:8] - top, bottom - other[8:]])
+    beside = np.clip(1.0 - corners.distance / PATCH_GAP, 0.0, 1.0)  # 0 for corners that are past the other box
+    distance = corners.distance + np.minimum(depth, 0.0) * beside
+    weight = _nearness(distance - least)
+    mean = (_LEAST_WEIGHT * middle + np.einsum("kp,ikp->ip", weight, corners.middle)) / (_LEAST_WEIGHT + weight.sum(axis=0))
+    return np.asarray(mean + normal * np.einsum("ip,ip->p", normal, middle - mean))
+
+
+def corner_contacts(result: BoxContacts, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> None:
+    """Complete those contacts that are not exact: boxes apart whose nearest points are a corner of the one and any point of the other.
+
+    Edges that face each other in parallel are as near all along; the centre is the mean of all the corners that are as near.
+    """
+    rows = np.flatnonzero(~result.exact)
+    if len(rows) == 0:
+        return
+    corners = _corners(*_rows(rows, rotation, offset, half_a, half_b))
+    distance = corners.distance.min(axis=0)
+    weight = _nearness(corners.distance - distance)
+    normal = np.einsum("kp,ikp->ip", weight / np.maximum(corners.distance, 1e-12), corners.way)
+    length = np.sqrt(np.einsum("ip,ip->p", normal, normal))
+    apart = length > 0
+    result.distance[rows] = distance
+    result.normal[:, rows] = np.where(apart, normal / np.where(apart, length, 1.0), result.normal[:, rows])
+    result.centre[:, rows] = np.einsum("kp,ikp->ip", weight, corners.middle) / weight.sum(axis=0)
+    result.area[rows] = 0.0

@@ -15,8 +15,15 @@ import numpy as np
 from ...arrays import BoolArray, FloatArray
 from .closed_forms import dot
 
-PATCH_GAP = 0.00005
-"""Metres by which two surfaces may be further apart than where they are nearest and still belong to the patch."""
+PATCH_GAP = 0.001
+"""Metres by which two surfaces may be further apart than where they are nearest and still belong to the patch. A body of 1 m that rests and
+trembles by 1e-4 rad keeps its whole face in the patch."""
+
+_LYING, _TIPPED = 0.002, 0.02
+"""Slopes between two faces up to which they lie on each other, and from which on they touch along a line or at a point."""
+
+_LINE_GAP = 0.00005
+"""The same in metres where they touch along a line or at a point."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +39,13 @@ class Patches:
     corners: FloatArray
     used: BoolArray
     wide: BoolArray
+
+
+def patch_gap(slope: FloatArray) -> FloatArray:
+    """How far apart [m] two faces may be within a patch at a ``slope`` (rise over run): ``PATCH_GAP`` where they are parallel, smoothly
+    less where they are tipped, so that the patch stays near the line or point where they touch."""
+    tipped = np.clip((slope - _LYING) / (_TIPPED - _LYING), 0.0, 1.0)
+    return np.asarray(PATCH_GAP - (PATCH_GAP - _LINE_GAP) * tipped * tipped * (3.0 - 2.0 * tipped))
 
 
 def contact_plane(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -79,7 +93,8 @@ def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patche
     # Leave out where the gap is larger; the cut closes the outline from where it goes out to where it comes in.
     from_gap, to_gap = (level[:, None] + np.einsum("nki,ni->nk", ends, slope) for ends in (start, end))
     least_gap = np.where(used, np.minimum(from_gap, to_gap), np.inf).min(axis=1)
-    top = np.where(np.isinf(least_gap), 0.0, least_gap)[:, None] + PATCH_GAP
+    within = patch_gap(np.sqrt(dot(slope, slope)))
+    top = (np.where(np.isinf(least_gap), 0.0, least_gap) + within)[:, None]
     rise = to_gap - from_gap
     leaves, enters = used & (from_gap <= top) & (to_gap > top), used & (from_gap > top) & (to_gap <= top)
     share = np.divide(top - from_gap, rise, out=np.zeros_like(rise), where=leaves | enters)

@@ -15,7 +15,7 @@ import numpy as np
 from ...arrays import BoolArray, FloatArray, IntArray
 from ..hull import hull_2d
 from ..shapes import Shape
-from .boxes import BoxContacts, best_axes, box_contacts
+from .boxes import best_axes, box_contacts, corner_contacts
 from .closed_forms import (
     Separation,
     between,
@@ -32,7 +32,7 @@ from .closed_forms import (
 )
 from .convex import Convex, ConvexDistances, Size, separations
 from .cores import CoreTable, Kind
-from .manifold import Patches, contact_plane, patches
+from .manifold import PATCH_GAP, Patches, contact_plane, patches
 from .mesh_index import MeshIndex
 from .separating_axes import AxisSeparation, box_to_box, box_to_triangle
 from .supporting_feature import FEW, MANY, Features, triangle_polygons
@@ -61,8 +61,11 @@ _CERTAIN = 1e-4
 _BEYOND = 1e-9
 """Metres beyond the reach that a distance is said to be of which no more is known."""
 
-_TOGETHER = 1e-5
-"""Metres by which two parts of a body may be further away than the nearest one and still belong to one patch."""
+_TOGETHER = 4e-5
+"""Metres by which a point or line may be further away than the nearest part of the bodies and still belong to their patch."""
+
+_POINT_AREA, _FACE_AREA = 1e-12, 1e-3
+"""Area in square metres that a point counts as beside faces, and from about which on a face belongs to the patch within ``PATCH_GAP``."""
 
 MAX_PATCH_POINTS = 8
 
@@ -137,7 +140,8 @@ class _Found:
 
 
 class NarrowPhase:
-    """Queries between bodies given by number. ``solid`` says which bodies are volumes: their meshes count as hulls.
+    """Queries between bodies given by number. ``solid`` says which bodies are volumes: their meshes count as hulls. ``is_box`` (n,): which
+    bodies are single boxes.
 
     A pair is placed by the ``rotation`` (3, 3, p) of its second body and the ``offset`` (3, p) of its origin in the frame of the first;
     results are in that frame.
@@ -149,8 +153,8 @@ class NarrowPhase:
         self._features = Features(table)
         self._meshes: dict[int, MeshIndex] = {}
         first = np.minimum(table.start[:-1], max(len(table.kind) - 1, 0))
-        self._is_box = (np.diff(table.start) == 1) & (table.kind[first] == Kind.BOX)
-        self._all_boxes = bool(self._is_box.all())
+        self.is_box = (np.diff(table.start) == 1) & (table.kind[first] == Kind.BOX)
+        self._all_boxes = bool(self.is_box.all())
         # Per body, for those that are boxes, pairs last.
         self._half, self._sharp_half = table.half[first].T.copy(), table.sharp_half[first].T.copy()
         self._radius, self._sharp_radius = table.radius[first], table.sharp_radius[first]
@@ -237,7 +241,7 @@ class NarrowPhase:
         if self._all_boxes:
             rows = np.arange(len(pairs))
         else:
-            rows = np.flatnonzero(self._is_box[first] & self._is_box[second])
+            rows = np.flatnonzero(self.is_box[first] & self.is_box[second])
             if len(rows) == 0:
                 return None
             first, second, rotation, offset = first[rows], second[rows], rotation[..., rows], offset[:, rows]
@@ -264,7 +268,7 @@ class NarrowPhase:
         rows = boxes.rows
         radius = boxes.radius_a + boxes.radius_b
         found = box_contacts(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b, reach[rows] + radius)
-        self._measure(boxes, pairs, found)
+        corner_contacts(found, boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b)
         area, normal, centre = found.area, found.normal, found.centre
         first, second = pairs[rows].T
         if np.any(radius > 0):
@@ -281,23 +285,6 @@ class NarrowPhase:
         left = np.ones(len(every), dtype=np.bool_)
         left[rows] = False
         return every[left]
-
-    def _measure(self, boxes: _Boxes, pairs: IntArray, found: BoxContacts) -> None:
-        """Measure boxes that are apart at their corners: nearest points, no area."""
-        rows = np.flatnonzero(~found.exact)
-        if len(rows) == 0:
-            return
-        bodies = pairs[boxes.rows[rows]].tolist()
-        sharp = [bool(self._authored[a] and self._authored[b]) for a, b in bodies]
-        sizes = [Size.SHARP if s else Size.CORE for s in sharp]
-        start = self._table.start
-        first = [self._convex.core(int(start[a]), size) for (a, _), size in zip(bodies, sizes, strict=True)]
-        second = [self._convex.core(int(start[b]), size) for (_, b), size in zip(bodies, sizes, strict=True)]
-        turn = np.ascontiguousarray(boxes.rotation[..., rows].transpose(2, 0, 1))
-        measured = separations(first, second, turn, np.ascontiguousarray(boxes.offset[:, rows].T))
-        found.distance[rows], found.normal[:, rows] = measured.distance, measured.normal.T
-        found.centre[:, rows] = (measured.first + measured.second).T / 2
-        found.area[rows] = 0.0
 
     def _flatness(self, first: IntArray, second: IntArray, boxes: _Boxes, normal: FloatArray) -> FloatArray:
         """Areas (k,) of the smaller of the two faces over those of the boxes' cores: edges that are rounded within the size of a box take
@@ -685,8 +672,8 @@ def _found(rows: _Rows, normal: FloatArray, distance: FloatArray, patch: Patches
 
 
 def _reduced(distance: FloatArray, found: list[_Found], corners: bool) -> PairPatches:
-    """One patch per pair of bodies from those of its cores and triangles: those that are nearest, or as near within the gap of a patch if
-    they have an extent, weighted by it."""
+    """One patch per pair of bodies from those of its cores and triangles, weighted by their areas and by how near they are beside the
+    nearest one."""
     count = len(distance)
     normal = np.tile([0.0, 0.0, 1.0], (count, 1))
     centre, area = np.zeros((count, 3)), np.zeros(count)
@@ -702,18 +689,16 @@ def _reduced(distance: FloatArray, found: list[_Found], corners: bool) -> PairPa
     else:
         np.minimum.at(distance, owner, each)
         above = each - distance[owner]
-        nearest = above <= 1e-6
-        extent = np.zeros(count)
-        np.add.at(extent, owner, np.where(nearest, weights, 0.0))
-        flat = extent[owner] > 0
-        weights = np.where(flat, np.where(above <= _TOGETHER, weights, 0.0), np.where(nearest, 1.0, 0.0))
+        within = _TOGETHER + PATCH_GAP * weights / (weights + _FACE_AREA)
+        near = np.square(np.clip(2.0 - 2.0 * above / within, 0.0, 1.0))
+        weights = near * (weights + _POINT_AREA)
         kept = weights > 0
         total = np.zeros(count)
         np.add.at(total, owner, weights)
         total = np.where(total > 0, total, 1.0)
         np.add.at(centre, owner, centres * weights[:, None])
         centre /= total[:, None]
-        np.add.at(area, owner, np.where(kept, areas, 0.0))
+        np.add.at(area, owner, near * areas)
         mean = np.zeros((count, 3))
         np.add.at(mean, owner, normals * weights[:, None])
         length = np.sqrt(dot(mean, mean))

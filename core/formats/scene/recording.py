@@ -299,8 +299,8 @@ def _pose_row(pose: Pose) -> PoseRow:
 
 
 def _rows(contacts: ContactSet, numbers: FloatArray) -> FloatArray:
-    """One row per contact: positions, normal, distance, area, share, all rounded, and the index of its transmission function."""
-    parts = (contacts.positions.reshape(-1, 6), contacts.normal, contacts.distance, contacts.area, contacts.share)
+    """One row per contact: positions, normal, distance, area, share, weight, all rounded, and the index of its transmission function."""
+    parts = (contacts.positions.reshape(-1, 6), contacts.normal, contacts.distance, contacts.area, contacts.share, contacts.weight)
     # Adding 0 turns -0 into 0.
     return np.column_stack([np.round(np.column_stack(parts), DIGITS) + 0.0, numbers[contacts.transmission]])
 
@@ -325,6 +325,7 @@ def _contacts_of(contacts: ContactSet, every_row: FloatArray, names: Sequence[st
         distance=rows[:, 9],
         area=rows[:, 10],
         share=rows[:, 11],
+        weight=rows[:, 12],
         transmission=contacts.transmission[chosen],
         transmissions=contacts.transmissions,
     )

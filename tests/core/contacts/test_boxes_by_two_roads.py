@@ -48,10 +48,13 @@ def test_same_contacts(seed, tilt, square):
     same = both & ((fast.normal * general.normal).sum(axis=0) > 1 - 1e-9)
     assert same.sum() > 0.95 * both.sum()
     np.testing.assert_allclose(fast.area[same], general.area[same], rtol=1e-3, atol=2e-3)
-    # Where the patch is a sliver of the gap, its place along the edge is as loose as that.
     wide = same & (general.area > 0.05)
     np.testing.assert_allclose(fast.centre[:, wide], general.centre[:, wide], atol=2e-3)
-    assert (np.linalg.norm(fast.centre - general.centre, axis=0)[same] < 0.01).mean() > 0.9
+    # The place of a sliver along an edge is the fast road's own choice, but both boxes are there.
+    local = fast.centre, np.einsum("ijp,ip->jp", rotation, fast.centre - offset)
+    for half_extents, place in zip(half, local, strict=True):
+        away = np.linalg.norm(place - np.clip(place, -half_extents, half_extents), axis=0)
+        assert away[same].max() < 0.0065
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ import pytest
 from haptic_tracing.core.contacts.gain_bound import Reach
 from haptic_tracing.core.contacts.motion import rotations
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, ConvexHull, Cylinder, Mesh, Sphere
-from haptic_tracing.core.contacts.tracker import STILL, Body, ContactSettings, ContactTracker
+from haptic_tracing.core.contacts.tracker import Body, ContactSettings, ContactTracker
 from haptic_tracing.core.message import Cause, Message
 from haptic_tracing.core.scene.values import Pose
 from hypothesis import given, settings
@@ -58,7 +58,7 @@ def crowd(seed, count=14, frames=12, still=0.5):
 
 
 def rows(contacts):
-    columns = (contacts.positions, contacts.normal, contacts.distance)
+    columns = (contacts.positions, contacts.normal, contacts.distance, contacts.area, contacts.weight)
     return {tuple(pair): values for pair, *values in zip(contacts.pairs.tolist(), *columns, strict=True)}
 
 
@@ -74,11 +74,10 @@ def test_what_is_kept_is_what_would_be_found(seed):
         found = tracker.update(frame / 24, matrices)
         anew = ContactTracker(bodies, rules).update(0.0, matrices)
         one, other = rows(found.contacts), rows(anew.contacts)
-        for pair in one.keys() ^ other.keys():
-            distance = (one.get(pair) or other.get(pair))[2]
-            assert abs(distance - 0.01) < 4 * STILL
-        for pair in one.keys() & other.keys():
-            assert abs(one[pair][2] - other[pair][2]) < 4 * STILL
+        assert one.keys() == other.keys()
+        for pair, kept in one.items():
+            for value, fresh in zip(kept, other[pair], strict=True):
+                np.testing.assert_allclose(value, fresh, atol=1e-11)
         if before is not None:
             assert {tuple(p) for p in found.began.tolist()} == one.keys() - before
             assert {tuple(p) for p in found.ended.tolist()} == before - one.keys()
@@ -91,11 +90,8 @@ def test_nothing_is_asked_where_nothing_moves():
     tracker = ContactTracker(bodies)
     first = tracker.update(0.0, sequence[0])
     assert first.statistics.queries == first.statistics.candidates > 0
-    generator = np.random.default_rng(0)
     for frame in range(1, 5):
-        trembling = sequence[0].copy()
-        trembling[:, :3, 3] += generator.uniform(-4e-7, 4e-7, (len(bodies), 3))
-        found = tracker.update(frame / 24, trembling)
+        found = tracker.update(frame / 24, sequence[0].copy())
         assert found.contacts is first.contacts
         assert found.statistics.queries == 0 and found.statistics.avoided == first.statistics.candidates
 
@@ -116,7 +112,8 @@ def test_bodies_that_move_together_keep_their_contacts():
     assert queries <= 3
 
 
-def test_hysteresis():
+def test_contacts_end_at_the_tolerance_and_meetings_beyond_the_slack():
+    """A contact depends on the poses alone; that a pair has begun or ceased to touch, on its past, so that it stays so."""
     tracker = ContactTracker([GROUND, Body("ball", Sphere(0.5))], ContactSettings(tolerance=0.01, slack=0.005))
     gaps = [0.02, 0.012, 0.009, 0.012, 0.0149, 0.016, 0.012, 0.0101, 0.0099]
     touching, began, ended = [], [], []
@@ -125,7 +122,7 @@ def test_hysteresis():
         touching.append(len(found.contacts))
         began.append(len(found.began))
         ended.append(len(found.ended))
-    assert touching == [0, 0, 1, 1, 1, 0, 0, 0, 1]
+    assert touching == [0, 0, 1, 0, 0, 0, 0, 0, 1]
     assert began == [0, 0, 1, 0, 0, 0, 0, 0, 1]
     assert ended == [0, 0, 0, 0, 0, 1, 0, 0, 0]
 

@@ -1,0 +1,131 @@
+"""Contacts as continuous functions of the poses: centre, area and weight of boxes that rest, tip, slide and part."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from haptic_tracing.core.contacts.motion import rotations
+from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
+from haptic_tracing.core.contacts.shapes import Box, Mesh, Sphere
+from haptic_tracing.core.contacts.tracker import Body, ContactTracker
+from haptic_tracing.core.graph.haptic_graph import graph_of_scene
+from haptic_tracing.core.scene.functions import Constant
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Pose
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+BRICK = np.array([1.0, 0.5, 0.5])
+
+
+def placed(places, turns):
+    matrices = np.tile(np.eye(4), (len(places), 1, 1))
+    matrices[:, :3, 3] = places
+    matrices[:, :3, :3] = rotations(np.asarray(turns, dtype=np.float64).T).transpose(2, 0, 1)
+    return matrices
+
+
+def contact(shapes, places, turns):
+    """Centre, area, weight and distance of the one contact of two bodies, or None."""
+    found = ContactTracker([Body("a", shapes[0]), Body("b", shapes[1])]).update(0.0, placed(places, turns)).contacts
+    return None if len(found) == 0 else (found.positions[0].mean(axis=0), found.area[0], found.weight[0], found.distance[0])
+
+
+BRICKS = (Box(tuple(BRICK)), Box(tuple(BRICK)))
+SLAB = (Mesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]]), Box(tuple(BRICK)))
+
+
+@settings(max_examples=60, derandomize=True, deadline=None)
+@given(
+    slide=st.tuples(st.floats(-0.8, 0.8), st.floats(-0.3, 0.3)),
+    gap=st.floats(-5e-4, 5e-4),
+    tilt=st.tuples(st.floats(-4e-4, 4e-4), st.floats(-4e-4, 4e-4)),
+)
+def test_a_resting_face_is_the_overlap_of_the_faces(slide, gap, tilt):
+    """Whatever a resting brick trembles by: the patch is the rectangle that both faces cover."""
+    centre, area, weight, _ = contact(BRICKS, [(0, 0, 0), (*slide, 0.5 + gap)], [(0, 0, 0), (*tilt, 0)])
+    sides = BRICK[:2] - np.abs(slide)
+    assert area == pytest.approx(sides.prod(), abs=3e-4 * BRICK[:2].sum())
+    np.testing.assert_allclose(centre[:2], np.array(slide) / 2, atol=3e-4)
+    assert weight == 1.0
+
+
+STEP = 1e-5
+
+
+@pytest.mark.parametrize("shapes", [BRICKS, SLAB], ids=["brick on brick", "brick on mesh"])
+@settings(max_examples=60, derandomize=True, deadline=None)
+@given(seed=st.integers(0, 10**6), tilt=st.sampled_from([0.0, 1e-4, 1e-3]))
+def test_a_brick_that_tips_and_slides(shapes, seed, tilt):
+    """Small steps move the centre of a resting patch by at most its lever arm (the face over the patch's gap) times the step."""
+    generator = np.random.default_rng(seed)
+    half = 0.25 if shapes is BRICKS else 0.0
+    place = np.array([*generator.uniform(-0.35, 0.35, 2), half + 0.25 + generator.uniform(-1e-3, 1e-3)])
+    turn = np.array([*generator.normal(size=2) * tilt, generator.uniform(-0.5, 0.5)])
+    before = contact(shapes, [(0, 0, 0), place], [(0, 0, 0), turn])
+    place += generator.uniform(-1, 1, 3) * STEP
+    turn += generator.uniform(-1, 1, 3) * STEP
+    after = contact(shapes, [(0, 0, 0), place], [(0, 0, 0), turn])
+    assert np.linalg.norm(after[0] - before[0]) < 1000 * STEP
+    assert abs(after[1] - before[1]) < 1000 * STEP
+    assert abs(after[2] - before[2]) < 1000 * STEP
+
+
+@settings(max_examples=80, derandomize=True, deadline=None)
+@given(seed=st.integers(0, 10**6), apart=st.tuples(st.floats(-1e-3, 8e-3), st.floats(-1e-3, 8e-3)))
+def test_diagonal_bricks(seed, apart):
+    """Edges that lie along each other: the centre stays in the middle of what both have in common, however they tremble, and where they do
+    not touch they weigh little beside faces as near."""
+    generator = np.random.default_rng(seed)
+    along = generator.uniform(-0.3, 0.3)
+    turns = generator.uniform(-1e-4, 1e-4, (2, 3))
+    found = contact(BRICKS, [(0, 0, 0), (1 + apart[0], along, 0.5 + apart[1])], turns)
+    if found is None:
+        assert np.hypot(*np.maximum(apart, 0.0)) > 0.0098
+        return
+    centre, _, weight, distance = found
+    np.testing.assert_allclose(centre, [0.5 + apart[0] / 2, along / 2, 0.25 + apart[1] / 2], atol=0.06)
+    if distance > 0.004:
+        face = contact(BRICKS, [(0, 0, 0), (0, 0, 0.5 + distance)], np.zeros((2, 3)))
+        assert weight < 0.3 * face[2]
+
+
+@pytest.mark.parametrize("shapes", [BRICKS, (Box(tuple(BRICK)), Sphere(0.25))], ids=["face", "ball"])
+def test_weight_falls_smoothly_to_the_tolerance(shapes):
+    gaps = np.arange(-0.002, 0.01, 2e-5)
+    weights = np.array([contact(shapes, [(0, 0, 0), (0, 0, 0.5 + gap)], np.zeros((2, 3)))[2] for gap in gaps])
+    assert (weights[gaps <= 0.002] == 1).all()
+    assert (np.diff(weights) <= 1e-12).all()
+    assert np.abs(np.diff(weights)).max() < 0.02
+    assert weights[-1] < 1e-3
+    assert contact(shapes, [(0, 0, 0), (0, 0, 0.51001)], np.zeros((2, 3))) is None
+
+
+def test_weight_multiplies_what_a_contact_passes_on():
+    bodies = (HapticObject("a", 0.1, 0.9), HapticObject("b", 0.1, 0.9))
+    gains = {}
+    for weight in (1.0, 0.25):
+        touching = Contact(("a", "b"), ((0, 0, 0), (0, 0, 0)), transmission=Constant(gain_value=0.5), weight=weight)
+        graph = graph_of_scene(HapticScene(bodies, (touching,)))
+        gains[weight] = float(graph.transmission[0])
+        assert graph.transmission_loss[0] == pytest.approx(-np.log(gains[weight]))
+    assert gains == {1.0: 0.5, 0.25: 0.125}
+
+
+def test_a_trembling_pile_is_traced_as_if_anew():
+    generator = np.random.default_rng(3)
+    bodies = [Body(f"b{k}", Box(tuple(BRICK)), 1.0) for k in range(6)]
+    places = np.array([(0.3 * k, 0.0, 0.5 * k) for k in range(6)])
+    tracker = ContactTracker(bodies)
+    for frame in range(20):
+        matrices = placed(places + generator.normal(size=(6, 3)) * 3e-6, generator.normal(size=(6, 3)) * 3e-6)
+        live = tracker.update(frame / 24, matrices).contacts
+        fresh = ContactTracker(bodies).update(0.0, matrices).contacts
+        for name in ("pairs", "positions", "normal", "distance", "area", "weight"):
+            assert getattr(live, name).tobytes() == getattr(fresh, name).tobytes()
+
+
+def test_scenes_at_rest_have_weights():
+    objects = [HapticObject(name, 0.1, 0.9, shape=BRICKS[0], pose=Pose((0, 0, z))) for name, z in (("a", 0), ("b", 0.5), ("c", 1.006))]
+    found = contacts_of_scene(HapticScene(tuple(objects)))
+    assert found.weight[0] == 1.0 and 0 < found.weight[1] < 1
+    assert [c.weight for c in found.to_contacts(["a", "b", "c"])] == found.weight.tolist()
