@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from haptic_tracing.core.contacts.gain_bound import Reach
+from haptic_tracing.core.contacts.gain_bound import GainBound
 from haptic_tracing.core.contacts.tracker import Body, ContactTracker
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "core" / "contacts"))
@@ -85,7 +85,7 @@ def simulated(bodies: int, kind: str, frames: int) -> tuple[tuple[Body, ...], li
     return tuple(told), sequence
 
 
-def timed(bodies: tuple[Body, ...], kind: str, wanted: str, sequence: list[np.ndarray], reach: Reach | None = None) -> Row:
+def timed(bodies: tuple[Body, ...], kind: str, wanted: str, sequence: list[np.ndarray], reach: GainBound | None = None) -> Row:
     """Follow the bodies; the first frame, in which everything is new, is not counted."""
     tracker = ContactTracker(bodies)
     spent, contacts, queries, avoided, impacts = [], [], [], [], 0
@@ -120,7 +120,7 @@ def rows(counts: list[int], frames: int) -> Iterator[Row]:
             yield timed(bodies, kind, "all", sequence)
             start = sequence[-1][1:2, :3, 3]
             everywhere = np.full(len(bodies), 0.81)
-            reach = Reach(np.array([1]), start, np.ones(1), everywhere, everywhere, 0.01)
+            reach = GainBound(np.array([1]), start, np.ones(1), everywhere, everywhere, 0.01)
             yield timed(bodies, kind, "near one source", sequence, reach)
             still = [sequence[-1].copy() for _ in range(20)]
             yield timed(bodies, kind, "one source, still", still, reach)

@@ -11,10 +11,10 @@ import numpy as np
 from .arrays import FloatArray, IntArray
 from .contacts.authored import AuthoredContacts
 from .contacts.contact_set import ContactSet
-from .contacts.gain_bound import Reach
+from .contacts.gain_bound import GainBound
 from .contacts.impact_sources import ImpactSources
 from .contacts.tracker import Body, ContactSettings, ContactTracker, FrameContacts, Impact
-from .graph.gain_bounds import object_bounds, signal_reach
+from .graph.gain_bounds import object_bounds, signal_gain_bound
 from .graph.haptic_graph import ObjectTable
 from .message import Message
 from .scene.functions import ModulationFunction
@@ -139,7 +139,7 @@ class CollisionDetector:
         self._found, self._authored = found, authored
         return self._contacts
 
-    def _reach(self, frame: Frame, transforms: FloatArray) -> Reach:
+    def _reach(self, frame: Frame, transforms: FloatArray) -> GainBound:
         """Return where signals of the sources can arrive."""
         row = self._numbering.row
         starts: list[tuple[int, Vector]] = []
@@ -151,7 +151,7 @@ class CollisionDetector:
         bodies = np.concatenate([np.array([body for body, _ in starts], dtype=np.int64), bodies])
         positions = np.concatenate([np.array([position for _, position in starts], dtype=np.float64).reshape(-1, 3), positions])
         bounds = self._numbering.gain_bounds(frame.settings)
-        return signal_reach(bounds, bodies, positions, frame.settings, self.transmission, self.impact_sources)
+        return signal_gain_bound(bounds, bodies, positions, frame.settings, self.transmission, self.impact_sources)
 
 
 class _Numbering:

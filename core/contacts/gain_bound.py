@@ -1,4 +1,4 @@
-"""How far signals can reach at most, so that contacts are looked for only there."""
+"""Upper bounds on gains of signals at contacts, so that only those are looked for where a signal can be felt."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ _FEW = 8
 
 
 @dataclass(frozen=True, slots=True)
-class Reach:
-    """Upper bounds on gains. Signals start at ``positions`` (k, 3) [m] on ``bodies`` (k,) with at most ``strengths`` (k,); the gain through
-    body b over d metres is at most ``factor[b] * exp(-decay[b] * d)``, that of any contact at most ``transmission``. What falls below
-    ``threshold`` is of no interest; 0 wants everything that is connected. Sources or listeners, whichever are fewer: paths run both ways.
-    ``from_impacts``: they start at the impacts of the frame, too, with strength 1.
+class GainBound:
+    """Upper bound on the gain of signals, by body.
+
+    Signals start at ``positions`` (k, 3) [m] on ``bodies`` (k,) with at most ``strengths`` (k,); the gain through body b over d metres is
+    at most ``factor[b] * exp(-decay[b] * d)``, that of any contact at most ``transmission``. What falls below ``threshold`` is of no interest;
+    0 wants everything that is connected. Sources or listeners, whichever are fewer: paths run both ways. With ``from_impacts`` signals also
+    start at the impacts of the frame, with strength 1.
     """
 
     bodies: IntArray
@@ -35,7 +37,7 @@ class Reach:
         if not 0 <= self.threshold < np.inf:
             raise ValueError(f"threshold: must be finite and >= 0, got {self.threshold!r}")
 
-    def started_at(self, bodies: IntArray, positions: FloatArray) -> Reach:
+    def started_at(self, bodies: IntArray, positions: FloatArray) -> GainBound:
         """Of signals that start at ``positions`` (m, 3) on ``bodies`` (m,) alone, with strength 1."""
         return replace(self, bodies=bodies, positions=positions, strengths=np.ones(len(bodies)))
 

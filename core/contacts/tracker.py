@@ -12,13 +12,23 @@ from ..arrays import BoolArray, FloatArray, IntArray
 from ..message import Cause, Message
 from .broad_phase import overlapping_pairs
 from .contact_set import ContactSet
-from .gain_bound import Reach
+from .gain_bound import GainBound
 from .impacts import Hits, Impact, Meetings, impact_energies, landings, took_place
 from .motion import MotionHistory, Paths
 from .narrow.narrow_phase import NarrowPhase, PairPatches, relative_pose
 from .settings import Body, ContactSettings, ImpactEnergy, Motion
 
-__all__ = ["Body", "ContactSettings", "ContactStatistics", "ContactTracker", "FrameContacts", "Impact", "ImpactEnergy", "Motion", "Reach"]
+__all__ = [
+    "Body",
+    "ContactSettings",
+    "ContactStatistics",
+    "ContactTracker",
+    "FrameContacts",
+    "GainBound",
+    "Impact",
+    "ImpactEnergy",
+    "Motion",
+]
 
 _COLUMNS = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10, 3, 7, 11])
 """Where the rotation and then the position are in the upper three rows of a 4 x 4 matrix."""
@@ -180,7 +190,7 @@ class ContactTracker:
         self._begun = 0.0
         self._last: FrameContacts | None = None
         self._reported = np.zeros((3, 0), dtype=np.int64)
-        self._last_wanted: BoolArray | Reach | None = None
+        self._last_wanted: BoolArray | GainBound | None = None
 
     def replace_bodies(self, bodies: Sequence[Body]) -> None:
         """Other shapes or masses for the same bodies, in the same order (deforming meshes): their motion and contacts go on.
@@ -200,7 +210,7 @@ class ContactTracker:
         self._version[changed] += 1
 
     def update(
-        self, time: float, transforms: FloatArray, wanted: BoolArray | Reach | None = None, continuous: bool = True
+        self, time: float, transforms: FloatArray, wanted: BoolArray | GainBound | None = None, continuous: bool = True
     ) -> FrameContacts:
         """The contacts at ``time`` [s] under rigid world ``transforms`` (n, 4, 4), scale being in the shapes.
 
@@ -387,7 +397,7 @@ class ContactTracker:
     def _contacts(
         self,
         time: float,
-        wanted: BoolArray | Reach | None,
+        wanted: BoolArray | GainBound | None,
         paths: Paths | None,
         lively: BoolArray,
         able: IntArray,
@@ -427,7 +437,7 @@ class ContactTracker:
             recent = [k for k, (when, _) in self._last_impact.items() if time - when <= self.settings.refractory + paths.duration]
             hits = hits.joined(self._landings(paths, pivoting[np.isin(key[pivoting], recent)], last))
         impacts = self._impacts(time, hits, paths)
-        if impacts and isinstance(wanted, Reach) and wanted.from_impacts:
+        if impacts and isinstance(wanted, GainBound) and wanted.from_impacts:
             asked |= self._asked(_from_impacts(wanted, impacts), fresh)
             rows = np.flatnonzero(asked & ~looked)
             self._catch_up(rows[~pairs.looked[rows]])
@@ -466,12 +476,12 @@ class ContactTracker:
             warnings=warnings,
         )
 
-    def _asked(self, wanted: BoolArray | Reach | None, fresh: BoolArray) -> BoolArray:
+    def _asked(self, wanted: BoolArray | GainBound | None, fresh: BoolArray) -> BoolArray:
         """Which candidate pairs the caller wants to know of."""
         pairs = self._pairs
         if wanted is None:
             return np.ones(len(pairs.key), dtype=np.bool_)
-        if not isinstance(wanted, Reach):
+        if not isinstance(wanted, GainBound):
             return np.asarray(wanted[pairs.larger] | wanted[pairs.smaller])
         asked = np.zeros(len(pairs.key), dtype=np.bool_)
         possible = np.flatnonzero(~fresh | pairs.touching)
@@ -680,7 +690,7 @@ class ContactTracker:
         self._history.disturb(disturbed)
 
 
-def _from_impacts(reach: Reach, impacts: Sequence[Impact]) -> Reach:
+def _from_impacts(reach: GainBound, impacts: Sequence[Impact]) -> GainBound:
     """Of signals that start at ``impacts``, on both sides of the contact."""
     positions = np.array([impact.positions for impact in impacts], dtype=np.float64).reshape(-1, 3)
     return reach.started_at(np.array([impact.objects for impact in impacts], dtype=np.int64).reshape(-1), positions)
@@ -704,10 +714,10 @@ def _among(keys: IntArray, ordered: IntArray) -> BoolArray:
     return np.asarray(ordered.take(np.searchsorted(ordered, keys), mode="clip") == keys)
 
 
-def _same(a: BoolArray | Reach | None, b: BoolArray | Reach | None) -> bool:
+def _same(a: BoolArray | GainBound | None, b: BoolArray | GainBound | None) -> bool:
     """Whether the same contacts are wanted."""
     if a is b:
         return True
-    if isinstance(a, Reach) and isinstance(b, Reach):
-        return all(np.array_equal(getattr(a, f.name), getattr(b, f.name)) for f in fields(Reach))
+    if isinstance(a, GainBound) and isinstance(b, GainBound):
+        return all(np.array_equal(getattr(a, f.name), getattr(b, f.name)) for f in fields(GainBound))
     return isinstance(a, np.ndarray) and isinstance(b, np.ndarray) and np.array_equal(a, b)

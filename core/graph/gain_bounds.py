@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..contacts.gain_bound import Reach
+from ..contacts.gain_bound import GainBound
 from ..scene.functions import ModulationFunction
 from ..scene.values import Mode, Settings, Strategy
 from .distance_only import DISTANCE_ONLY
@@ -35,15 +35,15 @@ def object_bounds(table: ObjectTable, settings: Settings) -> tuple[FloatArray, F
     return factor, decay
 
 
-def signal_reach(
+def signal_gain_bound(
     bounds: tuple[FloatArray, FloatArray],
     bodies: IntArray,
     positions: FloatArray,
     settings: Settings,
     transmission: ModulationFunction | None = None,
     impacts: bool = True,
-) -> Reach:
-    """The reach of signals from the given sources.
+) -> GainBound:
+    """The gain bound of signals from the given sources.
 
     Args:
         bounds: factor and decay of each body, as from `object_bounds`.
@@ -58,7 +58,7 @@ def signal_reach(
     passed = 1.0
     if transmission is not None:
         passed = np.inf if transmission.name == "expression" else transmission.bounds(0.0, 0.0, 1.0, settings.epsilon)[1]
-    return Reach(
+    return GainBound(
         bodies=bodies,
         positions=positions,
         strengths=np.ones(len(bodies)),

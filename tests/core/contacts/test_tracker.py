@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from haptic_tracing.core.contacts.gain_bound import Reach
+from haptic_tracing.core.contacts.gain_bound import GainBound
 from haptic_tracing.core.contacts.motion import rotations
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, ConvexHull, Cylinder, Mesh, Sphere
 from haptic_tracing.core.contacts.tracker import Body, ContactSettings, ContactTracker
@@ -167,7 +167,7 @@ def test_what_signals_can_reach_is_all_found(seed, threshold):
     lazy, eager = ContactTracker(bodies, ContactSettings(slack=0.0)), ContactTracker(bodies, ContactSettings(slack=0.0))
     factor, decay = generator.uniform(0.1, 1.0, count), generator.uniform(0.1, 1.0, count)
     for frame, matrices in enumerate(sequence):
-        reach = Reach(sources, matrices[sources, :3, 3], generator.uniform(0.2, 1, 2), factor, decay, threshold)
+        reach = GainBound(sources, matrices[sources, :3, 3], generator.uniform(0.2, 1, 2), factor, decay, threshold)
         some = lazy.update(frame / 24, matrices, wanted=reach)
         every = eager.update(frame / 24, matrices)
         found, expected = rows(some.contacts), rows(every.contacts)
@@ -180,7 +180,7 @@ def test_what_signals_can_reach_is_all_found(seed, threshold):
             for one, other in zip(values, expected[pair], strict=True):
                 np.testing.assert_allclose(one, other, atol=1e-3)
         assert some.impacts == every.impacts
-    nowhere = Reach(np.zeros(0, int), np.zeros((0, 3)), np.zeros(0), factor, decay, 0.1)
+    nowhere = GainBound(np.zeros(0, int), np.zeros((0, 3)), np.zeros(0), factor, decay, 0.1)
     assert len(lazy.update(1.0, sequence[-1], wanted=nowhere).contacts) == 0
 
 
@@ -220,7 +220,7 @@ def test_impacts_do_not_depend_on_what_is_wanted(seed, rate, energy):
     bodies, sequence = hopping(np.random.default_rng(seed), 40, rate)
     lazy, eager = (ContactTracker(bodies, ContactSettings(energy=energy, least_energy=1.0)) for _ in range(2))
     count, nothing = len(bodies), np.zeros(0, dtype=np.int64)
-    reach = Reach(nothing, np.zeros((0, 3)), np.zeros(0), np.full(count, 0.5), np.full(count, 0.5), 0.2, from_impacts=True)
+    reach = GainBound(nothing, np.zeros((0, 3)), np.zeros(0), np.full(count, 0.5), np.full(count, 0.5), 0.2, from_impacts=True)
     for frame, matrices in enumerate(sequence):
         some, every = lazy.update(frame / rate, matrices, wanted=reach), eager.update(frame / rate, matrices)
         assert some.impacts == every.impacts
@@ -236,7 +236,7 @@ def test_far_contacts_are_left_alone():
     places = [(0, 0, -0.5)] + [(2.0 * k, 0, 0.5 + level) for k in range(-4, 5) for level in range(3)]
     bodies = [GROUND, *(Body(f"b{k}", Box((1, 1, 1))) for k in range(len(places) - 1))]
     count = len(bodies)
-    reach = Reach(np.array([0]), np.array([[-8.0, 0, 0]]), np.ones(1), np.full(count, 0.6), np.full(count, 0.6), 0.05)
+    reach = GainBound(np.array([0]), np.array([[-8.0, 0, 0]]), np.ones(1), np.full(count, 0.6), np.full(count, 0.6), 0.05)
     tracker = ContactTracker(bodies)
     found = tracker.update(0.0, moved(places), wanted=reach)
     assert 0 < found.statistics.queries < found.statistics.candidates / 2
