@@ -17,9 +17,9 @@ class GainBound:
     """Upper bound on the gain of signals, by body.
 
     Signals start at ``positions`` (k, 3) [m] on ``bodies`` (k,) with at most ``strengths`` (k,); the gain through body b over d metres is
-    at most ``factor[b] * exp(-decay[b] * d)``, that of any contact at most ``transmission``. What falls below ``threshold`` is of no interest;
-    0 wants everything that is connected. Sources or listeners, whichever are fewer: paths run both ways. With ``from_impacts`` signals also
-    start at the impacts of the frame, with strength 1.
+    at most ``factor[b] * exp(-decay[b] * d)``, that of any contact at most ``transmission``. What falls below ``threshold`` is of no
+    interest; 0 wants everything that is connected. Sources or listeners, whichever are fewer: paths run both ways. With ``from_impacts``
+    signals also start at the impacts of the frame, with strength 1.
     """
 
     bodies: IntArray
