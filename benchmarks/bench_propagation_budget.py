@@ -16,7 +16,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.propagation.exact.walk_bounds import LARGEST
+from haptic_tracing.core.propagation.connections import LARGEST
 from haptic_tracing.core.scene.values import Settings, Strategy
 
 from .families import FAMILIES, Family

@@ -82,7 +82,8 @@ def report(graph: HapticGraph, result: Propagation, strategy: Strategy, seconds:
                 "source": source.name,
                 "listener": listener,
                 "gain": source.amplitude * float(result.gain[row, column]),
-                "error_bound": source.amplitude * float(result.error_bound[row, column]),
+                "error_bound": source.amplitude * bound if (bound := float(result.error_bound[row, column])) < math.inf else None,
+                "limited": bool(result.limited[row, column]),
                 "paths": None if paths < 0 else paths,
                 "path": list(objects_on(graph, result.best_path.get((row, column), ()))),
             }

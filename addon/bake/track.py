@@ -150,7 +150,12 @@ class HapticTrack:
             contacts=ContactSet.empty(),
             graph=build_graph(self._table, ContactSet.empty(), self._alone(sources), self._alone(listeners)),
             propagation=Propagation(
-                gain=gains, error_bound=np.zeros(shape), paths=np.zeros(shape, dtype=np.int64), best_path={}, strategy=("",) * shape[0]
+                gain=gains,
+                error_bound=np.zeros(shape),
+                paths=np.zeros(shape, dtype=np.int64),
+                limited=np.zeros(shape, dtype=np.bool_),
+                best_path={},
+                strategy=("",) * shape[0],
             ),
             sources=sources,
             listeners=listeners,

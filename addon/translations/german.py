@@ -747,6 +747,11 @@ SENTENCES = {
     Cause.AMPLIFICATION: "Manche Verstärkungen liegen über 1: Wege wurden nach der Zahl ihrer Verbindungen gesucht; "
     "die Energiebilanz zählt solche Verstärkungen als 1",
     Cause.PATH_BUDGET: "Die Suche endete an ihrer Grenze, bevor die besten Wege sicher waren: siehe die Fehlerschranken",
+    Cause.SUM_SET_BY_THRESHOLD: "Die Summe über alle Wege von „{source}“ ist von ihrer Schwelle bestimmt: Was darunter liegt, wächst ohne "
+    "Grenze (Wegradius {radius}); die Verfahren Automatisch und Energiebilanz hängen nicht davon ab",
+    Cause.SUM_SET_BY_CONNECTIONS: "Die Summe über alle Wege von „{source}“ ist von Meiste Verbindungen bestimmt: Längere Wege wachsen "
+    "ohne Grenze (Wegradius {radius}); die Verfahren Automatisch und Energiebilanz hängen nicht davon ab",
+    Cause.SUM_TRUNCATED: "Die Grenzen lassen von einer Summe über alle Wege von „{source}“ mehr als die Toleranz weg: siehe die Fehlerschranken",
     Cause.SUM_DIVERGES: "Eine Summe über Wege wächst ohne Grenze: Ihre Verstärkung ist eine untere Schranke; "
     "zu solch einer Szene passt die Strategie „Energiebilanz“",
     Cause.SUM_BUDGET: "Die Suche endete an ihrer Grenze, bevor eine Summe über Wege sicher war: Ihre Verstärkung ist eine untere Schranke, "

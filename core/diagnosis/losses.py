@@ -8,14 +8,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..graph.contact_patches import merge_patches
 from ..graph.distance_only import DISTANCE_ONLY
 from ..graph.haptic_graph import HapticGraph
 from ..message import Cause, Chain, Decibels, Message, Metres
 from ..propagation import objects_on
-from ..propagation.best_path import best_paths
+from ..propagation.best_path import best_paths, most_connections
 from ..propagation.connections import amplifying, intra_costs
 from ..propagation.modes import straight_distances
-from ..propagation.strategies import BUDGET, most_connections
+from ..propagation.strategies import BUDGET
 from ..render.frame_result import FrameResult
 from ..scene.coefficients import transfer_coefficient
 from ..scene.values import Mode, Settings
@@ -107,7 +108,9 @@ def object_losses(graph: HapticGraph, path: tuple[int, ...]) -> list[tuple[str, 
 
 def _best_path(graph: HapticGraph, row: int, column: int) -> tuple[int, ...]:
     """Nodes of the best path without any limit, () where there is none."""
-    return best_paths(graph, [(row, column)], None, 0.0, BUDGET, amplifying(graph), {}).nodes.get((row, column), ())
+    patches = merge_patches(graph)
+    found = best_paths(patches.graph, [(row, column)], None, 0.0, BUDGET, amplifying(graph), {})
+    return tuple(patches.node[list(found.nodes.get((row, column), ()))].tolist())
 
 
 def _with_barriers(graph: HapticGraph) -> HapticGraph:

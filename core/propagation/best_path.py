@@ -9,16 +9,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..graph.haptic_graph import HapticGraph
-from .connections import cost_limit, intra_costs, path_costs
+from ..scene.choices import Strategy
+from ..scene.values import Settings
+from .connections import LARGEST, SLACK, bounded_exp, cost_limit, intra_costs, path_costs
 from .hop_constrained import HopConstrainedPaths, hop_constrained_paths
 from .shortest_paths import ShortestPaths, shortest_paths
 from .strongest_paths import StrongestPaths
 
 Pair = tuple[int, int]
 Path = tuple[int, ...]
-
-SLACK = 1e-9
-"""ShortestPaths are rounded, so they are computed a little beyond the limit; the path found is then judged by its exactly rounded cost."""
 
 COSTS_AT_ONCE = 1 << 22
 """ShortestPaths of so many root and node pairs are held at a time, a bound on memory."""
@@ -28,9 +27,6 @@ EXPANSION = 32
 
 HOPS_UNLIMITED = 64
 """HopConstrainedPaths computed where gains exceed 1 and nothing limits the connections."""
-
-ERROR_LIMIT = 1e300
-"""WalkBounds above this are reported as this: the sum or product may be larger than a number can say."""
 
 
 @dataclass(slots=True)
@@ -45,6 +41,11 @@ class BestPaths:
     visited: int = 0
     relaxed: int = 0
     searched: int = 0
+
+
+def most_connections(settings: Settings) -> int | None:
+    """The limit of connections on a path; `Strategy.AUTO` has none."""
+    return None if settings.strategy is Strategy.AUTO else settings.max_connections
 
 
 def crossings_of(max_connections: int | None) -> float:
@@ -199,11 +200,6 @@ def amplification(graph: HapticGraph) -> float:
 def gain_and_error(cost: float | None, bound: float | None) -> tuple[float, float]:
     """Gain of a path of this cost (None: no path) and how far the best one may exceed it."""
     gain = 0.0 if cost is None else bounded_exp(-cost)
-    if gain >= ERROR_LIMIT:
-        return ERROR_LIMIT, ERROR_LIMIT
+    if gain >= LARGEST:
+        return LARGEST, LARGEST
     return gain, 0.0 if bound is None else max(0.0, bounded_exp(-bound) - gain)
-
-
-def bounded_exp(x: float) -> float:
-    """``exp(x)``, at most `ERROR_LIMIT`."""
-    return math.exp(x) if x < math.log(ERROR_LIMIT) else ERROR_LIMIT

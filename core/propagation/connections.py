@@ -15,8 +15,19 @@ from ..scene.bands import BAND_COUNT
 ROUNDING = 1e-12
 """Relative slack of comparisons with the threshold: one that is met exactly stays met, however the product is rounded."""
 
+SLACK = 1e-9
+"""Costs along a tree are rounded sums, so trees reach this far beyond a limit; the path found is judged by its exactly rounded cost."""
+
+LARGEST = 1e300
+"""Gains and sums above this are cut to this, as lower bounds."""
+
 PAIRS_EVALUATED = 1 << 18
 """Most intra-connections of one object evaluated to see whether a function whose bounds allow gains above 1 has any."""
+
+
+def bounded_exp(x: float) -> float:
+    """``exp(x)``, at most `LARGEST`."""
+    return math.exp(x) if x < math.log(LARGEST) else LARGEST
 
 
 def cost_of(gain: FloatArray) -> FloatArray:
@@ -45,6 +56,27 @@ def intra_costs(graph: HapticGraph, a: IntArray, b: IntArray) -> FloatArray:
     constant, varying = _intra(graph, a, b, graph.node_distances(a, b))
     constant += varying
     return constant
+
+
+def intra_gains(graph: HapticGraph, a: IntArray, b: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Gains of the intra-connections between nodes ``a[i]`` and ``b[i]``, and distances in metres."""
+    distance = graph.node_distances(a, b)
+    index = graph.node_object[a]
+    gains = graph.table.factor[index] * np.exp(-graph.table.decay[index] * distance)
+    for number in set(index.tolist()) & graph.table.special if graph.table.special else ():
+        chosen = np.flatnonzero(index == number)
+        gains[chosen] = graph.table.gain(number, distance[chosen])
+    return gains, distance
+
+
+def band_factors(graph: HapticGraph, index: IntArray, distance: FloatArray) -> FloatArray:
+    """Gain in each band (n, bands), relative to the plain one, of intra-connections in objects ``index``."""
+    factors = np.ones((len(index), BAND_COUNT))
+    if graph.table.band_gains is not None:
+        factors *= graph.table.band_gains[index]
+    if graph.table.band_decays is not None:
+        factors *= np.exp(-graph.table.band_decays[index] * distance[:, None])
+    return factors
 
 
 def path_costs(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> list[float]:

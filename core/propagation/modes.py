@@ -36,7 +36,7 @@ def localised(result: Propagation, nearest: BoolArray, localise: float) -> Propa
     return dataclasses.replace(
         result,
         gain=result.gain * factor,
-        error_bound=result.error_bound * factor,
+        error_bound=np.where(factor > 0, result.error_bound * np.where(factor > 0, factor, 1.0), 0.0),
         band_gain=None if result.band_gain is None else result.band_gain * factor[:, :, None],
         taps={pair: tuple((delay, gain * float(factor[pair])) for delay, gain in taps) for pair, taps in result.taps.items()},
     )

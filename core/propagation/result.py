@@ -5,24 +5,33 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray
 from ..message import Message
 
 
 @dataclass(frozen=True, slots=True)
 class Propagation:
-    """Gains from sources to listeners; amplitudes of the sources are not included.
+    """Gains from s sources to l listeners; amplitudes of the sources are not included.
 
-    ``gain`` (s, l); ``error_bound`` (s, l) absolute: the true value lies within ``gain ± error_bound``; ``paths`` (s, l) number of
-    paths counted, -1 where the sum was not an enumeration; ``best_path`` maps (source, listener) indices to the nodes of the best path;
-    ``band_gain`` (s, l, bands) or None; ``delay`` (s, l) [s] of the best path or None; ``taps`` maps (source, listener) to
-    (delay, gain) pairs of the strongest paths where delays are used; ``strategy`` per source;
-    ``statistics`` counts of what was done and what was skipped.
+    Attributes:
+        gain: (s, l).
+        error_bound: (s, l) absolute: what was asked for lies within ``gain ± error_bound``; infinite where nothing bounds it. Of a sum over
+            paths, limited or not, that is the sum over all paths.
+        paths: (s, l) number of paths summed, -1 where they were not counted.
+        limited: (s, l) whether the limits of a sum over paths may leave out more than the tolerance of it.
+        best_path: nodes of the best path by (source, listener).
+        strategy: of each source.
+        band_gain: (s, l, bands), or None where no function uses bands.
+        delay: (s, l) [s] of the best path, or None where no function has a wave speed.
+        taps: (delay, gain) pairs of the strongest paths by (source, listener), the strongest first.
+        warnings: what the user should know about these gains.
+        statistics: counts of what was done; ``walk_radius`` where paths were summed.
     """
 
     gain: FloatArray
     error_bound: FloatArray
     paths: IntArray
+    limited: BoolArray
     best_path: Mapping[tuple[int, int], tuple[int, ...]]
     strategy: tuple[str, ...]
     band_gain: FloatArray | None = None

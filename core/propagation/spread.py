@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..graph.contact_patches import merge_patches
 from ..graph.haptic_graph import HapticGraph
 from ..scene.values import Settings
-from .best_path import ERROR_LIMIT, SLACK, crossings_of
-from .connections import amplifying, cost_limit
+from .best_path import crossings_of, most_connections
+from .connections import LARGEST, SLACK, amplifying, cost_limit
 from .hop_constrained import hop_constrained_paths
 from .shortest_paths import shortest_paths
 
@@ -46,13 +47,21 @@ def spread(graph: HapticGraph, settings: Settings, sources: Collection[str] | No
 
     The graph is used as it is: a caller that shows another mode passes that mode's graph.
     """
+    patches = merge_patches(graph)
+    merged = _merged_spread(patches.graph, settings, sources)
+    came_from = np.append(patches.node, -1)[merged.predecessor]  # -1 takes the last one
+    return Spread(merged.gain[patches.merged], came_from[patches.merged])
+
+
+def _merged_spread(graph: HapticGraph, settings: Settings, sources: Collection[str] | None) -> Spread:
+    """The spread over a graph whose patches are one contact each."""
     result = Spread(np.zeros(graph.node_count), np.full(graph.node_count, -1, dtype=np.int64))
     emitting = [s for s in graph.sources if s.amplitude > 0 and (sources is None or s.name in sources)]
     at_once = max(1, ROWS_AT_ONCE // max(graph.node_count, 1))
     for first in range(0, len(emitting), at_once):
         part = emitting[first : first + at_once]
         cost, came_from = _strongest(graph, [source.nodes for source in part], settings)
-        gain = np.array([source.amplitude for source in part])[:, None] * np.exp(np.minimum(-cost, math.log(ERROR_LIMIT)))
+        gain = np.array([source.amplitude for source in part])[:, None] * np.exp(np.minimum(-cost, math.log(LARGEST)))
         best = gain.argmax(axis=0)[None, :]
         strongest = np.take_along_axis(gain, best, axis=0)[0]
         stronger = strongest > result.gain
@@ -64,7 +73,7 @@ def spread(graph: HapticGraph, settings: Settings, sources: Collection[str] | No
 def _strongest(graph: HapticGraph, roots: list[tuple[int, ...]], settings: Settings) -> tuple[FloatArray, IntArray]:
     """Cost and predecessor (r, n) of every node from each set of roots, over its intra- or its inter-connection."""
     limit = cost_limit(settings.threshold)
-    most = settings.max_connections
+    most = most_connections(settings)
     inside, entry, contacts = _arrivals(graph, roots, limit, crossings_of(most))
     # Arriving in an object and going on over a contact takes one connection more than arriving.
     one_less = most is not None and most % 2 == 1

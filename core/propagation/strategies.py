@@ -2,27 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray
+from ..arrays import BoolArray, FloatArray, IntArray
+from ..graph.contact_patches import MergedPatches, merge_patches
 from ..graph.distance_only import distance_only
 from ..graph.haptic_graph import HapticGraph
 from ..message import Cause, Message
 from ..scene.bands import BAND_COUNT
-from ..scene.values import Mode, Settings, SourceKind, Strategy
-from .best_path import BestPaths, best_paths, crossings_of, gain_and_error
-from .connections import ROUNDING, amplifying, path_bands, path_delay
+from ..scene.choices import Mode, SourceKind, Strategy
+from ..scene.values import Settings
+from .best_path import BestPaths, best_paths, crossings_of, gain_and_error, most_connections
+from .connections import LARGEST, ROUNDING, amplifying, path_bands, path_delay
 from .delay_taps import delay_taps
 from .energy_balance import energy_gains
-from .exact.walk_bounds import LARGEST
+from .exact import PathLimits, lanes_of
 from .modes import direct_gains, localised, nearest_listener
-from .path_sums import PathSums, limited_sums, threshold_costs, unlimited_sums
+from .path_sums import bounded_sums, path_gain
 from .result import Propagation
+from .threshold_costs import ThresholdCosts, threshold_costs
+from .walk_radius import WalkOperator, WalkRadius
 
 BUDGET = 1_000_000
-"""Default work per source (partial paths, states and transitions looked at): about a second where all of it is needed."""
+"""Default work per source (partial paths, states and transitions): about a second where all of it is needed."""
 
 
 def strategy_of(kind: SourceKind, settings: Settings) -> Strategy:
@@ -34,17 +39,18 @@ def strategy_of(kind: SourceKind, settings: Settings) -> Strategy:
     return settings.strategy
 
 
-def most_connections(settings: Settings) -> int | None:
-    """The limit of connections on a path; `Strategy.AUTO` has none."""
-    return None if settings.strategy is Strategy.AUTO else settings.max_connections
-
-
 def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET, sounding_only: bool = False) -> Propagation:
     """Gains from every source to every listener of the graph.
 
-    ``budget`` bounds the work where an exact result is out of reach, by count and not by time: the result is the same on every machine.
-    ``sounding_only``: no path is searched for sources whose amplitude is 0; their gains are 0.
-    Raises ValueError that names the argument for a negative budget, and the object where an expression gives no gain.
+    Args:
+        graph: the haptic graph.
+        settings: mode, strategy and limits.
+        budget: work allowed where an exact result is out of reach; by count and not by time, so that the result is the same on every
+            machine.
+        sounding_only: sources of amplitude 0 are left out; their gains are 0.
+
+    Raises:
+        ValueError: the argument with its name for a negative budget, the object where an expression gives no gain.
     """
     if budget < 0:
         raise ValueError(f"budget: must be 0 or more, got {budget!r}")
@@ -63,114 +69,177 @@ def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET, soun
     return _Run(graph, settings, strategies, wanted, budget).result()
 
 
+class _Gains:
+    """Arrays of the result, filled strategy by strategy; as in `Propagation`."""
+
+    def __init__(self, graph: HapticGraph, shape: tuple[int, ...]) -> None:
+        self.gain: FloatArray = np.zeros(shape)
+        self.error: FloatArray = np.zeros(shape)
+        self.paths: IntArray = np.zeros(shape, dtype=np.int64)
+        self.limited: BoolArray = np.zeros(shape, dtype=np.bool_)
+        self.bands: FloatArray | None = np.zeros((*shape, BAND_COUNT)) if graph.uses_bands else None
+
+
+@dataclass(slots=True)
+class _Sums:
+    """What summing over paths says beside the gains. ``uncertain``: whether the budget ended too early for some sum."""
+
+    radius: WalkRadius | None = None
+    uncertain: bool = False
+    diverges: bool = False
+    work: int = 0
+
+
 @dataclass(frozen=True, slots=True)
 class _Run:
+    """One propagation over the graph. ``wanted`` (s, l): pairs that are asked for."""
+
     graph: HapticGraph
     settings: Settings
     strategies: tuple[Strategy, ...]
     wanted: BoolArray
     budget: int
+    gains: _Gains = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "gains", _Gains(self.graph, self.wanted.shape))
 
     def result(self) -> Propagation:
-        graph, settings = self.graph, self.settings
-        rows = [row for row, strategy in enumerate(self.strategies) if strategy is Strategy.ALL_PATHS and self.wanted[row].any()]
+        graph, gains = self.graph, self.gains
         amplified = amplifying(graph)
+        patches = merge_patches(graph)
+        rows = [row for row, strategy in enumerate(self.strategies) if strategy is Strategy.ALL_PATHS and self.wanted[row].any()]
         known = None
-        if rows and settings.threshold > 0 and not amplified:
-            known = threshold_costs(graph, [graph.sources[row].nodes for row in rows], settings.threshold)
-        best = best_paths(
-            graph,
-            [(int(row), int(column)) for row, column in np.argwhere(self.wanted)],
-            most_connections(settings),
-            settings.threshold,
-            self.budget,
-            amplified,
-            {} if known is None else {row: (known.forward, number) for number, row in enumerate(rows)},
-        )
-        gain, error = np.zeros(self.wanted.shape), np.zeros(self.wanted.shape)
-        paths = np.zeros(self.wanted.shape, dtype=np.int64)
-        bands = np.zeros((*self.wanted.shape, BAND_COUNT)) if graph.uses_bands else None
-        for pair in best.nodes.keys() | best.bound.keys():
-            if self.strategies[pair[0]] is Strategy.BEST_PATH:
-                gain[pair], error[pair] = gain_and_error(best.cost.get(pair), best.bound.get(pair))
-                paths[pair] = pair in best.nodes
-                if bands is not None and pair in best.nodes:
-                    bands[pair] = gain[pair] * path_bands(graph, best.nodes[pair])
-        work = 0
-        crossings = crossings_of(most_connections(settings))
-        for number, row in enumerate(rows if crossings >= 0 else ()):
-            columns = np.flatnonzero(self.wanted[row])
-            ends = graph.sources[row].nodes, graph.listener_nodes[columns].tolist()
-            sums: PathSums
-            with np.errstate(over="ignore"):  # gains above 1 may multiply to more than a number can say: such a sum has no bound
-                if settings.threshold > 0:
-                    sums = limited_sums(graph, *ends, crossings, settings.threshold, self.budget, known, number)
-                else:
-                    sums = unlimited_sums(graph, *ends, crossings, settings.tolerance, self.budget)
-            gain[row, columns], error[row, columns], paths[row, columns] = sums.gain[:, 0], sums.error, sums.paths
-            if bands is not None:
-                bands[row, columns] = sums.gain[:, 1:]
-            work += sums.work
-        energies = energy_gains(graph) if Strategy.ENERGY_BALANCE in self.strategies else None
-        for row, strategy in enumerate(self.strategies):
-            if energies is not None and strategy is Strategy.ENERGY_BALANCE:
-                columns = np.flatnonzero(self.wanted[row])
-                gain[row, columns], error[row, columns] = energies.gain[row, columns], energies.error[row, columns]
-                paths[row, columns] = -1
-                if bands is not None and energies.bands is not None:
-                    bands[row, columns] = energies.bands[row, columns]
+        if rows and self.settings.threshold > 0 and not amplified:
+            known = threshold_costs(graph, [graph.sources[row].nodes for row in rows], self.settings.threshold)
+        best = self._best_paths(patches, amplified, known if patches.graph is graph else None, rows)
+        sums = self._sum_over_paths(patches, best, known, rows)
+        self._balance_energy()
+        delays = graph.uses_delays
         return Propagation(
-            gain=gain,
-            error_bound=error,
-            paths=paths,
-            best_path=best.nodes,
-            strategy=tuple(str(s) for s in self.strategies),
-            band_gain=bands,
-            delay=_delays(graph, self.wanted.shape, best),
-            taps=self._taps(best, gain, amplified) if graph.uses_delays else {},
-            warnings=self._warnings(amplified, best, gain, error),
+            gain=gains.gain,
+            error_bound=np.where(gains.error >= LARGEST, math.inf, gains.error),
+            paths=gains.paths,
+            limited=gains.limited,
+            best_path={pair: tuple(patches.node[list(nodes)].tolist()) for pair, nodes in best.nodes.items()},
+            strategy=tuple(str(strategy) for strategy in self.strategies),
+            band_gain=gains.bands,
+            delay=_delays(patches.graph, self.wanted.shape, best) if delays else None,
+            taps=self._taps(patches.graph, best, amplified) if delays else {},
+            warnings=self._warnings(amplified, best, sums),
             statistics={
                 **statistics_of(graph),
                 "nodes_visited": best.visited,
                 "connections_relaxed": best.relaxed,
                 "paths_searched": best.searched,
-                "states": work,
+                "states": sums.work,
+                **({} if sums.radius is None else {"walk_radius": sums.radius.value}),
             },
         )
 
-    def _warnings(self, amplified: bool, best: BestPaths, gain: FloatArray, error: FloatArray) -> tuple[Message, ...]:
-        warnings = []
+    def _best_paths(self, patches: MergedPatches, amplified: bool, known: ThresholdCosts | None, rows: list[int]) -> BestPaths:
+        """Best paths of all wanted pairs on the graph with merged patches; the gains of those whose strategy they are."""
+        graph, gains = patches.graph, self.gains
+        best = best_paths(
+            graph,
+            [(int(row), int(column)) for row, column in np.argwhere(self.wanted)],
+            most_connections(self.settings),
+            self.settings.threshold,
+            self.budget,
+            amplified,
+            {} if known is None else {row: (known.forward, number) for number, row in enumerate(rows)},
+        )
+        for pair in best.nodes.keys() | best.bound.keys():
+            if self.strategies[pair[0]] is Strategy.BEST_PATH:
+                gains.gain[pair], gains.error[pair] = gain_and_error(best.cost.get(pair), best.bound.get(pair))
+                gains.paths[pair] = pair in best.nodes
+                if gains.bands is not None and pair in best.nodes:
+                    gains.bands[pair] = gains.gain[pair] * path_bands(graph, best.nodes[pair])
+        return best
+
+    def _sum_over_paths(self, patches: MergedPatches, best: BestPaths, known: ThresholdCosts | None, rows: list[int]) -> _Sums:
+        """The gains of sources whose strategy is all paths."""
+        graph, gains, settings = self.graph, self.gains, self.settings
+        sums = _Sums()
+        crossings = crossings_of(most_connections(settings))
+        if not rows:
+            return sums
+        if crossings < 0:  # no connection is allowed
+            gains.limited[rows], gains.error[rows] = self.wanted[rows], np.where(self.wanted[rows], math.inf, 0.0)
+            return sums
+        limits = PathLimits(crossings, settings.threshold, settings.tolerance, self.budget)
+        with np.errstate(over="ignore", invalid="ignore"):  # gains above 1 may multiply to more than a number can say: no bound then
+            operator = WalkOperator(graph)
+            sums.radius = operator.radius
+            for number, row in enumerate(rows):
+                columns = np.flatnonzero(self.wanted[row])
+                least = np.zeros((len(columns), lanes_of(graph)))
+                for place, column in enumerate(columns.tolist()):
+                    if (row, column) in best.nodes:
+                        least[place] = path_gain(graph, patches, best.nodes[row, column], best.cost[row, column])
+                ends = graph.sources[row].nodes, graph.listener_nodes[columns].tolist()
+                found = bounded_sums(graph, operator, *ends, limits, None if known is None else (known, number), least)
+                gains.gain[row, columns], gains.error[row, columns] = found.gain[:, 0], found.error
+                gains.paths[row, columns], gains.limited[row, columns] = found.paths, found.limited
+                if gains.bands is not None:
+                    gains.bands[row, columns] = found.gain[:, 1:]
+                sums.uncertain |= bool(found.uncertain.any())
+                sums.diverges |= bool(np.any(np.isinf(found.error) & ~found.limited))
+                sums.work += found.work
+        return sums
+
+    def _balance_energy(self) -> None:
+        """The gains of sources whose strategy is the energy balance."""
+        if Strategy.ENERGY_BALANCE not in self.strategies:
+            return
+        energies = energy_gains(self.graph)
+        gains = self.gains
+        for row, strategy in enumerate(self.strategies):
+            if strategy is Strategy.ENERGY_BALANCE:
+                columns = np.flatnonzero(self.wanted[row])
+                gains.gain[row, columns], gains.error[row, columns] = energies.gain[row, columns], energies.error[row, columns]
+                gains.paths[row, columns] = -1
+                if gains.bands is not None and energies.bands is not None:
+                    gains.bands[row, columns] = energies.bands[row, columns]
+
+    def _warnings(self, amplified: bool, best: BestPaths, sums: _Sums) -> tuple[Message, ...]:
+        gains, warnings = self.gains, []
         if amplified:
             warnings.append(Message.of(Cause.AMPLIFICATION))
         if best.bound:
             warnings.append(Message.of(Cause.PATH_BUDGET))
-        if not error.any() and not np.any(gain >= LARGEST):
-            return tuple(warnings)
-        summed = [row for row, strategy in enumerate(self.strategies) if strategy is Strategy.ALL_PATHS]
-        uncertain = error[summed] > self.settings.tolerance * gain[summed] * (1 + ROUNDING)
-        if np.any(error[summed] >= LARGEST):
+        limited = np.flatnonzero(gains.limited.any(axis=1))
+        if len(limited) and sums.radius is not None:
+            warnings.append(self._limited_message(int(limited[0]), sums.radius))
+        if sums.diverges:
             warnings.append(Message.of(Cause.SUM_DIVERGES))
-        elif np.any(uncertain & (error[summed] > 1e-6)):
+        elif sums.uncertain:
             warnings.append(Message.of(Cause.SUM_BUDGET))
-        if np.any(gain >= LARGEST):
+        if np.any(gains.gain >= LARGEST):
             warnings.append(Message.of(Cause.GAIN_OVERFLOW))
         return tuple(warnings)
 
-    def _taps(self, best: BestPaths, gain: FloatArray, amplified: bool) -> dict[tuple[int, int], tuple[tuple[float, float], ...]]:
-        """Of a sum over paths its strongest ones, else the best path with all of the gain."""
+    def _limited_message(self, row: int, radius: WalkRadius) -> Message:
+        """That the limits set a sum from source number ``row``."""
+        source = self.graph.sources[row].name
+        if not radius.well_posed:
+            cause = Cause.SUM_SET_BY_THRESHOLD if self.settings.threshold > 0 else Cause.SUM_SET_BY_CONNECTIONS
+            return Message.of(cause, source=source, radius=f"{radius.value:.2f}")
+        return Message.of(Cause.SUM_TRUNCATED, source=source)
+
+    def _taps(self, graph: HapticGraph, best: BestPaths, amplified: bool) -> dict[tuple[int, int], tuple[tuple[float, float], ...]]:
+        """The strongest paths of a sum over paths; else the best path with all of the gain. ``graph``: that of the best paths."""
         taps = {}
         crossings = crossings_of(most_connections(self.settings))
         for pair, nodes in best.nodes.items():
             if self.strategies[pair[0]] is Strategy.ALL_PATHS:
                 taps[pair] = delay_taps(self.graph, *pair, crossings, self.settings.threshold, amplified)
             else:
-                taps[pair] = ((path_delay(self.graph, nodes), float(gain[pair])),)
+                taps[pair] = ((path_delay(graph, nodes), float(self.gains.gain[pair])),)
         return taps
 
 
-def _delays(graph: HapticGraph, shape: tuple[int, ...], best: BestPaths) -> FloatArray | None:
-    if not graph.uses_delays:
-        return None
+def _delays(graph: HapticGraph, shape: tuple[int, ...], best: BestPaths) -> FloatArray:
     delay = np.zeros(shape)
     for pair, nodes in best.nodes.items():
         delay[pair] = path_delay(graph, nodes)
@@ -185,16 +254,17 @@ def _direct(graph: HapticGraph, settings: Settings, strategies: tuple[Strategy, 
         gain=np.where(kept, gain, 0.0),
         error_bound=np.zeros(gain.shape),
         paths=kept.astype(np.int64),
+        limited=np.zeros(gain.shape, dtype=np.bool_),
         best_path={
             (int(row), int(column)): (graph.sources[row].nodes[0], int(graph.listener_nodes[column])) for row, column in np.argwhere(kept)
         },
-        strategy=tuple(str(s) for s in strategies),
+        strategy=tuple(str(strategy) for strategy in strategies),
         statistics=statistics_of(graph),
     )
 
 
 def statistics_of(graph: HapticGraph) -> dict[str, int | float]:
-    """Counts of what there is."""
+    """Counts of the graph."""
     return {
         "objects": len(graph.table.names),
         "contacts": graph.contact_count,

@@ -17,8 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..graph.contact_patches import contact_patches
 from ..graph.haptic_graph import HapticGraph
-from .connections import intra_costs
+from .connections import cost_of, intra_costs
 
 WALKED = 64
 """Nodes of the path so far that are examined in about the time of one partial path."""
@@ -28,9 +29,10 @@ _NOTHING = np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0)
 
 @dataclass(frozen=True, slots=True)
 class FoundPath:
-    """A path and its cost ``-log(gain)``."""
+    """A path, its cost ``-log(gain)``, and the product of the shares of its contacts."""
 
     cost: float
+    share: float
     nodes: tuple[int, ...]
 
 
@@ -41,6 +43,7 @@ class _Partial:
     node: int
     before: tuple[_Partial, int] | None  # the partial path that it continues, and the number of the continuation
     contacts: int
+    share_cost: float  # -log of the product of the shares of its contacts
     ends: IntArray
     bounds: FloatArray
     costs: FloatArray
@@ -57,7 +60,7 @@ class _Partial:
 
 
 class StrongestPaths(Iterator[FoundPath]):
-    """Iterates over the paths from any of ``roots`` to ``target``, the strongest first.
+    """Iterates over the paths from any of ``roots`` to ``target``, the strongest first, shares of contacts included.
 
     Args:
         ahead: (k, n) lower bounds on the cost from entering at a node to the target with at most 0, 1, ... further contacts; the last row
@@ -77,6 +80,8 @@ class StrongestPaths(Iterator[FoundPath]):
         self._limit = limit
         self._budget = budget
         self._crossing = np.append(graph.transmission_loss, math.inf)[graph.contact]
+        self._share_cost = np.append(cost_of(graph.share), 0.0)[graph.contact]
+        self._patch = np.append(contact_patches(graph), -1)[graph.contact]
         self._queue: list[tuple[float, int, _Partial, int]] = []
         self._numbers = itertools.count()
         self.expanded = 0
@@ -85,7 +90,7 @@ class StrongestPaths(Iterator[FoundPath]):
 
     @property
     def bound(self) -> float:
-        """Lower bound on the cost of the paths not yet returned."""
+        """Lower bound on the cost of the paths not yet returned, that of their shares included."""
         return self._queue[0][0] if self._queue else math.inf
 
     def __next__(self) -> FoundPath:
@@ -97,14 +102,15 @@ class StrongestPaths(Iterator[FoundPath]):
             end = int(partial.ends[place])
             cost = float(partial.costs[place])
             if end == self._target:
-                return FoundPath(cost, (*reversed(partial.trail()), end))
+                return FoundPath(cost, math.exp(-partial.share_cost), (*reversed(partial.trail()), end))
             self._expand(int(self._graph.partner[end]), cost, (partial, place))
         raise StopIteration
 
     def _expand(self, node: int, cost: float, before: tuple[_Partial, int] | None) -> None:
         """Find the continuations of a partial path that has just entered an object through ``node``."""
         graph = self._graph
-        partial = _Partial(node, before, 0 if before is None else before[0].contacts + 1, *_NOTHING)
+        share_cost = 0.0 if before is None else before[0].share_cost + float(self._share_cost[node])
+        partial = _Partial(node, before, 0 if before is None else before[0].contacts + 1, share_cost, *_NOTHING)
         crossed = partial.trail()[1:]
         self.expanded += 1 + len(crossed) // WALKED
         nodes = graph.nodes_of(int(graph.node_object[node]))
@@ -115,8 +121,8 @@ class StrongestPaths(Iterator[FoundPath]):
         if left >= 0:
             row = self._ahead[int(min(left, len(self._ahead) - 1))]
             bounds = costs + row[graph.partner[others]]  # partner -1 only where the crossing costs infinity
-            taken = graph.contact[np.array(crossed, dtype=np.int64)]
-            bounds[np.isin(graph.contact[others], taken) & (graph.contact[others] >= 0)] = math.inf
+            taken = self._patch[np.array(crossed, dtype=np.int64)]
+            bounds[np.isin(self._patch[others], taken) & (self._patch[others] >= 0)] = math.inf
         else:
             bounds = np.full(len(others), math.inf)
         bounds[others == node] = math.inf
@@ -125,6 +131,7 @@ class StrongestPaths(Iterator[FoundPath]):
         if 0 <= target < len(others) and self._target != node:
             bounds[target] = costs[target] = inside[target]
         bounds[(inside > self._limit) | (bounds > self._limit)] = math.inf
+        bounds += share_cost + self._share_cost[others]
         useful = np.flatnonzero(bounds < math.inf)
         order = useful[np.lexsort((useful, bounds[useful]))]
         partial.ends, partial.bounds, partial.costs = others[order], bounds[order], costs[order]

@@ -1,1 +1,36 @@
-"""Sums over all paths: exact, to a tolerance, or within limits."""
+"""Sums over all paths: exact, to a tolerance, or within limits. `sum_over_paths` is the way in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...graph.haptic_graph import HapticGraph
+from ..threshold_costs import ThresholdCosts
+from .bridge_tree_sums import bridge_tree_sums
+from .path_sums import PathLimits, PathSums, lanes_of
+from .threshold_sums import threshold_sums
+
+__all__ = ["PathLimits", "PathSums", "lanes_of", "sum_over_paths"]
+
+
+def sum_over_paths(
+    graph: HapticGraph,
+    roots: Sequence[int],
+    listeners: Sequence[int],
+    limits: PathLimits,
+    known: tuple[ThresholdCosts, int] | None = None,
+    recrossings: bool = False,
+) -> PathSums:
+    """Sum of the products of gains over the paths from the nodes ``roots`` of a source to each of the nodes ``listeners``.
+
+    With a threshold, whether a path counts depends on its own gain, so paths are searched one by one, as arrays (`threshold_sums`). Without
+    one, the sum factorises over the bridges of the contacts, and inside a component it is found without enumeration (`bridge_tree_sums`).
+    The result is exact, or an interval: a lower bound that was summed, and a bound on the rest.
+
+    Args:
+        known: costs up to the threshold and the source's row in them; None where some gain exceeds 1.
+        recrossings: whether the result says where walks were not continued because they cross a patch twice.
+    """
+    if limits.threshold > 0:
+        return threshold_sums(graph, roots, listeners, limits, known, recrossings)
+    return bridge_tree_sums(graph, roots, listeners, limits)

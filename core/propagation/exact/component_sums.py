@@ -15,12 +15,13 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...graph.haptic_graph import HapticGraph
 from ...scene.bands import BAND_COUNT
+from ..connections import LARGEST, band_factors, intra_gains
 from ..shortest_paths import shortest_paths
 from . import simpath
 from .bridge_decomposition import Component
 from .path_search import ArcRanking, Limits, SearchResult, search
-from .search_graph import SearchGraph, band_factors, build_search_graph, intra_gains
-from .walk_bounds import LARGEST, WalkBounds
+from .search_graph import SearchGraph, build_search_graph
+from .walk_bounds import WalkBounds
 
 STAGES = (1 / 1024, 1 / 256, 1 / 64, 1 / 16, 1 / 4, 1.0)
 """Parts of the budget given to each method in turn, until one of them succeeds."""

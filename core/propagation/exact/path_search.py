@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import BoolArray, FloatArray, IntArray
-from ..connections import ROUNDING
+from ..connections import LARGEST, ROUNDING
 from .search_graph import Arcs, SearchGraph
-from .walk_bounds import LARGEST, WalkBounds
+from .walk_bounds import WalkBounds
 
 KeyArray = NDArray[np.uint64]
 BitArray = NDArray[np.uint8] | NDArray[np.uint64]
@@ -82,12 +82,14 @@ class SearchResult:
         missing: (l,) bound on the sum of all paths left out.
         paths: (l,) number of paths summed.
         work: work done.
+        recrossed: (e,) values of the walks that were not continued because they cross a patch twice, by the entry where they end.
     """
 
     sums: FloatArray
     missing: FloatArray
     paths: IntArray
     work: int
+    recrossed: FloatArray | None = None
 
 
 class ArcRanking:
@@ -156,84 +158,150 @@ class _States:
 
 
 def search(
-    search_graph: SearchGraph, starts: FloatArray, limits: Limits, bounds: WalkBounds, merge: bool, ranking: ArcRanking | None = None
+    search_graph: SearchGraph,
+    starts: FloatArray,
+    limits: Limits,
+    bounds: WalkBounds,
+    merge: bool,
+    ranking: ArcRanking | None = None,
+    recrossings: bool = False,
 ) -> SearchResult:
-    """Sum over all paths from the roots of the search graph, which have the values ``starts`` (r, lanes), to its listeners.
+    """Sum over all paths from the roots of the search graph to its listeners.
 
-    ``bounds`` are computed only when something has to be dropped. ``merge`` only without a threshold. ``ranking``: steps ranked by the
-    same ``ahead`` as in the limits, which makes a search with a threshold faster where there are many.
+    Args:
+        search_graph: entries and steps.
+        starts: (r, lanes) values of the roots.
+        limits: which paths count, and how much work is allowed.
+        bounds: computed only when something has to be dropped.
+        merge: merge partial paths with the same continuations; only without a threshold.
+        ranking: steps ranked by the same ``ahead`` as in the limits, which makes a search with a threshold faster where there are many.
+        recrossings: collect the walks that are not continued because they cross a patch twice.
     """
-    count = len(search_graph.nodes)
-    roots = np.arange(count - len(starts), count)
-    least = limits.threshold * (1 - ROUNDING)
-    steps = search_graph.steps if ranking is None else ranking.steps
-    promise = limits.ahead[steps.to] if least == 0 else steps.gain * limits.ahead[steps.to]
-    growing = bool(np.max(steps.gain, initial=0.0) > 1 or np.max(search_graph.ends.gain, initial=0.0) > 1)
-    amplified = not np.all(np.isfinite(limits.ahead))
-    keys = _keys(search_graph) if merge else None
-    plain = not merge and search_graph.lanes == 1 and np.all(starts == 1) and np.array_equal(steps.weight[:, 0], steps.gain)
-    marks = _PatchSets(search_graph.patch)
-    each = 1 / PAIRS + marks.size / BITES
-    states = _States(roots, np.ones(len(roots)), starts, marks.none(len(roots)), np.zeros(len(roots), dtype=np.uint64))
-    room = min(limits.states, BYTES // (marks.size + 64))
-    standing: list[_States] = []
-    ended: list[tuple[IntArray, FloatArray]] = []
-    missing = np.zeros(search_graph.listeners)
-    total = np.zeros(search_graph.listeners)
-    work = 0
-    level = levels = 0
-    while len(states):
-        sizes = steps.size[states.entry] if ranking is None else ranking.promising(states.entry, states.gain, least)
-        allowed = SPENT_ON_LEVEL * (limits.work - work) if level else math.inf
-        needed = len(states) + float(sizes.sum()) * each
-        if level and (limits.tolerance > 0 or len(states) > room or needed > allowed):
-            cost = 1.0 + sizes.astype(np.float64) * each
-            kept = _kept(states, limits, bounds, level, np.maximum(total, limits.known), missing, room, cost, allowed)
-            states, sizes = states.pick(kept), sizes[kept]
-            needed = len(states) + float(sizes.sum()) * each
-        work += int(needed)
-        standing.append(states)
-        levels = level + 1
-        if limits.tolerance > 0 or sum(map(len, standing)) > FEW:
-            ended.append(_end(search_graph, standing, levels, least))
-            standing = []
-        if limits.tolerance > 0:
-            cell, value = ended[-1]
-            total += np.bincount(cell - level * search_graph.listeners, weights=value[:, 0], minlength=search_graph.listeners)
-        if level >= limits.crossings:
-            break
+    return _Search(search_graph, starts, limits, bounds, merge, ranking, recrossings).run()
+
+
+class _Search:
+    """One search; the arguments are those of `search`."""
+
+    def __init__(
+        self,
+        search_graph: SearchGraph,
+        starts: FloatArray,
+        limits: Limits,
+        bounds: WalkBounds,
+        merge: bool,
+        ranking: ArcRanking | None,
+        recrossings: bool,
+    ) -> None:
+        self._graph, self._limits, self._bounds, self._ranking = search_graph, limits, bounds, ranking
+        self._least = limits.threshold * (1 - ROUNDING)
+        steps = self._steps = search_graph.steps if ranking is None else ranking.steps
+        self._promise = limits.ahead[steps.to] if self._least == 0 else steps.gain * limits.ahead[steps.to]
+        self._growing = bool(np.max(steps.gain, initial=0.0) > 1 or np.max(search_graph.ends.gain, initial=0.0) > 1)
+        self._amplified = not np.all(np.isfinite(limits.ahead))
+        self._keys = _keys(search_graph) if merge else None
+        self._plain = not merge and search_graph.lanes == 1 and np.all(starts == 1) and np.array_equal(steps.weight[:, 0], steps.gain)
+        self._sets = _PatchSets(search_graph.patch)
+        self._each = 1 / PAIRS + self._sets.size / BITES
+        self._room = min(limits.states, BYTES // (self._sets.size + 64))
+        roots = np.arange(len(search_graph.nodes) - len(starts), len(search_graph.nodes))
+        none = self._sets.none(len(roots)), np.zeros(len(roots), dtype=np.uint64)
+        self._states = _States(roots, np.ones(len(roots)), starts, *none)
+        self._standing: list[_States] = []
+        self._ended: list[tuple[IntArray, FloatArray]] = []
+        self._missing = np.zeros(search_graph.listeners)
+        self._total = np.zeros(search_graph.listeners)
+        self._recrossed = np.zeros(len(search_graph.nodes)) if recrossings else None
+        self._work = 0
+
+    def run(self) -> SearchResult:
+        """Search level by level; a level has the partial paths with one number of contacts."""
+        level = levels = 0
+        while len(self._states):
+            sizes = self._chosen_steps(level)
+            self._standing.append(self._states)
+            levels = level + 1
+            self._end_paths(level)
+            if level >= self._limits.crossings:
+                break
+            self._advance(level, sizes)
+            level += 1
+        if self._standing:
+            self._ended.append(_end(self._graph, self._standing, levels, self._least))
+        sums, paths = _add_up(self._ended, levels, self._graph)
+        if self._growing:
+            self._missing[(sums[..., 0].sum(axis=0) > LARGEST) | (np.max(self._steps.gain) > LARGEST)] = LARGEST
+            np.minimum(sums, LARGEST, out=sums)
+        return SearchResult(sums, self._missing, paths, self._work, self._recrossed)
+
+    def _chosen_steps(self, level: int) -> IntArray:
+        """How many steps each state takes, after states that are too many or of too little weight are dropped."""
+        limits, states = self._limits, self._states
+        sizes = self._steps.size[states.entry]
+        if self._ranking is not None:
+            sizes = self._ranking.promising(states.entry, states.gain, self._least)
+        allowed = SPENT_ON_LEVEL * (limits.work - self._work) if level else math.inf
+        needed = len(states) + float(sizes.sum()) * self._each
+        if level and (limits.tolerance > 0 or len(states) > self._room or needed > allowed):
+            cost = 1.0 + sizes.astype(np.float64) * self._each
+            total = np.maximum(self._total, limits.known)
+            kept = _kept(states, limits, self._bounds, level, total, self._missing, self._room, cost, allowed)
+            self._states, sizes = states.pick(kept), sizes[kept]
+            needed = len(kept) + float(sizes.sum()) * self._each
+        self._work += int(needed)
+        return sizes
+
+    def _end_paths(self, level: int) -> None:
+        """End paths at the listeners: of many states at once, and of each level where the sum so far decides what is dropped."""
+        tolerant = self._limits.tolerance > 0
+        if tolerant or sum(map(len, self._standing)) > FEW:
+            self._ended.append(_end(self._graph, self._standing, level + 1, self._least))
+            self._standing = []
+        if tolerant:
+            cell, value = self._ended[-1]
+            listeners = self._graph.listeners
+            self._total += np.bincount(cell - level * listeners, weights=value[:, 0], minlength=listeners)
+
+    def _advance(self, level: int, sizes: IntArray) -> None:
+        """Take the states one step further."""
+        states, steps, least = self._states, self._steps, self._least
         which, step = steps.expand(states.entry, sizes)
-        possible = promise[step] > 0 if least == 0 else states.gain[which] * promise[step] >= least
-        if amplified and least > 0:  # else the gain of the whole path says it all
+        possible = self._promise[step] > 0 if least == 0 else states.gain[which] * self._promise[step] >= least
+        if self._amplified and least > 0:  # else the gain of the whole path decides
             inside, gain = states.gain[which] * steps.inside[step], states.gain[which] * steps.gain[step]
             possible &= (gain >= least) & (inside >= least)
         to = steps.to[step]
         if level:
-            possible &= marks.missing(states.crossed, which, to)
+            new = self._sets.missing(states.crossed, which, to)
+            if self._recrossed is not None:
+                self._collect(states, which, step, possible & ~new)
+            possible &= new
         kept = possible.nonzero()[0]
         which, step, to = which[kept], step[kept], to[kept]
         gain = states.gain[which] * steps.gain[step]
-        states = _States(
+        self._states = _States(
             to,
             gain,
-            gain[:, None] if plain else states.value.take(which, axis=0) * steps.weight.take(step, axis=0),
-            marks.added(states.crossed, which, to),
-            states.key if keys is None else states.key[which] + keys[0][to],
+            gain[:, None] if self._plain else states.value.take(which, axis=0) * steps.weight.take(step, axis=0),
+            self._sets.added(states.crossed, which, to),
+            states.key if self._keys is None else states.key[which] + self._keys[0][to],
         )
-        if keys is not None:
-            states = _merge(states, keys[1])
-        if growing and not np.all(states.value <= LARGEST):
-            np.minimum(states.value, LARGEST, out=states.value)
-            np.minimum(states.gain, LARGEST, out=states.gain)
-            missing[:] = LARGEST
-        level += 1
-    if standing:
-        ended.append(_end(search_graph, standing, levels, least))
-    sums, paths = _add_up(ended, levels, search_graph)
-    if growing:
-        missing[(sums[..., 0].sum(axis=0) > LARGEST) | (np.max(steps.gain) > LARGEST)] = LARGEST
-        np.minimum(sums, LARGEST, out=sums)
-    return SearchResult(sums, missing, paths, work)
+        if self._keys is not None:
+            self._states = _merge(self._states, self._keys[1])
+        if self._growing and not np.all(self._states.value <= LARGEST):
+            np.minimum(self._states.value, LARGEST, out=self._states.value)
+            np.minimum(self._states.gain, LARGEST, out=self._states.gain)
+            self._missing[:] = LARGEST
+
+    def _collect(self, states: _States, which: IntArray, step: IntArray, crossed: BoolArray) -> None:
+        """Add the values of walks that cross a patch twice to the entries where they end; back through the same patch is no walk."""
+        assert self._recrossed is not None
+        again = crossed.nonzero()[0]
+        to, begin = self._steps.to[step[again]], states.entry[which[again]]
+        other = (self._graph.patch[to] != self._graph.patch[begin]).nonzero()[0]
+        again, to = again[other], to[other]
+        values = states.value[which[again], 0] * self._steps.weight[step[again], 0]
+        self._recrossed += np.bincount(to, weights=values, minlength=len(self._recrossed))
 
 
 class _PatchSets:

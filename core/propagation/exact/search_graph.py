@@ -13,7 +13,7 @@ import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ...graph.haptic_graph import HapticGraph
-from ...scene.bands import BAND_COUNT
+from ..connections import band_factors, intra_gains
 
 OVERFLOWN = 2e300
 """Products above this are cut to this: above `LARGEST`, and still a number."""
@@ -76,27 +76,6 @@ class SearchGraph:
     def patches(self) -> int:
         """Number of patches."""
         return len(set(self.patch.tolist()) - {-1})
-
-
-def intra_gains(graph: HapticGraph, a: IntArray, b: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Gains of the intra-connections between nodes ``a[i]`` and ``b[i]``, and distances in metres."""
-    distance = graph.node_distances(a, b)
-    index = graph.node_object[a]
-    gains = graph.table.factor[index] * np.exp(-graph.table.decay[index] * distance)
-    for number in set(index.tolist()) & graph.table.special if graph.table.special else ():
-        chosen = np.flatnonzero(index == number)
-        gains[chosen] = graph.table.gain(number, distance[chosen])
-    return gains, distance
-
-
-def band_factors(graph: HapticGraph, index: IntArray, distance: FloatArray) -> FloatArray:
-    """Gain in each band (n, bands), relative to the plain one, of intra-connections in objects ``index``."""
-    factors = np.ones((len(index), BAND_COUNT))
-    if graph.table.band_gains is not None:
-        factors *= graph.table.band_gains[index]
-    if graph.table.band_decays is not None:
-        factors *= np.exp(-graph.table.band_decays[index] * distance[:, None])
-    return factors
 
 
 def build_search_graph(

@@ -13,10 +13,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
+from ..connections import LARGEST
 from .search_graph import SearchGraph
-
-LARGEST = 1e300
-"""Sums above this are cut to this."""
 
 TERMS = 400
 """Most terms of the series; after them it is taken to diverge."""

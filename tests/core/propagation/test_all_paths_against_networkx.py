@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import pytest
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
+from haptic_tracing.core.message import Cause
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.functions import Constant, Exponential, Identity
 from haptic_tracing.core.scene.values import HapticScene, Settings, Strategy
@@ -36,22 +37,26 @@ def check(scene: HapticScene, max_connections: int | None, threshold: float, ref
     chosen = Settings(strategy=Strategy.ALL_PATHS, max_connections=max_connections, threshold=threshold, tolerance=tolerance)
     result = propagate(graph, chosen)
     share_of = shares(graph)
+    within = max_connections is None or (max_connections - 1) // 2 >= graph.contact_count
     for column in range(len(graph.listeners)):
-        kept = [
-            math.prod(gains) * share
+        paths = [
+            (gains, math.prod(gains) * share)
             for path, gains in REFERENCES[reference](graph, 0, column)
-            if meets(gains, max_connections, threshold) and (share := share_of(path)) is not None and math.prod(gains) > 0
+            if (share := share_of(path)) is not None and math.prod(gains) > 0
         ]
-        total = math.fsum(kept)
+        kept = [gain for gains, gain in paths if meets(gains, max_connections, threshold)]
+        total, unlimited = math.fsum(kept), math.fsum(gain for _, gain in paths)
         gain, error = result.gain[0, column], result.error_bound[0, column]
         if tolerance == 0:
-            assert error == 0
             assert gain == pytest.approx(total, rel=1e-9, abs=0)
-        else:
+        assert gain * (1 - 1e-9) <= total <= gain * (1 + tolerance) * (1 + 1e-9)
+        assert unlimited <= (gain + error) * (1 + 1e-9)
+        assert result.limited[0, column] == (error > tolerance * gain * (1 + 1e-12) and not (within and threshold == 0))
+        if within and threshold == 0:
             assert error <= tolerance * gain * (1 + 1e-9)
-            assert gain * (1 - 1e-9) <= total <= (gain + error) * (1 + 1e-9)
         if threshold > 0:
             assert result.paths[0, column] == len(kept)
+    assert Cause.SUM_BUDGET not in {warning.cause for warning in result.warnings}
 
 
 @pytest.mark.slow

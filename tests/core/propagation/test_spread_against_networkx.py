@@ -68,7 +68,7 @@ def strongest_by_networkx(graph: HapticGraph, threshold: float, max_connections:
 @settings(deadline=None, derandomize=True, max_examples=300)
 @given(graphs(), st.sampled_from((0.0, 0.01, 0.2)), st.sampled_from((None, 0, 1, 2, 3, 5)))
 def test_gain_is_the_largest_product(graph: HapticGraph, threshold: float, max_connections: int | None) -> None:
-    found = spread(graph, Settings(threshold=threshold, max_connections=max_connections))
+    found = spread(graph, Settings(strategy="best_path", threshold=threshold, max_connections=max_connections))
     assert found.gain == pytest.approx(strongest_by_networkx(graph, threshold, max_connections), rel=1e-9)
 
 

@@ -1,0 +1,94 @@
+"""Sums over the paths whose gain stays at a threshold or above, by breadth-first search."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...graph.contact_patches import contact_patches
+from ...graph.haptic_graph import HapticGraph
+from ..connections import LARGEST, SLACK, cost_limit, path_bands, path_costs
+from ..hop_constrained import hop_constrained_paths
+from ..shortest_paths import ShortestPaths
+from ..threshold_costs import ThresholdCosts
+from .bridge_decomposition import is_forest
+from .component_sums import ROUNDING
+from .path_search import ArcRanking, Limits, SearchResult, search
+from .path_sums import PathLimits, PathSums, lanes_of
+from .search_graph import SearchGraph, build_search_graph
+from .walk_bounds import WalkBounds
+
+HOPS = 64
+"""Contacts up to which walks are examined where gains exceed 1, to leave out what no path reaches above the threshold; and the limit of
+contacts from which on a forest is not searched."""
+
+
+def threshold_sums(
+    graph: HapticGraph,
+    roots: Sequence[int],
+    listeners: Sequence[int],
+    limits: PathLimits,
+    known: tuple[ThresholdCosts, int] | None,
+    recrossings: bool,
+) -> PathSums:
+    """Sum over the paths from the nodes ``roots`` of a source to each of the nodes ``listeners``, within the limits.
+
+    Exact unless that takes more than the budget; then to the tolerance if that is within the budget. ``known`` and
+    ``recrossings`` as in `sum_over_paths`.
+    """
+    limit = cost_limit(limits.threshold) + SLACK
+    if known is None:
+        most = int(min(limits.crossings, graph.contact_count))
+        reached = hop_constrained_paths(graph, roots, limit, min(most, HOPS), complete=True)
+        certain = reached.complete or most <= HOPS
+        arrival = reached.costs(graph.node_count)[-1] if certain else np.zeros(graph.node_count)
+        behind = np.zeros(graph.node_count)
+    else:
+        arrival, behind = known[0].forward.cost[known[1]], known[0].behind
+    before = arrival[graph.partner] + np.append(graph.transmission_loss, math.inf)[graph.contact]
+    before[list(roots)] = 0.0
+    entries = np.flatnonzero((graph.partner >= 0) & (before + behind <= limit))
+    patch = contact_patches(graph)
+    single_points = len(roots) == 1 and bool(np.all(graph.share == 1))
+    if known is not None and single_points and limits.crossings > HOPS and is_forest(graph, entries, patch):
+        return _only_paths(graph, listeners, known[0].forward, known[1], limit)
+    search_graph = build_search_graph(graph, entries, roots, listeners, patch, (before, behind, limit))
+    ahead = np.full(len(search_graph.nodes), math.inf) if known is None else np.exp(-behind[search_graph.nodes])
+    found = _search(search_graph, limits, ahead, len(roots), recrossings)
+    sums = np.minimum(found.sums.sum(axis=0), LARGEST)
+    error = np.minimum(found.missing * (1 + ROUNDING), LARGEST)
+    recrossed = None if found.recrossed is None else (search_graph.nodes, found.recrossed)
+    return PathSums(sums, error, found.paths, found.work, recrossed)
+
+
+def _search(search_graph: SearchGraph, limits: PathLimits, ahead: FloatArray, roots: int, recrossings: bool) -> SearchResult:
+    """The search for the exact sum and, where that leaves out more than the tolerance, one that drops partial paths of little weight."""
+    bounds, ranking = WalkBounds(search_graph, limits.crossings), ArcRanking.of(search_graph, ahead)
+
+    def found(tolerance: float, known: FloatArray) -> SearchResult:
+        states = max(1, limits.budget // 4)
+        chosen = Limits(limits.crossings, limits.threshold, ahead, tolerance, known, states, limits.budget)
+        return search(search_graph, np.ones((roots, search_graph.lanes)), chosen, bounds, False, ranking, recrossings)
+
+    exact = found(0.0, np.zeros(search_graph.listeners))
+    sums = exact.sums.sum(axis=0)[:, 0]
+    if np.all(exact.missing <= limits.tolerance * sums) or np.any(bounds.sums(0)[-roots:] >= LARGEST):
+        return exact
+    tolerant = found(limits.tolerance, sums)
+    return tolerant if tolerant.missing.sum() < exact.missing.sum() else exact
+
+
+def _only_paths(graph: HapticGraph, listeners: Sequence[int], forward: ShortestPaths, row: int, limit: float) -> PathSums:
+    """The sums in a forest of contacts of one point each, where the best path to a listener is the only one."""
+    sums = PathSums(np.zeros((len(listeners), lanes_of(graph))), np.zeros(len(listeners)), np.zeros(len(listeners), dtype=np.int64), 0)
+    paths = {number: path for number, node in enumerate(listeners) if (path := forward.path(graph, row, node))}
+    for (number, path), cost in zip(paths.items(), path_costs(graph, list(paths.values())), strict=True):
+        if cost <= limit - SLACK:
+            sums.gain[number] = math.exp(-cost)
+            sums.paths[number] = 1
+            if graph.uses_bands:
+                sums.gain[number, 1:] *= path_bands(graph, path)
+    return sums

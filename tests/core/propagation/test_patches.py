@@ -1,0 +1,120 @@
+"""Refined patches: a contact given by the points of its patch, against the same contact at the share-weighted centre."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+
+import numpy as np
+import pytest
+from haptic_tracing.core.graph.contact_patches import merge_patches
+from haptic_tracing.core.graph.haptic_graph import graph_of_scene
+from haptic_tracing.core.propagation import objects_on, propagate
+from haptic_tracing.core.propagation.spread import spread
+from haptic_tracing.core.scene.functions import Constant, Exponential, HapticTracing, Identity, Spectrum
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from path_reference import METRIC, OTHER, connected_scene, recursive_paths
+
+SEEDS = st.integers(0, 10**6)
+BEST = Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0.0)
+WAVES = Spectrum(band_gains=(1.0, 0.9, 0.8, 0.6, 0.4, 0.2), wave_speed=300.0)
+
+
+def refined(scene: HapticScene, points: int, size: float, seed: int) -> tuple[HapticScene, HapticScene]:
+    """The scene with each contact as the points of a patch, of any shares; and with each patch as one contact at its centre."""
+    random = np.random.default_rng(seed)
+    patches, centres = [], []
+    pairs = set()
+    for contact in scene.contacts:
+        if frozenset(contact.objects) in pairs:
+            continue  # two patches of one pair of objects count as one
+        pairs.add(frozenset(contact.objects))
+        shares = random.dirichlet(np.ones(points))
+        offsets = random.uniform(-size, size, (points, 3))
+        places = [tuple(map(tuple, (np.array(contact.positions) + offset).tolist())) for offset in offsets]
+        patches += [dataclasses.replace(contact, positions=p, share=float(s)) for p, s in zip(places, shares, strict=True)]
+        centre = np.array(contact.positions) + shares @ offsets
+        centres.append(dataclasses.replace(contact, positions=tuple(map(tuple, centre.tolist()))))
+    return dataclasses.replace(scene, contacts=tuple(patches)), dataclasses.replace(scene, contacts=tuple(centres))
+
+
+@settings(max_examples=150, deadline=None, derandomize=True)
+@given(SEEDS, st.integers(2, 5), st.booleans(), st.sampled_from([None, 5]))
+def test_best_path_takes_a_patch_as_one_contact_at_its_centre(seed, points, waves, most):
+    functions = (*METRIC, *OTHER, *([Exponential(alpha=0.3, spectrum=WAVES)] if waves else []))
+    scene = connected_scene(seed, functions, (Constant(gain_value=0.9, spectrum=WAVES if waves else Spectrum()),), listeners=3)
+    fine, coarse = (graph_of_scene(item) for item in refined(scene, points, 0.3, seed))
+    chosen = dataclasses.replace(BEST, max_connections=most)
+    one, other = propagate(fine, chosen), propagate(coarse, chosen)
+    assert np.allclose(one.gain, other.gain, rtol=1e-12, atol=0)
+    for key in ("band_gain", "delay"):
+        first, second = getattr(one, key), getattr(other, key)
+        assert (first is None) == (second is None)
+        assert first is None or np.allclose(first, second, rtol=1e-12, atol=0)
+    assert one.best_path.keys() == other.best_path.keys()
+    for pair, nodes in one.best_path.items():
+        assert objects_on(fine, nodes) == objects_on(coarse, other.best_path[pair])
+        assert all(fine.partner[a] == b for a, b in itertools.pairwise(nodes[1:-1]) if fine.node_object[a] != fine.node_object[b])
+
+
+def plank_on_soil(points: int) -> HapticScene:
+    """A plank that carries far lies on soil that doesn't; source and listener on the soil, at its ends."""
+    x = np.linspace(-2, 2, points).tolist()
+    contacts = tuple(Contact(("plank", "soil"), ((v, 0, 0), (v, 0, 0)), share=1 / points) for v in x)
+    objects = (HapticObject("plank", 0, 1, Identity()), HapticObject("soil", 0, 1, Exponential(alpha=2.0)))
+    return HapticScene(objects, contacts, (Source("s", "soil", (-2, 0, 0)),), (Listener("l", "soil", (2, 0, 0)),))
+
+
+@pytest.mark.parametrize("strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS])
+def test_no_path_goes_in_by_one_point_and_out_by_another(strategy):
+    graph = graph_of_scene(plank_on_soil(9))
+    result = propagate(graph, dataclasses.replace(BEST, strategy=strategy))
+    assert result.gain[0, 0] == pytest.approx(math.exp(-8), rel=1e-12)
+    assert objects_on(graph, result.best_path[0, 0]) == ("soil",)
+    shown = spread(graph, BEST)
+    assert shown.gain[graph.listener_nodes[0]] == pytest.approx(math.exp(-8), rel=1e-12)
+
+
+@settings(max_examples=80, deadline=None, derandomize=True)
+@given(SEEDS)
+def test_delay_taps_are_the_strongest_paths_with_their_shares(seed):
+    scene = connected_scene(seed, (Exponential(alpha=0.3, spectrum=WAVES), HapticTracing()), most_objects=4, extra=1, listeners=2)
+    graph = graph_of_scene(refined(scene, 2, 0.3, seed)[0])
+    result = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0))
+    if result.delay is None:
+        return
+    for column in range(len(graph.listeners)):
+        taps = [gain for _, gain in result.taps.get((0, column), ())]
+        products = []
+        for path, gains in recursive_paths(graph, 0, column):
+            crossed = [node for node, other in itertools.pairwise(path) if graph.partner[node] == other]
+            pairs = [frozenset(graph.node_object[[node, graph.partner[node]]].tolist()) for node in crossed]
+            if len(set(pairs)) == len(pairs):
+                products.append(math.prod(gains) * math.prod(float(graph.share[graph.contact[node]]) for node in crossed))
+        expected = sorted((gain for gain in products if gain > 0), reverse=True)[: len(taps)]
+        assert len(taps) == min(8, sum(gain > 0 for gain in products))
+        assert taps == pytest.approx(expected, rel=1e-9)
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(SEEDS)
+def test_merging_keeps_what_is_no_refined_patch(seed):
+    """Nodes keep their objects and kinds, every node has one that stands for it, and a graph without refined patches stays itself."""
+    scene = connected_scene(seed, METRIC, listeners=3)
+    plain = graph_of_scene(scene)
+    assert merge_patches(plain).graph is plain
+    graph = graph_of_scene(refined(scene, 4, 0.2, seed)[0])
+    patches = merge_patches(graph)
+    merged = patches.graph
+    assert merged.contact_count == len({frozenset(contact.objects) for contact in scene.contacts})
+    assert (merged.node_object == graph.node_object[patches.node]).all()
+    assert (merged.node_kind == graph.node_kind[patches.node]).all()
+    assert (merged.node_object[patches.merged] == graph.node_object).all()
+    assert (patches.merged[patches.node] == np.arange(merged.node_count)).all()
+    crossed = np.flatnonzero(merged.partner >= 0)
+    assert (merged.partner[merged.partner[crossed]] == crossed).all()
+    assert (patches.merged[graph.partner[patches.node[crossed]]] == merged.partner[crossed]).all()
+    assert np.diff(merged.start).tolist() == np.bincount(merged.node_object, minlength=len(merged.table.names)).tolist()
