@@ -1,9 +1,15 @@
-"""Property-based tests: the same examples on every run, or many more of them from random seeds."""
+"""Property-based tests: the same examples on every run, or many more of them from random seeds. And how the tests spare the processor."""
 
 from __future__ import annotations
 
+import gc
+import os
+
 import pytest
 from hypothesis import settings
+
+# The matrices are small: threads of BLAS would only wait for each other, at full load. What depends on their number sets it itself.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 settings.register_profile("same examples", derandomize=True, deadline=None, print_blob=True)
 settings.load_profile("same examples")
@@ -24,3 +30,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             usual = function._hypothesis_internal_use_settings
             function._hypothesis_internal_use_settings = settings(usual, max_examples=times * usual.max_examples, derandomize=False)
             changed.add(function)
+
+
+def pytest_collection_finish() -> None:
+    """What is imported and collected stays to the end: the garbage collector need not look at it again and again."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(100_000, 20, 50)
