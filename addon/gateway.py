@@ -50,6 +50,8 @@ MODULES = (
     "addon.view.meters",
     "addon.view.overlay",
     "addon.view.panel_picture",
+    "addon.view.paths",
+    "addon.view.watched",
     "core.devices.connection",
     "core.devices.mapping",
     "core.formats.haptic_scene",

@@ -5,10 +5,10 @@ from __future__ import annotations
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Object, UILayout
 
-from ..blender.text import wrapped
 from ..changes.redraw import SIDEBAR_TAB
 from ..scene_reader.roles import haptic_carrier
 from ..session import sessions
+from .texts import draw_sentence, fitted
 
 
 class HapticsPanel:
@@ -22,10 +22,8 @@ class HapticsPanel:
 _SHOWN_PROBLEMS = 5
 
 
-def draw_carrier(layout: UILayout, obj: Object, enabled: bool, verb: str) -> None:
+def draw_carrier(layout: UILayout, obj: Object, verb: str) -> None:
     """The haptic object that a source shakes or a listener feels through, or that there is none."""
-    if not enabled:
-        return
     carrier = haptic_carrier(obj)
     if carrier is None:
         warn(layout, "Not on a haptic object:", "make it haptic or parent it to one")
@@ -33,9 +31,9 @@ def draw_carrier(layout: UILayout, obj: Object, enabled: bool, verb: str) -> Non
         layout.label(text=f"{iface_(verb)} {carrier.name}", icon="LINKED", translate=False)
 
 
-def draw_pair(layout: UILayout, name: str, value: str) -> None:
-    """A name and its value, at the right."""
-    split = layout.split(factor=0.6)
+def draw_pair(layout: UILayout, name: str, value: str, share: float = 0.6) -> None:
+    """A name in its ``share`` of the width, and its value, at the right."""
+    split = layout.split(factor=share)
     split.label(text=name)
     row = split.row()
     row.alignment = "RIGHT"
@@ -59,7 +57,6 @@ def draw_problems(layout: UILayout, context: Context) -> None:
     for problem in problems[:_SHOWN_PROBLEMS]:
         column = box.column(align=True)
         if problem.object:
-            button = column.operator("haptic.select_object", text=problem.object, icon="RESTRICT_SELECT_OFF", translate=False)
-            button.name = problem.object
-        for line in wrapped(problem.message):
-            column.label(text=line, translate=False)
+            text = fitted(problem.object, icon=True)
+            column.operator("haptic.select_object", text=text, icon="RESTRICT_SELECT_OFF", translate=False).name = problem.object
+        draw_sentence(column, problem.message)

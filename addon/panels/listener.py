@@ -25,21 +25,21 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
         layout = self.layout
         layout.use_property_split = True
         listener = context.object.haptics.listener
-        settings = layout.column()
-        settings.active = listener.enabled
-        settings.prop(listener, "body_part")
-        settings.prop(listener, "radius")
-        settings.prop(listener, "mixing")
+        if not listener.enabled:
+            return
+        layout.prop(listener, "body_part")
+        layout.prop(listener, "radius")
+        layout.prop(listener, "mixing")
         if listener.mixing == "custom":
-            row = settings.row()
+            row = layout.row()
             row.use_property_split = False
             row.prop(listener, "mixing_expression", text="")
-            draw_finding(settings, listener.mixing_expression, mixing.check_mixing(listener.mixing_expression, listener.s_max))
-        column = settings.column(align=True)
+            draw_finding(layout, listener.mixing_expression, mixing.check_mixing(listener.mixing_expression, listener.s_max))
+        column = layout.column(align=True)
         column.prop(listener, "gain")
         column.prop(listener, "s_max")
-        settings.prop(listener, "limiter")
-        draw_carrier(layout, context.object, listener.enabled, "Feels")
+        layout.prop(listener, "limiter")
+        draw_carrier(layout, context.object, "Feels")
         row = layout.row(align=True)
         row.operator("haptic.add_default_listeners", text="Add Body Listeners", icon="OUTLINER_OB_ARMATURE")
         row.operator("haptic.mirror_listeners", text="", icon="MOD_MIRROR")

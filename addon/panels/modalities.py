@@ -74,7 +74,7 @@ def _object_panel(modality: Modality) -> type[Panel]:
         layout.prop(group, "is_source")
         if group.is_source:
             layout.prop(group, "source_value")
-            draw_carrier(layout, obj, True, "Goes into")
+            draw_carrier(layout, obj, "Goes into")
 
     values = {"bl_label": "Active Object", "bl_parent_id": f"HAPTIC_PT_{modality.name}_scene", "poll": classmethod(poll), "draw": draw}
     return _panel(modality, "object", values)

@@ -50,7 +50,8 @@ class HAPTIC_PT_object(HapticsPanel, Panel):
         if obj.type == "ARMATURE":
             layout.prop(haptics, "body")
             return
-        layout.active = haptics.enabled
+        if not haptics.enabled:
+            return
         layout.label(text=obj.name, icon="OBJECT_DATA", translate=False)
         material = _owner(context, obj)
         _draw_material(layout, context, material)
@@ -129,12 +130,11 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return context.object is not None and context.object.type != "ARMATURE"
+        return context.object is not None and context.object.type != "ARMATURE" and context.object.haptics.enabled
 
     def draw(self, context: Context) -> None:
         layout = self.layout
         haptics = context.object.haptics
-        layout.active = haptics.enabled
         key = _curve_key(context)
         latest = None if key is None else gain_plot.latest_curve(key)
         if key is not None and latest is None:
@@ -178,7 +178,7 @@ class HAPTIC_PT_bands(HapticsPanel, Panel):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return context.object is not None and context.object.type != "ARMATURE"
+        return context.object is not None and context.object.type != "ARMATURE" and context.object.haptics.enabled
 
     def draw_header(self, context: Context) -> None:
         owner = _owner(context, context.object) or context.object.haptics.material

@@ -1,4 +1,4 @@
-"""Panel "Result": what each listener feels in the traced frame, why one feels nothing, and what tracing it took."""
+"""Panel "Result": what each listener feels, why one feels nothing, the path to it, the modes compared, and what tracing took."""
 
 from __future__ import annotations
 
@@ -8,24 +8,29 @@ from typing import TYPE_CHECKING
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Panel, UILayout
 
+from ...core.diagnosis.sentences import written
+from ...core.message import Metres
 from ...core.scene.choices import Mode
 from ..bake import playback
 from ..blender.playing import is_playing
-from ..blender.text import wrapped
 from ..live_output import unfelt
 from ..session import sessions
 from ..translations.sentences import sentence
-from ..view import comparison, explanation, levels, meter_layout, meter_pictures, meters, panel_picture
+from ..view import comparison, explanation, levels, meter_layout, meter_pictures, meters, panel_picture, paths, watched
+from .cures import draw_cure
 from .drawing import HapticsPanel, draw_pair
+from .texts import draw_sentence, fitted, source_title
 
 if TYPE_CHECKING:
     from ...core.arrays import FloatArray
     from ...core.render.frame_result import FrameResult
     from ..view.levels import Level
+    from ..view.paths import ListenerPath
 
 _SHOWN_SOURCES = 4
 _PICTURE = 5.0  # lines high
 _NAMES = 0.37  # of the width
+_OBJECTS = 0.48  # of the width
 _ALL_IN_DETAIL = 3  # listeners; of more only the active one shows its sources
 
 
@@ -53,9 +58,11 @@ class HAPTIC_PT_result(HapticsPanel, Panel):
         row.operator("haptic.trace_frame", text="", icon="FILE_REFRESH")
         if sessions.is_behind(scene) and not is_playing():
             layout.label(text="Tracing...", icon="SORTTIME")
-        shown = meters.levels_of(scene)
+        shown = watched.levels_of(scene)
         chosen = context.object.name_full if context.object is not None else ""
         column = layout.column(align=True)
+        if shown:
+            draw_pair(column, "Listener", "Level", 0.5)
         for index, level in enumerate(shown):
             _draw_level(column, level)
             if len(shown) <= _ALL_IN_DETAIL or level.listener == chosen:
@@ -82,16 +89,68 @@ class HAPTIC_PT_silence(HapticsPanel, Panel):
         if not why.is_current:
             layout.label(text="Looking for reasons...", icon="SORTTIME")
         elif not why.notice and not why.reasons:
-            level = next((level for level in meters.levels_of(scene) if level.listener == name), None)
-            words = iface_("It feels something") if level is None else iface_("It is felt, with a margin of {}").format(level.margin_text())
+            level = next((level for level in watched.levels_of(scene) if level.listener == name), None)
+            words = iface_("It feels something") if level is None else iface_("Felt: margin {}").format(level.margin_text())
             layout.label(text=words, icon="CHECKMARK", translate=False)
         for text in (why.notice, unfelt.device_words(scene, name)):
-            _draw_sentence(layout, text)
+            draw_sentence(layout, text)
         for reason in why.reasons:
             box = layout.box()
-            _draw_sentence(box, sentence(reason))
-            if reason.object and reason.object != name:
-                box.operator("haptic.select_object", text=reason.object, icon="RESTRICT_SELECT_OFF").name = reason.object
+            draw_sentence(box, sentence(reason))
+            draw_cure(box, context, reason)
+
+
+class HAPTIC_PT_path(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_path"
+    bl_parent_id = "HAPTIC_PT_result"
+    bl_label = "Path"
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        latest = None if sessions.shown(context.scene) is None else paths.path_of(context.scene)
+        if latest is None or latest.value is None:
+            layout.label(text="Nothing reaches a listener" if latest is not None else "Nothing traced yet")
+            return
+        path = latest.value
+        column = layout.column(align=True)
+        column.scale_y = 0.85
+        column.label(text=source_title(path.source), icon="OUTLINER_OB_FORCE_FIELD", translate=False)
+        column.label(text=fitted(path.listener, icon=True), icon="OUTLINER_OB_LIGHTPROBE", translate=False)
+        if not path.hops:
+            layout.label(text="In this mode no path counts, only places")
+            return
+        layout.prop(context.scene.haptics.meters, "sort_path", toggle=True)
+        _draw_hops(layout, context, path)
+
+
+def _draw_hops(layout: UILayout, context: Context, path: ListenerPath) -> None:
+    """A row per object: a button that selects it, its distance and its loss; the active object's row is pressed."""
+    active = context.object.name_full if context.object is not None else ""
+    hops = sorted(path.hops, key=lambda hop: -hop.loss) if context.scene.haptics.meters.sort_path else path.hops
+    column = layout.column(align=True)
+    for cell, title in zip(_columns(column), (iface_("Object"), iface_("Distance"), iface_("Loss")), strict=True):
+        cell.label(text=title, translate=False)
+    for hop in hops:
+        name, distance, loss = _columns(column)
+        button = name.operator(
+            "haptic.select_object", text=fitted(hop.object, _OBJECTS, button=True), depress=hop.object == active, translate=False
+        )
+        button.name = hop.object
+        distance.label(text=written(Metres(hop.distance)), translate=False)
+        loss.label(text=f"{hop.loss:.1f} dB", translate=False)
+    draw_pair(column, "Gain of the best path", levels.decibels(path.best_gain))
+    draw_pair(column, "Gain of all paths", levels.decibels(20 * math.log10(path.gain)))
+
+
+def _columns(layout: UILayout) -> tuple[UILayout, UILayout, UILayout]:
+    """Cells of a row of the path: object, distance, loss."""
+    split = layout.split(factor=_OBJECTS)
+    rest = split.column()
+    cells = split.split(factor=0.5)
+    ends = cells.row(), cells.row()
+    for cell in ends:
+        cell.alignment = "RIGHT"
+    return rest, *ends
 
 
 class HAPTIC_PT_meters(HapticsPanel, Panel):
@@ -111,16 +170,15 @@ class HAPTIC_PT_meters(HapticsPanel, Panel):
         row.active = chosen.show
         row.prop(chosen, "show_scope", toggle=True)
         row.prop(chosen, "show_body", toggle=True)
+        row.prop(chosen, "corner", text="")
         if sessions.shown(scene) is None:
             return
         _draw_pictures(layout, context)
-        shown = meters.levels_of(scene)
+        shown = watched.levels_of(scene)
         column = layout.column(align=True)
         column.scale_y = 0.8
         if shown:
-            split = column.split(factor=_NAMES)
-            split.label(text="")
-            split.label(text="Peak, level in dB")
+            _draw_row(column, "", iface_("Peak, level"), iface_("Margin"))
         for level in shown:
             _draw_row(column, level.listener, level.peak_and_level(), level.margin_text())
 
@@ -149,7 +207,7 @@ class HAPTIC_PT_comparison(HapticsPanel, Panel):
         for mode in Mode:
             grid.operator("haptic.set_mode", text=str(mode), depress=scene.haptics.mode == mode).mode = str(mode)
         for index, listener in enumerate(result.listeners):
-            grid.label(text=listener.name)
+            grid.label(text=fitted(listener.name, 0.3), translate=False)
             for mode in Mode:
                 grid.label(text=_gain_text(gains[mode].value, index) if mode in gains else "...")
         layout.label(text="Gain of the strongest source in dB")
@@ -185,59 +243,58 @@ def _gain_text(gains: FloatArray, index: int) -> str:
     return f"{20 * math.log10(gain):.0f}" if gain > 0 else "\N{EM DASH}"
 
 
-def _draw_sentence(layout: UILayout, text: str) -> None:
-    column = layout.column(align=True)
-    for line in wrapped(text):
-        column.label(text=line, translate=False)
-
-
 def _draw_level(layout: UILayout, level: Level) -> None:
     """A listener's name, which selects it, and its level as a bar."""
     split = layout.split(factor=0.5)
     row = split.row()
     row.alignment = "LEFT"
-    row.operator("haptic.select_object", text=level.listener, icon="OUTLINER_OB_LIGHTPROBE", emboss=False).name = level.listener
+    text = fitted(level.listener, 0.5, icon=True)
+    button = row.operator("haptic.select_object", text=text, icon="OUTLINER_OB_LIGHTPROBE", emboss=False, translate=False)
+    button.name = level.listener
     too_weak = not level.is_silent and not level.is_felt
     split.progress(factor=level.place, text=iface_("{}, too weak" if too_weak else "{}").format(levels.decibels(level.rms)))
 
 
 def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
     """The strongest sources that reach a listener."""
-    gains = sorted(((float(result.gains[s, index]), source.name) for s, source in enumerate(result.sources)), key=lambda g: (-g[0], g[1]))
+    gains = sorted(((float(result.gains[s, index]), source) for s, source in enumerate(result.sources)), key=lambda g: (-g[0], g[1].name))
     felt = [(gain, source) for gain, source in gains if gain > 0]
     column = layout.box().column(align=True)
     column.scale_y = 0.8
+    if felt:
+        draw_pair(column, "Source", "Gain", 0.55)
     for gain, source in felt[:_SHOWN_SOURCES]:
-        draw_pair(column, source, f"{gain:.3f}  {20 * math.log10(gain):.0f} dB")
+        draw_pair(column, source_title(source, 0.55), f"{gain:.3f}  {20 * math.log10(gain):.0f} dB", 0.55)
     if len(felt) > _SHOWN_SOURCES:
         column.label(text=iface_("and {} more").format(len(felt) - _SHOWN_SOURCES), translate=False)
     if not felt:
         column.label(text="Nothing reaches it")
 
 
-def _draw_row(layout: UILayout, name: str, values: str, feeling: str) -> None:
-    """A listener's name, its levels and how they feel, in columns."""
+def _draw_row(layout: UILayout, name: str, values: str, margin: str) -> None:
+    """A listener's name, its peak and level, and its margin, in columns."""
     split = layout.split(factor=_NAMES)
-    split.label(text=name, translate=False)
-    split = split.split(factor=0.37)
+    split.label(text=fitted(name, _NAMES), translate=False)
+    split = split.split(factor=0.55)
     split.label(text=values, translate=False)
-    split.label(text=feeling, translate=False)
+    split.label(text=margin, translate=False)
 
 
 def _draw_pictures(layout: UILayout, context: Context) -> None:
     """The scope and the body side by side, as in the viewport."""
     scene, ink = context.scene, panel_picture.theme_ink(context)
-    shown, scope = meters.levels_of(scene), meters.scope_of(scene)
+    shown, scope = watched.levels_of(scene), meters.scope_of(scene)
     body = scene.haptics.meters.show_body and any(level.body_part for level in shown)
     row = layout.row()
     if scope is not None:
         column = row.column()
         column.template_icon(icon_value=meter_pictures.scope_icon(scope, ink), scale=_PICTURE)
-        column.label(text=f"{scope.listener}, ±{meter_layout.full_scale(scope):.3g}", translate=False)
+        full = f"±{meter_layout.full_scale(scope):.3g}"
+        column.label(text=f"{fitted(scope.listener, 0.3)}, {full}", translate=False)
     if body:
         column = row.column()
         column.template_icon(icon_value=meter_pictures.body_icon(shown, ink), scale=_PICTURE)
         column.label(text="Front and back")
 
 
-CLASSES = (HAPTIC_PT_result, HAPTIC_PT_silence, HAPTIC_PT_meters, HAPTIC_PT_comparison, HAPTIC_PT_statistics)
+CLASSES = (HAPTIC_PT_result, HAPTIC_PT_silence, HAPTIC_PT_path, HAPTIC_PT_meters, HAPTIC_PT_comparison, HAPTIC_PT_statistics)

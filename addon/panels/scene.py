@@ -1,11 +1,12 @@
-"""Panel "Haptic Tracing": quick start, how a scene is traced and shown, and what is wrong with it."""
+"""Panel "Haptic Tracing": what is felt, what to do next, what is wrong, and how a scene is traced and shown."""
 
 from __future__ import annotations
 
-from bpy.types import Context, Panel, Scene
+from bpy.types import Context, Panel
 
-from ..session import sessions
+from .answer import draw_answer
 from .drawing import HapticsPanel, draw_problems
+from .hints import draw_hint
 
 
 class HAPTIC_PT_scene(HapticsPanel, Panel):
@@ -18,6 +19,9 @@ class HAPTIC_PT_scene(HapticsPanel, Panel):
 
     def draw(self, context: Context) -> None:
         layout = self.layout
+        draw_answer(layout, context)
+        draw_hint(layout, context)
+        draw_problems(layout, context)
         column = layout.column(align=True)
         column.operator("haptic.make_objects", icon="OUTLINER_OB_META")
         column.operator("haptic.add_source", icon="OUTLINER_OB_FORCE_FIELD")
@@ -27,25 +31,6 @@ class HAPTIC_PT_scene(HapticsPanel, Panel):
         playing = context.screen is not None and context.screen.is_animation_playing
         row.operator("screen.animation_play", text="Pause" if playing else "Play", icon="PAUSE" if playing else "PLAY")
         row.menu("HAPTIC_MT_samples")
-        layout.label(text=next_step(context.scene), icon="INFO")
-        draw_problems(layout, context)
-
-
-def next_step(scene: Scene) -> str:
-    """What to do next on the way to something that is felt."""
-    traced = sessions.shown(scene)
-    result = None if traced is None else traced.result
-    if not scene.haptics.tracing:
-        return "Switch tracing on, above"
-    if result is None or not result.objects:
-        if sessions.shown_problems(scene):
-            return "Mend the problem below"
-        return "Select objects: Make Haptic"
-    if not result.sources and not scene.haptics.impacts:
-        return "Select what vibrates: Add Source"
-    if not result.listeners:
-        return "Select what feels: Add Listener"
-    return "Press play"
 
 
 class HAPTIC_PT_propagation(HapticsPanel, Panel):

@@ -23,7 +23,8 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
         layout = self.layout
         layout.use_property_split = True
         source = context.object.haptics.source
-        layout.active = source.enabled
+        if not source.enabled:
+            return
         layout.prop(source, "amplitude")
         layout.prop(source, "signal")
         if source.signal == "FILE":
@@ -34,7 +35,7 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
         layout.prop(source, "decay")
         layout.prop(source, "priority")
         layout.prop(source, "muted")
-        draw_carrier(layout, context.object, source.enabled, "Shakes")
+        draw_carrier(layout, context.object, "Shakes")
 
 
 CLASSES = (HAPTIC_PT_source,)

@@ -38,6 +38,9 @@ class HapticMetersProperties(PropertyGroup):
         default="BOTTOM_LEFT",
         update=view_changed,
     )
+    sort_path: BoolProperty(
+        name="Sort by Loss", description="List the objects of a path by what they lose, the most first; else in their order", default=False
+    )
 
 
 CLASSES = (HapticMetersProperties,)

@@ -10,7 +10,7 @@ from ..gateway import is_loaded
 from ..session import session
 from ..view import meters, overlay
 
-_handlers: list[Any] = []
+_handlers: list[tuple[Any, str]] = []
 
 
 def _draw_view() -> None:
@@ -24,14 +24,20 @@ def _draw_pixels() -> None:
         overlay.draw_pixels()
 
 
+def _draw_redo_panel() -> None:
+    if is_loaded(session):
+        meters.draw_redo_panel()
+
+
 def register() -> None:
     """Start drawing, once."""
     if not _handlers:
-        _handlers.append(SpaceView3D.draw_handler_add(_draw_view, (), "WINDOW", "POST_VIEW"))
-        _handlers.append(SpaceView3D.draw_handler_add(_draw_pixels, (), "WINDOW", "POST_PIXEL"))
+        stages = ((_draw_view, "WINDOW", "POST_VIEW"), (_draw_pixels, "WINDOW", "POST_PIXEL"), (_draw_redo_panel, "HUD", "POST_PIXEL"))
+        for function, region, stage in stages:
+            _handlers.append((SpaceView3D.draw_handler_add(function, (), region, stage), region))
 
 
 def unregister() -> None:
     """Stop drawing."""
     while _handlers:
-        SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")
+        SpaceView3D.draw_handler_remove(*_handlers.pop())

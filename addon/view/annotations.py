@@ -11,8 +11,9 @@ import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray
+from ..blender.text import Measure
 from .colour_map import STEPS, GainScale, colour_table, decibel_text
-from .hud import FAINT_INK, INK, PLATE, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder, Measure, Rectangle, overlaps
+from .hud import FAINT_INK, INK, PLATE, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder, Rectangle, overlaps
 from .label_placement import place_labels, project, squares_around
 from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Label, Lines, RenderData, Shape
 

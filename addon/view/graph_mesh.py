@@ -10,6 +10,7 @@ from bpy.types import Collection, Material, Mesh, Object, Scene
 
 from ...core.arrays import FloatArray
 from ...core.render.frame_result import FrameResult
+from ..blender.text import text_width
 from ..scene_reader.settings import read_settings
 from .annotations import label_text, placed_annotations
 from .camera import camera_view, picture_scale
@@ -17,7 +18,6 @@ from .colour_map import linear
 from .hud import INK, Hud
 from .options import options_of
 from .render_data import Label, render_data
-from .screen import text_width
 from .solids import Solid, extent_unit, flat, seen_unit, solid_graph
 
 NAME = "Haptic Graph"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import TypeVar
 
@@ -15,14 +15,11 @@ SMALL_TEXT = 0.86 * TEXT_SIZE
 INK = (0.94, 0.94, 0.94)
 FAINT_INK = (0.72, 0.72, 0.72)
 PLATE = (0.075, 0.075, 0.085, 0.84)
-ELLIPSIS = "…"
 
 Part = TypeVar("Part", Lines, Points)
 
 Rectangle = tuple[float, float, float, float]
 """Left, bottom, right, top in pixels."""
-Measure = Callable[[str, float], float]
-"""Width in pixels of a text at a size in pixels."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,17 +116,6 @@ class HudBuilder:
             tuple(self._texts),
             tuple(self._bounds),
         )
-
-
-def shortened(words: str, width: float, size: float, measure: Measure) -> str:
-    """A text of at most ``width`` pixels, its middle cut out where it is longer; "" where not even its ends fit."""
-    if measure(words, size) <= width:
-        return words
-    for count in range(len(words) - 1, 1, -1):
-        cut = f"{words[: (count + 1) // 2]}{ELLIPSIS}{words[-(count // 2) :]}"
-        if measure(cut, size) <= width:
-            return cut
-    return ""
 
 
 def overlaps(one: Rectangle, other: Rectangle) -> bool:

@@ -34,11 +34,11 @@ def free_rectangle(context: Context) -> Rectangle:
 
 
 def redo_panels(context: Context) -> tuple[Rectangle, ...]:
-    """The panel Adjust Last Operation, in pixels of the viewport; () where it is not shown."""
+    """The panel Adjust Last Operation, in pixels of the viewport; () where it is not shown: it is a pixel wide then, or lies at 0, 0."""
     region = context.region
-    found = (other for other in context.area.regions if other.type == "HUD" and other.width > 1 and other.height > 1)
+    found = (other for other in context.area.regions if other.type == "HUD" and other.width > 1 and (other.x or other.y))
     places = ((float(r.x - region.x), float(r.y - region.y), float(r.width), float(r.height)) for r in found)
-    return tuple((x, y, x + width, y + height) for x, y, width, height in places if x + width > 0 and y + height > 0)
+    return tuple((x, y, x + width, y + height) for x, y, width, height in places)
 
 
 def is_main_view(context: Context) -> bool:

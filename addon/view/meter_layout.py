@@ -10,9 +10,10 @@ import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray, IntArray
+from ..blender.text import Measure, shortened
 from .body_map import HALF_WIDTH, HEIGHT, View, figure
 from .colour_map import colour_table
-from .hud import FAINT_INK, INK, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder, Measure, shortened
+from .hud import FAINT_INK, INK, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder
 from .levels import FLOOR, Level, decibels, place_of
 from .render_data import SOURCE_COLOUR
 
@@ -113,7 +114,8 @@ def meter_hud(
 
     What has no room is left out: the margins, the body, the scope, then listeners, at last everything.
     """
-    layout = _layout(levels, scope, (room[0] / scale, room[1] / scale), scale, measure, body)
+    names = max((measure(text, TEXT_SIZE * scale) for text in (title, *(level.listener for level in levels))), default=0.0) / scale
+    layout = _layout(levels, scope, (room[0] / scale, room[1] / scale), names, body)
     builder = HudBuilder(scale)
     if layout is None:
         return builder.build()
@@ -138,11 +140,8 @@ def meter_hud(
     return builder.build()
 
 
-def _layout(
-    levels: Sequence[Level], scope: Scope | None, room: tuple[float, float], scale: float, measure: Measure, body: bool
-) -> _Layout | None:
-    """What has ``room`` [points]; None where not even two listeners have."""
-    names = max((measure(level.listener, TEXT_SIZE * scale) for level in levels), default=0.0) / scale
+def _layout(levels: Sequence[Level], scope: Scope | None, room: tuple[float, float], names: float, body: bool) -> _Layout | None:
+    """What has ``room`` [points] where the longest name takes ``names``; None where not even two listeners have."""
     columns = _Columns.within(room[0] - 2 * PADDING, names)
     rows = min(int((room[1] - 2 * PADDING) / ROW) - 1, MOST_ROWS)
     if columns is None or not levels or rows < min(len(levels), 2):

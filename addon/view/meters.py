@@ -13,6 +13,7 @@ from bpy.types import Context, Scene
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import still_samples
 from ..blender.playing import is_playing
+from ..blender.text import text_width
 from ..changes.events import file_changed
 from ..changes.redraw import SIDEBAR_TAB
 from ..properties.preferences import preferences
@@ -20,10 +21,11 @@ from ..session import sessions
 from . import shader
 from .hud import Hud, Rectangle
 from .layout import corner_room, free_rectangle, is_main_view
-from .levels import LEVEL_SECONDS, LEVELS, Level, levels
+from .levels import LEVEL_SECONDS, levels
 from .meter_layout import Scope, meter_hud
 from .quads import quads_of
-from .screen import draw_flat, shared_atlas, text_width
+from .screen import draw_flat, shared_atlas
+from .watched import levels_of, watched
 
 _MARGIN = 12.0  # points to the edges of the free part of the viewport
 _SHARE_ACROSS, _SHARE_UP = 0.25, 0.6  # of the viewport's width, and of the height of its free part
@@ -41,28 +43,7 @@ class _Shown:
 
 _shown: dict[int, _Shown] = {}  # by the region's address
 _refreshed: dict[int, float] = {}  # time of the last redraw of a sidebar, by the region's address
-
-
-def levels_of(scene: Scene) -> tuple[Level, ...]:
-    """The levels of the last frame that is complete; () where there are none yet."""
-    latest = LEVELS.latest(scene, is_playing())
-    return () if latest is None else latest.value
-
-
-def watched(scene: Scene) -> str:
-    """The listener that is looked at: the active object, else the last one that was, else the one that feels the most; "" for none."""
-    traced = sessions.shown(scene)
-    names = [] if traced is None else [listener.name for listener in traced.result.listeners]
-    own = sessions.known(scene)
-    if own is None:
-        return ""
-    active = bpy.context.view_layer.objects.active
-    if active is not None and active.name_full in names:
-        own.watched = active.name_full
-    if own.watched in names:
-        return own.watched
-    levels = [level for level in levels_of(scene) if level.listener in names]
-    return max(levels, key=lambda level: level.rms).listener if levels else (names[0] if names else "")
+_redo_panels: dict[int, tuple[tuple[int, ...], ...]] = {}  # places of the panel Adjust Last Operation, by the area's address
 
 
 def scope_of(scene: Scene) -> Scope | None:
@@ -96,6 +77,20 @@ def draw_pixels() -> None:
         return
     with sessions.drawing(scene):
         _draw_meters(context, scene)
+
+
+def draw_redo_panel() -> None:
+    """Blender lays the panel Adjust Last Operation out after it has drawn the viewport: let the meters make way for it."""
+    area = bpy.context.area
+    place = tuple((region.x, region.y, region.width, region.height) for region in area.regions if region.type == "HUD")
+    if _redo_panels.get(area.as_pointer()) == place:
+        return
+    if len(_redo_panels) > 16:
+        _redo_panels.clear()
+    _redo_panels[area.as_pointer()] = place
+    for region in area.regions:
+        if region.type == "WINDOW":
+            region.tag_redraw()
 
 
 def _refresh_panels(context: Context) -> None:
@@ -166,6 +161,7 @@ def forget() -> None:
     """Drop what is kept between redraws."""
     _shown.clear()
     _refreshed.clear()
+    _redo_panels.clear()
 
 
 file_changed.subscribe(forget)

@@ -7,6 +7,7 @@ from bpy.types import Scene
 
 from ...core.render.frame_result import FrameResult
 from .render_data import Options
+from .watched import active_name, watched
 
 
 def options_of(scene: Scene, result: FrameResult) -> Options:
@@ -18,7 +19,14 @@ def options_of(scene: Scene, result: FrameResult) -> Options:
         show_labels=haptics.show_labels,
         sources=frozenset(source.name for source in result.sources if _is_selected(source.name)),
         listeners=frozenset(listener.name for listener in result.listeners if _is_selected(listener.name)),
+        highlight=_highlight(scene, result),
     )
+
+
+def _highlight(scene: Scene, result: FrameResult) -> tuple[str, str] | None:
+    """The active object on the paths to the listener that is looked at: the chosen row of the panel Path."""
+    listener, active = watched(scene), active_name()
+    return (listener, active) if listener and active in result.objects else None
 
 
 def _is_selected(full_name: str) -> bool:

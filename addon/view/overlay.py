@@ -18,6 +18,7 @@ from bpy.types import Context, Scene
 from ...core.arrays import FloatArray
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Settings
+from ..blender.text import text_width
 from ..blender.time import seconds_of
 from ..changes.events import file_changed
 from ..properties.preferences import preferences
@@ -30,7 +31,7 @@ from .layout import free_rectangle, is_main_view, redo_panels
 from .options import options_of
 from .quads import Quads, quads, quads_of
 from .render_data import Options, RenderData, render_data
-from .screen import draw_flat, free_texts, shared_atlas, text_width
+from .screen import draw_flat, free_texts, shared_atlas
 
 HIDDEN = 0.15  # opacity of what objects hide, where the graph is not drawn in front
 PULSE_LENGTH = 0.8  # metres between two pulses of the signal flow

@@ -34,7 +34,7 @@ class Quads:
 
 def quads(data: RenderData) -> Quads:
     """The graph of a frame, in the order in which it is painted."""
-    return quads_of((data.tree, halos(data.paths), data.paths), data.points)
+    return quads_of((data.tree, data.highlight, halos(data.paths), data.paths), data.points)
 
 
 def quads_of(lines: Sequence[Lines], points: Points) -> Quads:

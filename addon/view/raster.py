@@ -12,7 +12,7 @@ import numpy as np
 from bpy.types import VectorFont
 
 from ...core.arrays import BoolArray, FloatArray
-from . import screen
+from ..blender.text import text_width as screen_width
 from .hud import Hud, Text
 from .render_data import Shape
 from .solids import layers
@@ -131,7 +131,7 @@ def _paint_text(canvas: Canvas, text: Text) -> None:
 
 def text_width(words: str, size: float) -> float:
     """Width of a text in pixels, not rounded to whole ones as on screen."""
-    return screen.text_width(words, 64.0) * size / 64.0
+    return screen_width(words, 64.0) * size / 64.0
 
 
 def _wound(edges: FloatArray, shape: tuple[int, int]) -> BoolArray:

@@ -37,12 +37,14 @@ SOURCE_COLOUR = hex_colour("#f2673c")
 IMPACT_COLOUR = hex_colour("#ffab2e")
 SILENT_COLOUR = hex_colour("#9a9a9a")
 HALO_COLOUR = hex_colour("#101012")
+HIGHLIGHT_COLOUR = hex_colour("#f4f4f4")
 
 POINT_SIZE = {Shape.CONTACT: 9.0, Shape.SOURCE: 26.0, Shape.LISTENER: 21.0, Shape.IMPACT: 22.0}
 """Diameters in pixels at a user interface scale of 1."""
 THIN_LINE = (1.2, 2.6)  # pixels, from the floor of the scale to 0 dB
 PATH_LINE = (3.0, 5.0)
 HALO = 3.0  # pixels that a halo shows on either side of a path
+HIGHLIGHT_LINE = 19.0  # pixels, wider than a path with its halo
 
 DIMMED = 0.3
 """Opacity of contacts that no signal reaches."""
@@ -56,13 +58,15 @@ PARTED = 0.05
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """What to draw. ``sources`` and ``listeners``: selected names; where both are empty nothing is dimmed for not being selected."""
+    """What to draw. ``sources`` and ``listeners``: selected names; where both are empty nothing is dimmed for not being selected.
+    ``highlight``: a listener, and the object whose part of the best paths to it stands out."""
 
     show_intra: bool = True
     show_best_paths: bool = True
     show_labels: bool = True
     sources: frozenset[str] = frozenset()
     listeners: frozenset[str] = frozenset()
+    highlight: tuple[str, str] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,9 +107,10 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class RenderData:
-    """One frame as drawn: ``tree``, how the signal spreads; over it ``paths``, the best ones; over them ``points``."""
+    """One frame as drawn, from the bottom up: ``tree``, how the signal spreads; ``highlight``; ``paths``, the best ones; ``points``."""
 
     tree: Lines
+    highlight: Lines
     paths: Lines
     points: Points
     labels: tuple[Label, ...]
@@ -123,6 +128,7 @@ def render_data(result: FrameResult, settings: Settings, options: Options) -> Re
     paths = _path_lines(result, graph, settings.mode, pairs, scale)
     return RenderData(
         tree=tree if options.show_intra and on_graph else no_lines(),
+        highlight=_highlight_lines(result, options) if options.show_best_paths and on_graph else no_lines(),
         paths=paths if options.show_best_paths or not on_graph else no_lines(),
         points=_points(result, spreading, scale, options, pairs),
         labels=_labels(result, scale, options) if options.show_labels else (),
@@ -173,6 +179,25 @@ def _path_lines(result: FrameResult, graph: HapticGraph, mode: Mode, pairs: Bool
     steps, gain, way = steps[kept], gain[kept], way[kept]
     colour = np.concatenate([scale.colour(gain), np.ones((len(steps), 2, 1))], axis=2)
     return _lines(graph.node_position[steps], colour, _between(PATH_LINE, scale.place(gain[:, 1])), way)
+
+
+def _highlight_lines(result: FrameResult, options: Options) -> Lines:
+    """A light rim under the part of the best paths to a listener that lies in the chosen object, its contact to the next one included."""
+    if options.highlight is None:
+        return no_lines()
+    listener, name = options.highlight
+    names, graph = result.graph.table.names, result.graph
+    steps = [
+        step
+        for (row, column), nodes in result.propagation.best_path.items()
+        if result.listeners[column].name == listener and result.sources[row].amplitude > 0
+        for step in itertools.pairwise(nodes)
+        if names[graph.node_object[step[0]]] == name
+    ]
+    if not steps:
+        return no_lines()
+    colour = np.broadcast_to(np.array([*HIGHLIGHT_COLOUR, 1.0]), (len(steps), 2, 4))
+    return _lines(graph.node_position[np.array(steps)], colour, np.full(len(steps), HIGHLIGHT_LINE), None)
 
 
 def halos(lines: Lines) -> Lines:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from functools import cache, lru_cache
+from functools import cache
 from typing import Any
 
-import blf
 import gpu
 
 from . import shader
@@ -34,13 +33,6 @@ def draw_flat(batch: Any, size: tuple[float, float], scale: float) -> None:
 def shared_atlas() -> TextAtlas:
     """The texture of all texts that are drawn over viewports."""
     return TextAtlas()
-
-
-@lru_cache(maxsize=4096)
-def text_width(words: str, size: float) -> float:
-    """Width of a text in Blender's own font [pixels]."""
-    blf.size(0, size)
-    return float(blf.dimensions(0, words)[0])
 
 
 def free_texts() -> None:

@@ -74,3 +74,8 @@ def test_live_output(play):
 def test_files_out_and_in(play):
     seen = played_through(play(SCENARIOS / "formats.py"))
     assert all(seen.values()), seen
+
+
+def test_answer_hint_path_and_corners(play):
+    seen = played_through(play(SCENARIOS / "answer.py"))
+    assert all(seen.values()), seen

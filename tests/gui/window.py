@@ -90,11 +90,31 @@ class Window:
         yield from self.press("Z", ctrl=True, shift=True)
         yield 0.3
 
+    def open_only(self, *wanted: str) -> None:
+        """These panels are open and the add-on's others are closed; call it before the sidebar is drawn for the first time."""
+        panels = [getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("HAPTIC_PT_")]
+        panels.sort(key=lambda panel: bool(getattr(panel, "bl_parent_id", "")))
+        for panel in reversed(panels):
+            bpy.utils.unregister_class(panel)
+        for panel in panels:
+            others = set(getattr(panel, "bl_options", ())) - {"DEFAULT_CLOSED"}
+            panel.bl_options = others if panel.__name__ in wanted else others | {"DEFAULT_CLOSED"}
+            bpy.utils.register_class(panel)
+
     def show_sidebar(self, tab: str = "Haptics") -> Steps:
         self.view.spaces.active.show_region_ui = True
         yield 1.0
         self.region("UI").active_panel_category = tab  # it has categories once it has been drawn
         yield 1.0
+
+    def scroll_sidebar(self, notches: int) -> Steps:
+        """Turn the mouse wheel over the sidebar, downwards."""
+        region = self.region("UI")
+        self.point(region.x + region.width // 3, region.y + region.height // 2)
+        yield 0.2
+        for _ in range(notches):
+            yield from self.press("WHEELDOWNMOUSE")
+        yield 0.5
 
     def under_mouse(self) -> str:
         """What the sidebar's button under the mouse does, as Python: an operator's call, a property's data path, or nothing."""
@@ -114,7 +134,10 @@ class Window:
                 self.point(region.x + int(fraction * region.width), y)
                 yield 0.02
                 passed.add(self.under_mouse().removeprefix("bpy.ops."))
-                if any(found.split("(")[0] == wanted for found in passed):
+                if not any(found.split("(")[0] == wanted for found in passed):
+                    continue
+                yield 0.2  # where redraws are slow, the button of a place before may still be the active one
+                if self.under_mouse().removeprefix("bpy.ops.").split("(")[0] == wanted:
                     yield from self.press("LEFTMOUSE")
                     yield 0.3
                     return

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.view.levels import Level
 from haptic_tracing.addon.view.meter_layout import MOST_ROWS, ROW, Scope, colour_of, meter_hud
-from haptic_tracing.addon.view.screen import text_width
 from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 from hypothesis import given, settings
 from hypothesis import strategies as st

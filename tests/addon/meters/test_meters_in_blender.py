@@ -10,7 +10,7 @@ import pytest
 from haptic_tracing.addon.live_output.unfelt import device_words
 from haptic_tracing.addon.panels import result as result_panel
 from haptic_tracing.addon.session import session
-from haptic_tracing.addon.view import explanation, meter_pictures, meters, picture
+from haptic_tracing.addon.view import explanation, meter_pictures, meters, picture, watched
 from haptic_tracing.core.message import Cause, Message
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
@@ -48,22 +48,22 @@ def _activate(name):
 
 
 def test_levels_are_worked_out_once_a_frame(felt, settle):
-    foot, hand = settle(lambda: meters.levels_of(felt))
+    foot, hand = settle(lambda: watched.levels_of(felt))
     assert foot.is_felt
     assert foot.peak == pytest.approx(20 * np.log10(session.result_of(felt).gains[0, 0]), abs=0.05)
     assert hand.peak_and_level() == "silent"
-    assert meters.levels_of(felt)[0] is foot
+    assert watched.levels_of(felt)[0] is foot
     felt.frame_set(51)
-    assert settle(lambda: meters.levels_of(felt))[0] is not foot
+    assert settle(lambda: watched.levels_of(felt))[0] is not foot
 
 
 def test_scope_is_of_the_active_listener_or_of_the_strongest(felt, settle):
     bpy.context.view_layer.objects.active = None
-    assert settle(lambda: meters.watched(felt)) == "foot"
+    assert settle(lambda: watched.watched(felt)) == "foot"
     _activate("hand")
-    assert meters.watched(felt) == "hand"
+    assert watched.watched(felt) == "hand"
     _activate("crate")
-    assert meters.watched(felt) == "hand", "what is no listener does not change it"
+    assert watched.watched(felt) == "hand", "what is no listener does not change it"
 
 
 def test_why_silent_names_the_gap_and_then_the_muted_source(felt, settle):
@@ -99,14 +99,14 @@ def test_silence_panel_has_a_button_to_what_is_to_blame(felt, settle):
     assert "crate" in layout.labels
     assert "haptic.select_object" in layout.operators
     _activate("foot")
-    assert any("felt" in label for label in settle(lambda: _drawn(result_panel.HAPTIC_PT_silence)).labels)
+    assert any("Felt" in label for label in settle(lambda: _drawn(result_panel.HAPTIC_PT_silence)).labels)
     _activate("crate")
     assert not result_panel.HAPTIC_PT_silence.poll(bpy.context)
 
 
 def test_panels_show_values_as_text(felt, settle):
     labels = settle(lambda: _drawn(result_panel.HAPTIC_PT_meters)).labels
-    foot, _ = meters.levels_of(felt)
+    foot, _ = watched.levels_of(felt)
     assert {"foot", "hand", "silent", foot.margin_text()} <= set(labels)
 
 
@@ -141,7 +141,7 @@ def test_modes_by_one_click(felt, settle):
     assert before[1] == 0
     bpy.ops.haptic.set_mode(mode="MN")
     assert gains() == [1, 1]
-    assert settle(lambda: meters.levels_of(felt))[1].is_felt  # although nothing plays
+    assert settle(lambda: watched.levels_of(felt))[1].is_felt  # although nothing plays
     for mode in ("HT", "SD", "MD", "MN"):
         bpy.ops.haptic.set_mode(mode="NEXT")
         assert felt.haptics.mode == mode

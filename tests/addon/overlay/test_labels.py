@@ -4,10 +4,10 @@ import bpy
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
+from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.label_placement import place_labels, project
 from haptic_tracing.addon.view.render_data import Options, Shape, render_data
-from haptic_tracing.addon.view.screen import text_width
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mathutils import Vector

@@ -11,12 +11,12 @@ import bpy
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
+from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.view import cycles_picture, overlay, picture, raster
 from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.camera import camera_view, picture_scale
 from haptic_tracing.addon.view.png import write_png
 from haptic_tracing.addon.view.render_data import SILENT_COLOUR, SOURCE_COLOUR, Options, render_data
-from haptic_tracing.addon.view.screen import text_width
 from mathutils import Vector
 
 from .conftest import BRIDGE

@@ -4,12 +4,12 @@ import bpy
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
+from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.view import graph_mesh
 from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.camera import camera_view, picture_scale
 from haptic_tracing.addon.view.colour_map import linear
 from haptic_tracing.addon.view.render_data import Options, render_data
-from haptic_tracing.addon.view.screen import text_width
 from haptic_tracing.addon.view.solids import flat, octahedron, solid_graph, sphere, spiked_ball, three_rings, torus, tubes
 from mathutils import Vector
 

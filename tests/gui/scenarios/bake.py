@@ -46,6 +46,6 @@ def steps(window):
     yield from window.click_button("haptic.set_mode")
     yield 0.5
     yield from window.screenshot("mode")
-    window.seen["felt"] = any(level.is_felt for level in window.module("addon.view.meters").levels_of(scene))
+    window.seen["felt"] = any(level.is_felt for level in window.module("addon.view.watched").levels_of(scene))
     yield from window.use_scale(2.0)
     yield from window.screenshot("meters-2x")

@@ -9,7 +9,7 @@ def steps(window):
     scene = window.module("sample_scenes").build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
     window.view.spaces.active.region_3d.view_perspective = "CAMERA"
-    show_open_only("HAPTIC_PT_result", "HAPTIC_PT_meters")
+    window.open_only("HAPTIC_PT_result", "HAPTIC_PT_meters")
     yield from window.show_sidebar()
     session, pictures = window.module("addon.session.session"), window.module("addon.view.meter_pictures")
 
@@ -53,15 +53,3 @@ def steps(window):
     yield from window.use_theme("Blender_Dark")
     yield from window.use_scale(2.0)
     yield from window.screenshot("meters-2x")
-
-
-def show_open_only(*wanted):
-    """Only these panels are open when the sidebar is drawn for the first time."""
-    panels = [getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("HAPTIC_PT_")]
-    panels.sort(key=lambda panel: bool(getattr(panel, "bl_parent_id", "")))
-    for panel in reversed(panels):
-        bpy.utils.unregister_class(panel)
-    for panel in panels:
-        others = set(getattr(panel, "bl_options", ())) - {"DEFAULT_CLOSED"}
-        panel.bl_options = others if panel.__name__ in wanted else others | {"DEFAULT_CLOSED"}
-        bpy.utils.register_class(panel)

@@ -1,0 +1,84 @@
+"""The answer at the top of the sidebar: what the chosen listener feels, from where, and why not."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.types import Context, UILayout
+
+from ...core.diagnosis.sentences import written
+from ...core.message import Chain
+from ..blender.playing import is_playing
+from ..session import sessions
+from ..translations.sentences import sentence
+from ..view import explanation, levels, paths, watched
+from .cures import draw_cure
+from .texts import draw_sentence, fitted, source_title
+
+if TYPE_CHECKING:
+    from ..view.levels import Level
+    from ..view.paths import ListenerPath
+
+
+def draw_answer(layout: UILayout, context: Context) -> bool:
+    """What the listener that is looked at feels. False where there is no listener to tell of."""
+    scene = context.scene
+    if sessions.shown(scene) is None:
+        return False
+    name = watched.watched(scene)
+    level = next((level for level in watched.levels_of(scene) if level.listener == name), None)
+    if level is None:
+        return False
+    box = layout.box()
+    _draw_level(box, level)
+    if sessions.is_behind(scene) and not is_playing():
+        box.label(text="Tracing...", icon="SORTTIME")
+    path = paths.path_of(scene)
+    if path is not None and path.value is not None and path.value.listener == name:
+        _draw_origin(box, path.value)
+    if not level.is_felt:
+        _draw_reasons(box, context, name)
+    return True
+
+
+def _draw_level(layout: UILayout, level: Level) -> None:
+    split = layout.split(factor=0.5)
+    row = split.row()
+    row.alignment = "LEFT"
+    button = row.operator(
+        "haptic.select_object", text=fitted(level.listener, 0.5, icon=True), icon="OUTLINER_OB_LIGHTPROBE", emboss=False, translate=False
+    )
+    button.name = level.listener
+    text = levels.decibels(level.rms)
+    split.progress(factor=level.place, text=text if level.is_silent else iface_("Level {}").format(text))
+    if level.is_felt:
+        layout.label(text=iface_("Felt: margin {}").format(level.margin_text()), icon="CHECKMARK", translate=False)
+    elif level.is_silent:
+        layout.label(text="Feels nothing", icon="ERROR")
+    else:
+        layout.label(text=iface_("Too weak to be felt: margin {}").format(level.margin_text()), icon="ERROR", translate=False)
+
+
+def _draw_origin(layout: UILayout, path: ListenerPath) -> None:
+    """The source that is felt most, its gain, and the objects between."""
+    split = layout.split(factor=0.6)
+    title = source_title(path.source, 0.6)
+    button = split.operator("haptic.select_object", text=title, icon="OUTLINER_OB_FORCE_FIELD", emboss=False, translate=False)
+    button.name = path.source.name if path.source.second_object is None else path.source.object
+    split.label(text=iface_("Gain {}").format(levels.decibels(20 * math.log10(path.gain))), translate=False)
+    if path.hops:
+        draw_sentence(layout, iface_("through {}").format(written(Chain(hop.object for hop in path.hops))))
+
+
+def _draw_reasons(layout: UILayout, context: Context, name: str) -> None:
+    """The first reason for silence, and what cures it."""
+    why = explanation.why_silent(context.scene, name)
+    if why.notice:
+        draw_sentence(layout, why.notice, "INFO")
+    if not why.is_current:
+        layout.label(text="Looking for reasons...", icon="SORTTIME")
+    for reason in why.reasons[:1] if why.is_current else ():
+        draw_sentence(layout, sentence(reason), "INFO")
+        draw_cure(layout, context, reason)

@@ -1,0 +1,75 @@
+"""The hint that leads from an empty scene to something felt: the next step, with its button."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.types import Context, Scene, UILayout
+
+from ..session import sessions
+from .texts import draw_sentence, source_title
+
+if TYPE_CHECKING:
+    from ...core.scene.values import Source
+    from ..session.sessions import Traced
+
+
+@dataclass(frozen=True, slots=True)
+class Hint:
+    """What to do next, in words, and the operators that do it: name and icon."""
+
+    words: str
+    operators: tuple[tuple[str, str], ...] = ()
+
+
+def draw_hint(layout: UILayout, context: Context) -> None:
+    """The next step, its buttons larger than others."""
+    hint = next_step(context.scene, context.screen is not None and context.screen.is_animation_playing)
+    if hint is None:
+        return
+    box = layout.box()
+    draw_sentence(box, hint.words, "INFO")
+    column = box.column(align=True)
+    column.scale_y = 1.3
+    for operator, icon in hint.operators:
+        column.operator(operator, icon=icon)
+
+
+def next_step(scene: Scene, is_playing: bool) -> Hint | None:
+    """What to do next on the way to something that is felt; what plays while the timeline plays. None where the answer above says it."""
+    if not scene.haptics.tracing:
+        return Hint(iface_("Tracing is switched off"), (("haptic.toggle_tracing", "HIDE_OFF"),))
+    traced = sessions.shown(scene)
+    if traced is None or not traced.result.objects:
+        if sessions.shown_problems(scene):
+            return Hint(iface_("Mend the problem below"))
+        return Hint(iface_("Select objects that touch"), (("haptic.make_objects", "OUTLINER_OB_META"),))
+    if not _has_sources(scene, traced):
+        return Hint(iface_("Select what vibrates"), (("haptic.add_source", "OUTLINER_OB_FORCE_FIELD"),))
+    if not traced.result.listeners:
+        listeners = (("haptic.add_listener", "OUTLINER_OB_LIGHTPROBE"), ("haptic.add_default_listeners", "OUTLINER_OB_ARMATURE"))
+        return Hint(iface_("Select what feels: an object, or a body"), listeners)
+    if is_playing:
+        return Hint(_playing(traced.result.sources))
+    if traced.result.sources and not traced.result.gains.any():
+        return None  # the answer says why nothing arrives, and what to do
+    return Hint(iface_("Press play"), (("screen.animation_play", "PLAY"),))
+
+
+def _has_sources(scene: Scene, traced: Traced) -> bool:
+    """True where something vibrates, or where bodies that move can collide."""
+    if traced.result.sources or traced.reading is None:
+        return True
+    return scene.haptics.impacts and any(body.motion == "dynamic" for body in traced.reading.bodies)
+
+
+def _playing(sources: Sequence[Source]) -> str:
+    """The sources that sound at this moment."""
+    sounding = [source_title(source, 0.5) for source in sources if source.amplitude > 0]
+    if not sounding:
+        return iface_("Playing: nothing sounds at this moment")
+    more = iface_("and {} more").format(len(sounding) - 1) if len(sounding) > 1 else ""
+    return iface_("Playing: {}").format(" ".join((sounding[0], more)).strip())

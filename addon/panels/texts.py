@@ -1,0 +1,81 @@
+"""Texts that fit into the sidebar, whatever its width and the size of the user interface."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.types import UILayout
+
+from ...core.scene.choices import SourceKind
+from ..blender.text import shortened, text_width
+
+if TYPE_CHECKING:
+    from ...core.scene.values import Source
+
+_WIDTH = 200.0
+"""Points of a panel's content where there is no sidebar to ask, and at its default width."""
+_BORDERS = 66.0
+"""Points of the sidebar that are not content: the tabs, the scroll bar, the edges of a box."""
+_ICON = 24.0
+_BUTTON = 16.0  # points that a button needs beside its text
+
+
+def draw_sentence(layout: UILayout, text: str, icon: str = "NONE") -> None:
+    """A sentence over as many lines as it needs."""
+    column = layout.column(align=True)
+    column.scale_y = 0.85
+    for number, line in enumerate(lines(text[:1].upper() + text[1:], content_width() - (_ICON if icon != "NONE" else 0.0))):
+        if icon == "NONE":
+            column.label(text=line, translate=False)
+        else:
+            column.label(text=line, icon=icon if number == 0 else "BLANK1", translate=False)
+
+
+def fitted(text: str, share: float = 1.0, icon: bool = False, button: bool = False) -> str:
+    """A text for a ``share`` of the panel's width, its middle cut out where it is longer."""
+    width = content_width() * share - _ICON * icon - _BUTTON * button
+    return shortened(text, width, _font_size(), text_width) or text
+
+
+def source_title(source: Source, share: float = 1.0) -> str:
+    """A source's name for a ``share`` of the panel's width; of an impact both objects, each cut by itself."""
+    if source.kind is not SourceKind.TEMPORARY or source.second_object is None:
+        return fitted(source.name, share, icon=True, button=True)
+    first, second = (fitted(name, (share - 0.06) / 2, button=True) for name in (source.object, source.second_object))
+    return f"{first} \N{MULTIPLICATION SIGN} {second}"
+
+
+def content_width() -> float:
+    """Width of a panel's content in points."""
+    region = bpy.context.region
+    if region is None or region.type != "UI":
+        return _WIDTH
+    return region.width / _scale() - _BORDERS
+
+
+@lru_cache(maxsize=512)
+def _lines(text: str, width: float, size: float) -> tuple[str, ...]:
+    found: list[str] = []
+    for word in text.split():
+        joined = f"{found[-1]} {word}" if found else word
+        if found and text_width(joined, size) > width:
+            found.append(word)
+        else:
+            found[-1:] = [joined]
+    return tuple(found)
+
+
+def lines(text: str, width: float) -> tuple[str, ...]:
+    """A text broken between words into lines of at most ``width`` points; a longer word has a line of its own."""
+    return _lines(text, width, _font_size())
+
+
+def _font_size() -> float:
+    """Size of texts in panels at a user interface scale of 1."""
+    return float(bpy.context.preferences.ui_styles[0].widget.points)
+
+
+def _scale() -> float:
+    return bpy.context.preferences.system.ui_scale or 1.0  # 0 where there is no window

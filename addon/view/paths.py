@@ -1,0 +1,76 @@
+"""The best path to a listener, object by object."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from bpy.types import Scene
+
+from ...core.diagnosis.losses import object_losses
+from ...core.graph.distance_only import distance_only
+from ...core.scene.values import Mode, Source
+from ..session.derived import Derived, Latest
+from ..session.sessions import Traced
+from .watched import active_name, watched
+
+
+@dataclass(frozen=True, slots=True)
+class Hop:
+    """An object on a path, with its contact to the next one: loss [dB] and distance [m]."""
+
+    object: str
+    loss: float
+    distance: float
+
+
+@dataclass(frozen=True, slots=True)
+class ListenerPath:
+    """How a source reaches a listener. ``gain``: of all paths together, the source's amplitude included; ``amplitude``: the source's, in
+    decibels; ``hops``: of the best path, () in the modes without paths."""
+
+    listener: str
+    source: Source
+    gain: float
+    amplitude: float
+    hops: tuple[Hop, ...]
+
+    @property
+    def best_gain(self) -> float:
+        """Gain [dB] of the best path, the source's amplitude included."""
+        return self.amplitude - sum(hop.loss for hop in self.hops)
+
+
+@dataclass(frozen=True, slots=True)
+class _Question:
+    """A listener, and the source that is looked at, "" for the strongest."""
+
+    listener: str
+    source: str
+
+
+def listener_path(traced: Traced, question: _Question, before: ListenerPath | None = None) -> ListenerPath | None:
+    """On the worker: how the source that is looked at, or the strongest one, reaches the listener; None where nothing does."""
+    result = traced.result
+    column = [listener.name for listener in result.listeners].index(question.listener)
+    reaching = [row for row in range(len(result.sources)) if result.gains[row, column] > 0]
+    if not reaching:
+        return None
+    named = [row for row in reaching if result.sources[row].name == question.source]
+    row = named[0] if named else max(reaching, key=lambda row: float(result.gains[row, column]))
+    nodes = result.propagation.best_path.get((row, column), ())
+    hops: tuple[Hop, ...] = ()
+    if nodes and traced.settings.mode in (Mode.HT, Mode.SD):
+        graph = distance_only(result.graph) if traced.settings.mode is Mode.SD else result.graph
+        hops = tuple(Hop(*loss) for loss in object_losses(graph, nodes))
+    source = result.sources[row]
+    return ListenerPath(question.listener, source, float(result.gains[row, column]), 20 * math.log10(source.amplitude), hops)
+
+
+_PATH: Derived[_Question, ListenerPath | None] = Derived(listener_path, every_frame=True)
+
+
+def path_of(scene: Scene) -> Latest[ListenerPath | None] | None:
+    """The path to the listener that is looked at, from the active object where that is a source; without waiting."""
+    listener = watched(scene)
+    return _PATH.latest(scene, _Question(listener, active_name())) if listener else None

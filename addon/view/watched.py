@@ -1,0 +1,37 @@
+"""The listener that panels, scope and path are about, and the levels of all of them."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.types import Scene
+
+from ..blender.playing import is_playing
+from ..session import sessions
+from .levels import LEVELS, Level
+
+
+def levels_of(scene: Scene) -> tuple[Level, ...]:
+    """The levels of the last frame that is complete; () where there are none yet."""
+    latest = LEVELS.latest(scene, is_playing())
+    return () if latest is None else latest.value
+
+
+def watched(scene: Scene) -> str:
+    """The listener that is looked at: the active object, else the last one that was, else the one that feels the most; "" for none."""
+    traced, own = sessions.shown(scene), sessions.known(scene)
+    if traced is None or own is None:
+        return ""
+    names = [listener.name for listener in traced.result.listeners]
+    active = active_name()
+    if active in names:
+        own.watched = active
+    if own.watched in names:
+        return own.watched
+    levels = [level for level in levels_of(scene) if level.listener in names]
+    return max(levels, key=lambda level: level.rms).listener if levels else (names[0] if names else "")
+
+
+def active_name() -> str:
+    """The full name of the active object, "" where there is none."""
+    active = bpy.context.view_layer.objects.active
+    return "" if active is None else active.name_full
