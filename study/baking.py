@@ -65,14 +65,14 @@ def bake_ride(
     last: int,
     progress: Callable[[int], None] = lambda frame: None,
 ) -> Ride:
-    """Trace the frames ``first`` to ``last`` of the mine ride and render each in `MODES`; ``progress`` is told every frame.
+    """At most ``count`` frames of every section: the one with the highest levels in each of as many equal parts that are not silent."""
 
-    Raises ValueError in words where a frame can't be traced.
+    Raises ValueError where a frame can't be traced.
     """
     scene.haptics.mode = "HT"
     scene.rigidbody_world.enabled = False  # everything moves by keys: there is nothing to simulate
     renderings = {mode: ModeRendering(mode) for mode in MODES[1:]}
-    takes = {mode: _ModeTake() for mode in MODES}
+    recorders = {mode: _ModeRecorder() for mode in MODES}
     soundings: list[Sounding] = []
     frames: list[int] = []
     positions = np.zeros((0, 3))
@@ -84,7 +84,7 @@ def bake_ride(
             assert reading is not None
             results = {Mode.HT: traced} | {mode: rendering.of(traced, reading.settings) for mode, rendering in renderings.items()}
             for mode, result in results.items():
-                takes[mode].add(result)
+                recorders[mode].add(result)
             soundings += _soundings(results)
             if not frames:
                 listeners = tuple(item.body_part or item.name for item in traced.listeners)
@@ -96,19 +96,19 @@ def bake_ride(
         frame_rate=scene.render.fps / scene.render.fps_base,
         listeners=listeners,
         positions=positions,
-        renditions={mode: take.rendition(mode) for mode, take in takes.items()},
+        renditions={mode: recorder.rendition(mode) for mode, recorder in recorders.items()},
         soundings=tuple(soundings),
         sections=tuple(
             (section.name, section.title, max(section.first, first), min(section.last, last))
             for section in SECTIONS
             if section.first <= last and section.last >= first
         ),
-        alike={mode: take.alike for mode, take in takes.items()},
+        largest_difference={mode: recorder.largest_difference for mode, recorder in recorders.items()},
     )
 
 
 def lively_frames(ride: Ride, count: int) -> list[int]:
-    """Of every section ``count`` frames at most, each where most is felt in a part of it; none of a part in which nothing is."""
+    """At most ``count`` frames of every section: that with the highest levels in each of as many equal parts, silent parts left out."""
     felt = ride.renditions[Mode.HT].peak.sum(axis=1)
     chosen = []
     for _, _, first, last in ride.sections:
@@ -133,14 +133,14 @@ def draw_frames(scene: Scene, frames: Sequence[int], size: tuple[int, int] = (48
     return pictures
 
 
-class _ModeTake:
-    """Levels and samples of one mode."""
+class _ModeRecorder:
+    """Collects the levels and samples of one mode."""
 
     def __init__(self) -> None:
         self._tracks = TrackRecorder()
         self._rms: list[FloatArray] = []
         self._peak: list[FloatArray] = []
-        self.alike = 0.0
+        self.largest_difference = 0.0
 
     def add(self, result: FrameResult) -> None:
         self._tracks.add(result)
@@ -148,7 +148,7 @@ class _ModeTake:
         if block.shape[1]:
             self._rms.append(np.sqrt((block**2).mean(axis=1)))
             self._peak.append(np.abs(block).max(axis=1))
-            self.alike = max(self.alike, float(np.ptp(block, axis=0).max()))
+            self.largest_difference = max(self.largest_difference, float(np.ptp(block, axis=0).max()))
         else:
             self._rms.append(np.zeros(len(block)))
             self._peak.append(np.zeros(len(block)))
@@ -182,5 +182,5 @@ def _soundings(results: dict[Mode, FrameResult]) -> list[Sounding]:
 
 
 def _sides(source: Source) -> tuple[FloatArray, ...]:
-    """Where it is: on the one object, or on both of those that struck each other."""
+    """Positions of a source: on its object, or on both objects of an impact."""
     return tuple(np.array(place) for place in (source.position, source.second_position) if place is not None)

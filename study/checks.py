@@ -81,8 +81,8 @@ def all_alike(ride: Ride) -> Check:
     name, statement = "MN: all alike", "All actuators are driven alike, sample by sample."
     if not ride.soundings:
         return Check.without_data(name, statement)
-    others = ", ".join(f"{mode} {ride.alike[mode]:.3f}" for mode in MODES[:3])
-    value = ride.alike[Mode.MN]
+    others = ", ".join(f"{mode} {ride.largest_difference[mode]:.3f}" for mode in MODES[:3])
+    value = ride.largest_difference[Mode.MN]
     return Check(name, statement, f"largest difference between two actuators {value:g} of full scale ({others})", value == 0.0)
 
 

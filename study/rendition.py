@@ -1,4 +1,4 @@
-"""The ride as it is felt in one of the four modes, and what sounds in it, frame by frame."""
+"""The ride in the four modes: levels, samples, and the sources of each frame."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TITLES: Mapping[Mode, str] = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sounding:
-    """A source that sounds in a frame.
+    """An active source in a frame.
 
     ``objects``: the one it is on, or the two that struck each other. ``began``: it is temporary, and this is its first frame.
     ``distance`` (l,) in metres, straight from its nearer side. ``gains`` (4, l) by `MODES`, amplitude included. ``paths``: objects of the
@@ -42,13 +42,13 @@ class Sounding:
 
     @property
     def persists(self) -> bool:
-        """Whether it is no impact."""
+        """Whether it is a persistent source, not an impact."""
         return len(self.objects) == 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rendition:
-    """``rms`` and ``peak`` (f, l): of the samples of each frame's interval at each listener. ``tracks``: those samples."""
+    """The ride in one mode. ``rms`` and ``peak`` (f, l) of each frame's samples at each listener; ``tracks``: the samples."""
 
     mode: Mode
     rms: FloatArray
@@ -61,7 +61,7 @@ class Ride:
     """A range of the ride's frames in all modes.
 
     ``frames`` (f,) are numbers. ``listeners`` are body parts; ``positions`` (l, 3) [m] where they were in the first frame. ``sections``:
-    name, title, first and last frame of those that are in the range. ``alike``: the largest difference between any two listeners' samples
+    name, title, first and last frame of those in the range. ``largest_difference``: between any two listeners' samples
     at any time, by mode.
     """
 
@@ -72,7 +72,7 @@ class Ride:
     renditions: Mapping[Mode, Rendition]
     soundings: tuple[Sounding, ...]
     sections: tuple[tuple[str, str, int, int], ...]
-    alike: Mapping[Mode, float]
+    largest_difference: Mapping[Mode, float]
 
     def rows(self, first: int, last: int) -> slice:
         """Where the frames from ``first`` to ``last`` are in ``frames``."""
