@@ -65,9 +65,9 @@ def bake_ride(
     last: int,
     progress: Callable[[int], None] = lambda frame: None,
 ) -> Ride:
-    """At most ``count`` frames of every section: the one with the highest levels in each of as many equal parts that are not silent."""
+    """Trace the frames ``first`` to ``last`` of the mine ride and render each in `MODES`.
 
-    Raises ValueError where a frame can't be traced.
+    ``progress`` is called with the number of every frame. Raises ValueError where a frame can't be traced.
     """
     scene.haptics.mode = "HT"
     scene.rigidbody_world.enabled = False  # everything moves by keys: there is nothing to simulate
