@@ -1,7 +1,7 @@
 """The program's side of the guard: starts the process that drives the devices, tells it what to play, and hears how they do.
 
-Nothing here blocks the caller: a thread writes the orders, another reads the statuses. What is not written yet when something newer comes
-is replaced. The guard runs while there is an output, and ends with the last one.
+Nothing here blocks the caller: an order is written as far as the pipe takes it, and by a thread where it is full; another thread reads the
+statuses. What is not written yet when something newer comes is replaced. The guard runs while there is an output, and ends with the last.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -44,6 +44,7 @@ for count in range(1, len(names) + 1):
 importlib.import_module(package + ".core.devices.guard_process").main(program)
 """
 _EXIT_SECONDS = 1.0
+_FULL = 0.002  # seconds after which a full pipe is tried again
 # What an order makes obsolete of those before it, besides one of its own kind.
 _OBSOLETE = {"send": ("expect",), **dict.fromkeys(("silence", "rest", "request_stop"), ("send", "expect"))}
 
@@ -77,9 +78,11 @@ class Guard:
     def __init__(self) -> None:
         """Raises OSError where the process can't be started."""
         self._process = _state.start()
+        self._never_blocks = _never_blocks(self._process.stdin)
         self._condition = threading.Condition()
         # Guarded by _condition:
         self._orders: dict[tuple[int, str], tuple[Any, ...]] = {}
+        self._unwritten = memoryview(b"")
         self._makers: dict[int, Callable[[], Output]] = {}
         self._statuses: dict[int, Status] = {}
         self._replaced: dict[int, int] = {}
@@ -99,7 +102,7 @@ class Guard:
                 return False
             self._makers[number] = make
             self._orders[number, name] = (make,)
-            self._condition.notify_all()
+            self._write_some()
             return True
 
     def order(self, number: int, name: str, *arguments: Any) -> None:
@@ -111,7 +114,7 @@ class Guard:
             for obsolete in _OBSOLETE.get(name, ()):
                 self._orders.pop((number, obsolete), None)
             self._orders[number, name] = arguments
-            self._condition.notify_all()
+            self._write_some()
 
     def status(self, number: int) -> Status:
         """How an output does."""
@@ -136,18 +139,36 @@ class Guard:
         for thread in self._threads:
             thread.join(max(deadline - time.monotonic(), 0.0))
 
+    def _write_some(self) -> None:
+        """Write orders as far as the pipe takes them at once; the thread writes the rest. Under _condition.
+
+        Not left to the thread alone, which would have to wait until the caller lets it have Python's lock.
+        """
+        if not self._never_blocks or self._closing or self._lost:
+            self._condition.notify_all()
+            return
+        if not self._unwritten and self._orders:
+            self._unwritten, self._orders = _message(self._orders), {}
+        with suppress(OSError):  # the pipe is full; or the guard has ended, which the thread of statuses sees
+            self._unwritten = self._unwritten[os.write(self._process.stdin.fileno(), self._unwritten) :]
+
     def _write(self) -> None:
-        """The thread that writes orders, or at least a heartbeat."""
+        """The thread that writes a heartbeat, and orders that could not be written at once."""
         pipe = self._process.stdin
         try:
             while True:
                 with self._condition:
-                    if not self._orders and not self._closing:
-                        self._condition.wait(HEARTBEAT)
-                    orders, self._orders = self._orders, {}
+                    if self._never_blocks or not self._orders:
+                        self._condition.wait(HEARTBEAT if not self._unwritten else _FULL)
                     if self._closing or self._lost:
                         return
-                pickle.dump([(*key, arguments) for key, arguments in orders.items()], pipe, pickle.HIGHEST_PROTOCOL)
+                    if not self._unwritten:
+                        self._unwritten, self._orders = _message(self._orders), {}
+                    if self._never_blocks:
+                        self._write_some()
+                        continue
+                    message, self._unwritten = self._unwritten, memoryview(b"")
+                pipe.write(message)
                 pipe.flush()
         except OSError:
             pass  # the guard has ended, which the other thread sees
@@ -175,6 +196,20 @@ class Guard:
             self._condition.notify_all()
         if open_ones:
             _state.quieten(open_ones)
+
+
+def _message(orders: Mapping[tuple[int, str], tuple[Any, ...]]) -> memoryview:
+    """Orders as the guard reads them."""
+    return memoryview(pickle.dumps([(*key, arguments) for key, arguments in orders.items()], pickle.HIGHEST_PROTOCOL))
+
+
+def _never_blocks(pipe: BinaryIO) -> bool:
+    """Make writing to a pipe take what there is room for instead of waiting. False where the system can't (Windows before Python 3.12)."""
+    try:
+        os.set_blocking(pipe.fileno(), False)
+    except (AttributeError, OSError):
+        return False
+    return True
 
 
 class _State:
