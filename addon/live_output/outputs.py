@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -27,6 +28,7 @@ class _State:
     version: int = 0
     renderer: ThreadPoolExecutor | None = None
     job: Future[None] | None = None
+    rested: float = 0.0  # when the renderer may work again, by time.monotonic
 
 
 _state = _State()
@@ -108,9 +110,9 @@ def disconnect(key: str) -> None:
 def expect(render: Callable[[], Mapping[str, FloatArray]], sent: Mapping[str, float]) -> None:
     """Let devices know what would follow the blocks that were ``sent`` (when, by key), should the next ones be late.
 
-    A thread of its own renders it. Where that takes longer than a frame, some frames are left out.
+    A thread of its own renders it, in at most a fifth of the time: where that is not enough, some frames are left out.
     """
-    if _state.job is not None and not _state.job.done():
+    if (_state.job is not None and not _state.job.done()) or time.monotonic() < _state.rested:
         return
     if _state.renderer is None:
         _state.renderer = ThreadPoolExecutor(1, "haptics following")
@@ -118,9 +120,12 @@ def expect(render: Callable[[], Mapping[str, FloatArray]], sent: Mapping[str, fl
 
 
 def _expect(render: Callable[[], Mapping[str, FloatArray]], sent: Mapping[str, float], running: Mapping[str, Output]) -> None:
+    begun = time.monotonic()
     for key, ahead in render().items():
         if key in sent:
             running[key].expect(ahead, sent[key])
+    ended = time.monotonic()
+    _state.rested = ended + 4.0 * (ended - begun)
 
 
 def rest() -> None:

@@ -23,7 +23,7 @@ from . import outputs, preview
 
 SLOW = 8.0
 """Milliseconds: where the tracing of a few frames in a row takes longer, the next is not waited for."""
-_SLOW_FRAMES = 3
+_SLOW_FRAMES = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +45,7 @@ class _State:
     scene: int | None = None
     result: FrameResult | None = None  # the last one that was played
     playback: Playback = field(default_factory=Playback)
-    mapping: ActuatorMapping | None = None
-    mapped: tuple[Any, ...] = ()
+    mappings: dict[bool, tuple[tuple[Any, ...], ActuatorMapping]] = field(default_factory=dict)  # without and with bands: for what, and it
     timed: float | None = None  # the time [s] of the last frame whose tracing time was looked at
     slow: int = 0  # frames in a row that took long
     ahead: _Ahead | None = None
@@ -142,7 +141,7 @@ def correct(result: FrameResult) -> None:
 
 def _send(result: FrameResult, samples: FloatArray, choices: Mapping[str, str], recorded: bool = False, sent: float | None = None) -> None:
     """Send a block to the devices, and what would follow it."""
-    mapping, running = mapping_of(result, choices), dict(outputs.running())
+    mapping, running = _mapping_of(result, choices, {}), dict(outputs.running())
     blocks = {key: block for key, block in mapping.blocks(samples).items() if key in running}
     times = {key: running[key].send(block) if sent is None else running[key].send(block, sent) for key, block in blocks.items()}
     if times and _state.playing and not recorded:
@@ -158,12 +157,17 @@ def _samples(result: FrameResult, frame_seconds: float, recorded: bool) -> Float
 
 def mapping_of(result: FrameResult, choices: Mapping[str, str]) -> ActuatorMapping:
     """Which actuators the listeners of a frame are felt through, and what gets lost."""
+    return _mapping_of(result, choices, _bands(result))
+
+
+def _mapping_of(result: FrameResult, choices: Mapping[str, str], bands: Mapping[str, tuple[float, float]]) -> ActuatorMapping:
+    """The same, for signals within these ``bands`` [Hz] by listener."""
     listeners = tuple((listener.name, listener.body_part) for listener in result.listeners)
-    bands = _bands(result)
     key = (outputs.version(), listeners, tuple(sorted(choices.items())), tuple(bands.items()))
-    if _state.mapping is None or _state.mapped != key:
-        _state.mapping, _state.mapped = _mapped(dict(listeners), choices, bands), key
-    return _state.mapping
+    known = _state.mappings.get(bool(bands))
+    if known is None or known[0] != key:
+        known = _state.mappings[bool(bands)] = key, _mapped(dict(listeners), choices, bands)
+    return known[1]
 
 
 def _bands(result: FrameResult) -> dict[str, tuple[float, float]]:

@@ -21,11 +21,12 @@ def is_running(process: int) -> bool:
 
 
 def _runs_on_linux(process: int) -> bool:
-    """A crash shows before the process is gone: a handler of the main thread runs with its signal blocked, and a core dump is announced."""
+    """An end shows before the process is gone and its pipes are closed, which takes long where it has much memory to give back: then it has
+    no more memory of its own; in a crash, the main thread runs a handler with the signal blocked, or a core dump is announced."""
     try:
         lines = Path(f"/proc/{process}/status").read_text(encoding="ascii", errors="replace").splitlines()
     except OSError:
         return False
     fields = dict(line.split(":\t", 1) for line in lines if ":\t" in line)
     crashing = fields.get("CoreDumping") == "1" or bool(int(fields.get("SigBlk", "0"), 16) & _CRASHES)
-    return fields.get("State", "R")[:1] not in "TtZX" and not crashing
+    return fields.get("State", "R")[:1] not in "TtZX" and not crashing and "VmSize" in fields

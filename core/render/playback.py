@@ -6,7 +6,7 @@ touch never shifts against the picture. Frame by frame it is what a bake gives, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -81,34 +81,27 @@ class Playback:
     def ahead(self, latest: FrameResult, time: float, frame_seconds: float) -> FloatArray | None:
         """The samples of the frame that ends at ``time`` [s], which is still being traced, with what the ``latest`` traced frame says; None
         where that is no continuation. What has begun in a frame that comes late begins with the next block, or the next `correction`."""
-        mixes = listener_mixes(latest.listeners)
-        begun, renderer = self._time, self._current(mixes)
-        if begun is None or renderer is None:
-            return None
-        before = renderer.fork()
-        samples = self._continued(mixes, latest, time, frame_seconds)
+        samples = self._continued(listener_mixes(latest.listeners), latest, time, frame_seconds)
         if samples is not None:
-            voices = self._moved(source_voices(latest.sources, latest.listeners, latest.propagation))
-            start = time - samples.shape[1] / latest.sample_rate
-            self._correctable = _Correctable(before, begun, max(start, begun), time, voices)
+            self._correctable = _Correctable(latest, time - samples.shape[1] / latest.sample_rate, time)
         return samples
 
     def correction(self, result: FrameResult, elapsed: float) -> FloatArray | None:
         """The rest of a block that went `ahead`, from ``elapsed`` seconds after its start on, (listeners, n), as ``result`` says, which has
         been traced meanwhile; None where there is nothing to correct."""
         played = self._correctable
-        if played is None or played.renderer.listeners != listener_mixes(result.listeners):
+        mixes = listener_mixes(result.listeners)
+        if played is None or listener_mixes(played.result.listeners) != mixes:
             return None
         now = played.start + elapsed
-        if now >= played.end or _are_alike(source_voices(result.sources, result.listeners, result.propagation), played.voices):
+        voices = source_voices(result.sources, result.listeners, result.propagation)
+        if now >= played.end or _are_alike(
+            voices, source_voices(played.result.sources, played.result.listeners, played.result.propagation)
+        ):
             return None
-        if now > played.begun:
-            played.renderer.render_frame(played.begun, now, played.voices)
-        before = played.renderer.fork()
-        voices = self._voices(result, now)
-        samples = played.renderer.render_frame(now, played.end, voices)
-        self._renderer, self._shown = played.renderer, result
-        self._correctable = _Correctable(before, now, played.start, played.end, voices)
+        self._renderer = _primed(played.result, now, self._late)
+        samples = self._renderer.render_frame(now, played.end, self._voices(result, now))
+        self._shown, self._correctable = result, _Correctable(result, played.start, played.end)
         return samples
 
     def following(self, result: FrameResult, seconds: float) -> Callable[[], FloatArray]:
@@ -116,14 +109,13 @@ class Playback:
 
         It may be called later, by any thread. What it gives does not count as played: the next block is what it would be without it.
         """
-        time, shown = self._time, self._shown
-        if time is None or shown is None:
+        if self._time is None:
             return partial(np.zeros, (len(result.listeners), 0))
-        renderer = None if self._renderer is None else self._renderer.fork()
-        voices = self._moved(source_voices(result.sources, result.listeners, result.propagation))
+        time, late = self._time, dict(self._late)
 
         def render() -> FloatArray:
-            return (renderer or _primed(shown, time, voices)).render_frame(time, time + seconds, voices)
+            voices = _moved(source_voices(result.sources, result.listeners, result.propagation), late)
+            return _primed(result, time, late).render_frame(time, time + seconds, voices)
 
         return render
 
@@ -137,9 +129,7 @@ class Playback:
     def _current(self, mixes: tuple[ListenerMix, ...]) -> Renderer | None:
         """The renderer that goes on from the last block; None before the first one, and for other listeners."""
         if self._renderer is None and self._shown is not None and self._time is not None:
-            shown = self._shown
-            voices = self._moved(source_voices(shown.sources, shown.listeners, shown.propagation))
-            self._renderer = _primed(shown, self._time, voices)
+            self._renderer = _primed(self._shown, self._time, self._late)
         return self._renderer if self._renderer is not None and self._renderer.listeners == mixes else None
 
     def _continued(self, mixes: tuple[ListenerMix, ...], result: FrameResult, time: float, frame_seconds: float) -> FloatArray | None:
@@ -171,29 +161,27 @@ class Playback:
         """What is played of a result in a block that begins at ``begun``: what began after the last result, but before this block, begins
         with it."""
         voices = source_voices(result.sources, result.listeners, result.propagation)
-        heard = None if self._shown is None else self._shown.time
-        if heard is not None and heard < begun:
-            self._late.update({voice.key: begun for voice in voices if heard <= voice.onset < begun and voice.key not in self._late})
-        if not self._late:
-            return voices
-        self._late = {voice.key: self._late[voice.key] for voice in voices if voice.key in self._late}
-        return self._moved(voices)
-
-    def _moved(self, voices: list[Voice]) -> list[Voice]:
-        """The voices, each from the onset that it is played from."""
-        return [voice._replace(onset=self._late.get(voice.key, voice.onset)) for voice in voices]
+        shown = self._shown
+        if shown is not None and shown.time < begun:
+            known = {voice.key for voice in source_voices(shown.sources, shown.listeners, shown.propagation)} | self._late.keys()
+            self._late.update({voice.key: begun for voice in voices if shown.time <= voice.onset < begun and voice.key not in known})
+        if self._late:
+            self._late = {voice.key: self._late[voice.key] for voice in voices if voice.key in self._late}
+        return _moved(voices, self._late)
 
 
 @dataclass(frozen=True, slots=True)
 class _Correctable:
-    """A block that went ahead of its frame's trace: its samples from ``start`` to ``end`` [s], rendered with the ``voices`` from ``begun``
-    on, where ``renderer`` stands."""
+    """A block from ``start`` to ``end`` [s] that went ahead of its frame's trace, with what ``result`` said."""
 
-    renderer: Renderer
-    begun: float
+    result: FrameResult
     start: float
     end: float
-    voices: list[Voice]
+
+
+def _moved(voices: list[Voice], late: Mapping[Hashable, float]) -> list[Voice]:
+    """The voices, those that began late from the onset that they are played from."""
+    return [voice._replace(onset=late[voice.key]) if voice.key in late else voice for voice in voices] if late else voices
 
 
 def _are_alike(voices: list[Voice], others: list[Voice]) -> bool:
@@ -208,9 +196,10 @@ def _are_alike(voices: list[Voice], others: list[Voice]) -> bool:
     )
 
 
-def _primed(shown: FrameResult, time: float, voices: list[Voice]) -> Renderer:
-    """A renderer that stands at ``time`` with the gains of ``voices``, for the listeners of ``shown``; a limiter has worked for a while."""
+def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> Renderer:
+    """A renderer that stands at ``time`` with the gains of ``shown``, and whose limiter has worked for a while."""
     renderer = Renderer(listener_mixes(shown.listeners), shown.sample_rate)
+    voices = _moved(source_voices(shown.sources, shown.listeners, shown.propagation), late)
     start = time - _LIMITER_SECONDS if renderer.latency else time
     renderer.render_frame(start, start, voices)
     if renderer.latency:

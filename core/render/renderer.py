@@ -6,7 +6,6 @@ symmetric filters ahead of it. Only gains and delays are carried from frame to f
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -119,13 +118,6 @@ class Renderer:
                     stream.gains, stream.delays, stream.priority = gains, delay, voice.priority
                     self._streams[stream.key] = stream
         return self._limiter.process(block) if self._limiter else block
-
-    def fork(self) -> Renderer:
-        """Return a renderer that goes on from here, and leaves this one as it is."""
-        other = copy.copy(self)
-        other._streams = {key: copy.copy(stream) for key, stream in self._streams.items()}
-        other._limiter = copy.copy(self._limiter)
-        return other
 
     def flush(self) -> FloatArray:
         """Return the last `latency` samples, shape (n_listeners, latency)."""

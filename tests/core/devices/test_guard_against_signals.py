@@ -4,7 +4,6 @@ import json
 import shutil
 import subprocess
 import sys
-from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -66,6 +65,7 @@ def is_silent(family, report):
 NAMES = list(PROFILES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", ENDINGS)
 def test_every_family_is_silent_within_150_ms(tmp_path, ending):
     folder = tmp_path / "reports"
@@ -76,13 +76,17 @@ def test_every_family_is_silent_within_150_ms(tmp_path, ending):
     for number, name in enumerate(NAMES):
         family = PROFILES[name].family
         reports = [(seconds, bytes.fromhex(data)) for seconds, data in written[f"hidraw{number}"]]
-        before = [data for seconds, data in reports if seconds <= 0.0]
-        assert not is_silent(family, before[-1]), f"{name} is not driven"
-        found[name] = next((seconds for seconds, data in reports if seconds > 0.0 and is_silent(family, data)), 9.9)
+        # Set up, silent, driven, silent.
+        silent = [is_silent(family, data) for _, data in reports]
+        opened = silent.index(True) if isinstance(family, RumbleFamily) else 0
+        driven = silent.index(False, opened)
+        assert reports[driven][0] < -0.2, f"{name} is not driven"
+        found[name] = reports[silent.index(True, driven)][0] if True in silent[driven:] else 9.9
     print(ending, {name: round(1000 * seconds) for name, seconds in found.items()})
     assert max(found.values()) <= SILENT_WITHIN, found
 
 
+@pytest.mark.slow
 def test_pythons_lock_held_for_300_ms_silences_nobody(tmp_path):
     """A pad that needs a reminder every 50 ms, one that holds its level, and one that lives on samples."""
     for name in ("switch-pro", "dualsense", "steam-controller-pcm"):
@@ -96,9 +100,11 @@ def test_pythons_lock_held_for_300_ms_silences_nobody(tmp_path):
         felt = [(seconds, data) for seconds, data in reports if first <= seconds < played["seconds"]]
         assert first < 0.2 and not any(is_silent(family, data) for _, data in felt), name
         if name != "dualsense":
-            assert max(later - earlier for (earlier, _), (later, _) in pairwise(felt)) < 0.15, "reports go on meanwhile"
+            locked, free = played["lock"]
+            assert sum(locked < seconds < free for seconds, _ in felt) >= 3, "reports go on meanwhile"
 
 
+@pytest.mark.slow
 def test_a_guard_that_dies_is_said_and_its_device_silenced(tmp_path):
     folder = tmp_path / "reports"
     folder.mkdir()
@@ -112,6 +118,7 @@ def test_a_guard_that_dies_is_said_and_its_device_silenced(tmp_path):
     assert not any(data[3] or data[4] for data in after) and ended["stopped"]
 
 
+@pytest.mark.slow
 def test_nothing_is_left_running(tmp_path):
     """Neither a process nor a thread is left behind when the last output has stopped."""
     left = scene(tmp_path, [DUALSENSE_USB], "nothing_left", "dualsense")

@@ -160,22 +160,30 @@ for i in range(100):
         output.expect(np.tile(wave[320:], (rows, 1)), sent)
     if i == 10: print(flush=True)
     time.sleep(0.04)
-    if i >= 12 and {ending!r} == "exit": os._exit(print(time.perf_counter(), flush=True) or 3)
+    if i == 12 and {ending!r} == "exit": os._exit(3)
 """
     child = subprocess.Popen([sys.executable, "-c", program], cwd=HERE, stdout=subprocess.PIPE, text=True)
     child.stdout.readline()
-    if ending == "exit":
-        ended = float(child.stdout.readline())
-    else:
-        time.sleep(0.09)
-        ended = time.perf_counter()
+    time.sleep(0.09)
+    if ending != "exit":
         child.send_signal(signal.Signals[ending])
+    while state_of(child.pid) not in "TZX":  # a busy machine may let it run on for a while
+        pass
+    ended = time.perf_counter()
     time.sleep(0.6)
     nodes = sorted(path.name for path in Path(folder).iterdir())
     reports = {node: [(seconds - ended, data.hex()) for seconds, data in reports_of(folder, node)] for node in nodes}
     child.kill()
     child.wait()
     return reports
+
+
+def state_of(process):
+    """The letter that the kernel gives to a process: T stopped, Z ended, X gone."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except OSError:
+        return "X"
 
 
 def scene_lock(name, folder):
@@ -191,11 +199,17 @@ def scene_lock(name, folder):
         output.send(wave[:, :320], sent := time.perf_counter())
         output.expect(wave[:, 320:], sent)
         if i == 10:
+            locked = time.perf_counter()
             ctypes.PyDLL(None).usleep(300_000)
+            free = time.perf_counter()
         time.sleep(0.04)
     ended = time.perf_counter()
     output.stop()
-    return {"seconds": ended - began, "reports": [(at - began, data.hex()) for at, data in reports_of(folder, "hidraw0")]}
+    return {
+        "seconds": ended - began,
+        "lock": [locked - began, free - began],
+        "reports": [(at - began, data.hex()) for at, data in reports_of(folder, "hidraw0")],
+    }
 
 
 def scene_guard_dies(name, folder):
@@ -203,8 +217,8 @@ def scene_guard_dies(name, folder):
     output = DeviceOutput(replace(profile(name), slew=10_000.0), hid=TimedHid(folder))
     output.start()
     wait_until(lambda: output.status.state == "open")
-    play(output, 0.4, len(output.profile.actuators), 200.0)
     (guard,) = children()
+    play(output, 0.4, len(output.profile.actuators), 200.0)
     os.kill(guard, signal.SIGKILL)
     before = len(reports_of(folder, "hidraw0"))
     wait_until(lambda: output.status.state == "failed")

@@ -75,6 +75,18 @@ def test_what_would_follow_is_what_comes_while_nothing_changes_and_looking_at_it
     assert np.concatenate(samples, axis=1).tobytes() == expected.tobytes()
 
 
+def test_what_goes_ahead_from_the_very_start_is_the_tone_from_its_beginning():
+    """The source begins with the frame at which playback starts: it is no late beginner in the second block."""
+    results = traced(range(6))
+    playback = Playback()
+    playback.start(0.0)
+    blocks = [playback.ahead(results[number - 1], number / FPS, 1 / FPS) for number in range(1, 6)]
+    samples = np.concatenate(blocks, axis=1)[0]
+    begin = blocks[0].shape[1]
+    times = np.arange(len(samples)) / RATE
+    assert samples[begin:] == pytest.approx(np.sin(2 * np.pi * TONE * times)[begin:], abs=1e-9)
+
+
 def test_a_block_that_went_ahead_is_corrected_from_the_moment_its_trace_is_done():
     """The blow of frame 12 is known 10 ms after the block went ahead: from there on the samples are those of the bake."""
     results = traced(range(12)) + traced(range(20), impact=11.6 / FPS)[12:]
