@@ -236,12 +236,9 @@ def _connection_gains(graph: HapticGraph, steps: IntArray, length: FloatArray) -
     """Gain of each connection (m,) between nodes (m, 2) that are ``length`` (m,) apart."""
     inter = (graph.partner[steps[:, 0]] == steps[:, 1]) & (graph.contact[steps[:, 0]] >= 0)
     index = graph.node_object[steps[:, 0]]
-    with np.errstate(invalid="ignore"):
-        gain = graph.table.factor[index] * np.exp(-graph.table.decay[index] * length)
+    gain = np.empty(len(steps))
     gain[inter] = graph.transmission[graph.contact[steps[inter, 0]]]
-    for special in set(index[~inter].tolist()) & graph.table.special:
-        chosen = ~inter & (index == special)
-        gain[chosen] = graph.table.gain(special, length[chosen])
+    gain[~inter] = graph.table.gains(index[~inter], length[~inter])
     return gain
 
 

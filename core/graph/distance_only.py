@@ -21,6 +21,7 @@ def distance_only(graph: HapticGraph) -> HapticGraph:
         factor=np.ones(count),
         decay=np.full(count, DISTANCE_ONLY.alpha),
         loss=np.zeros(count),
+        spreading=None,
         special=frozenset(),
         band_gains=None,
         band_decays=None,

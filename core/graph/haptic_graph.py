@@ -43,9 +43,17 @@ class NoGain(ValueError):
 class ObjectTable:
     """The propagation functions of all objects as arrays, in the order of their sorted names.
 
-    ``factor`` and ``decay`` (n,): the gain over d metres is ``factor * exp(-decay * d)``; NaN for the objects in ``special``, whose
-    function has another form. ``loss`` (n,) is ``-log(factor)``, precise also for a factor close to 1. ``band_gains`` (n, bands),
-    ``band_decays`` (n, bands) [1/m] and ``slowness`` (n,) [s/m] are None where no object uses them.
+    The gain of an object over d metres is ``factor * exp(-decay * d) * (1 + min(d, extent) / reference) ** -exponent``. So the cost
+    ``-log(gain)`` is a constant plus a concave function of distance that begins at 0: the constant and a metric.
+
+    Attributes:
+        factor, decay: (n,); NaN for the objects in ``special``.
+        loss: (n,) ``-log(factor)``, precise also for a factor close to 1.
+        spreading: (3, n) exponent, reference and extent [m]; None where all exponents are 0.
+        special: numbers of the objects whose function has another form.
+        band_gains: (n, bands), or None where no object uses them.
+        band_decays: (n, bands) [1/m], or None.
+        slowness: (n,) [s/m], or None.
     """
 
     names: tuple[str, ...]
@@ -53,6 +61,7 @@ class ObjectTable:
     factor: FloatArray
     decay: FloatArray
     loss: FloatArray
+    spreading: FloatArray | None
     special: frozenset[int]
     epsilon: float
     band_gains: FloatArray | None
@@ -69,6 +78,7 @@ class ObjectTable:
         ordered = tuple(sorted(objects, key=lambda o: o.name))
         pairs = [o.propagation.log_linear(o.kappa, o.rho, epsilon) for o in ordered]
         forms = np.array([(math.nan, math.nan) if pair is None else pair for pair in pairs], dtype=np.float64).reshape(-1, 2)
+        spreading = np.array([o.propagation.spreading_law() for o in ordered], dtype=np.float64).reshape(-1, 3).T
         bands, decays, slowness = _spectrum_arrays(
             [o.propagation.spectrum for o in ordered], [o.propagation.band_decays(o.kappa, o.rho) for o in ordered]
         )
@@ -80,6 +90,7 @@ class ObjectTable:
             loss=np.array(
                 [math.nan if p is None else o.propagation.loss(o.kappa, o.rho, epsilon) for o, p in zip(ordered, pairs, strict=True)]
             ),
+            spreading=spreading if spreading[0].any() else None,
             special=frozenset(i for i, pair in enumerate(pairs) if pair is None),
             epsilon=epsilon,
             band_gains=bands,
@@ -97,12 +108,42 @@ class ObjectTable:
         if not np.all((distance >= 0) & (distance < math.inf)):
             raise ValueError("distance: must be finite and at least 0 m")
         if index not in self.special:
-            return np.asarray(self.factor[index] * np.exp(-self.decay[index] * distance))
+            constant = self.factor[index] * np.exp(-self.decay[index] * distance)
+            if self.spreading is None or self.spreading[0, index] == 0:
+                return np.asarray(constant)
+            exponent, reference, extent = self.spreading[:, index].tolist()
+            return np.asarray(constant * (1 + np.minimum(distance, extent) / reference) ** -exponent)
         haptic_object = self.objects[index]
         try:
             return haptic_object.propagation.gain(distance, haptic_object.kappa, haptic_object.rho, self.epsilon)
         except ValueError as error:
             raise NoGain(f"object {haptic_object.name!r}: {error}", (haptic_object.name,)) from None
+
+    def gains(self, index: IntArray, distance: FloatArray) -> FloatArray:
+        """Gains (n,) of objects ``index`` (n,) over ``distance`` (n,). Raises as `gain` does."""
+        gains = self.factor[index] * np.exp(-self.decay[index] * distance)
+        if self.spreading is not None:
+            exponent, reference, extent = self.spreading[:, index]
+            gains *= (1 + np.minimum(distance, extent) / reference) ** -exponent
+        for number in self._special_among(index):
+            chosen = np.flatnonzero(index == number)
+            gains[chosen] = self.gain(number, distance[chosen])
+        return gains
+
+    def costs(self, index: IntArray, distance: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """``-log`` of `gains` in two terms (n,), the constant one and that of the distance."""
+        constant, varying = self.loss[index], self.decay[index] * distance
+        if self.spreading is not None:
+            exponent, reference, extent = self.spreading[:, index]
+            varying += exponent * np.log1p(np.minimum(distance, extent) / reference)
+        for number in self._special_among(index):
+            chosen = np.flatnonzero(index == number)
+            with np.errstate(divide="ignore"):
+                constant[chosen], varying[chosen] = 0.0, -np.log(self.gain(number, distance[chosen]))
+        return constant, varying
+
+    def _special_among(self, index: IntArray) -> set[int]:
+        return set(index.tolist()) & self.special if self.special else set()
 
     def gain_bounds(self, index: int, max_distance: float) -> tuple[float, float]:
         """Guaranteed (lowest, highest) gain of object ``index`` over any distance up to ``max_distance`` metres."""

@@ -41,19 +41,9 @@ def cost_limit(threshold: float) -> float:
     return math.inf if threshold == 0 else -math.log(threshold) + ROUNDING
 
 
-def _intra(graph: HapticGraph, a: IntArray, b: IntArray, distance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Costs of intra-connections in two terms, the constant one and that of the distance."""
-    index = graph.node_object[a]
-    constant, varying = graph.table.loss[index], graph.table.decay[index] * distance
-    for number in set(index.tolist()) & graph.table.special if graph.table.special else ():
-        chosen = np.flatnonzero(index == number)
-        constant[chosen], varying[chosen] = 0.0, cost_of(graph.table.gain(number, distance[chosen]))
-    return constant, varying
-
-
 def intra_costs(graph: HapticGraph, a: IntArray, b: IntArray) -> FloatArray:
     """Costs of the intra-connections between nodes ``a[i]`` and ``b[i]`` of one object each."""
-    constant, varying = _intra(graph, a, b, graph.node_distances(a, b))
+    constant, varying = graph.table.costs(graph.node_object[a], graph.node_distances(a, b))
     constant += varying
     return constant
 
@@ -61,12 +51,7 @@ def intra_costs(graph: HapticGraph, a: IntArray, b: IntArray) -> FloatArray:
 def intra_gains(graph: HapticGraph, a: IntArray, b: IntArray) -> tuple[FloatArray, FloatArray]:
     """Gains of the intra-connections between nodes ``a[i]`` and ``b[i]``, and distances in metres."""
     distance = graph.node_distances(a, b)
-    index = graph.node_object[a]
-    gains = graph.table.factor[index] * np.exp(-graph.table.decay[index] * distance)
-    for number in set(index.tolist()) & graph.table.special if graph.table.special else ():
-        chosen = np.flatnonzero(index == number)
-        gains[chosen] = graph.table.gain(number, distance[chosen])
-    return gains, distance
+    return graph.table.gains(graph.node_object[a], distance), distance
 
 
 def band_factors(graph: HapticGraph, index: IntArray, distance: FloatArray) -> FloatArray:
@@ -93,7 +78,7 @@ def path_costs(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> list[flo
     here = inside.nonzero()[0]
     crossed = across.nonzero()[0]
     constant, varying = np.zeros(len(a)), np.zeros(len(a))
-    constant[here], varying[here] = _intra(graph, a[here], b[here], graph.node_distances(a[here], b[here]))
+    constant[here], varying[here] = graph.table.costs(graph.node_object[a[here]], graph.node_distances(a[here], b[here]))
     constant[crossed] = graph.transmission_loss[graph.contact[a[crossed]]]
     constants, variables = constant.tolist(), varying.tolist()
     costs = []

@@ -8,13 +8,13 @@ An object is relaxed in one vectorised step, from many entries of many roots at 
 batches: D. P. Bertsekas, *Network Optimization*, 1998, section 2.4). Where few entries are pending, as along a chain, Dijkstra's algorithm
 with a binary heap takes over (E. W. Dijkstra, Numerische Mathematik 1, 1959).
 
-A hub of n contacts costs O(n), not O(n²): let the cost inside an object be ``a + b d`` with a, b >= 0 and d the distance, and let node x
-have been reached inside it at the cost A(x) from an entry e. Entering through x at a cost E(x) >= A(x) - a improves nothing: for every node
-y of the object, ``E(x) + a + b d(x, y) >= A(x) + b d(x, y) = E(e) + a + b (d(e, x) + d(x, y)) >= E(e) + a + b d(e, y)``, by the triangle
-inequality. So once a cheap entry has been relaxed, each other entry of the object drops out with one comparison. The argument does not
-cover y = e. That single connection is relaxed where it matters (`complete`): for the cost from e to a root by a path that does not lead
-back through e's own contact, and where the object beyond that contact has a function of another form. Otherwise no shortest path returns to
-the contact of a cheaper entry.
+A hub of n contacts costs O(n), not O(n²): let the cost inside an object be ``a + m``, a >= 0 and m a metric, and let node x have been
+reached inside it at the cost A(x) from an entry e. Entering through x at a cost E(x) >= A(x) - a improves nothing: for every node y of the
+object, ``E(x) + a + m(x, y) >= A(x) + m(x, y) = E(e) + a + m(e, x) + m(x, y) >= E(e) + a + m(e, y)``, by the triangle inequality. So once a
+cheap entry has been relaxed, each other entry of the object drops out with one comparison. The argument does not cover y = e. That single
+connection is relaxed where it matters (`complete`): for the cost from e to a root by a path that does not lead back through e's own
+contact, and where the object beyond that contact has a function of another form. Otherwise no shortest path returns to the contact of a
+cheaper entry.
 """
 
 from __future__ import annotations
@@ -177,6 +177,9 @@ def _relax(
     distance = graph.node_distances(begin, other)
     index = graph.node_object[node]
     candidate = (cost + work.loss[index])[which] + graph.table.decay[index][which] * distance
+    if graph.table.spreading is not None:
+        exponent, reference, extent = graph.table.spreading.take(index[which], axis=1)
+        candidate += exponent * np.log1p(np.minimum(distance, extent) / reference)
     if graph.table.special:
         chosen = work.special[index][which].nonzero()[0]
         candidate[chosen] = cost[which[chosen]] + np.maximum(0.0, intra_costs(graph, begin[chosen], other[chosen]))
@@ -221,6 +224,7 @@ class _Elements:
         graph = work.graph
         self.objects, self.partner, self.start = _items(graph.node_object), _items(graph.partner), _items(graph.start)
         self.crossing, self.loss, self.decay = _items(work.crossing), _items(work.loss), _items(graph.table.decay)
+        self.spreading = None if graph.table.spreading is None else graph.table.spreading.T.tolist()
         self.points: dict[int, list[float]] = {}
         if work.count <= SMALL:
             self.points.update(enumerate(graph.node_position.tolist()))
@@ -267,6 +271,8 @@ def _dijkstra(
                 points.update(enumerate(graph.node_position[whole].tolist(), whole.start))
             here = points[node]
             found = [(k, base + rate * distance(here, points[k])) for k in range(first, last) if arrives[k] > base]
+            if elements.spreading is not None:
+                found = _with_spreading(elements.spreading[index], found, here, points)
         nearer = False
         for other, value in found:
             if value < arrives[other] and value <= limit and other != node:
@@ -281,3 +287,13 @@ def _dijkstra(
                     nearer = True
         if nearer:  # stop where no target can get cheaper
             limit = min(limit, max(arrives[k] for k in sought))
+
+
+def _with_spreading(
+    law: Sequence[float], found: list[tuple[int, float]], here: Sequence[float], points: dict[int, list[float]]
+) -> list[tuple[int, float]]:
+    """Costs of connections from a place to nodes, with those of spreading added."""
+    exponent, reference, extent = law
+    if exponent == 0:
+        return found
+    return [(k, value + exponent * math.log1p(min(math.dist(here, points[k]), extent) / reference)) for k, value in found]

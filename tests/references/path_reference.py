@@ -9,6 +9,7 @@ from random import Random
 import networkx
 from haptic_tracing.core.graph.haptic_graph import HapticGraph
 from haptic_tracing.core.scene.functions import Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction
+from haptic_tracing.core.scene.functions.physical import Physical, Wave
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Source
 from hypothesis import strategies as st
 
@@ -19,6 +20,7 @@ METRIC: tuple[ModulationFunction, ...] = (
     Constant(gain_value=1.0),
     Identity(),
     Constant(gain_value=0.0),
+    Physical(wave=Wave.SURFACE, loss_factor=0.2, phase_speed=200.0, reference_distance=0.3, extent=1.0),
 )
 OTHER: tuple[ModulationFunction, ...] = (Linear(range=3.0), Expression(expression="x / (1 + d)"), Expression(expression="0.9 * exp(-d**2)"))
 AMPLIFYING: tuple[ModulationFunction, ...] = (Constant(gain_value=1.5), Expression(expression="x * (1.2 - 0.1 * d)"))

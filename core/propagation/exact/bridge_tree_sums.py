@@ -151,11 +151,8 @@ class _BridgeTreeSum:
         table = self.graph.table
         index = int(self.graph.node_object[node])
         distance = distances(self.graph.node_position[node], self.graph.node_position[other])
-        if index in table.special:
-            gain = float(table.gain(index, distance[None])[0])
-            cost = -math.log(gain) if gain > 0 else math.inf
-        else:
-            cost = float(table.loss[index] + table.decay[index] * float(distance))
+        constant, varying = table.costs(np.array([index]), distance[None])
+        cost = float(constant[0] + varying[0])
         if cost == math.inf:
             return None
         if self.lanes > 1:

@@ -78,8 +78,12 @@ class ModulationFunction:
     spectrum: Spectrum = field(default_factory=Spectrum)
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float] | None:
-        """``(factor, decay)`` where the gain is ``factor * exp(-decay * d)``, or None where it has another form."""
+        """``(factor, decay)`` where the gain is ``factor * exp(-decay * d)``, times that of `spreading_law`; None for another form."""
         return None
+
+    def spreading_law(self) -> tuple[float, float, float]:
+        """``(exponent, reference, extent)`` of a gain ``(1 + min(d, extent) / reference) ** -exponent`` beside that of `log_linear`."""
+        return 0.0, 1.0, math.inf
 
     def loss(self, kappa: float, rho: float, epsilon: float) -> float:
         """``-log(factor)`` of `log_linear`, infinite for factor 0; precise also where the factor is close to 1."""

@@ -95,6 +95,13 @@ class Physical(ModulationFunction):
         damped = np.where(away > 0, self.damping(BAND_CENTRES[0], kappa, rho), 0.0) * away
         return np.asarray(self.spreading(away) * np.exp(-damped))
 
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float] | None:
+        decay = float(self.damping(BAND_CENTRES[0], kappa, rho))
+        return (1.0, decay) if decay < math.inf else None
+
+    def spreading_law(self) -> tuple[float, float, float]:
+        return SPREADING[self.wave], self.reference_distance, self.extent or math.inf
+
     def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return float(self.gain(np.array(max_distance), kappa, rho, epsilon)), 1.0
 

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene.functions import Constant, Exponential, Identity
+from haptic_tracing.core.scene.bands import BAND_CENTRES
+from haptic_tracing.core.scene.functions import Constant, Exponential, Identity, Physical
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -19,6 +20,16 @@ from path_reference import connected_scene, recursive_paths
 FREE = {"max_connections": None, "threshold": 0.0, "tolerance": 0.0}
 LONG, KAPPA = 100_000, 3.3e-4
 SEEDS = st.integers(0, 10**6)
+
+
+def surface_wave_gain(function: Physical, k: mpmath.mpf, distance: mpmath.mpf) -> mpmath.mpf:
+    """Spreading as the root of distance up to the body's extent, damping at the centre of the lowest band, scaled by ln K / ln K0."""
+    if k <= 0:
+        return mpmath.mpf(distance == 0)
+    damping = mpmath.pi * mpmath.mpf(BAND_CENTRES[0]) * mpmath.mpf(function.loss_factor) / mpmath.mpf(function.phase_speed)
+    damping *= mpmath.log(k) / mpmath.log(mpmath.mpf(function.material_k))
+    spread = 1 + min(distance, mpmath.mpf(function.extent)) / mpmath.mpf(function.reference_distance)
+    return mpmath.exp(-damping * distance) / mpmath.sqrt(spread)
 
 
 def exact_gain(graph: HapticGraph, a: int, b: int) -> mpmath.mpf:
@@ -35,6 +46,8 @@ def exact_gain(graph: HapticGraph, a: int, b: int) -> mpmath.mpf:
     if isinstance(item.propagation, Constant):
         return mpmath.mpf(item.propagation.gain_value)
     k = (1 - mpmath.mpf(item.kappa)) * mpmath.mpf(item.rho)
+    if isinstance(item.propagation, Physical):
+        return surface_wave_gain(item.propagation, k, distance)
     return k * mpmath.exp(-max(k, mpmath.mpf(graph.table.epsilon)) * distance)
 
 
