@@ -52,7 +52,10 @@ class _Question:
 def listener_path(traced: Traced, question: _Question, before: ListenerPath | None = None) -> ListenerPath | None:
     """On the worker: how the source that is looked at, or the strongest one, reaches the listener; None where nothing does."""
     result = traced.result
-    column = [listener.name for listener in result.listeners].index(question.listener)
+    names = [listener.name for listener in result.listeners]
+    if question.listener not in names:
+        return None  # it was asked for of the frame before
+    column = names.index(question.listener)
     reaching = [row for row in range(len(result.sources)) if result.gains[row, column] > 0]
     if not reaching:
         return None

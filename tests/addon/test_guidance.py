@@ -1,0 +1,143 @@
+"""What the sidebar begins with: the answer, the next step, and the cure of what keeps a listener from feeling anything."""
+
+import importlib.util
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import bpy
+import pytest
+from haptic_tracing.addon.blender.text import text_width
+from haptic_tracing.addon.panels import cures, hints, listener, object, scene, source, texts
+from haptic_tracing.core.message import Cause, Message
+from haptic_tracing.core.scene.choices import SourceKind
+from haptic_tracing.core.scene.values import Source
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+_spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parent / "recording_layout.py")
+recording_layout = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(recording_layout)
+
+
+def drawn(panel):
+    layout = recording_layout.RecordingLayout()
+    panel.draw(SimpleNamespace(layout=layout), bpy.context)
+    return layout
+
+
+def step(own, playing=False):
+    found = hints.next_step(own, playing)
+    return None if found is None else ([name for name, _ in found.operators] or found.words)
+
+
+def test_the_hint_leads_from_an_empty_scene_to_playing(scene, add_box, add_empty, traced, settle):
+    assert step(scene) == ["haptic.make_objects"]
+    ground = add_box("ground", (0, 0, 0), (2, 2, 1))
+    traced()
+    assert step(scene) == ["haptic.add_source"]
+    add_empty("drill", parent=ground).haptics.source.enabled = True
+    traced()
+    assert step(scene) == ["haptic.add_listener", "haptic.add_default_listeners"]
+    crate = add_box("crate", (0, 0, 1.05), (1, 1, 1))
+    add_empty("hand", parent=crate).haptics.listener.enabled = True
+    traced()
+    assert step(scene) is None, "the answer says why nothing arrives"
+    crate.location.z = 1.0
+    bpy.context.view_layer.update()
+    traced()
+    assert step(scene) == ["screen.animation_play"]
+    assert step(scene, playing=True) == "Playing: drill"
+    scene.haptics.tracing = False
+    assert step(scene) == ["haptic.toggle_tracing"]
+
+
+def test_bodies_that_fall_need_no_source(scene, add_box, traced):
+    bpy.ops.rigidbody.world_add()
+    add_box("ground", (0, 0, 0), (2, 2, 1), body="PASSIVE")
+    add_box("crate", (0, 0, 3), (1, 1, 1), body="ACTIVE")
+    traced()
+    assert "haptic.add_listener" in step(scene)
+    scene.haptics.impacts = False
+    assert step(scene) == ["haptic.add_source"]
+
+
+def test_the_main_panel_begins_with_the_answer(scene, add_box, add_empty, settle):
+    ground = add_box("ground", (0, 0, 0), (2, 2, 1))
+    add_empty("drill", parent=ground).haptics.source.enabled = True
+    add_empty("hand", (0.2, 0, 0), ground).haptics.listener.enabled = True
+    bpy.context.view_layer.objects.active = bpy.data.objects["hand"]
+    scene.frame_set(1)
+    labels = settle(lambda: drawn(globals()["scene_panel"])).labels
+    assert labels[0] == "hand"
+    assert labels[1].startswith("Level −")
+    assert labels[2].startswith("Felt: margin +")
+    assert labels[3] == "drill"
+    assert labels[4].startswith("Gain ")
+    assert labels[5] == "Through ground"
+    assert "Make Haptic" not in labels[:6]
+
+
+def test_the_answer_says_why_nothing_is_felt_with_the_cure_beside_it(scene, add_box, add_empty, settle):
+    ground = add_box("ground", (0, 0, 0), (2, 2, 1))
+    drill = add_empty("drill", parent=ground)
+    drill.haptics.source.enabled = drill.haptics.source.muted = True
+    add_empty("hand", (0.2, 0, 0), ground).haptics.listener.enabled = True
+    scene.frame_set(1)
+    layout = settle(lambda: drawn(globals()["scene_panel"]))
+    assert "Feels nothing" in layout.labels
+    assert "'drill' is muted" in layout.labels
+    assert "muted" in layout.properties
+
+
+@pytest.mark.parametrize("cause", sorted(cures._CURES))
+def test_every_cure_draws_with_properties_that_there_are(cause, scene, add_box):
+    box = add_box("box", (0, 0, 0), (1, 1, 1))
+    layout = recording_layout.RecordingLayout()
+    cures.draw_cure(layout, bpy.context, Message.of(cause, box.name))
+    assert layout.properties or layout.operators
+
+
+def test_a_reason_without_a_cure_leads_to_its_object(scene):
+    layout = recording_layout.RecordingLayout()
+    cures.draw_cure(layout, bpy.context, Message.of(Cause.KAPPA_ONE, "bench", object="bench"))
+    assert layout.operators == ["haptic.select_object"]
+
+
+def test_panels_of_roles_that_an_object_does_not_have_are_folded(add_box):
+    bpy.context.view_layer.objects.active = add_box("box", (0, 0, 0), (1, 1, 1), haptic=False)
+    for panel in (object.HAPTIC_PT_object, source.HAPTIC_PT_source, listener.HAPTIC_PT_listener):
+        assert not vars(drawn(panel))["properties"]
+    assert not object.HAPTIC_PT_gain.poll(bpy.context)
+    assert not object.HAPTIC_PT_bands.poll(bpy.context)
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(st.text(st.characters(codec="ascii", categories=["L", "N", "Zs"]), max_size=120), st.sampled_from([200.0, 160.0, 90.0]))
+def test_lines_keep_all_words_and_fit(text, width):
+    found = texts.lines(text, width)
+    assert " ".join(found).split() == text.split()
+    for line in found:
+        assert text_width(line, texts._font_size()) <= width or " " not in line
+
+
+@pytest.mark.parametrize("share", [1.0, 0.8, 0.3])
+def test_long_names_keep_both_ends(share, monkeypatch):
+    monkeypatch.setattr(texts, "content_width", lambda: 0.8 * texts._WIDTH)  # a sidebar 20 % narrower
+    name = "the upper shelf of the old kitchen cupboard behind the door.R"
+    cut = texts.fitted(name, share)
+    assert text_width(cut, texts._font_size()) <= 0.8 * texts._WIDTH * share
+    assert cut[0] == "t" and cut.endswith(".R")
+
+
+def test_both_objects_of_an_impact_stay_readable():
+    impact = Source("impact of Hammer of the blacksmith and Anvil of the blacksmith at 0.7916 s", "Hammer of the blacksmith",
+                    second_object="Anvil of the blacksmith", second_position=(0, 0, 0), kind=SourceKind.TEMPORARY)  # fmt: skip
+    title = texts.source_title(impact)
+    first, second = title.split(" × ")
+    assert first[0] == "H" and second[0] == "A"
+    assert text_width(title, texts._font_size()) <= texts._WIDTH
+    assert texts.source_title(replace(impact, object="Nail", second_object="Wood")) == "Nail × Wood"
+
+
+scene_panel = scene.HAPTIC_PT_scene
