@@ -5,13 +5,14 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, replace
 
+import bpy
 from bpy.types import Scene
 
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import SECONDS
 from ..changes import revisions
 from ..changes.events import file_changed
-from ..changes.redraw import redraw_viewports
+from ..changes.redraw import redraw_sidebars, redraw_viewports
 from ..session import session
 from . import storage
 from .digest import changes, digest_of
@@ -32,6 +33,7 @@ class _Compared:
 
 
 _compared: dict[int, _Compared] = {}  # by session id of the scene
+_to_compare: set[int] = set()  # session ids of scenes whose panel waits for a comparison
 
 
 def plays(scene: Scene) -> bool:
@@ -77,20 +79,40 @@ def show_current(scene: Scene) -> None:
     redraw_viewports()
 
 
-def stale_reasons(scene: Scene, *, at_once: bool = False) -> tuple[str, ...]:
-    """What has changed since the bake, in words; () where nothing has, or where there is no track.
+def known_stale_reasons(scene: Scene) -> tuple[str, ...] | None:
+    """What has changed since the bake, as far as it is known; None before anything is.
 
-    Looked up again where something was edited, and only now and then unless ``at_once``: a panel asks at every redraw.
+    For draw callbacks: where something has been edited since, scene and track are compared after the redraw, and then only now and then.
     """
+    known = _compared.get(scene.session_uid)
+    if known is not None and known.stamp != storage.stamp(scene):
+        known = None
+    if known is None or known.version != revisions.edits():
+        _to_compare.add(scene.session_uid)
+        if not bpy.app.timers.is_registered(_compare_shown):
+            rest = 0.0 if known is None else known.at + _REST * known.seconds - time.perf_counter()
+            bpy.app.timers.register(_compare_shown, first_interval=max(rest, 0.05))
+    return None if known is None else known.reasons
+
+
+def _compare_shown() -> None:
+    """Compare the scenes that are shown with their tracks, and show what differs."""
+    for scene in bpy.data.scenes:
+        if scene.session_uid in _to_compare:
+            stale_reasons(scene)
+    _to_compare.clear()
+    redraw_sidebars()
+
+
+def stale_reasons(scene: Scene) -> tuple[str, ...]:
+    """What has changed since the bake, in words; () where nothing has, or where there is no track."""
     track = storage.track_of(scene)
     if track is None:
         return ()
-    mark, version, now = storage.stamp(scene), revisions.edits(), time.perf_counter()
-    known = _compared.get(scene.session_uid)
-    if known is not None and known.stamp == mark and not at_once and (known.version == version or now - known.at < _REST * known.seconds):
-        return known.reasons
+    mark, version, started = storage.stamp(scene), revisions.edits(), time.perf_counter()
     reasons = compare(scene, track)
-    _compared[scene.session_uid] = _Compared(mark, version, time.perf_counter(), time.perf_counter() - now, reasons)
+    ended = time.perf_counter()
+    _compared[scene.session_uid] = _Compared(mark, version, ended, ended - started, reasons)
     return reasons
 
 
@@ -121,6 +143,9 @@ def forget() -> None:
     """Another file is loaded, or the add-on ends."""
     storage.forget()
     _compared.clear()
+    _to_compare.clear()
+    if bpy.app.timers.is_registered(_compare_shown):
+        bpy.app.timers.unregister(_compare_shown)
 
 
 file_changed.subscribe(forget)

@@ -52,7 +52,7 @@ def _draw_track(layout: UILayout, scene: Scene, track: HapticTrack | None) -> No
             layout.label(text=line, icon="ERROR")
         return
     box = layout.box()
-    reasons = playback.stale_reasons(scene)
+    reasons = playback.known_stale_reasons(scene) or ()
     words = "The scene has changed since" if reasons else f"Frames {track.frame_start} to {track.frame_end} are baked"
     box.label(text=words, icon="ERROR" if reasons else "CHECKMARK")
     column = box.column(align=True)

@@ -92,7 +92,7 @@ def test_track_survives_saving_and_loading(shaken, tmp_path):
     after = storage.track_of(scene)
     assert np.array_equal(after.samples, before.samples)
     assert np.array_equal(after.row_gain, before.row_gain)
-    assert playback.stale_reasons(scene, at_once=True) == ()
+    assert playback.stale_reasons(scene) == ()
     scene.frame_set(7)
     assert "read_track" in session.result_of(scene).milliseconds
     assert bpy.data.texts[0].as_string().startswith("Haptic track of scene")

@@ -7,7 +7,7 @@ from haptic_tracing.addon.bake import playback
 
 def _reasons(scene):
     bpy.context.view_layer.update()
-    return playback.stale_reasons(scene, at_once=True)
+    return playback.stale_reasons(scene)
 
 
 @pytest.fixture
@@ -133,3 +133,18 @@ def test_a_strange_digest_is_stale_not_an_error(baked):
 
     for strange in ({}, {"objects": 3, "settings": []}, {"objects": {"crate": None}}):
         assert changes(strange, digest_of(baked))
+
+
+def test_a_draw_compares_nothing_but_has_it_done_after_the_redraw(baked, monkeypatch):
+    bpy.context.view_layer.update()
+    compare = playback.compare
+    monkeypatch.setattr(playback, "compare", lambda *_: pytest.fail("a draw compares the scene with its track"))
+    assert playback.known_stale_reasons(baked) is None
+    assert bpy.app.timers.is_registered(playback._compare_shown)
+    monkeypatch.setattr(playback, "compare", compare)
+    playback._compare_shown()
+    assert playback.known_stale_reasons(baked) == ()
+    _kappa(baked)
+    assert playback.known_stale_reasons(baked) == (), "what was known, until the comparison is made again"
+    playback._compare_shown()
+    assert playback.known_stale_reasons(baked) == ("'crate': its haptic settings changed",)

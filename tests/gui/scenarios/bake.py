@@ -30,7 +30,7 @@ def steps(window):
         yield 0.2
     window.seen["baked"] = storage.track_of(scene).frame_count == 120 and scene.frame_current == 40
     window.seen["plays from the track"] = playback.is_from_track(session.result_of(scene), 40)
-    window.seen["fits"] = playback.stale_reasons(scene, at_once=True) == ()
+    window.seen["fits"] = playback.stale_reasons(scene) == ()
     yield from window.screenshot("bake")
     yield from window.undo()
     window.seen["undone"] = storage.track_of(bpy.context.scene) is None
