@@ -83,6 +83,7 @@ class Tracer:
             milliseconds=watch.milliseconds,
             statistics=_statistics(propagated, collisions),
             warnings=(*collisions.warnings, *propagation.warnings),
+            before=self._mixdown.before,
         )
 
     def _object_table(self, frame: Frame) -> ObjectTable:

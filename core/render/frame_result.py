@@ -17,13 +17,24 @@ from ..scene.values import Listener, Source
 
 
 @dataclass(frozen=True, slots=True)
+class Sounding:
+    """What sounds at the end of a block, at ``time`` [s]."""
+
+    time: float
+    sources: tuple[Source, ...]
+    listeners: tuple[Listener, ...]
+    propagation: Propagation
+
+
+@dataclass(frozen=True, slots=True)
 class FrameResult:
     """One traced frame.
 
     ``objects``: names in the order that ``contacts`` and ``graph`` number them. ``sources`` (s) include the temporary ones made by
     impacts; ``gains`` (s, l) include the sources' amplitudes. ``block`` (l, n): the rendered samples of the frame's interval, the first
     at sample number ``first_sample`` of ``sample_rate``; None where nothing was rendered. ``milliseconds`` per stage: read, broad,
-    narrow, graph, propagate, mix. ``statistics``: counts of what was done and what was skipped.
+    narrow, graph, propagate, mix. ``statistics``: counts of what was done and what was skipped. ``before``: what sounded at the start of
+    the block; None where there was none before it.
     """
 
     number: int
@@ -42,6 +53,7 @@ class FrameResult:
     milliseconds: Mapping[str, float]
     statistics: Mapping[str, int | float]
     warnings: tuple[Message, ...] = ()
+    before: Sounding | None = None
 
     def path_objects(self, source: int, listener: int) -> tuple[str, ...]:
         """The objects of the best path from a source to a listener, () where there is none."""

@@ -62,5 +62,5 @@ def still_samples(result: FrameResult, seconds: float) -> FloatArray:
     renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
     voices = source_voices(result.sources, result.listeners, result.propagation)
     start = result.first_sample / result.sample_rate
-    renderer.render_frame(start - seconds / 2, start, voices)  # sources fade in over the first frame in which they are seen
+    renderer.render_frame(start, start, voices)  # a frame of no duration, in which gains jump to their values
     return renderer.render_frame(start, start + seconds, voices)

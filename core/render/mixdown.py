@@ -10,23 +10,30 @@ from ..arrays import FloatArray
 from ..propagation import Propagation
 from ..scene.values import Listener, Source, SourceKind
 from ..signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Signal
+from .frame_result import Sounding
 from .mixing import MixingExpression, MixingMethod
 from .renderer import SAMPLE_RATE, ListenerMix, Renderer
 from .voices import Voice
 
 
 class Mixdown:
-    """Mixes and renders frame after frame. Temporary sources without a signal of their own play ``impact_signal``."""
+    """Mixes and renders frame after frame. Temporary sources without a signal of their own play ``impact_signal``.
+
+    ``before``: what sounded at the start of the last block, None where that was the first one.
+    """
 
     def __init__(self, impact_signal: Signal = DEFAULT_IMPACT, sample_rate: float = SAMPLE_RATE) -> None:
         self.impact_signal = impact_signal
         self.sample_rate = sample_rate
+        self.before: Sounding | None = None
         self._renderer: Renderer | None = None
+        self._last: Sounding | None = None
 
     def reset(self) -> None:
         """Forget sounding signals."""
         if self._renderer is not None:
             self._renderer.reset()
+        self._last = None
 
     def render(
         self, start: float | None, end: float, sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation
@@ -35,9 +42,12 @@ class Mixdown:
         start or nobody listens."""
         mixes = listener_mixes(listeners)
         if self._renderer is None or self._renderer.listeners != mixes:
-            self._renderer = Renderer(mixes, self.sample_rate) if mixes else None
+            self._renderer, self._last = Renderer(mixes, self.sample_rate) if mixes else None, None
         if self._renderer is None or start is None:
+            self.before = None
             return None
+        self.before = self._last
+        self._last = Sounding(end, tuple(sources), tuple(listeners), propagation)
         return self._renderer.render_frame(start, end, source_voices(sources, listeners, propagation, self.impact_signal))
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
@@ -36,6 +37,7 @@ class Playback:
 
     def __init__(self) -> None:
         self._renderer: Renderer | None = None  # None where the last block was the result's own
+        self._in_step = False  # whether it stands where the tracer's own does
         self._shown: FrameResult | None = None  # the last result that was played
         self._time: float | None = None  # the end of what was played
         self._last = np.zeros((0, 1))
@@ -123,6 +125,8 @@ class Playback:
         """Whether the block of a result goes on from what was played last: all of the frame before it, with nothing that began late."""
         if self._shown is None or self._shown.block is None or self._shown.time != self._time or self._late:
             return False
+        if self._renderer is not None and not self._in_step:
+            return False
         follows = result.first_sample == sample_index(self._time, result.sample_rate) and result.sample_rate == self._shown.sample_rate
         return follows and listener_mixes(self._shown.listeners) == mixes
 
@@ -140,6 +144,8 @@ class Playback:
         renderer = before or Renderer(mixes, result.sample_rate)
         samples = renderer.render_frame(begun, time, self._voices(result, begun))
         start = begun if time - begun < 1.5 * frame_seconds else time - frame_seconds
+        played = self._shown is not None and self._shown.time == begun
+        self._in_step = played and result.time == time and result.before is not None and result.before.time == begun
         self._renderer, self._time, self._shown = renderer, time, result
         return samples[:, samples.shape[1] - _count(start, time, result.sample_rate) :]
 
@@ -154,7 +160,7 @@ class Playback:
             block[:, : ending.shape[1]] += ending
             ceilings = np.array([mix.s_max for mix in mixes])[:, None]
             block = np.clip(block, -ceilings, ceilings)
-        self._renderer, self._time, self._shown = renderer, result.time, result
+        self._renderer, self._time, self._shown, self._in_step = renderer, result.time, result, False
         return block
 
     def _voices(self, result: FrameResult, begun: float) -> list[Voice]:
@@ -200,10 +206,18 @@ def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> 
     """A renderer that stands at ``time`` with the gains of ``shown``, and whose limiter has worked for a while."""
     renderer = Renderer(listener_mixes(shown.listeners), shown.sample_rate)
     voices = _moved(source_voices(shown.sources, shown.listeners, shown.propagation), late)
-    start = time - _LIMITER_SECONDS if renderer.latency else time
-    renderer.render_frame(start, start, voices)
-    if renderer.latency:
-        renderer.render_frame(start, time, voices)
+    times, earlier = [time], voices
+    if shown.block is not None and shown.time <= time:  # its lines of gains may bend here
+        before = shown.before
+        times = [shown.first_sample / shown.sample_rate if before is None else before.time, shown.time, time]
+        earlier = [] if before is None else source_voices(before.sources, before.listeners, before.propagation)
+    start = times[0] - _LIMITER_SECONDS if renderer.latency else times[0]
+    renderer.render_frame(start, start, earlier)
+    if start < times[0]:
+        renderer.render_frame(start, times[0], earlier)
+    for begun, end in pairwise(times):
+        if begun < end:
+            renderer.render_frame(begun, end, voices)
     return renderer
 
 

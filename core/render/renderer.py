@@ -9,24 +9,18 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import repeat
 
 import numpy as np
 
 from ..arrays import FloatArray
-from ..scene.bands import BAND_COUNT
+from .gains import Frame
+from .groups import MAX_GAIN, MAX_TIME, Groups
 from .limiter import Limiter
 from .mixing import MixingMethod, mixed
-from .paths import DelayedPaths, DirectPaths, Frame, Group, Part, SteadyPaths, audible, paths_of
-from .voices import Stream, Voice
+from .paths import DelayedPaths, DirectPaths, SteadyPaths, paths_of
+from .voices import Voice
 
 SAMPLE_RATE = 8000.0
-MAX_GAIN = 1e6
-"""Largest magnitude of a gain and of an amplitude."""
-MAX_DELAY = 60.0
-"""Seconds."""
-MAX_TIME = 1e6
-"""Seconds before and after 0 within which frames lie."""
 MAX_FRAME = 60.0
 """Seconds that a frame may last."""
 _SNAP = 1e-6
@@ -68,9 +62,9 @@ def sample_index(seconds: float, sample_rate: float) -> int:
 class Renderer:
     """Renders frames one after the other, a block of samples each.
 
-    Gains and delays go in straight lines from frame to frame. A source seen for the first time fades in over that frame, unless its onset
-    is not before the frame's start: then it begins at its onset, at full gain. A source no longer given fades out over the frame, and one
-    whose signal changes fades from the old to the new.
+    Gains and delays go in straight lines from frame to frame, those of gains smoothed (see `core.render.gains`). A source seen for the
+    first time fades in over that frame, unless its onset is not before the frame's start: then it begins at its onset, at full gain. A
+    source no longer given fades out over the frame, and one whose signal changes fades from the old to the new.
 
     latency: samples by which the output lags, 0 unless a listener has a limiter.
     """
@@ -86,14 +80,14 @@ class Renderer:
         self._cut = np.where(limited, np.inf, s_max)[:, None]
         self._limiter = Limiter(s_max, self.sample_rate) if limited.any() else None
         self.latency = self._limiter.latency if self._limiter else 0
-        self._weighted = [index for index, listener in enumerate(self.listeners) if listener.method == "weighted"]
         self._unsummed = _by_method(self.listeners)
-        self._streams: dict[Hashable, Stream] = {}
+        weighted = {index: listener.priorities for index, listener in enumerate(self.listeners) if listener.method == "weighted"}
+        self._groups = Groups(len(self.listeners), self.sample_rate, weighted)
         self._next: int | None = None
 
     def reset(self) -> None:
         """Forget what was rendered: the next frame may be anywhere in time."""
-        self._streams = {}
+        self._groups.reset()
         self._next = None
         if self._limiter:
             self._limiter.reset()
@@ -101,22 +95,14 @@ class Renderer:
     def render_frame(self, start: float, end: float, voices: Sequence[Voice]) -> FloatArray:
         """Return the samples n with start <= n / sample_rate < end (seconds, at most 60 apart), shape (n_listeners, n_samples).
 
-        Gains reach those of `voices` at `end`. Frames follow each other without a gap, else call `reset` first.
+        The lines of the gains reach those of `voices` at `end`. Frames follow each other without a gap, else call `reset` first.
         Raises ValueError that names the argument; the renderer is then as it was before.
         """
         frame = self._frame(start, end)
-        parts = self._parts(frame, voices)
-        kinds = sorted({part.stream.kind for part in parts})
-        groups = [self._group([part for part in parts if part.stream.kind == kind]) for kind in kinds]
+        groups = self._groups.follow(frame, voices)
         block = self._mix([paths for group in groups for paths in paths_of(frame, group)], frame.count)
         self._next = frame.last
-        self._streams = {}
-        for group in groups:
-            delays = repeat(None) if group.delays is None else group.delays
-            for (stream, voice, _), gains, delay in zip(group.parts, group.gains, delays, strict=False):
-                if voice is not None:
-                    stream.gains, stream.delays, stream.priority = gains, delay, voice.priority
-                    self._streams[stream.key] = stream
+        self._groups.advance(frame, groups)
         return self._limiter.process(block) if self._limiter else block
 
     def flush(self) -> FloatArray:
@@ -133,80 +119,18 @@ class Renderer:
         times = np.arange(first, last) / self.sample_rate
         return Frame(start, end, first, last, times, (times - start) / (end - start) if last > first else times)
 
-    def _parts(self, frame: Frame, voices: Sequence[Voice]) -> list[Part]:
-        """Return the stream of each voice, then those that are replaced or left out."""
-        parts = []
-        fading = dict(self._streams)
-        replaced = []
-        for voice in voices:
-            self._check(voice)
-            stream = fading.pop(voice.key, None)
-            begins = False
-            if stream is None or not stream.plays(voice):
-                begins = voice.onset >= frame.start and (stream is None or stream.onset != voice.onset)
-                if stream is not None:
-                    replaced.append(stream)
-                stream = Stream(voice, self.sample_rate)
-            parts.append(Part(stream, voice, begins))
-        if len({voice.key for voice in voices}) < len(voices):
-            keys = [voice.key for voice in voices]
-            raise ValueError(f"voices: key {next(key for key in keys if keys.count(key) > 1)!r} is given twice")
-        return parts + [Part(stream, None, False) for stream in (*replaced, *fading.values())]
-
-    def _check(self, voice: Voice) -> None:
-        count = len(self.listeners)
-        if voice.gains.shape not in ((count,), (count, BAND_COUNT)):
-            raise ValueError(f"gains: those of {voice.key!r} have shape {voice.gains.shape}, not ({count},) or ({count}, {BAND_COUNT})")
-        if voice.delays is not None and voice.delays.shape != (count,):
-            raise ValueError(f"delays: those of {voice.key!r} have shape {voice.delays.shape}, not ({count},)")
-        if not -MAX_GAIN <= voice.amplitude <= MAX_GAIN:
-            raise ValueError(f"amplitude: that of {voice.key!r} must be within ±{MAX_GAIN:g}")
-        if not -MAX_TIME <= voice.onset <= MAX_TIME:
-            raise ValueError(f"onset: that of {voice.key!r} must be within ±{MAX_TIME:g} seconds")
-        if not 0.0 <= voice.priority <= MAX_GAIN:
-            raise ValueError(f"priority: that of {voice.key!r} must be from 0 to {MAX_GAIN:g}")
-
-    def _group(self, parts: list[Part]) -> Group:
-        """Return where the gains and delays of parts of one kind go in this frame. What listeners weigh has its weight in its gain."""
-        shape = (len(parts), *parts[0].stream.gains.shape)
-        gains = np.concatenate([part.stream.gains if part.voice is None else part.voice.gains for part in parts], dtype=np.float64)
-        gains = gains.reshape(shape)
-        within = np.abs(gains) <= MAX_GAIN
-        if not within.all():
-            key = parts[int(np.argmin(within.reshape(len(parts), -1).all(axis=1)))].stream.key
-            raise ValueError(f"gains: those of {key!r} must be finite and within ±{MAX_GAIN:g}")
-        gains = (gains.T * [0.0 if part.voice is None else part.voice.amplitude for part in parts]).T
-        for listener in self._weighted:
-            gains[:, listener] = (gains[:, listener].T * [self._weight(listener, part) for part in parts]).T
-        before = np.concatenate([part.stream.gains for part in parts]).reshape(shape)
-        begins = [part.begins for part in parts]
-        before[begins] = gains[begins]
-        if parts[0].stream.delays is None:
-            return Group(parts, before, gains, None, None)
-        delays_before = np.array([part.stream.delays for part in parts])
-        delays = np.array([part.stream.delays if part.voice is None else part.voice.delays for part in parts])
-        within = ~audible(gains) | ((delays >= 0.0) & (delays <= MAX_DELAY))
-        if not within.all():
-            key = parts[int(np.argmin(within.all(axis=1)))].stream.key
-            raise ValueError(f"delays: those of {key!r} must be from 0 to {MAX_DELAY:g}")
-        # The delay of a path that is not heard means nothing: it is taken from the frame's other end.
-        delays = np.where(audible(gains), delays, delays_before)
-        return Group(parts, before, gains, np.where(audible(before), delays_before, delays), delays)
-
-    def _weight(self, listener: int, part: Part) -> float:
-        priority = part.stream.priority if part.voice is None else part.voice.priority
-        return self.listeners[listener].priorities.get(part.stream.key, priority)
-
     def _mix(self, groups: list[DirectPaths | DelayedPaths | SteadyPaths], count: int) -> FloatArray:
         """Return the listeners' mixes, shape (n_listeners, count), cut at s_max where no limiter takes care of that."""
-        total = groups[0].summed() if groups else np.zeros((len(self.listeners), count))
-        for group in groups[1:]:
-            total += group.summed()
+        total = np.zeros((len(self.listeners), count))
+        if sum(len(listeners) for _, listeners in self._unsummed) < len(self.listeners):
+            for group in groups:
+                total += group.summed()
         for method, listeners in self._unsummed:
             each = [group.at_listeners(listeners) for group in groups] or [np.empty((0, len(listeners), count))]
             voices = np.concatenate(each) if len(each) > 1 else each[0]
             if callable(method):
-                weights = np.array([self._weight(listeners[0], part) for group in groups for part in group.parts])
+                priorities = self.listeners[listeners[0]].priorities
+                weights = np.array([weight for group in groups for weight in group.group.weights(priorities)])
                 total[listeners[0]] = mixed(method, voices[:, 0], weights)
             else:
                 total[listeners] = mixed(method, voices, np.ones(len(voices)))

@@ -1,13 +1,14 @@
-"""Steady tones on many paths at once: what takes no table of samples and no interpolation.
+"""Steady tones on many paths at once, without a table of samples or interpolation.
 
-On a path whose delay goes in a straight line a tone stays a tone, of another frequency (Doppler). Cut into runs of samples, its value is
-sin(a + b) = sin a cos b + cos a sin b, with a for the run and b for the place in the run; so a sum over voices is a matrix product of small
+On a path whose delay changes linearly a tone stays a tone, of another frequency (Doppler). Cut into runs of samples, its value is
+sin(a + b) = sin a cos b + cos a sin b, with a for the run and b for the place in the run; so a sum over voices is a product of small
 matrices. Powers of e^{iω} stand for sines: the error grows with the number of samples, about 1e-16 for each.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,46 +20,50 @@ class TonePaths:
     """Tones of n_voices voices on their paths to n_listeners listeners, for `count` samples.
 
     start: phases in cycles at the first sample, shape (n_listeners, n_voices), or (1, n_voices) where all listeners get the same.
-    step: cycles per sample, of the same shape. gain, gain_step: the gains at the first sample and their change per sample, shape
-    (n_listeners, n_voices).
+    step: cycles per sample, of the same shape. factors, curves: the gains as sums of products, `factors` of shape
+    (n_terms, n_listeners, n_voices), and a curve, shape (m,), for the first m <= count samples per term, the first of which is 1
+    throughout.
     """
 
-    def __init__(self, start: FloatArray, step: FloatArray, gain: FloatArray, gain_step: FloatArray, count: int) -> None:
+    def __init__(self, start: FloatArray, step: FloatArray, factors: FloatArray, curves: Sequence[FloatArray], count: int) -> None:
         self._count = count
+        self._curves = curves
         width = max(math.isqrt(count), 1)
-        runs = -(-count // width)
         turn = _turn(step)
         fine = _powers(turn, width)
-        coarse = _powers(fine[-1] * turn, runs)
+        coarse = _powers(fine[-1] * turn, -(-count // width))
         coarse *= _turn(start)
-        # The gain is linear: gain of the run's first sample plus what it rises by within the run.
-        first = gain[:, None] + gain_step[:, None] * (width * np.arange(runs))[:, None]
         sine, cosine = coarse.imag.transpose(1, 0, 2), coarse.real.transpose(1, 0, 2)
-        listeners, voices = gain.shape
-        # (listeners, runs or places in a run, terms, voices)
-        self._runs = np.empty((listeners, runs, 4, voices))
-        np.multiply(first, sine, out=self._runs[:, :, 0])
-        np.multiply(first, cosine, out=self._runs[:, :, 1])
-        np.multiply(gain_step[:, None], sine, out=self._runs[:, :, 2])
-        np.multiply(gain_step[:, None], cosine, out=self._runs[:, :, 3])
-        self._places = np.empty((len(start), width, 4, voices))
+        # Per term: (listeners, runs, sine and cosine, voices).
+        self._runs = []
+        for factor, curve in zip(factors[:, :, None], curves, strict=True):
+            needed = -(-len(curve) // width)
+            runs = np.empty((len(factor), needed, 2, factor.shape[2]))
+            np.multiply(factor, sine[:, :needed], out=runs[:, :, 0])
+            np.multiply(factor, cosine[:, :needed], out=runs[:, :, 1])
+            self._runs.append(runs)
+        self._places = np.empty((len(start), width, 2, start.shape[1]))
         self._places[:, :, 0], self._places[:, :, 1] = fine.real.transpose(1, 0, 2), fine.imag.transpose(1, 0, 2)
-        np.multiply(self._places[:, :, :2], np.arange(width)[:, None, None], out=self._places[:, :, 2:])
 
     def summed(self) -> FloatArray:
         """Return the sum over voices, shape (n_listeners, count)."""
-        listeners, runs, terms, voices = self._runs.shape
-        alike, width = self._places.shape[:2]
-        places = self._places.reshape(alike, width, terms * voices).transpose(0, 2, 1)
-        sums = self._runs.reshape(listeners, runs, terms * voices) @ places
-        return np.asarray(sums.reshape(listeners, runs * width)[:, : self._count])
+        listeners = len(self._runs[0])
+        alike, width, _, voices = self._places.shape
+        places = self._places.reshape(alike, width, 2 * voices).transpose(0, 2, 1)
+        sums = [(runs.reshape(alike, -1, 2 * voices) @ places).reshape(listeners, -1) for runs in self._runs]
+        total: FloatArray = sums[0][:, : self._count]
+        for some, curve in zip(sums[1:], self._curves[1:], strict=True):
+            total[:, : len(curve)] += some[:, : len(curve)] * curve
+        return total
 
     def at_listeners(self, chosen: list[int]) -> FloatArray:
         """Return the voices as they reach some listeners, shape (n_voices, n_chosen, count)."""
-        _, runs, _, voices = self._runs.shape
-        places = self._places if len(self._places) == 1 else self._places[chosen]
-        each = self._runs[chosen].transpose(3, 0, 1, 2) @ places.transpose(3, 0, 2, 1)
-        return each.reshape(voices, len(chosen), runs * self._places.shape[1])[:, :, : self._count]
+        places = (self._places if len(self._places) == 1 else self._places[chosen]).transpose(3, 0, 2, 1)
+        each = [(runs[chosen].transpose(3, 0, 1, 2) @ places).reshape(len(places), len(chosen), -1) for runs in self._runs]
+        total: FloatArray = each[0][:, :, : self._count]
+        for some, curve in zip(each[1:], self._curves[1:], strict=True):
+            total[:, :, : len(curve)] += some[:, :, : len(curve)] * curve
+        return total
 
 
 def _turn(cycles: FloatArray) -> NDArray[np.complex128]:

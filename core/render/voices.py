@@ -36,14 +36,17 @@ class Voice(NamedTuple):
 
 
 class Stream:
-    """A voice from frame to frame: where its gains and delays stand, and samples rendered ahead.
+    """A voice from frame to frame, with samples of its signal rendered ahead.
 
     Ahead, because a few long runs cost less than many short ones; a sample depends on its own time alone, so they are the same.
+
+    kind: whether it has delays, and its number of bands, 1 or 6. end: when the signal is over [s]. settled: from this time on all bands
+    of a steady tone are steady. tone: the signal where it is a steady tone, else None.
     """
 
     __slots__ = (
-        "_first", "_known", "delays", "end", "gains", "is_recorded", "key", "kind", "onset", "priority", "row_count", "sample_rate",
-        "settled", "signal", "tone",
+        "_first", "_known", "_last", "end", "is_recorded", "key", "kind", "onset", "priority", "row_count", "sample_rate", "settled",
+        "signal", "tone",
     )  # fmt: skip
 
     def __init__(self, voice: Voice, sample_rate: float) -> None:
@@ -53,10 +56,8 @@ class Stream:
         self.priority = voice.priority
         self.row_count = 1 if voice.gains.ndim == 1 else BAND_COUNT
         self.sample_rate = sample_rate
-        self.gains = np.zeros_like(voice.gains)
-        self.delays = voice.delays
         self.kind = voice.delays is not None, self.row_count
-        self._first = 0
+        self._first = self._last = 0
         self._known = np.empty((self.row_count, 0))
         tail = 0.0 if self.row_count == 1 else bank_reach(sample_rate) / sample_rate
         self.end = self.onset + self.signal.duration + tail
@@ -66,7 +67,8 @@ class Stream:
 
     def plays(self, voice: Voice) -> bool:
         """Whether `voice` is this one with other gains, delays or amplitude."""
-        if self.onset != voice.onset or (self.delays is None) != (voice.delays is None) or self.gains.shape != voice.gains.shape:
+        has_delays, bands = self.kind
+        if self.onset != voice.onset or has_delays is (voice.delays is None) or (bands == 1) is not (voice.gains.ndim == 1):
             return False
         return self.signal is voice.signal or self.signal == voice.signal
 
@@ -80,15 +82,17 @@ class Stream:
 
     def rows(self, first: int, last: int) -> FloatArray:
         """Return samples first to last - 1 of the signal, shape (1, n), or of its bands, shape (6, n)."""
-        begin, known = self._first, self._first + self._known.shape[1]
+        begin, known = self._first, self._last
+        if begin <= first and last <= known:
+            return self._known[:, first - begin : last - begin]
         if not begin <= first <= known:
-            begin = self._first = known = first // _CHUNK * _CHUNK
+            begin = known = self._first = self._last = first // _CHUNK * _CHUNK
             self._known = np.empty((self.row_count, 0))
         if last > known:
             kept = max((first - _CHUNK) // _CHUNK * _CHUNK, begin)
             runs = [self._sampled(run, run + _CHUNK) for run in range(known, last, _CHUNK)]
             self._known = np.concatenate((self._known[:, kept - begin :], *runs), axis=1)
-            self._first = kept
+            self._first, self._last = kept, kept + self._known.shape[1]
         return self._known[:, first - self._first : last - self._first]
 
     def _sampled(self, first: int, last: int) -> FloatArray:

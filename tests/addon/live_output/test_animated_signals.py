@@ -3,6 +3,7 @@
 import bpy
 import numpy as np
 import pytest
+import scipy.signal
 from haptic_tracing.addon.changes.suspension import stepped
 from haptic_tracing.addon.session import session
 
@@ -51,8 +52,11 @@ def test_a_keyed_amplitude_goes_in_straight_lines_from_frame_to_frame(hum, scene
     key(hum, "amplitude", (1, 0.0), (25, 1.0), (49, 0.0))
     samples = rendered(scene)
     times = np.arange(len(samples)) / 8000
-    expected = (1.0 - np.abs(times - 1.0)) * np.sin(2 * np.pi * 100.0 * times)
-    begun = round(8000 / 24) + 1  # in its first frame a source plays at the gain that the frame ends with
+    # The corners are rounded over 8 ms, and the way to 0 ends that long before its frame does.
+    lines = np.interp(times, (0.0, 1.0, 47 / 24, 2.0 - 0.008), (0.0, 1.0, 1 / 24, 0.0))
+    window = scipy.signal.windows.hann(65)
+    expected = np.convolve(lines, window / window.sum())[: len(times)] * np.sin(2 * np.pi * 100.0 * times)
+    begun = round(8000 / 24) + 65  # in its first frame a source plays at the gain that the frame ends with
     assert samples[begun:] == pytest.approx(expected[begun:], abs=1e-5)
 
 

@@ -16,15 +16,15 @@ TONE = 100.0
 STEEPEST = 2 * np.pi * TONE / RATE
 
 
-def traced(numbers, fps=FPS, impact=None, limiter=False):
-    """One object with a source and a listener on it, traced frame by frame; gains are constant."""
+def traced(numbers, fps=FPS, impact=None, limiter=False, amplitude=lambda number: 1.0):
+    """One object with a source and a listener on it, traced frame by frame."""
     tracer = Tracer()
     thing = HapticObject("thing", 0.0, 1.0)
     hum = Source("hum", "thing", signal=Sine(TONE))
     listener = Listener("skin", "thing", body_part="hand.L", limiter=limiter)
     results, last = [], None
     for number in numbers:
-        sources = (hum,)
+        sources = (replace(hum, amplitude=amplitude(number)),)
         if impact is not None:
             sources += (Source("blow", "thing", kind=SourceKind.TEMPORARY, signal=DecayingSine(150.0, 0.03), onset=impact),)
         frame = Frame(number, number / fps, (thing,), sources, (listener,), continuous=last is not None and number == last + 1)
@@ -53,7 +53,8 @@ def test_dropped_frames_do_not_shift_what_is_felt():
         last = np.arange(np.ceil(number / FPS * RATE - 1e-6)) / RATE
         expected = np.sin(2 * np.pi * TONE * last)[-block.shape[1] :]
         assert abs(block.shape[1] - RATE / FPS) < 1
-        assert block[0] == pytest.approx(expected, abs=1e-9)
+        settled = 64 if number == 2 else 0  # it fades in over the first frame and 8 ms
+        assert block[0, settled:] == pytest.approx(expected[settled:], abs=1e-9)
 
 
 @pytest.mark.parametrize("limiter", [False, True])
@@ -84,7 +85,24 @@ def test_what_goes_ahead_from_the_very_start_is_the_tone_from_its_beginning():
     samples = np.concatenate(blocks, axis=1)[0]
     begin = blocks[0].shape[1]
     times = np.arange(len(samples)) / RATE
+    begin += 64  # it fades in over the first block and 8 ms
     assert samples[begin:] == pytest.approx(np.sin(2 * np.pi * TONE * times)[begin:], abs=1e-9)
+
+
+def test_a_block_goes_ahead_where_moving_gains_have_come_to():
+    """The gain's line bends to a level one, over 8 ms: no step where blocks of the tracer are followed by one that went ahead."""
+    results = traced(range(10), amplitude=lambda number: 0.1 * number)
+    playback = Playback()
+    playback.start(0.0)
+    for result in results[1:]:
+        playback.block(result, 1 / FPS)
+    ahead = playback.ahead(results[9], 10 / FPS, 1 / FPS)
+    times = (np.ceil(9 / FPS * RATE) + np.arange(ahead.shape[1])) / RATE
+    since = np.minimum(times - 9 / FPS, 0.008)
+    # The integral of the Hann window's integral, by which the gain is still behind the line.
+    rising = since**2 / 0.016 + 0.008 / (4 * np.pi**2) * (np.cos(2 * np.pi * since / 0.008) - 1)
+    gain = 0.9 + 0.1 * FPS * (since - rising - 0.004)
+    assert ahead[0] == pytest.approx(gain * np.sin(2 * np.pi * TONE * times), abs=1e-9)
 
 
 def test_a_block_that_went_ahead_is_corrected_from_the_moment_its_trace_is_done():

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import scipy.signal
 from haptic_tracing.core.render.filter_bank import bank_reach, low_pass, split_bands
 from haptic_tracing.core.render.renderer import ListenerMix, Renderer
 from haptic_tracing.core.render.voices import Voice
@@ -33,22 +34,55 @@ def gain_at(time: float) -> float:
     return 0.5 + 0.4 * np.sin(3.0 * time)
 
 
-def test_gains_go_straight_from_frame_to_frame() -> None:
+def smoothed(now: np.ndarray, times: Sequence[float], values: Sequence[float]) -> np.ndarray:
+    """Straight lines between keys, convolved with a Hann window over the last 8 ms, by Gauss' rule between the keys."""
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    edges = [now - 0.008, *(np.clip(time, now - 0.008, now) for time in times), now]
+    total = np.zeros(now.shape)
+    for begin, end in pairwise(edges):
+        at = (begin + end) / 2 + (end - begin) / 2 * nodes[:, None]
+        window = (1 - np.cos(2 * np.pi * (now - at) / 0.008)) / 0.008
+        total += (end - begin) / 2 * (weights[:, None] * window * np.interp(at, times, values)).sum(axis=0)
+    return total
+
+
+def test_gains_go_straight_from_frame_to_frame_round_the_corners() -> None:
     times = frames(50)
     voice = Sine(60.0)
     samples = play(times, lambda end: [Voice("a", voice, np.array([gain_at(end), 0.2]), amplitude=2.0)], 2)
     now = np.arange(16_000) / RATE
     # Given at time 0 for the first time, it begins there at the first frame's gain.
     keys = [gain_at(times[1]), *(gain_at(time) for time in times[1:])]
-    assert np.abs(samples[0] - 2 * np.interp(now, times, keys) * np.sin(2 * np.pi * 60 * now)).max() < 1e-11
+    assert np.abs(samples[0] - 2 * smoothed(now, times, keys) * np.sin(2 * np.pi * 60 * now)).max() < 1e-11
     assert np.abs(samples[1] - 0.4 * np.sin(2 * np.pi * 60 * now)).max() < 1e-11
+
+
+@pytest.mark.parametrize("tone", [60.0, 156.0, 252.0])
+@pytest.mark.parametrize("pattern", ["on and off", "random"])
+def test_gain_changes_at_24_frames_a_second_stay_80_decibels_below_the_tone_above_500_hertz(tone: float, pattern: str) -> None:
+    levels = np.arange(482) % 2.0 if pattern == "on and off" else np.random.default_rng(0).uniform(0, 1, 482)
+    times = frames(482, 24.0)
+    keys = {round(time, 6): np.array([level]) for time, level in zip(times[1:], levels, strict=True)}
+    # 20 s, in which each of the tones has whole periods; the window is for the random gains.
+    samples = play(times, lambda end: [Voice("a", Sine(tone), keys[round(end, 6)])])[0, -160_000:]
+    power = np.abs(np.fft.rfft(samples * scipy.signal.windows.blackmanharris(len(samples), sym=False))) ** 2
+    assert 10 * np.log10(power[500 * 20 :].sum() / power.sum()) < -80
 
 
 def test_new_sources_fade_in_and_old_ones_out() -> None:
     voice = Voice("hum", Constant(1.0), np.ones(1))
     samples = play(frames(6), lambda end: [voice] if 0.05 < end < 0.17 else [])
-    expected = np.interp(np.arange(1920) / RATE, (0.04, 0.08, 0.16, 0.2), (0.0, 1.0, 1.0, 0.0))
+    expected = smoothed(np.arange(1920) / RATE, (0.04, 0.08, 0.16, 0.192), (0.0, 1.0, 1.0, 0.0))
     assert np.abs(samples[0] - expected).max() < 1e-12
+    assert not samples[0, 1600:].any(), "silent from the frame's end on"
+
+
+def test_in_short_frames_a_source_fades_out_over_the_next_ones() -> None:
+    voice = Voice("hum", Constant(1.0), np.ones(1))
+    samples = play(frames(60, 250.0), lambda end: [voice] if end < 0.0801 else [])
+    expected = smoothed(np.arange(1920) / RATE, (0.08, 0.084), (1.0, 0.0))
+    assert np.abs(samples[0] - expected).max() < 1e-12
+    assert not samples[0, 736:].any(), "silent 8 ms after the line"
 
 
 @pytest.mark.parametrize("onset", [0.08, 0.0817263, 0.11999])
@@ -63,7 +97,8 @@ def test_a_temporary_source_begins_at_its_onset_at_full_gain(onset: float) -> No
 
 def test_a_signal_that_changes_fades_over() -> None:
     samples = play(frames(4), lambda end: [Voice("a", Constant(1.0 if end < 0.1 else 3.0), np.ones(1))])
-    expected = np.interp(np.arange(1280) / RATE, (0.08, 0.12), (1.0, 3.0))
+    now = np.arange(1280) / RATE
+    expected = smoothed(now, (0.08, 0.112), (1.0, 0.0)) + smoothed(now, (0.08, 0.12), (0.0, 3.0))
     assert np.abs(samples[0] - expected).max() < 1e-12
 
 
@@ -71,7 +106,7 @@ def test_struck_again_the_old_blow_fades_and_the_new_begins_at_once() -> None:
     gate = Constant(1.0, 10.0)
     samples = play(frames(4), lambda end: [Voice("a", gate, np.ones(1), 0.0 if end < 0.1 else 0.1)])[0]
     now = np.arange(1280) / RATE
-    expected = np.interp(now, (0.08, 0.12), (1.0, 0.0)) + (now >= 0.1)
+    expected = smoothed(now, (0.08, 0.112), (1.0, 0.0)) + (now >= 0.1)
     assert np.abs(samples - expected).max() < 1e-12
 
 
@@ -97,7 +132,7 @@ def test_a_path_that_opens_has_its_own_delay_at_once() -> None:
         lambda end: [Voice("a", Sine(100.0), np.array([float(end > 0.09)]), delays=np.array([0.01 if end > 0.09 else unknown]))],
     )[0]
     now = np.arange(1600) / RATE
-    expected = np.interp(now, (0.08, 0.12), (0.0, 1.0)) * np.sin(2 * np.pi * 100 * (now - 0.01))
+    expected = smoothed(now, (0.08, 0.12), (0.0, 1.0)) * np.sin(2 * np.pi * 100 * (now - 0.01))
     assert np.abs(samples - expected).max() < 1e-10
 
 
@@ -142,7 +177,7 @@ def test_bands_with_delays() -> None:
     for frequency in (100.0, 30.0):
         low = [low_pass(edge, RATE) @ np.cos(2 * np.pi * frequency / RATE * offsets) for edge in BAND_EDGES[1:-1]]
         expected += (gains[0] @ np.diff([0.0, *low, 1.0])) * np.sin(2 * np.pi * frequency * now)
-    assert np.abs(samples - expected)[320:].max() < 2e-5
+    assert np.abs(samples - expected)[400:].max() < 2e-5, "from the second frame on"
 
 
 def test_ramps_leave_no_step() -> None:
