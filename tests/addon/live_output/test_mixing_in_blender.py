@@ -186,4 +186,5 @@ def test_panels_show_formula_limiter_and_decay(two_sources):
     assert any(text.lower().startswith("not a formula") for text in wrong.labels), wrong.labels
     listener.mixing_expression = "0.5 * sum"
     assert not any("formula" in text.lower() for text in drawn(HAPTIC_PT_listener).labels)
+    bpy.context.view_layer.objects.active = bpy.data.objects["box"]
     assert "decay" in drawn(HAPTIC_PT_source).properties
