@@ -322,8 +322,9 @@ class DeviceWriter:
         self._losses += 1
 
     def _end(self, opened: Opened, pacing: Pacing, *, farewell: bool) -> bool:
-        """Zero and release, keeping the device's pace. Returns whether the device took them."""
-        return all(self._insist(opened, report, pacing.interval) for report in pacing.ending(farewell))
+        """Zero and release, each whatever becomes of the other, keeping the device's pace. Returns whether the device took them."""
+        taken = [self._insist(opened, report, pacing.interval) for report in pacing.ending(farewell)]
+        return all(taken)
 
     def _insist(self, opened: Opened, report: Report, interval: float) -> bool:
         """Write a report, again where that fails."""

@@ -10,9 +10,9 @@ from contextlib import suppress
 import numpy as np
 import pytest
 from fake_hid import until
-from haptic_tracing.core.devices import network
+from haptic_tracing.core.devices import inventory, loopback, network
 from haptic_tracing.core.devices.connection import DeviceError
-from haptic_tracing.core.devices.loopback import websockets_client
+from haptic_tracing.core.devices.loopback import ANSWER_WITHIN, LARGEST_MESSAGE, websockets_client
 from haptic_tracing.core.devices.network import bhaptics, intiface
 from haptic_tracing.core.devices.writer import DeviceWriter
 from websockets.exceptions import ConnectionClosed
@@ -259,6 +259,184 @@ def test_nobody_there_is_said_in_one_line():
 def test_a_server_that_is_something_else_is_said(server, reply):
     with pytest.raises(DeviceError, match="Intiface"):
         intiface(server(lambda message: reply).url)
+
+
+class RawServer:
+    """A player that is no player: what it says to whoever connects is given as bytes, and how long it waits after each of them."""
+
+    def __init__(self, *said, pause=0.0):
+        self.said, self.pause, self.connections = said, pause, 0
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.url = f"ws://127.0.0.1:{self.listener.getsockname()[1]}"
+        self.thread = threading.Thread(target=self.talk, daemon=True)
+        self.thread.start()
+
+    def talk(self):
+        with suppress(OSError):
+            while True:
+                connection, _ = self.listener.accept()
+                self.connections += 1
+                with connection, suppress(OSError):
+                    connection.recv(4096)
+                    for part in self.said:
+                        connection.sendall(part)
+                        time.sleep(self.pause)
+
+    def close(self):
+        self.listener.close()
+
+
+MALFORMED = {
+    "null": "null",
+    "a number": "7",
+    "text": "hello",
+    "a list of nulls": "[null]",
+    "no content": '[{"ServerInfo": null}]',
+    "huge": '[{"ServerInfo": {"MaxPingTime": 1' + "0" * 400 + "}}]",
+    "huger than Python reads": '[{"ServerInfo": {"MaxPingTime": 1' + "0" * 5000 + "}}]",
+    "infinite": '[{"ServerInfo": {"MaxPingTime": 1e999}}]',
+    "not a number": '[{"ServerInfo": {"MaxPingTime": NaN}}]',
+    "negative": '[{"ServerInfo": {"MaxPingTime": -5}}]',
+    "deep": "[" * 20_000 + "]" * 20_000,
+    "an error that is none": '[{"Error": [1, 2]}]',
+    "surrogates": '[{"Error": {"ErrorMessage": "\\ud800"}}]',
+}
+
+
+@pytest.mark.parametrize("answer", MALFORMED.values(), ids=MALFORMED.keys())
+def test_a_malformed_answer_is_one_message(server, answer):
+    made_up = server(kind=Telling, said=[answer])
+    with pytest.raises(DeviceError, match=r"^Intiface[^\n]*$"):
+        intiface(made_up.url)
+
+
+class Telling(Server):
+    """Intiface that answers each question with the next of the given texts."""
+
+    def __init__(self, said, port=0):
+        self.texts = list(said)
+        super().__init__(port=port)
+
+    def talk(self, connection):
+        self.connections.append(connection)
+        with suppress(ConnectionClosed):
+            for text in connection:
+                self.said.append(json.loads(text))
+                if self.texts:
+                    connection.send(self.texts.pop(0))
+
+
+GREETING = '[{"ServerInfo": {"Id": 1, "MaxPingTime": 0}}]'
+DEVICE = '{"DeviceIndex": 0, "DeviceName": "Cushion", "DeviceMessages": {"ScalarCmd": [{"ActuatorType": "Vibrate"}]}'
+
+
+@pytest.mark.parametrize(
+    "devices",
+    [
+        "null",
+        "{}",
+        "[null]",
+        "[7]",
+        "[{}]",
+        '[{"DeviceIndex": 1e999, "DeviceName": "a", "DeviceMessages": {}}]',
+        '[{"DeviceIndex": true, "DeviceName": "a", "DeviceMessages": {}}]',
+        '[{"DeviceIndex": 0, "DeviceName": null, "DeviceMessages": {}}]',
+        '[{"DeviceIndex": 0, "DeviceName": "a", "DeviceMessages": {"ScalarCmd": 5}}]',
+        '[{"DeviceIndex": 0, "DeviceName": "a", "DeviceMessages": {"ScalarCmd": [5]}}]',
+        f'[{DEVICE}, "DeviceMessageTimingGap": NaN}}]',
+        f'[{DEVICE}, "DeviceMessageTimingGap": 1e999}}]',
+        f'[{DEVICE}, "DeviceMessageTimingGap": 1{"0" * 400}}}]',
+        f'[{DEVICE}, "DeviceMessageTimingGap": -1}}]',
+        f"[{', '.join([DEVICE + '}'] * 65)}]",
+    ],
+)
+def test_a_malformed_list_of_devices_is_one_message(server, devices):
+    made_up = server(kind=Telling, said=[GREETING, f'[{{"DeviceList": {{"Id": 2, "Devices": {devices}}}}}]'])
+    with pytest.raises(DeviceError, match=r"^Intiface[^\n]*$"):
+        intiface(made_up.url)
+
+
+def test_a_player_that_fails_takes_no_other_device_away(server, monkeypatch):
+    """Nothing that a player says keeps the others from being found: here one says nonsense, and the other is found."""
+    wrong = server(kind=Telling, said=["[" * 20_000])
+    right = server()
+    monkeypatch.setattr(inventory, "bhaptics", lambda: bhaptics(right.url))
+    monkeypatch.setattr(inventory, "intiface", lambda: intiface(wrong.url))
+    found = inventory.look(with_players=True)
+    assert "player bHaptics Player" in [device.key for device in found.devices]
+    assert [problem for problem in found.problems if problem.startswith("Intiface")]
+
+
+def test_no_redirect_is_followed_and_nothing_but_this_computer_is_connected_to(server):
+    elsewhere = RawServer()
+    sent_on = RawServer(f"HTTP/1.1 302 Found\r\nLocation: {elsewhere.url}\r\nContent-Length: 0\r\n\r\n".encode())
+    for ask in (intiface, bhaptics):
+        with pytest.raises(DeviceError, match="no player answers"):
+            ask(sent_on.url)
+        for url in ("ws://192.0.2.1:12345", "ws://example.com", "wss://127.0.0.1:12345", "http://127.0.0.1", "ws://[::1]:5", "nonsense"):
+            with pytest.raises(DeviceError, match="is not on this computer"):
+                ask(url)
+    assert elsewhere.connections == 0
+    sent_on.close(), elsewhere.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("said", [[], [b"HTTP/1.1 101 Switching Protocols\r\n"], [b"X: y\r\n"] * 40])
+def test_a_player_that_takes_its_time_is_given_up_after_two_seconds(said):
+    slow = RawServer(*said, pause=0.25)
+    begun = time.monotonic()
+    with pytest.raises(DeviceError, match="no player answers"):
+        intiface(slow.url)
+    assert time.monotonic() - begun < ANSWER_WITHIN + 1.0
+    slow.close()
+
+
+@pytest.mark.slow
+def test_a_look_can_be_given_up():
+    silent = RawServer(pause=60.0)
+    problems = []
+
+    def look():
+        with pytest.raises(DeviceError) as raised:
+            intiface(silent.url)
+        problems.append(str(raised.value))
+
+    thread = threading.Thread(target=look)
+    thread.start()
+    until(lambda: silent.connections == 1)
+    begun = time.monotonic()
+    until(lambda: (loopback.cancel(), not thread.is_alive())[-1])
+    assert time.monotonic() - begun < 1.0 and problems[0].startswith("no player answers")
+    silent.close()
+
+
+class Shouting(Server):
+    """Intiface that sends a message of more than 64 KiB in the middle of playing."""
+
+    def __init__(self, port=0):
+        self.shouted = False
+        super().__init__(buttplug, port)
+
+    def talk(self, connection):
+        self.connections.append(connection)
+        with suppress(ConnectionClosed):
+            for text in connection:
+                message = json.loads(text)
+                self.said.append(message)
+                if "ScalarCmd" in message[0] and any(s["Scalar"] > 0.5 for s in message[0]["ScalarCmd"]["Scalars"]) and not self.shouted:
+                    self.shouted = True
+                    connection.send("[" + " " * LARGEST_MESSAGE + "]")
+                for reply in self.answer(message):
+                    connection.send(json.dumps(reply))
+
+
+def test_a_message_that_is_too_long_does_not_keep_the_stop_from_being_said(server, started):
+    made_up = server(kind=Shouting)
+    (cushion, module), *_ = intiface(made_up.url)
+    output = started(cushion, module)
+    until(lambda: (output.send(wave(2, 0)), made_up.shouted)[-1])
+    assert output.stop(60.0)
+    until(lambda: commands(made_up, "StopDeviceCmd"))
 
 
 def test_a_missing_package_is_said(monkeypatch):
