@@ -1,21 +1,23 @@
 """What an imported file says that Blender's own properties can't: kept as JSON in the .blend beside them.
 
-The text may come from a stranger's .blend file: it is checked as a file would be.
+The text may come from a stranger's .blend file: `_stored` checks all of it, by the definitions that scene files are checked by.
 """
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import lru_cache
-from typing import Any
+from functools import cache, lru_cache
+from typing import Any, cast
 
 from ...core.contacts.shapes import Shape, shape_from_dict
+from ...core.formats.io.schema import load_schema
 from ...core.formats.io.strict_json import parse_json
 from ...core.formats.scene.recording import pair_of
-from ...core.formats.scene.scene_json import FORMAT, VERSION, scene_from_dict
+from ...core.formats.scene.scene_json import FORMAT, SCHEMA, VERSION, scene_from_dict
 from ...core.formats.scene.values_json import item_to_dict
 from ...core.scene.functions import Identity, ModulationFunction, function_from_dict
 from ...core.scene.values import Contact, Pose, SourceKind, Vector
@@ -123,86 +125,71 @@ def exact(owner: Any, name: str, numbers: Numbers) -> float:
 
 def text_with(text: str, emitters: Mapping[str, Vector], numbers: Numbers) -> str:
     """The text of an object with more of these."""
-    form = _document(text)
+    form = _stored(text, "object")
     return text_of(**{**form, "emitters": {**form.get("emitters", {}), **emitters}, "numbers": {**form.get("numbers", {}), **numbers}})
 
 
 @lru_cache(maxsize=4096)
 def imported_object(text: str) -> ImportedObject:
     """Raises ValueError in words where the text is damaged."""
-    try:
-        form = _document(text)
+    form = _stored(text, "object")
+    with _damaged():
         shape, pose, function = (form.get(key) for key in ("shape", "pose", "function"))
         return ImportedObject(
             shape=None if shape is None else shape_from_dict(shape),
-            mass=None if form.get("mass") is None else _number(form["mass"], 0.0),
+            mass=_float(form, "mass"),
             pose=None if pose is None else Pose(tuple(pose["position"]), tuple(pose["rotation"])),
-            function=None if function is None else function_from_dict(_mapping(function)),
+            function=None if function is None else function_from_dict(function),
             numbers=_numbers(form),
-            emitters={str(name): _place(place) for name, place in _mapping(form.get("emitters", {})).items()},
-            extras=_mapping(form.get("extras", {})),
+            emitters={name: _vector(place) for name, place in form.get("emitters", {}).items()},
+            extras=form.get("extras", {}),
         )
-    except (ValueError, TypeError, KeyError) as error:
-        raise _damaged(error) from None
 
 
 @lru_cache(maxsize=4096)
 def imported_source(text: str) -> ImportedSource:
     """Raises ValueError in words where the text is damaged."""
-    try:
-        form = _document(text)
-        second = form.get("second_object")
+    form = _stored(text, "source")
+    with _damaged():
         return ImportedSource(
             signal=signal_from_dict(form["signal"]) if "signal" in form else None,
             kind=SourceKind(form.get("kind", "persistent")),
-            onset=_number(form.get("onset", 0.0), 0.0),
-            second_object=second if second is None else str(second),
-            second_position=_vector(form.get("second_position")),
-            position=_vector(form.get("position")),
+            onset=_float(form, "onset") or 0.0,
+            second_object=form.get("second_object"),
+            second_position=_place(form, "second_position"),
+            position=_place(form, "position"),
             numbers=_numbers(form),
-            extras=_mapping(form.get("extras", {})),
+            extras=form.get("extras", {}),
         )
-    except (ValueError, TypeError) as error:
-        raise _damaged(error) from None
 
 
 @lru_cache(maxsize=4096)
 def imported_listener(text: str) -> ImportedListener:
     """Raises ValueError in words where the text is damaged."""
-    try:
-        form = _document(text)
-        return ImportedListener(_vector(form.get("position")), _numbers(form), _mapping(form.get("extras", {})))
-    except (ValueError, TypeError) as error:
-        raise _damaged(error) from None
+    form = _stored(text, "listener")
+    return ImportedListener(_place(form, "position"), _numbers(form), form.get("extras", {}))
 
 
 @lru_cache(maxsize=8)
 def imported_scene(text: str) -> ImportedScene:
     """Raises ValueError in words where the text is damaged."""
-    try:
-        form = _document(text)
-        tolerance = None if form.get("tolerance") is None else _number(form["tolerance"], 0.0)
-        return ImportedScene(tolerance, _numbers(form), _mapping(form.get("extras", {})))
-    except (ValueError, TypeError) as error:
-        raise _damaged(error) from None
+    form = _stored(text, "scene")
+    return ImportedScene(_float(form, "tolerance"), _numbers(form), form.get("extras", {}))
 
 
 def imported_device(text: str) -> ImportedDevice:
     """Raises ValueError in words where the text is damaged."""
-    try:
-        form = _document(text)
-        return ImportedDevice(str(form.get("profile") or "") or None, _mapping(form.get("extras", {})))
-    except (ValueError, TypeError) as error:
-        raise _damaged(error) from None
+    form = _stored(text, "device")
+    return ImportedDevice(form.get("profile"), form.get("extras", {}))
 
 
 @lru_cache(maxsize=8)
 def file_contacts(text: str) -> FileContacts:
     """Raises ValueError in words where the text is damaged."""
-    if not text:
+    form = _stored(text, "contacts")
+    if not form:
         return FileContacts()
-    try:
-        form = _document(text)
+    with _damaged():
         found, later = (_contacts(form.get(key, [])) for key in ("contacts", "later"))
         contacts: dict[Pair, tuple[Contact, ...]] = {}
         for item in found:
@@ -210,11 +197,9 @@ def file_contacts(text: str) -> FileContacts:
         return FileContacts(
             contacts=contacts,
             transmissions={pair_of(item): item.transmission for item in reversed((*found, *later)) if item.transmission != Identity()},
-            tolerance=_number(form.get("tolerance", 0.0), 0.0),
-            patch_points=bool(form.get("patch_points", False)),
+            tolerance=_float(form, "tolerance") or 0.0,
+            patch_points=form.get("patch_points", False),
         )
-    except (ValueError, TypeError) as error:
-        raise _damaged(error) from None
 
 
 def near(kept: Vector, position: Vector) -> bool:
@@ -229,34 +214,102 @@ def _contacts(forms: Any) -> tuple[Contact, ...]:
     return scene_from_dict({"format": FORMAT, "version": VERSION, "objects": objects, "contacts": forms}, "imported").contacts
 
 
-def _document(text: str) -> Mapping[str, Any]:
-    return _mapping(parse_json(text.encode("utf-8", "surrogatepass"), "imported")) if text else {}
-
-
-def _mapping(value: Any) -> Mapping[str, Any]:
-    if not isinstance(value, dict):
-        raise ValueError("must be an object")
-    return value
-
-
 def _numbers(form: Mapping[str, Any]) -> Numbers:
-    return {name: _number(value, -1e9) for name, value in _mapping(form.get("numbers", {})).items()}
+    return {name: float(value) for name, value in form.get("numbers", {}).items()}
 
 
-def _vector(value: Any) -> Vector | None:
-    return None if value is None else _place(value)
+def _float(form: Mapping[str, Any], key: str) -> float | None:
+    return float(form[key]) if key in form else None
 
 
-def _place(value: Any) -> Vector:
-    x, y, z = (_number(v, -1e9) for v in value)
+def _place(form: Mapping[str, Any], key: str) -> Vector | None:
+    return _vector(form[key]) if key in form else None
+
+
+def _vector(place: Any) -> Vector:
+    x, y, z = map(float, place)
     return x, y, z
 
 
-def _number(value: Any, least: float) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value <= 1e15:
-        raise ValueError(f"{value!r} is out of range")
-    return float(value)
+def _ref(name: str) -> dict[str, str]:
+    return {"$ref": f"#/$defs/{name}"}
 
 
-def _damaged(error: Exception) -> ValueError:
-    return ValueError(f"what was imported with it is damaged: import it again ({error})")
+def _object(required: tuple[str, ...] = (), /, others: Any = True, **properties: Any) -> dict[str, Any]:
+    return {"type": "object", "properties": properties, "required": list(required), "additionalProperties": others}
+
+
+# What is stored, by whose it is, by the definitions of scene files. A later version of the add-on may store more.
+_STORED: Mapping[str, dict[str, Any]] = {
+    "object": _object(
+        shape=_ref("object/properties/shape"),
+        mass=_ref("object/properties/mass"),
+        pose={"allOf": [_ref("pose"), {"required": ["position", "rotation"]}]},
+        function=_ref("function"),
+        numbers=_object(others=_ref("metres"), kappa=_ref("unit"), rho=_ref("unit")),
+        emitters=_object(others=_ref("position")),
+        extras=_ref("extras"),
+    ),
+    "source": _object(
+        signal=_ref("signal"),
+        kind=_ref("source/properties/kind"),
+        onset=_ref("seconds"),
+        second_object=_ref("name"),
+        second_position=_ref("position"),
+        position=_ref("position"),
+        numbers=_object(others=False, amplitude=_ref("unit"), priority=_ref("source/properties/priority")),
+        extras=_ref("extras"),
+    ),
+    "listener": _object(
+        position=_ref("position"),
+        numbers=_object(others=False, **{name: _ref(f"listener/properties/{name}") for name in ("radius", "gain", "s_max")}),
+        extras=_ref("extras"),
+    ),
+    "scene": _object(
+        tolerance=_ref("settings/properties/tolerance"),
+        numbers=_object(others=False, **{name: _ref(f"settings/properties/{name}") for name in ("threshold", "epsilon", "localise")}),
+        extras=_ref("extras"),
+    ),
+    "device": _object(profile=_ref("name"), extras=_ref("extras")),
+    "contacts": _object(
+        contacts={"type": "array", "items": _ref("contact")},
+        later={"type": "array", "items": _ref("contact")},
+        tolerance=_ref("length"),
+        patch_points={"type": "boolean"},
+    ),
+}
+
+
+@cache
+def _validator(kind: str) -> Callable[[Any], Any]:
+    import fastjsonschema
+
+    definition = {"$schema": "http://json-schema.org/draft-07/schema#", "$defs": load_schema(SCHEMA)["$defs"]} | _STORED[kind]
+    validate: Callable[[Any], Any] = fastjsonschema.compile(definition, use_default=False)
+    return validate
+
+
+def _stored(text: str, kind: str) -> dict[str, Any]:
+    """The document that a property stores; an empty one for no text. Raises ValueError in words where it is not what is stored there."""
+    if not text:
+        return {}
+    import fastjsonschema
+
+    with _damaged():
+        document: Any = parse_json(text.encode("utf-8", "surrogatepass"), "imported")
+        try:
+            _validator(kind)(document)
+        except fastjsonschema.JsonSchemaValueException as error:
+            raise ValueError(
+                f"{'/'.join(map(str, error.path[1:])) or 'it'} {error.message.removeprefix(error.name or '').strip()}"
+            ) from None
+    return cast(dict[str, Any], document)
+
+
+@contextmanager
+def _damaged() -> Iterator[None]:
+    """Turn what is wrong with a stored document into words for its owner."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(f"what was imported with it is damaged: import it again ({error})") from None

@@ -191,7 +191,19 @@ def test_damaged_contacts_are_a_problem_in_words(stack, traced):
     from haptic_tracing.addon.session import session
 
     imported(stack)
-    for text in ("{", "[]", '{"contacts": 3}', '{"contacts": [{"objects": ["left", "left"], "positions": []}]}', "[" * 1000):
+    huge = "1" + 400 * "0"
+    for text in (
+        "{",
+        "[]",
+        '{"contacts": 3}',
+        '{"contacts": [{"objects": ["left", "left"], "positions": []}]}',
+        '{"contacts": [{}]}',
+        '{"contacts": [{"objects": ["left", "right"]}]}',
+        '{"contacts": [{"positions": [[0, 0, 0], [0, 0, 0]]}], "later": [null]}',
+        f'{{"contacts": [{{"objects": ["left", "right"], "positions": [[0, 0, 0], [0, 0, {huge}]]}}]}}',
+        f'{{"tolerance": {huge}}}',
+        "[" * 1000,
+    ):
         bpy.context.scene.haptics.imported_contacts = text
         assert traced() is not None
         assert "import it again" in session.problems_of(bpy.context.scene)[0].message

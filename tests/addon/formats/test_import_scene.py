@@ -390,12 +390,34 @@ def test_damaged_text_in_a_strangers_file_is_a_problem_in_words(add_box, traced)
 
     box = add_box("box", (0, 0, 0), (1, 1, 1))
     box.haptics.source.enabled = True
-    for text in ("{", "[]", '{"shape": 3}', '{"pose": {}}', '{"shape": {"type": "box", "size": [1e999, 1, 1]}}', "[" * 1000):
+    other = add_box("other", (0, 0, 3), (1, 1, 1))
+    other.haptics.source.enabled = True
+    huge = "1" + 400 * "0"
+    for text in (
+        "{",
+        "[]",
+        '{"shape": 3}',
+        '{"pose": {}}',
+        '{"shape": {"type": "box", "size": [1e999, 1, 1]}}',
+        f'{{"numbers": {{"kappa": {huge}}}}}',
+        f'{{"mass": {huge}}}',
+        f'{{"extras": {{"a": {huge}}}}}',
+        '{"numbers": {"kappa": 5}}',
+        '{"numbers": {"kappa": true}}',
+        "[" * 1000,
+    ):
         box.haptics.imported = text
-        assert traced() is None or not traced().objects
+        assert list(traced().objects) == [item.name for item in traced().sources] == ["other"], "the rest goes on"
+        (problem,) = session.problems_of(bpy.context.scene)
+        assert problem.object == "box" and "import it again" in problem.message
+    for text in ("{", f'{{"numbers": {{"threshold": {huge}}}}}', '{"numbers": {"threshold": 2}}', f'{{"tolerance": {huge}}}'):
+        bpy.context.scene.haptics.imported = text
+        assert list(traced().objects) == ["other"]
         assert "import it again" in session.problems_of(bpy.context.scene)[0].message
+    bpy.context.scene.haptics.imported = ""
+    bpy.data.objects.remove(other)
     box.haptics.imported = ""
-    for text in ("{", '{"signal": 3}', '{"onset": "x"}', '{"kind": "odd"}', '{"second_position": [1]}'):
+    for text in ("{", '{"signal": 3}', '{"onset": "x"}', f'{{"onset": {huge}}}', '{"kind": "odd"}', '{"second_position": [1]}'):
         box.haptics.source.imported = text
         assert not traced().sources
         assert "import it again" in session.problems_of(bpy.context.scene)[0].message
