@@ -1,4 +1,4 @@
-"""From gain to colour: a colour map whose steps look even, and the scale in decibels.
+"""A perceptually uniform colour map for gains, and its scale in decibels.
 
 Lightness rises evenly from blue-violet to yellow, so that the order of gains is seen by colour-blind people and in grey print. The hues
 are those of viridis, by Stéfan van der Walt and Nathaniel Smith for matplotlib, dedicated to the public domain (CC0); they start lighter,
@@ -44,7 +44,7 @@ def oklab(srgb: FloatArray) -> FloatArray:
 
 
 def from_oklab(lab: FloatArray) -> FloatArray:
-    """Oklab (..., 3) as display values (..., 3), held in gamut."""
+    """Oklab (..., 3) as display values (..., 3), clipped to the gamut."""
     return display((lab @ np.linalg.inv(_TO_LAB).T) ** 3 @ np.linalg.inv(_TO_CONE).T)
 
 

@@ -1,4 +1,4 @@
-"""The picture where no GPU can draw: scene and graph rendered by Cycles, labels and legend painted over them."""
+"""Pictures without a GPU: scene and graph rendered by Cycles, labels and legend painted over them."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def rendered_picture(scene: Scene, result: FrameResult, size: tuple[int, int], *
 
 
 def _rendered_alone(scene: Scene, solid: Solid, size: tuple[int, int]) -> FloatArray:
-    """The graph before nothing, in its own scene with a copy of the camera."""
+    """The graph alone on a transparent background, in its own scene with a copy of the camera."""
     alone = bpy.data.scenes.new("Haptic Graph picture")
     camera = bpy.data.objects.new("Haptic Graph camera", scene.camera.data)
     camera.matrix_world = scene.camera.evaluated_get(scene.view_layers[0].depsgraph).matrix_world.copy()
@@ -73,7 +73,7 @@ def _rendered_alone(scene: Scene, solid: Solid, size: tuple[int, int]) -> FloatA
 
 
 def _rendered_among(scene: Scene, solid: Solid, size: tuple[int, int]) -> FloatArray:
-    """The scene with the graph in it, which objects may hide."""
+    """The scene with the graph among its objects, which may hide it."""
     graph = add_graph(scene.collection, solid)
     try:
         return rendered(scene, size, SAMPLES, denoise=True)
@@ -100,7 +100,7 @@ def rendered(scene: Scene, size: tuple[int, int], samples: int, *, denoise: bool
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keeps what Blender prints while it renders, a line for every tile, off the standard output of a command."""
+    """Discard Blender's standard output, a line for every tile that it renders."""
     sys.stdout.flush()
     kept = os.dup(1)
     with Path(os.devnull).open("w") as nothing:

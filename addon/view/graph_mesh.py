@@ -101,7 +101,7 @@ def _bring_to_front(obj: Object, view: FloatArray, projection: FloatArray, clip_
 
 
 def _hide_from_light(obj: Object) -> None:
-    """What stands before the camera throws no shadow and lights nothing."""
+    """Make an object visible to the camera alone: it casts no shadow and lights nothing."""
     for key in ("visible_diffuse", "visible_glossy", "visible_transmission", "visible_volume_scatter", "visible_shadow"):
         setattr(obj, key, False)
 
@@ -109,7 +109,7 @@ def _hide_from_light(obj: Object) -> None:
 def _add_annotations(
     collection: Collection, items: Hud, scale: float, camera: Object, projection: FloatArray, size: tuple[int, int]
 ) -> None:
-    """Labels and legend on a plane before the camera, which carries them."""
+    """Labels and legend on a plane in front of the camera, parented to it."""
     clip_start = camera.data.clip_start
     distance = _FRONT * clip_start * 0.5
     orthographic = projection[3, 3] == 1

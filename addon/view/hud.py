@@ -109,7 +109,7 @@ class HudBuilder:
                 position=strokes[:, :6].reshape(-1, 2, 3),
                 colour=strokes[:, 6:14].reshape(-1, 2, 4),
                 width=strokes[:, 14],
-                way=np.full((len(strokes), 2), -1, dtype=np.float32),
+                arc_length=np.full((len(strokes), 2), -1, dtype=np.float32),
                 shape=strokes[:, 15],
             ),
             Points(position=symbols[:, :3], colour=symbols[:, 3:7], size=symbols[:, 7], shape=symbols[:, 8]),

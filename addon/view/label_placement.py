@@ -1,4 +1,4 @@
-"""Where labels go: beside their places, not over each other. Pixels, origin at the bottom left. No GPU, no Blender."""
+"""Label placement: beside their anchors, without overlaps. Pixels, origin at the bottom left. No GPU, no Blender."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def project(position: FloatArray, perspective: FloatArray, size: tuple[float, fl
 
 
 def squares_around(anchor: FloatArray, clearance: FloatArray) -> FloatArray:
-    """Squares (n, 4: left, bottom, right, top) around places (n, 2) that reach ``clearance`` (n,) to each side; of the seen ones only."""
+    """Squares (n, 4: left, bottom, right, top) around places (n, 2) that reach ``clearance`` (n,) to each side; of visible ones only."""
     return np.column_stack([anchor - clearance[:, None], anchor + clearance[:, None]])[~np.isnan(anchor[:, 0])]
 
 
@@ -97,7 +97,7 @@ def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray) ->
 
 
 def _covered(low: FloatArray, high: FloatArray, paths: FloatArray, room: tuple[float, float, float, float]) -> FloatArray:
-    """How many of the pixels ``paths`` (k, 2) lie in each rectangle, give or take those at its edges: counted by cells, summed up once."""
+    """Number of pixels ``paths`` (k, 2) in each rectangle, to within a cell at its edges: a summed-area table of cells."""
     width, height = (max(math.ceil(end / _CELL), 1) for end in room[2:])
     place = (paths / _CELL).astype(np.int64)
     place = place[(place >= 0).all(axis=1) & (place[:, 0] < width) & (place[:, 1] < height)]

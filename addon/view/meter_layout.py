@@ -232,13 +232,13 @@ def _add_scope(builder: HudBuilder, corner: tuple[float, float], width: float, s
 
 
 def full_scale(scope: Scope) -> float:
-    """What the edge of the scope stands for: the next of 1, 0.316, 0.1, ... above the peak, at least 0.001."""
+    """Full scale of the scope: the next of 1, 0.316, 0.1, ... above the peak, at least 0.001."""
     peak = float(np.abs(scope.samples).max(initial=0.0))
     return 10 ** (math.ceil(math.log10(peak) * 2 - 1e-9) / 2) if peak > 1e-3 else 1e-3
 
 
 def spans(scope: Scope, count: int) -> tuple[IntArray, FloatArray, FloatArray]:
-    """The last second cut into ``count`` columns: the numbers of those that there is something of, their lowest and highest samples."""
+    """Minima and maxima of the last second in ``count`` columns: numbers of the columns with samples, then both."""
     whole = round(scope.sample_rate)
     samples = scope.samples[-whole:]
     borders = np.round(np.linspace(0, whole, count + 1)).astype(np.int64) - (whole - len(samples))

@@ -54,7 +54,7 @@ def scope_picture(scope: Scope, ink: Colour) -> Pixels:
 
 
 def wave_colour(ink: Colour) -> Colour:
-    """That of the scope in the viewport, darker on a light theme."""
+    """The colour of the scope in the viewport, darker on a light theme."""
     red, green, blue = (part * (1.0 if sum(ink) > 1.5 else 0.55) for part in SCOPE_COLOUR[:3])
     return red, green, blue
 

@@ -127,7 +127,7 @@ def draw_graph(
 
 
 def depth_bias(projection: Any) -> tuple[float, float]:
-    """How far things come towards the viewer, so that what lies on a surface is seen whole: 1 % of the distance in perspective,
+    """Depth bias towards the viewer, so that surfaces do not hide what lies on them: 1 % of the distance in perspective,
     2 cm in an orthographic view."""
     orthographic = projection[3][3] == 1.0
     return (0.0, 0.02 * abs(projection[2][2])) if orthographic else (0.01, 0.0)
@@ -215,7 +215,7 @@ def _legend_side(context: Context) -> LegendSide:
 
 
 def seconds_shown(scene: Scene) -> float:
-    """Where the signal flow stands: it moves with the timeline."""
+    """Time [s] of the signal flow, that of the timeline."""
     return seconds_of(scene, scene.frame_current_final)
 
 

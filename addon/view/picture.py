@@ -108,7 +108,7 @@ def viewport_picture(
 
 
 def averaged(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
-    """Every ``factor`` x ``factor`` pixels as one."""
+    """Box filter: the mean of every ``factor`` x ``factor`` pixels."""
     height, width, channels = pixels.shape
     parts = pixels.reshape(height // factor, factor, width // factor, factor, channels)
     return np.rint(parts.mean(axis=(1, 3))).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""Writes a picture as PNG (ISO/IEC 15948), so that what was drawn reaches the file unchanged by any colour management."""
+"""PNG encoding (ISO/IEC 15948) without colour management, so that pixels reach the file unchanged."""
 
 from __future__ import annotations
 

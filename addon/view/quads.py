@@ -1,7 +1,7 @@
 """Lines and points as quads that the shader turns to the viewer: one vertex array for everything that is drawn.
 
-Every line or point is four vertices that carry all of it, and which corner they are. A point is a line without length, so that lines of any
-width, points of any shape and their order take a single draw call.
+Every line or point is four vertices, each with all its attributes and the corner that it stands for. A point is a line without length, so
+that lines of any width, points of any shape and their order take a single draw call.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from .render_data import Drawn, Lines, Points, RenderData, halos
 
 CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=np.float32)
-ATTRIBUTES = (("start", 3), ("end", 3), ("colour_start", 4), ("colour_end", 4), ("style", 4), ("way", 2))
+ATTRIBUTES = (("start", 3), ("end", 3), ("colour_start", 4), ("colour_end", 4), ("style", 4), ("arc_length", 2))
 """``style``: width [pixels], shape, and the corner: -1 or 1 along and across the line."""
 
 
@@ -39,14 +39,14 @@ def quads(data: RenderData) -> Quads:
 
 def quads_of(lines: Sequence[Lines], points: Points) -> Quads:
     """Lines first, points over them."""
-    position, colour, width, way, shape = (np.concatenate([getattr(part, f.name) for part in lines]) for f in fields(Lines))
+    position, colour, width, arc_length, shape = (np.concatenate([getattr(part, f.name) for part in lines]) for f in fields(Lines))
     count = len(width) + len(points.size)
     per_quad = {
         "start": np.concatenate([position[:, 0], points.position]),
         "end": np.concatenate([position[:, 1], points.position]),
         "colour_start": np.concatenate([colour[:, 0], points.colour]),
         "colour_end": np.concatenate([colour[:, 1], points.colour]),
-        "way": np.concatenate([way, np.full((len(points.size), 2), -1, dtype=np.float32)]),
+        "arc_length": np.concatenate([arc_length, np.full((len(points.size), 2), -1, dtype=np.float32)]),
     }
     attributes = {name: np.repeat(values, 4, axis=0) for name, values in per_quad.items()}
     style = np.empty((count, 4, 4), dtype=np.float32)

@@ -43,7 +43,7 @@ POINT_SIZE = {Shape.CONTACT: 9.0, Shape.SOURCE: 26.0, Shape.LISTENER: 21.0, Shap
 """Diameters in pixels at a user interface scale of 1."""
 THIN_LINE = (1.2, 2.6)  # pixels, from the floor of the scale to 0 dB
 PATH_LINE = (3.0, 5.0)
-HALO = 3.0  # pixels that a halo shows on either side of a path
+HALO = 3.0  # pixels of a halo on either side of a path
 HIGHLIGHT_LINE = 19.0  # pixels, wider than a path with its halo
 
 DIMMED = 0.3
@@ -81,13 +81,13 @@ class Points:
 
 @dataclass(frozen=True, slots=True)
 class Lines:
-    """``position`` (n, 2, 3) [m], ``colour`` (n, 2, 4) at either end, ``width`` (n,) [pixels], ``way`` (n, 2) metres from the source
+    """``position`` (n, 2, 3) [m], ``colour`` (n, 2, 4) at either end, ``width`` (n,) [pixels], ``arc_length`` (n, 2) metres from the source
     along a best path at either end, -1 for lines that show no flow, ``shape`` (n,). Later lines are drawn over earlier ones."""
 
     position: Drawn
     colour: Drawn
     width: Drawn
-    way: Drawn
+    arc_length: Drawn
     shape: Drawn
 
 
@@ -172,13 +172,13 @@ def _path_lines(result: FrameResult, graph: HapticGraph, mode: Mode, pairs: Bool
     paths = {pair: nodes for pair, nodes in result.propagation.best_path.items() if pairs[pair] and result.sources[pair[0]].amplitude > 0}
     if not paths:
         return no_lines()
-    steps, gain, way = path_steps(result, graph, mode, paths)
+    steps, gain, arc_length = path_steps(result, graph, mode, paths)
     strongest = np.argsort(-gain[:, 1], kind="stable")
     _, first = np.unique(np.sort(steps[strongest], axis=1) @ (graph.node_count, 1), return_index=True)
     kept = strongest[np.sort(first)[::-1]]
-    steps, gain, way = steps[kept], gain[kept], way[kept]
+    steps, gain, arc_length = steps[kept], gain[kept], arc_length[kept]
     colour = np.concatenate([scale.colour(gain), np.ones((len(steps), 2, 1))], axis=2)
-    return _lines(graph.node_position[steps], colour, _between(PATH_LINE, scale.place(gain[:, 1])), way)
+    return _lines(graph.node_position[steps], colour, _between(PATH_LINE, scale.place(gain[:, 1])), arc_length)
 
 
 def _highlight_lines(result: FrameResult, options: Options) -> Lines:
@@ -375,10 +375,10 @@ def _between(ends: tuple[float, float], place: FloatArray) -> FloatArray:
     return ends[0] + (ends[1] - ends[0]) * place
 
 
-def _lines(position: FloatArray | Drawn, colour: FloatArray, width: FloatArray | Drawn, way: FloatArray | None) -> Lines:
-    way = np.full((len(position), 2), -1.0) if way is None else way
+def _lines(position: FloatArray | Drawn, colour: FloatArray, width: FloatArray | Drawn, arc_length: FloatArray | None) -> Lines:
+    arc_length = np.full((len(position), 2), -1.0) if arc_length is None else arc_length
     shape = np.full(len(position), Shape.LINE)
-    return Lines(*(values.astype(np.float32) for values in (position, colour, width, way, shape)))
+    return Lines(*(values.astype(np.float32) for values in (position, colour, width, arc_length, shape)))
 
 
 def no_lines() -> Lines:

@@ -65,7 +65,7 @@ void main()
   float part = corner.x < 0.0 ? 0.0 : 1.0;
   colour_a = mix(colour_start, colour_end, first);
   colour_b = mix(colour_start, colour_end, last);
-  way_ab = mix(vec2(way.x), vec2(way.y), vec2(first, last));
+  arc_length_ab = mix(vec2(arc_length.x), vec2(arc_length.y), vec2(first, last));
   /* Points and lines on a surface come a little towards the viewer. */
   float depth = part < 0.5 ? a.z : b.z;
   depth -= bias.x * (1.0 - depth) + bias.y;
@@ -135,8 +135,8 @@ void main()
     float edge = length(local - vec2(along, 0.0)) - half_width;
     /* Thinner than a pixel: one pixel wide, and fainter. */
     float opacity = colour.a * (half_width < 0.5 ? covered(edge + half_width - 0.5) * 2.0 * half_width : covered(edge));
-    if (flow.y > 0.0 && way_ab.x >= 0.0) {
-      float phase = fract(mix(way_ab.x, way_ab.y, t) / flow.y - flow.x);
+    if (flow.y > 0.0 && arc_length_ab.x >= 0.0) {
+      float phase = fract(mix(arc_length_ab.x, arc_length_ab.y, t) / flow.y - flow.x);
       float pulse = exp(-36.0 * (phase - 0.5) * (phase - 0.5)) * covered(edge + 0.22 * half_width);
       colour.rgb = mix(colour.rgb, vec3(1.0), 0.85 * pulse);
     }
@@ -187,7 +187,7 @@ void main()
 def shader() -> GPUShader:
     """Compiled at first use."""
     stage = GPUStageInterfaceInfo("haptic_quad")
-    for kind, name in (("VEC2", "local"), ("VEC2", "plate"), ("VEC4", "colour_a"), ("VEC4", "colour_b"), ("VEC2", "way_ab")):
+    for kind, name in (("VEC2", "local"), ("VEC2", "plate"), ("VEC4", "colour_a"), ("VEC4", "colour_b"), ("VEC2", "arc_length_ab")):
         stage.smooth(kind, name)
     for name in ("length_pixels", "half_width", "kind"):
         stage.flat("FLOAT", name)

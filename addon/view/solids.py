@@ -61,7 +61,7 @@ def _rim(shell: Solid) -> Solid:
 
 
 def _thinned(lines: Lines) -> Lines:
-    """Fainter lines thinner instead."""
+    """Lines with their opacity turned into width."""
     return replace(lines, width=lines.width * lines.colour[:, :, 3].mean(axis=1))
 
 

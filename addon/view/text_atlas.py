@@ -1,4 +1,4 @@
-"""Texts drawn once into a texture, so that all labels take a single draw call, and none of Blender's text drawing while nothing changes."""
+"""A texture atlas of texts, so that all labels take a single draw call and none of Blender's text drawing while nothing changes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ABOVE, _BELOW = 1.0, 0.35  # of the size, over and under the baseline
 
 @dataclass(slots=True)
 class TextAtlas:
-    """Texts by their words and size. ``generation`` counts how often it was emptied: what was made with another one is void."""
+    """Texts by their words and size. ``generation`` counts how often it was emptied: batches of another generation are invalid."""
 
     generation: int = 0
     _texture: Any = None
@@ -66,7 +66,7 @@ class TextAtlas:
                 self._surface.clear(color=(0.0, 0.0, 0.0, 0.0))
 
     def free(self) -> None:
-        """Give the texture back."""
+        """Free the texture."""
         self._texture = self._surface = None
         self.clear()
 

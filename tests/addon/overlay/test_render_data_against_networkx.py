@@ -48,7 +48,7 @@ def test_paths_end_with_the_gain_of_the_best_path(seed):
     paths = {pair: nodes for pair, nodes in result.propagation.best_path.items() if nodes}
     if not paths:
         return
-    steps, gain, way = path_steps(result, result.graph, Mode.HT, paths)
+    steps, gain, arc_length = path_steps(result, result.graph, Mode.HT, paths)
     explicit = result.graph.to_networkx()
     ends = np.cumsum([len(nodes) - 1 for nodes in paths.values()]) - 1
     for end, (pair, nodes) in zip(ends, paths.items(), strict=True):
@@ -57,8 +57,8 @@ def test_paths_end_with_the_gain_of_the_best_path(seed):
         assert steps[end][1] == nodes[-1]
         assert gain[end, 1] == pytest.approx(result.sources[pair[0]].amplitude * product, rel=1e-9)
         assert gain[end, 1] == pytest.approx(result.gains[pair], rel=1e-9)
-        assert way[end, 1] == pytest.approx(length, rel=1e-9)
-    assert (way[:, 1] >= way[:, 0]).all()
+        assert arc_length[end, 1] == pytest.approx(length, rel=1e-9)
+    assert (arc_length[:, 1] >= arc_length[:, 0]).all()
 
 
 @random_scenes
@@ -71,7 +71,7 @@ def test_arrays_are_finite_and_fit_together(seed, show_intra, show_best_paths, m
         count = len(lines.width)
         assert lines.position.shape == (count, 2, 3)
         assert lines.colour.shape == (count, 2, 4)
-        assert lines.way.shape == (count, 2)
+        assert lines.arc_length.shape == (count, 2)
         for values in (lines.position, lines.colour, lines.width):
             assert np.isfinite(values).all()
         assert ((lines.colour >= 0) & (lines.colour <= 1)).all()
