@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations
 
 import numpy as np
 
 from ..core.arrays import FloatArray
 from ..core.graph.distance_only import DISTANCE_ONLY
+from ..core.perception import are_felt_alike, are_felt_different
 from ..core.scene.values import Mode
 from .measures import balance, dynamic_range, variety
 from .rendition import MODES, Ride, Sounding
@@ -20,8 +22,6 @@ SECTION_COUNT = 6
 MATERIALS = ("Stone", "Wood", "Ribbon")
 ROUNDING = 1e-6
 """Relative: Blender's transforms have single precision."""
-SAME_WALL = 0.01
-"""Relative difference up to which walls count as felt alike."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,12 +115,18 @@ def _walls_felt(ride: Ride, mode: int) -> dict[str, list[FloatArray]]:
     return felt
 
 
+def _difference(walls: Sequence[FloatArray]) -> float:
+    """The largest difference in decibels between gains (l,) of walls at an actuator; infinite where only some are felt there."""
+    lowest, highest = np.min(walls, axis=0), np.max(walls, axis=0)
+    with np.errstate(divide="ignore"):
+        return float(20 * np.log10(highest[highest > 0] / lowest[highest > 0]).max(initial=0.0))
+
+
 def _differences(felt: dict[str, list[FloatArray]]) -> tuple[float, float]:
-    """Largest relative difference of gain sums between walls of the same material, and the smallest between materials' means."""
-    sums = {material: np.array([gains.sum() for gains in walls]) for material, walls in felt.items()}
-    within = max(float(np.ptp(values) / values.mean()) for values in sums.values())
-    means = sorted((float(values.mean()) for values in sums.values()), reverse=True)
-    between = min((high - low) / high for high, low in pairwise(means))
+    """The largest difference in decibels at an actuator between walls of the same material, and the smallest between materials, each
+    where the two differ most."""
+    within = max(_difference(walls) for walls in felt.values())
+    between = min(_difference([np.mean(first, axis=0), np.mean(second, axis=0)]) for first, second in combinations(felt.values(), 2))
     return within, between
 
 
@@ -132,8 +138,8 @@ def differs_by_material(ride: Ride) -> Check:
         return Check.without_data(name, statement)
     within, between = _differences(felt)
     means = ", ".join(f"{material.lower()} {np.mean([gains.mean() for gains in felt[material]]):.3f}" for material in MATERIALS)
-    measured = f"mean gain {means}; materials differ by {between:.1%} or more, walls of one by {within:.2%} or less"
-    return Check(name, statement, measured, between > 5 * within and between > 0.03)
+    measured = f"mean gain {means}; at some actuator materials differ by {between:.1f} dB or more, walls of one by {within:.2f} dB or less"
+    return Check(name, statement, measured, are_felt_different(between) and are_felt_alike(within))
 
 
 def alike_by_material(ride: Ride, mode: Mode) -> Check:
@@ -142,9 +148,8 @@ def alike_by_material(ride: Ride, mode: Mode) -> Check:
     felt = _walls_felt(ride, MODES.index(mode))
     if len(felt) < len(MATERIALS):
         return Check.without_data(name, statement)
-    walls = np.array([gains for group in felt.values() for gains in group])
-    difference = float((np.ptp(walls, axis=0) / walls.mean(axis=0)).max())
-    return Check(name, statement, f"largest difference between two walls at an actuator {difference:.2%}", difference < SAME_WALL)
+    difference = _difference([gains for group in felt.values() for gains in group])
+    return Check(name, statement, f"largest difference between two walls at an actuator {difference:.2f} dB", are_felt_alike(difference))
 
 
 def stalactites(ride: Ride) -> tuple[Sounding, ...]:
@@ -164,11 +169,12 @@ def both_legs(ride: Ride) -> Check:
     if not falls:
         return Check.without_data(name, statement)
     legs = legs_of(ride)
-    ratio = min(float(s.gains[HT][legs].min() / s.gains[HT][legs].max()) if s.gains[HT][legs].max() > 0 else 0.0 for s in falls)
+    difference = max(_difference([s.gains[HT][[legs[0]]], s.gains[HT][[legs[1]]]]) for s in falls)
+    silent = any(not s.gains[HT][legs].any() for s in falls)
     ways = [s.paths[leg] for s in falls for leg in legs]
     through = sum(any(part.startswith(("Ground", "Bridge")) for part in way) for way in ways)
-    measured = f"{len(falls)} stalactites; weaker leg at least {ratio:.0%} of the stronger; {through} of {len(ways)} paths by the ground"
-    return Check(name, statement, measured, ratio > 0.5 and through == len(ways))
+    measured = f"{len(falls)} stalactites; legs differ by {difference:.2f} dB or less; {through} of {len(ways)} paths by the ground"
+    return Check(name, statement, measured, are_felt_alike(difference) and not silent and through == len(ways))
 
 
 def one_leg(ride: Ride) -> Check:

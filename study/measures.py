@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.arrays import FloatArray, IntArray
+from ..core.perception import DIFFERENCE_THRESHOLDS
 
 ACTIVE = 0.01
 """An actuator counts as active where its drive exceeds this share of full scale (-40 dB)."""
-CLASS_WIDTH = 3.0
-"""Decibels within which two levels count as the same intensity: about twice the just noticeable difference of vibration (10 to 20 %)."""
+CLASS_WIDTH = DIFFERENCE_THRESHOLDS[1]
+"""Decibels within which two levels count as the same intensity."""
 
 
 def active_count(peak: FloatArray) -> IntArray:
