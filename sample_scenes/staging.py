@@ -145,6 +145,7 @@ def make_listener(obj: Object, body_part: str, radius: float) -> Object:
     """A listener at the origin of ``obj``, which stands for a body part with a bounding radius in metres."""
     listener = obj.haptics.listener
     listener.enabled = True
+    listener.limiter = False  # the paper cuts the mix off at the ceiling
     listener.body_part = body_part
     listener.radius = radius
     return obj

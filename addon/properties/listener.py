@@ -22,6 +22,13 @@ BODY_PART_ITEMS = (
 )
 
 
+def _enabled_edited(self: HapticListenerProperties, context: Context) -> None:
+    """Give a listener that is made now its limiter. Those of files in which the limiter was off by default stay without."""
+    if self.enabled and not self.is_property_set("limiter"):
+        self.limiter = context.scene is None or context.scene.haptics.strategy != "as_in_the_paper"
+    changed(self, context)
+
+
 def _radius_edited(self: HapticListenerProperties, context: Context) -> None:
     """Draw an empty that is drawn as a sphere as large as the listener."""
     empty = self.id_data
@@ -33,7 +40,9 @@ def _radius_edited(self: HapticListenerProperties, context: Context) -> None:
 class HapticListenerProperties(Imported, PropertyGroup):
     """A haptic listener: receives signals at a place of the body."""
 
-    enabled: BoolProperty(name="Haptic Listener", description="Signals are received at this object's origin", default=False, update=changed)
+    enabled: BoolProperty(
+        name="Haptic Listener", description="Signals are received at this object's origin", default=False, update=_enabled_edited
+    )
     body_part: EnumProperty(
         name="Body Part",
         description="The place on the body that this listener stands for",

@@ -19,6 +19,7 @@ def shaken(scene: Any, add_box: Callable[..., Any], add_empty: Callable[..., Any
         listener = add_empty(name, (0, 0, 0), parent)
         listener.haptics.listener.enabled = True
         listener.haptics.listener.body_part = part
+        listener.haptics.listener.limiter = False
     crate.keyframe_insert("location", frame=12)
     crate.location.z = 2.0
     crate.keyframe_insert("location", frame=14)

@@ -66,6 +66,7 @@ def felt(scene, add_box, add_empty) -> Any:
         listener = add_empty(name, parent=box)
         listener.haptics.listener.enabled = True
         listener.haptics.listener.body_part = part
+        listener.haptics.listener.limiter = False
     scene.frame_set(1)
     return scene
 

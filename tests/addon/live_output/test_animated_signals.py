@@ -13,6 +13,7 @@ def hum(scene, add_box):
     box = add_box("box", (0, 0, 0), (1, 1, 1))
     box.haptics.kappa, box.haptics.rho = 0.0, 1.0
     box.haptics.source.enabled = box.haptics.listener.enabled = True
+    box.haptics.listener.limiter = False
     scene.frame_start, scene.frame_end = 1, 49
     return box
 
