@@ -100,6 +100,13 @@ class Ahead:
         self.begun = True
         return taken
 
+    def after(self, time: float) -> Ahead:
+        """What is left from ``time`` on: it does until newer samples come."""
+        if self.samples is None:
+            return self
+        skipped = max(round((time - self.start) * self.rate), 0)
+        return Ahead(self.samples[:, skipped:], self.rate, max(time, self.start))
+
 
 class RumblePacing:
     """Pace of a device that is commanded by amplitude.
@@ -144,8 +151,8 @@ class RumblePacing:
     def accept(self, block: FloatArray, sent: float) -> None:
         start = sent + self._delay
         self._steps = deque((start + step.offset, step.tones) for step in self._actuation.process(block))
-        self._ahead = Ahead()
         self._end = start + block.shape[1] / self._actuation.rate
+        self._ahead = self._ahead.after(self._end)
         self._fresh = sent
 
     def expect(self, ahead: FloatArray, sent: float) -> None:
@@ -263,6 +270,7 @@ class StreamPacing:
         self._startup = deque(family.startup(transport, sequence))
         self._starting = False
         self._queue = np.zeros((len(family.channels), 0))
+        self._end = -np.inf
         self._ahead = Ahead()
         self._samples = SampleLimits(self._limits, len(family.channels))
         self._sequence = sequence
@@ -290,7 +298,8 @@ class StreamPacing:
         if dry or self._due is None:
             self._due = max(sent + self._delay + self.lead, self._due or -np.inf)
         self._queue = np.concatenate([still_due, samples], axis=1)
-        self._ahead = Ahead()
+        self._end = sent + block.shape[1] / self._actuation.rate
+        self._ahead = self._ahead.after(self._end)
         self._fresh = sent
 
     def _place(self, sent: float) -> int:
@@ -302,7 +311,7 @@ class StreamPacing:
 
     def expect(self, ahead: FloatArray, sent: float) -> None:
         if sent == self._fresh:
-            self._ahead = Ahead(ahead)
+            self._ahead = Ahead(ahead, self._actuation.rate, self._end)
 
     def silence(self) -> None:
         self._actuation.reset()

@@ -116,7 +116,7 @@ class SoundCardWriter:
         self._rows = len(card.actuators)
         self._places = [int(actuator.channels[0].name) for actuator in card.actuators]
         self._resampler = Resampler(self._rows, rate, card.rate)
-        self._hop = round(HOP * rate)
+        self._rate, self._hop = rate, round(HOP * rate)
         ceilings = np.array([actuator.safe_maximum for actuator in card.actuators])
         self._drive = DriveLimits(ceilings, _SLEW, _SUSTAINED, _SUSTAINED_SECONDS, 1.0 / 24.0)
         self._limits = SampleLimits(self._drive, self._rows)
@@ -127,6 +127,7 @@ class SoundCardWriter:
         self._last = np.zeros((self._rows, 1))
         self._dry = True
         self._sent: float | None = None
+        self._end = 0.0
         self._stop = threading.Event()
         self._ended = threading.Event()
         self._state: State = "searching"
@@ -155,6 +156,7 @@ class SoundCardWriter:
         """
         checked = checked_block(np.asarray(block), self._rows)
         sent = time.perf_counter() if sent is None else sent
+        block_seconds = checked.shape[1] / self._rate
         if self._state != "open":
             self._dropped += 1
             return sent
@@ -174,18 +176,18 @@ class SoundCardWriter:
                 self._queue = np.concatenate([self._queue, lead], axis=1)
             self._delays.append(self._queue.shape[1] / rate)
             self._queue = np.concatenate([self._queue, samples], axis=1)
-            self._ahead = Ahead()
-            self._sent = sent
+            self._sent, self._end = sent, sent + block_seconds
+            self._ahead = self._ahead.after(self._end)
             self._dry = False
         self._blocks += 1
         return sent
 
     def expect(self, ahead: ArrayLike, sent: float) -> None:
         """What would follow the block of ``sent``, (actuators, n): it is played only if no other block comes in time."""
-        expected = Ahead(checked_block(np.asarray(ahead), self._rows))
+        expected = checked_block(np.asarray(ahead), self._rows)
         with self._lock:
             if sent == self._sent:
-                self._ahead = expected
+                self._ahead = Ahead(expected, self._rate, self._end)
 
     def silence(self) -> None:
         """Go to zero at once, and forget what was sent so far."""

@@ -174,9 +174,28 @@ def test_what_was_sent_ahead_is_dropped_when_a_block_comes():
         paced.expect(tone(0.4, amplitude=0.9), simulation.now)
         simulation.run_until(simulation.now + 0.039)
     paced.accept(np.zeros((2, 320)), simulation.now)
+    paced.expect(np.zeros((2, 3200)), simulation.now)
     paced.expect(tone(0.4, amplitude=0.9), simulation.now - 0.039)  # comes late: it is of the block before
     simulation.run_until(simulation.now + 1.0)
     assert all(is_silent("dualsense", "usb", data) for data in simulation.reports)
+
+
+@pytest.mark.parametrize(("name", "transport"), [("dualsense", "usb"), ("dualsense-pcm", "bt"), ("steam-controller-pcm", "usb")])
+def test_what_was_sent_ahead_of_the_block_before_does_until_something_newer_comes(name, transport):
+    """The lock is held right after a block, before what would follow it was rendered."""
+    simulation = Simulation(pacing(name, transport, slew=10_000.0)).run_until(1.0)
+    signal = tone(0.54, 150.0, 0.6)
+    simulation.paced.accept(signal[:, :320], simulation.now)
+    simulation.paced.expect(signal[:, 320:], simulation.now)
+    simulation.run_until(1.04)
+    simulation.paced.accept(signal[:, 320:640], simulation.now)
+    simulation.run_until(1.4)
+    if name == "dualsense":
+        assert not is_silent(name, transport, simulation.reports[-1])
+    else:
+        played = np.abs(sounded(name, simulation.reports)).max(axis=0)
+        rate = PROFILES[name].family.rate
+        assert played[rate // 20 :].reshape(-1)[: rate // 4].reshape(-1, rate // 100).max(axis=1).min() > 0.4
 
 
 @pytest.mark.parametrize(("name", "transport", "rate"), [("dualsense-pcm", "bt", 3000), ("steam-controller-pcm", "usb", 8000)])
