@@ -8,6 +8,8 @@ from functools import partial
 from pathlib import Path
 
 from .connection import Connected, connected, hid_module, missing_permission, udev_rule
+from .families.family import Interface
+from .force_feedback import EventNode, ForceFeedbackModule, event_nodes, force_feedback_profile
 from .loopback import PlayerModule
 from .mapping import ActuatedDevice
 from .network import bhaptics, intiface
@@ -49,8 +51,11 @@ def look(folders: Iterable[Path] = (), *, with_sound_cards: bool = False, with_p
     folders: of device profiles of the user's own.
     """
     profiles, problems = load_profiles((BUILT_IN, *(folder for folder in folders if folder.is_dir())))
-    strangers: list[str] = []
-    looks: list[Callable[[], Sequence[Found]]] = [partial(_hid_devices, profiles.values(), strangers)]
+    gamepads: list[Connected] = []
+    looks: list[Callable[[], Sequence[Found]]] = [
+        partial(_hid_devices, tuple(profiles.values()), gamepads),
+        partial(_force_feedback, tuple(profiles.values()), gamepads),
+    ]
     if with_sound_cards:
         looks.append(_sound_cards)
     if with_players:
@@ -61,18 +66,48 @@ def look(folders: Iterable[Path] = (), *, with_sound_cards: bool = False, with_p
             devices += search()
         except OSError as error:
             problems = (*problems, str(error))
-    return Inventory(_with_unique_keys(devices), tuple(strangers), problems)
+    driven = {device.title for device in devices}
+    others = [device for device in gamepads if not _matching(profiles.values(), device) and device.title not in driven]
+    strangers = tuple(device.title or f"{device.vendor:04x}:{device.product:04x}" for device in others)
+    return Inventory(_with_unique_keys(devices), strangers, problems)
 
 
-def _hid_devices(profiles: Iterable[Profile], strangers: list[str]) -> list[Found]:
-    found: list[Found] = []
-    for device in connected(hid_module()):
-        names = {family.name for family in device.families}
-        matching = [profile for profile in profiles if profile.family.name in names]
-        found += [_hid_device(profile, device) for profile in matching]
-        if not matching:
-            strangers.append(device.title or f"{device.vendor:04x}:{device.product:04x}")
-    return found
+def _matching(profiles: Iterable[Profile], device: Connected) -> list[Profile]:
+    names = {family.name for family in device.families}
+    return [profile for profile in profiles if profile.family.name in names]
+
+
+def _hid_devices(profiles: Sequence[Profile], gamepads: list[Connected]) -> list[Found]:
+    """The HID devices that can be driven. All HID devices that are gamepads are added to ``gamepads``."""
+    gamepads += connected(hid_module())
+    return [_hid_device(profile, device) for device in gamepads for profile in _matching(profiles, device)]
+
+
+def _force_feedback(profiles: Sequence[Profile], gamepads: Sequence[Connected]) -> list[Found]:
+    """The kernel's force feedback of what can't be driven as one of the HID devices ``gamepads``."""
+    drivable = [device for device in gamepads if _matching(profiles, device) and any(map(_may_be_opened, device.interfaces))]
+    return [_event_device(node) for node in event_nodes() if node.may_be_opened and not any(_is_same(node, device) for device in drivable)]
+
+
+def _may_be_opened(interface: Interface) -> bool:
+    return missing_permission(interface) is None
+
+
+def _is_same(node: EventNode, device: Connected) -> bool:
+    """Whether an event device and a HID device are the same pad, as far as their serial numbers say."""
+    alike = (node.vendor, node.product) == (device.vendor, device.product)
+    return alike and (not node.serial or not device.serial or node.serial.lower() == device.serial.lower())
+
+
+def _event_device(node: EventNode) -> Found:
+    profile, module = force_feedback_profile(node), ForceFeedbackModule(node)
+    return Found(
+        key=" ".join(filter(None, ("force-feedback", node.title, node.serial))),
+        title=profile.title,
+        kind={"usb": "USB", "bt": "Bluetooth"}[node.transport] + ", kernel",
+        device=profile,
+        open=lambda adjustment: DeviceOutput(profile, adjustment=adjustment, hid=module),
+    )
 
 
 def _hid_device(profile: Profile, device: Connected) -> Found:

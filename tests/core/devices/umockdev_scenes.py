@@ -17,9 +17,11 @@ import numpy as np
 from haptic_tracing.core.devices.connection import connected, hid_module, open_device
 from haptic_tracing.core.devices.families.registry import family, rumble_report
 from haptic_tracing.core.devices.guard import stop_all
+from haptic_tracing.core.devices.inventory import look
 from haptic_tracing.core.devices.output import DeviceOutput
 from haptic_tracing.core.devices.profiles import profile
 from haptic_tracing.core.devices.writer import DeviceWriter
+from kernel_input import Kernel
 from timed_hid import TimedHid, reports_of
 
 RATE = 8000
@@ -286,21 +288,64 @@ def scene_unplug(name):
     return {"lost": lost, "after": after, "done": output.stop(), "captured": NODE.read_bytes().hex()}
 
 
-def scene_no_permission(name):
-    """The node belongs to root and this user is somebody else."""
-    NODE.chmod(0)
+def become_nobody():
+    """Only the permission of the nodes counts from here on."""
     if os.geteuid() == 0:
-        # umockdev's folder and socket are made for its user alone: let others in, so that only the permission of the node counts.
+        # umockdev's folder and sockets are made for its user alone.
         Path(os.environ["UMOCKDEV_DIR"]).chmod(0o755)
-        Path(os.environ["UMOCKDEV_DIR"], "ioctl", "dev", "hidraw0").chmod(0o777)
+        for path in Path(os.environ["UMOCKDEV_DIR"], "ioctl", "dev").rglob("*"):
+            path.chmod(0o777)
         os.setgroups([])
         os.setresgid(65534, 65534, 65534)
         os.setresuid(65534, 65534, 65534)
+
+
+def scene_no_permission(name):
+    """The node belongs to root and this user is somebody else."""
+    NODE.chmod(0)
+    become_nobody()
     try:
         open_device(hid_module(), family(name))
     except OSError as error:
         return {"error": str(error)}
     return {"error": None}
+
+
+def scene_force_feedback(ending):
+    """A pad that the kernel drives, while it can't be opened as a HID device: found, played, paused, and after the program has ended."""
+    kernel = Kernel()
+    Path(os.environ["UMOCKDEV_DIR"], "dev", "hidraw0").unlink(missing_ok=True)  # as a sandbox hides it
+    found = look()
+    program = f"""
+import sys; sys.path[0] = {HERE!r}
+from umockdev_scenes import *
+from haptic_tracing.core.devices.profiles import Adjustment
+(found,) = [device for device in look().devices if not device.permission]
+output = found.open(Adjustment())
+output.start()
+wait_until(lambda: output.status.state == "open", 10.0)
+play(output, 0.5, 1, 60.0)
+print("plays", flush=True)
+if {ending!r} == "rest": output.rest()
+if {ending!r} == "stop": output.stop()
+play(output, 30.0 if {ending!r} == "kill" else 0.0, 1, 60.0)
+time.sleep(60.0)
+"""
+    child = subprocess.Popen([sys.executable, "-c", program], cwd=HERE, stdout=subprocess.PIPE, text=True)
+    assert child.stdout.readline() == "plays\n"
+    loudest = kernel.strength
+    if ending == "kill":
+        loudest = kernel.strength
+        child.kill()
+    begun = time.perf_counter()
+    wait_until(lambda: kernel.strength == (0, 0), 5.0)
+    silent = time.perf_counter() - begun
+    wait_until(lambda: ending == "rest" or not kernel.effects, 5.0)
+    effects = dict(kernel.effects)
+    child.kill()
+    child.wait()
+    keys = [[device.key, device.title, device.kind, device.permission] for device in found.devices]
+    return {"found": keys, "strangers": found.strangers, "loudest": loudest, "silent": silent, "effects": len(effects)}
 
 
 if __name__ == "__main__":

@@ -1,0 +1,173 @@
+"""The Linux kernel's force feedback, for gamepads that may not be opened as HID devices, or are none (an Xbox pad on a cable).
+
+The kernel's driver knows the pad's protocol; an event device takes the strength of two motors. Its effects end with the process that
+holds it, and each by itself half a second after it was started. Constants and layouts are those of ``linux/input.h``.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+import sys
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .families.family import BUS_BLUETOOTH, BUS_USB, HidDevice, Interface, RumbleFamily
+from .profiles import Actuator, Calibration, Channel, Profile
+from .report import Report, Tones, Transport, levels, unsigned16
+
+_SYSTEM = Path("/sys/class/input")
+_RUMBLE_BIT = 0x50
+_EV_FF = 0x15
+_SYSTEM_BUS_BLUETOOTH = 0x0005
+# struct ff_effect: type, id, direction, trigger (two), replay length and delay in ms, padding, strong and weak magnitude; 48 bytes where
+# pointers have 8, as the last member of its union holds one.
+_EFFECT = struct.Struct("@HhHHHHH2xHH")
+_EFFECT_SIZE = 48 if struct.calcsize("P") == 8 else 44
+_EVENT = struct.Struct("@llHHi")
+_LENGTH = 500  # ms
+_UPLOAD = 1 << 30 | _EFFECT_SIZE << 16 | ord("E") << 8 | 0x80  # EVIOCSFF
+
+
+@dataclass(frozen=True, slots=True)
+class EventNode:
+    """An event device that takes rumble. serial: may be empty; the address over Bluetooth."""
+
+    path: str
+    title: str
+    vendor: int
+    product: int
+    serial: str
+    transport: Transport
+
+    @property
+    def may_be_opened(self) -> bool:
+        """Whether this user may."""
+        return os.access(self.path, os.R_OK | os.W_OK)
+
+
+def event_nodes(system: Path = _SYSTEM) -> tuple[EventNode, ...]:
+    """The event devices that take rumble, by path; none on other systems than Linux."""
+    if not sys.platform.startswith("linux") or not system.is_dir():
+        return ()
+    found = []
+    for folder in sorted(system.glob("event*")):
+        device = folder / "device"
+        with suppress(OSError, ValueError):  # it may be unplugged meanwhile
+            if _takes_rumble((device / "capabilities" / "ff").read_text()):
+                found.append(_node(folder.name, device))
+    return tuple(found)
+
+
+def _takes_rumble(capabilities: str) -> bool:
+    """capabilities: words of hexadecimal as long as a C long, the last holding the lowest bits."""
+    bits = 8 * struct.calcsize("l")
+    value = sum(int(word, 16) << bits * place for place, word in enumerate(reversed(capabilities.split())))
+    return bool(value >> _RUMBLE_BIT & 1)
+
+
+def _node(name: str, device: Path) -> EventNode:
+    vendor, product, bus = (int((device / "id" / key).read_text(), 16) for key in ("vendor", "product", "bustype"))
+    title, serial = ((device / key).read_text().strip() if (device / key).exists() else "" for key in ("name", "uniq"))
+    return EventNode(f"/dev/input/{name}", title, vendor, product, serial, "bt" if bus == _SYSTEM_BUS_BLUETOOTH else "usb")
+
+
+@dataclass(frozen=True, slots=True)
+class ForceFeedbackModule:
+    """An event device in the place of hidapi's module."""
+
+    node: EventNode
+
+    def enumerate(self, vendor_id: int = 0, product_id: int = 0) -> Iterable[Mapping[str, Any]]:
+        """The one device, while it is there."""
+        if not os.access(self.node.path, os.F_OK):
+            return []
+        node, bus = self.node, BUS_BLUETOOTH if self.node.transport == "bt" else BUS_USB
+        names = {"path": node.path.encode(), "serial_number": node.serial, "product_string": node.title, "bus_type": bus}
+        return [{**names, "vendor_id": 0, "product_id": 0, "usage_page": 0, "usage": 0, "interface_number": -1}]
+
+    def device(self) -> HidDevice:
+        """A device that is not open yet."""
+        return _EventDevice()
+
+
+class _EventDevice:
+    """An event device in the place of hidapi's device. A report is the strength of the strong and the weak motor."""
+
+    def __init__(self) -> None:
+        self._file, self._effect, self._error = -1, -1, ""
+
+    def open_path(self, path: bytes) -> None:
+        self._file = os.open(path, os.O_RDWR | os.O_CLOEXEC)
+        self._effect = -1
+
+    def write(self, data: bytes) -> int:
+        strong, weak = struct.unpack("<HH", data)
+        try:
+            if strong or weak:
+                self._upload(strong, weak)
+            if self._effect >= 0:
+                os.write(self._file, _EVENT.pack(0, 0, _EV_FF, self._effect, 1 if strong or weak else 0))
+        except OSError as error:
+            self._error = str(error)
+            return -1
+        return len(data)
+
+    def _upload(self, strong: int, weak: int) -> None:
+        import fcntl
+
+        effect = bytearray(_EFFECT.pack(_RUMBLE_BIT, self._effect, 0, 0, 0, _LENGTH, 0, strong, weak).ljust(_EFFECT_SIZE, b"\0"))
+        fcntl.ioctl(self._file, _UPLOAD, effect)
+        self._effect = _EFFECT.unpack_from(effect)[1]
+
+    send_feature_report = write
+
+    def get_feature_report(self, report: int, length: int) -> list[int]:
+        return []
+
+    def read(self, length: int, timeout_ms: int) -> list[int]:
+        return []
+
+    def error(self) -> str:
+        return self._error
+
+    def close(self) -> None:
+        """Close the device: the kernel erases its effects."""
+        if self._file >= 0:
+            os.close(self._file)
+            self._file = -1
+
+
+def _encode(drive: Tones, transport: Transport, sequence: int) -> Report:
+    left, right = map(unsigned16, drive.amplitudes)
+    return Report(struct.pack("<HH", left, right))
+
+
+def _anything(interface: Interface) -> bool:
+    return True
+
+
+FORCE_FEEDBACK = RumbleFamily(
+    name="force-feedback",
+    title="Gamepad (kernel)",
+    ids=frozenset({(0, 0)}),
+    transports=("usb", "bt"),
+    channels=("left", "right"),
+    minimum_interval={"usb": 0.010, "bt": 0.050},
+    refresh_interval=0.250,
+    ends_by_itself=True,
+    after_kill="stops at once: the kernel erases the effects of a program that ends",
+    picks=_anything,
+    encode=_encode,
+    rumble=levels,
+)
+
+
+def force_feedback_profile(node: EventNode) -> Profile:
+    """What such a gamepad can do: a strong, slow motor and a weak, fast one shake the whole pad."""
+    channels = (Channel("left", (10.0, 100.0)), Channel("right", (100.0, 1000.0)))
+    actuator = Actuator("both motors", ("hand.L", "hand.R"), "ERM", (30.0, 250.0), 0.06, 1.0, channels, Calibration())
+    return Profile("force-feedback", node.title or FORCE_FEEDBACK.title, FORCE_FEEDBACK, False, None, 50.0, 0.7, 10.0, (actuator,))
