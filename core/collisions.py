@@ -16,7 +16,9 @@ from .contacts.impact_sources import ImpactSources
 from .contacts.tracker import Body, ContactSettings, ContactTracker, FrameContacts, Impact
 from .graph.gain_bounds import object_bounds, signal_gain_bound
 from .graph.haptic_graph import ObjectTable
+from .graph.object_frames import ObjectFrames, local_centres
 from .message import Message
+from .scene.choices import Strategy
 from .scene.functions import ModulationFunction
 from .scene.values import HapticObject, Listener, Settings, Source, Vector
 from .signals import Signal
@@ -48,9 +50,11 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Collisions:
-    """Collisions of one frame. ``sources``: the temporary ones, of this frame's impacts and of earlier ones that still sound."""
+    """Collisions of one frame. ``sources``: the temporary ones, of this frame's impacts and of earlier ones that still sound. ``frames``:
+    where the objects lie, None where propagation does not ask."""
 
     contacts: ContactSet
+    frames: ObjectFrames | None = None
     impacts: tuple[Impact, ...] = ()
     sources: tuple[Source, ...] = ()
     statistics: Mapping[str, int | float] = field(default_factory=dict)
@@ -91,7 +95,8 @@ class CollisionDetector:
         """Return the collisions of ``frame``; ``table`` numbers its objects, ``previous`` is the time of the frame before it, if any."""
         if frame.contacts is not None or not frame.bodies or frame.transforms is None:
             self._sources.clear()
-            return Collisions(ContactSet.empty() if frame.contacts is None else frame.contacts)
+            frames = ObjectFrames.of_objects(table.objects) if _asks_for_frames(frame.settings) else None
+            return Collisions(ContactSet.empty() if frame.contacts is None else frame.contacts, frames)
         begun = perf_counter()
         tracker = self._follow(frame.bodies, table)
         if previous is not None:
@@ -104,6 +109,7 @@ class CollisionDetector:
         self._sources.add(impacts, [body.name for body in frame.bodies] if impacts else (), frame.transforms, self.impact_materials)
         return Collisions(
             contacts=contacts,
+            frames=self._numbering.frames(frame.transforms) if _asks_for_frames(frame.settings) else None,
             impacts=impacts,
             sources=self._sources.sources(frame.transforms),
             statistics={
@@ -167,6 +173,13 @@ class _Numbering:
         index = table.index()
         self.objects: IntArray = np.array([index[body.name] for body in bodies], dtype=np.int64)
         self._bounds: tuple[Settings, tuple[FloatArray, FloatArray]] | None = None
+        self._centres: FloatArray | None = None
+
+    def frames(self, transforms: FloatArray) -> ObjectFrames:
+        """Return where the objects lie when the bodies have these rigid ``transforms`` (n, 4, 4)."""
+        if self._centres is None:
+            self._centres = local_centres([body.shape for body in self.bodies])
+        return ObjectFrames.unknown(len(self.table.names)).placed(self.objects, self._centres, transforms)
 
     def gain_bounds(self, settings: Settings) -> tuple[FloatArray, FloatArray]:
         """Return factor and decay (n,) of each body such that its gain over d metres is at most ``factor * exp(-decay * d)``."""
@@ -174,6 +187,10 @@ class _Numbering:
             factor, decay = object_bounds(self.table, settings)
             self._bounds = settings, (factor[self.objects], decay[self.objects])
         return self._bounds[1]
+
+
+def _asks_for_frames(settings: Settings) -> bool:
+    return settings.strategy is Strategy.ENERGY_BALANCE
 
 
 def _same_names(first: Sequence[Body], second: Sequence[Body]) -> bool:

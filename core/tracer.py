@@ -14,6 +14,7 @@ import numpy as np
 from .collisions import CollisionDetector, Collisions, Frame
 from .contacts.tracker import ContactSettings
 from .graph.haptic_graph import ObjectTable, build_graph
+from .graph.object_frames import ObjectFrames
 from .propagation import propagate
 from .propagation.reuse import Inputs, Propagated
 from .render.frame_result import FrameResult
@@ -60,7 +61,7 @@ class Tracer:
         collisions = self.collisions.detect(frame, table, self._time)
         watch = _Stopwatch(dict(collisions.milliseconds))
         inputs = Inputs(table, collisions.contacts, frame.sources + collisions.sources, frame.listeners, frame.settings)
-        propagated = self._propagate(inputs, watch)
+        propagated = self._propagate(inputs, collisions.frames, watch)
         block = self._mixdown.render(self._time, frame.time, inputs.sources, frame.listeners, propagated.propagation)
         watch.lap("mix")
         first_sample = sample_index(frame.time if self._time is None else self._time, self.sample_rate)
@@ -93,11 +94,11 @@ class Tracer:
             self._table = ObjectTable.of(frame.objects, frame.settings.epsilon)
         return self._table
 
-    def _propagate(self, inputs: Inputs, watch: _Stopwatch) -> Propagated:
+    def _propagate(self, inputs: Inputs, frames: ObjectFrames | None, watch: _Stopwatch) -> Propagated:
         """Return graph and gains, those of the last frame where its inputs were the same."""
         known = self._propagated
         if known is None or not known.inputs.same_as(inputs):
-            graph = build_graph(inputs.table, inputs.contacts, inputs.sources, inputs.listeners)
+            graph = build_graph(inputs.table, inputs.contacts, inputs.sources, inputs.listeners, frames)
             watch.lap("graph")
             known = self._propagated = Propagated(inputs, graph, propagate(graph, inputs.settings, sounding_only=True))
         else:

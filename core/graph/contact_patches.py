@@ -48,7 +48,7 @@ def merge_patches(graph: HapticGraph) -> MergedPatches:
         numbers = np.arange(graph.node_count)
         return MergedPatches(graph, numbers, numbers)
     means = _PatchMeans(graph)
-    nodes = _nodes_of_contacts(graph)
+    nodes = nodes_of_contacts(graph)
     crossed = nodes.reshape(-1)
     stands_for = np.arange(graph.node_count)
     stands_for[crossed] = nodes[means.largest].reshape(-1)
@@ -73,6 +73,7 @@ def merge_patches(graph: HapticGraph) -> MergedPatches:
         contact=np.where(inside, -1, np.searchsorted(kept, graph.contact[node])),
         transmission=transmission,
         transmission_loss=loss,
+        weight=means.of(graph.weight)[kept],
         share=np.ones(len(kept)),
         contact_band_gains=None if graph.contact_band_gains is None else means.of(graph.contact_band_gains)[kept],
         contact_delay=None if graph.contact_delay is None else means.of(graph.contact_delay)[kept],
@@ -82,7 +83,7 @@ def merge_patches(graph: HapticGraph) -> MergedPatches:
     return MergedPatches(merged, node, number[stands_for])
 
 
-def _nodes_of_contacts(graph: HapticGraph) -> IntArray:
+def nodes_of_contacts(graph: HapticGraph) -> IntArray:
     """The two nodes of each contact (c, 2), that of the lower number first."""
     first = np.flatnonzero(graph.partner > np.arange(graph.node_count))
     nodes = np.empty((graph.contact_count, 2), dtype=np.int64)

@@ -20,6 +20,7 @@ from ..contacts.contact_set import ContactSet
 from ..scene.bands import BAND_COUNT
 from ..scene.functions import ModulationFunction, Spectrum
 from ..scene.values import HapticObject, HapticScene, Listener, Source, SourceKind
+from .object_frames import ObjectFrames
 
 if TYPE_CHECKING:
     import networkx
@@ -179,11 +180,23 @@ class SourceNodes:
 class HapticGraph:
     """``G = (V, {P, T})`` with the intra-connections P implied.
 
-    Nodes are sorted by object: those of object o are ``start[o] : start[o + 1]``. Per node: ``node_object`` (n,), ``node_kind`` (n,),
-    ``node_position`` (n, 3) [m], ``partner`` (n,) the node at the other end of its inter-connection or -1, ``contact`` (n,) the number of
-    its contact or -1. Per contact: ``transmission`` (c,) gain of the inter-connection and ``transmission_loss`` (c,) its ``-log``,
-    ``share`` (c,) of its patch (weights sums over paths, not the best path), ``contact_band_gains`` (c, bands) and ``contact_delay`` (c,)
-    [s] or None.
+    Attributes:
+        table: propagation functions of the objects.
+        start: (o + 1,) nodes are sorted by object; those of object k are ``start[k] : start[k + 1]``.
+        node_object: (n,) object of each node.
+        node_kind: (n,) a `NodeKind`.
+        node_position: (n, 3) [m, world].
+        partner: (n,) the node at the other end of its inter-connection, or -1.
+        contact: (n,) number of its contact, or -1.
+        transmission: (c,) gain of each inter-connection, the contact's weight included.
+        transmission_loss: (c,) ``-log`` of that.
+        weight: (c,) the contact's weight: 1, falling to 0 where the objects part.
+        share: (c,) part of its patch; weighs sums over paths, not the best path.
+        contact_band_gains: (c, bands), or None.
+        contact_delay: (c,) [s], or None.
+        sources, listeners: by name, with their nodes.
+        listener_nodes: (l,) node of each listener.
+        frames: where the objects lie.
     """
 
     table: ObjectTable
@@ -195,12 +208,14 @@ class HapticGraph:
     contact: IntArray
     transmission: FloatArray
     transmission_loss: FloatArray
+    weight: FloatArray
     share: FloatArray
     contact_band_gains: FloatArray | None
     contact_delay: FloatArray | None
     sources: tuple[SourceNodes, ...]
     listeners: tuple[str, ...]
     listener_nodes: IntArray
+    frames: ObjectFrames
 
     @property
     def node_count(self) -> int:
@@ -284,8 +299,14 @@ def _lengths(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
     return result
 
 
-def build_graph(table: ObjectTable, contacts: ContactSet, sources: Sequence[Source], listeners: Sequence[Listener]) -> HapticGraph:
-    """The haptic graph of one frame. ``contacts`` refers to objects by their number in ``table``.
+def build_graph(
+    table: ObjectTable,
+    contacts: ContactSet,
+    sources: Sequence[Source],
+    listeners: Sequence[Listener],
+    frames: ObjectFrames | None = None,
+) -> HapticGraph:
+    """The haptic graph of one frame. ``contacts`` and ``frames`` number objects as ``table`` does; frames may be unknown.
 
     Nodes are put into a canonical order (object, kind, contact by objects and position), so that the result does not depend on the order
     in which contacts were found. Raises ValueError that names the argument for an object that is not in the table, a contact of an object
@@ -318,13 +339,7 @@ def build_graph(table: ObjectTable, contacts: ContactSet, sources: Sequence[Sour
     order = np.argsort(node_object, kind="stable")
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
-    partner = np.full(len(order), -1, dtype=np.int64)
-    contact = np.full(len(order), -1, dtype=np.int64)
-    numbers = np.arange(count)
-    partner[rank[:count]] = rank[count : 2 * count]
-    partner[rank[count : 2 * count]] = rank[:count]
-    contact[rank[:count]] = numbers
-    contact[rank[count : 2 * count]] = numbers
+    partner, contact = _inter_connections(rank, count)
     source_nodes: list[list[int]] = [[] for _ in sources]
     for entry, (number, _, _) in enumerate(source_entries):
         source_nodes[number].append(int(rank[2 * count + entry]))
@@ -339,19 +354,31 @@ def build_graph(table: ObjectTable, contacts: ContactSet, sources: Sequence[Sour
         contact=contact,
         transmission=transmission,
         transmission_loss=loss,
+        weight=contacts.weight,
         share=contacts.share,
         contact_band_gains=band_gains,
         contact_delay=delay,
         sources=tuple(SourceNodes(s.name, tuple(n), s.amplitude, s.kind) for s, n in zip(sources, source_nodes, strict=True)),
         listeners=tuple(listener.name for listener in listeners),
         listener_nodes=rank[2 * count + len(source_entries) :].copy(),
+        frames=frames or ObjectFrames.unknown(len(table.names)),
     )
+
+
+def _inter_connections(rank: IntArray, count: int) -> tuple[IntArray, IntArray]:
+    """Partner and contact of each node (n,), -1 where it has none; ``rank`` (n,): number of each node, those of the contacts first."""
+    partner, contact = np.full((2, len(rank)), -1, dtype=np.int64)
+    first, second = rank[:count], rank[count : 2 * count]
+    partner[first], partner[second] = second, first
+    contact[first] = contact[second] = np.arange(count)
+    return partner, contact
 
 
 def graph_of_scene(scene: HapticScene) -> HapticGraph:
     """The haptic graph of a scene with authored contacts."""
     table = ObjectTable.of(scene.objects, scene.settings.epsilon)
-    return build_graph(table, ContactSet.from_contacts(scene.contacts, table.index()), scene.sources, scene.listeners)
+    contacts = ContactSet.from_contacts(scene.contacts, table.index())
+    return build_graph(table, contacts, scene.sources, scene.listeners, ObjectFrames.of_objects(table.objects))
 
 
 def _check(

@@ -1,321 +1,339 @@
 """`energy_balance`: statistical energy analysis on the haptic graph.
 
-A subsystem is an object, or a region of one that is larger than the length over which it damps. Derivation, units and limits are in
-``docs/energy_balance.md``; in short, with energies E and the powers P that the sources put in:
+Subsystems are objects, and regions of those that are larger than the length over which they damp (`subsystems`). Derivation, units and
+limits are in ``docs/energy_balance.md``; in short, with energies E and the powers P that the sources put in:
 
-    Λ_i E_i + Σ_j C_ij (E_i - E_j) = P_i,   Λ_i = 1 / f_i(d_i)²,
-    C_ij = Σ share · transmission² over the contacts of i and j, or f(d_ij)² Λ_i Λ_j between regions of one object,
+    m_i Λ_i E_i + Σ_j C_ij (E_i - E_j) = P_i,   Λ_i = 1 / f_i(d_i)²,
+    C_ij = Σ share · transmission² over the contacts of i and j, or m_i m_j f(d_ij)² Λ_i Λ_j between regions of one object,
 
-where f is the object's propagation function and d_i a typical distance between the contacts of i. The matrix is symmetric, strictly
-diagonally dominant and has no positive entry beside its diagonal: it can always be solved, energy is never created, and exchanging source
-and listener changes nothing.
+where f is the object's propagation function, d_i a typical distance between contacts of i, and m_i the part of a region that exists. The
+matrix is symmetric, strictly diagonally dominant and has no positive entry beside its diagonal: it can always be solved, energy is never
+created, and exchanging source and listener changes nothing.
 
 Source: R. H. Lyon, R. G. DeJong, *Theory and Application of Statistical Energy Analysis*, Butterworth-Heinemann 1995, chapters 2 and 3.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
-from ..graph.contact_patches import contact_patches
-from ..graph.haptic_graph import HapticGraph, NodeKind, distances
+from ..graph.contact_patches import nodes_of_contacts
+from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
-from .elimination import Elimination, eliminated
+from .conjugate_gradients import Balanced, PowerBalance, solve
+from .connections import band_factors
+from .subsystems import subsystems
 
-REGIONS = 256
-"""Regions of one object at most."""
+HOPS = 24
+"""Contacts from a source up to which everything is assembled at first; twice as many where what lies beyond may still matter."""
 
-DENSE = 1500
-"""Up to so many subsystems with many couplings are solved as a dense matrix, more by conjugate gradients."""
+PRECISE = 4e-3
+"""Relative error allowed in the energy at a listener: 0.017 dB."""
 
-ITERATIONS = 2000
-PRECISION = 1e-15
-"""Conjugate gradients stop when no energy can be wrong by more than this part of the power put in."""
+INAUDIBLE = 1e-12
+"""Error allowed in an energy at any rate, relative to the power put in: an amplitude of 1e-6, or -120 dB."""
 
-HIGHEST = 1e150
-"""Gains and distances above this are taken as this: their squares have to be numbers."""
+UNDERFLOW = 1e-280
+"""Squares of gains below this are cut to this, where the gain is not 0."""
 
-SAMPLES = 65
-"""Distances at which a function without a closed form is looked at, to find where it damps."""
+TINIEST = 1e-140
+"""Least bound on the error of an amplitude that is not known to be 0."""
+
+STRAIGHTEST = 4
+"""Power of the energy that arrives by which the regions about a source or listener share it: the nearest has most of it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Energies:
-    """Amplitude gains ``gain`` (s, l) and their bounds ``error`` (s, l); ``bands`` (s, l, bands) or None; ``subsystems`` their number;
-    ``amplified`` whether a gain above 1 was taken as 1."""
+    """Amplitude gains ``gain`` (s, l) and their bounds ``error`` (s, l); ``bands`` (s, l, bands) or None; ``subsystems`` their number."""
 
     gain: FloatArray
     error: FloatArray
     bands: FloatArray | None
     subsystems: int
-    amplified: bool
+
+
+def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
+    """Amplitude gains of the wanted pairs (s, l): the square root of the energy at each listener, relative to what the source would leave
+    at its own place."""
+    gain, error = np.zeros(wanted.shape), np.zeros(wanted.shape)
+    bands = np.zeros((*wanted.shape, BAND_COUNT)) if graph.uses_bands else None
+    rows, columns = np.flatnonzero(wanted.any(axis=1)), np.flatnonzero(wanted.any(axis=0))
+    if len(rows) == 0:
+        return Energies(gain, error, bands, 0)
+    sources = _Ends(
+        [node for row in rows for node in graph.sources[row].nodes],
+        np.arange(len(rows)).repeat([len(graph.sources[row].nodes) for row in rows]),
+        np.concatenate([np.full(len(graph.sources[row].nodes), 1.0 / len(graph.sources[row].nodes)) for row in rows]),
+    )
+    listeners = _Ends(graph.listener_nodes[columns].tolist(), np.arange(len(columns)), np.ones(len(columns)))
+    forward = len(rows) <= len(columns)  # energies are reciprocal: solved for whichever are fewer
+    level, doubt, count = _levels(graph, *((sources, listeners) if forward else (listeners, sources)))
+    if not forward:
+        level, doubt = level.swapaxes(1, 2), doubt.T
+    level = np.minimum(np.maximum(level, 0.0), 1.0) * wanted[rows][:, columns]
+    amplitude = np.sqrt(level)
+    most, least = np.sqrt(np.minimum(level[0] + doubt, 1.0)), np.sqrt(np.maximum(level[0] - doubt, 0.0))
+    here = rows[:, None], columns
+    gain[here] = amplitude[0]
+    error[here] = np.where(doubt * wanted[here] > 0, np.maximum(np.maximum(most - amplitude[0], amplitude[0] - least), TINIEST), 0.0)
+    if bands is not None:
+        bands[here] = np.moveaxis(amplitude[1:], 0, -1)
+    return Energies(gain, error, bands, count)
 
 
 @dataclass(frozen=True, slots=True)
-class Regions:
-    """Subsystems: ``of_object`` (r,) the object of each, ``centre`` (r, 3) [m], ``distance`` (r,) typical distance between contacts [m];
-    ``of_node`` (n,) the region of each node, -1 where its object lets nothing through."""
+class _Ends:
+    """Nodes where power is put in, or energy is felt: the number of the source or listener of each, and its part of that."""
 
-    of_object: IntArray
-    centre: FloatArray
-    distance: FloatArray
-    of_node: IntArray
+    node: list[int]
+    number: IntArray
+    part: FloatArray
 
-
-def energy_gains(graph: HapticGraph) -> Energies:
-    """Amplitude gains: the square root of the energy at each listener, relative to what the source would leave at its own place."""
-    regions = _regions(graph)
-    gain, error, amplified = _lane(graph, regions, None)
-    bands = np.stack([_lane(graph, regions, band)[0] for band in range(BAND_COUNT)], axis=-1) if graph.uses_bands else None
-    return Energies(gain, error, bands, len(regions.of_object), amplified)
+    @property
+    def count(self) -> int:
+        return int(self.number[-1]) + 1
 
 
-def _lane(graph: HapticGraph, regions: Regions, band: int | None) -> tuple[FloatArray, FloatArray, bool]:
-    """Gains and error bounds (s, l) of the plain gains, or of one band."""
-    inside = _energy_gain(graph, regions.of_object, regions.distance, band)
-    amplified = bool(np.any(inside > 1))
-    inside = np.minimum(inside, 1.0)
-    # A region that lets nothing through has infinite damping: its energy is 0, and so is what its contacts pass on.
-    alive = inside > 0
-    damping = 1.0 / np.where(alive, inside, 1.0)
-    rows, columns, coupling, created = _couplings(graph, regions, damping, alive, band)
-    sources, listeners = _ends(graph, regions, band)
-    total = damping + np.bincount(rows, weights=coupling, minlength=len(damping))
-    power = np.zeros((len(damping), len(graph.sources)))
-    for number, source in enumerate(graph.sources):
-        for node in source.nodes:
-            region = int(regions.of_node[node])
-            if region >= 0 and alive[region]:
-                power[region, number] += sources[node] / len(source.nodes)
-    energy, doubt = _solve(damping, rows, columns, coupling, power)
-    heard = regions.of_node[graph.listener_nodes]
-    usable = (heard >= 0) & alive[heard]
-    level = np.where(usable[None], energy[heard].T * listeners[None], 0.0)
-    for number, source in enumerate(graph.sources):
-        for node in source.nodes:
-            _near(graph, regions, node, sources[node], number, len(source.nodes), damping, total, alive, listeners, band, level)
-    gain = np.sqrt(np.clip(level, 0.0, 1.0))
-    bound = doubt[:, None] * np.where(usable, listeners, 0.0)[None]
-    error = np.maximum(np.sqrt(level.clip(0.0) + bound) - gain, gain - np.sqrt(np.maximum(level - bound, 0.0)))
-    return gain, np.where(bound > 0, np.clip(error, 0.0, 1.0), 0.0), amplified or created
+def _levels(graph: HapticGraph, here: _Ends, there: _Ends) -> tuple[FloatArray, FloatArray, int]:
+    """Energies (lanes, here, there), bounds (here, there) on the errors of the plain ones, and the number of subsystems."""
+    hops = HOPS
+    while True:
+        found = _Assembly(graph, here, there, hops).solved()
+        if found is not None:
+            return found
+        hops *= 2
 
 
-def _near(
-    graph: HapticGraph,
-    regions: Regions,
-    node: int,
-    injected: float,
-    number: int,
-    sides: int,
-    damping: FloatArray,
-    total: FloatArray,
-    alive: BoolArray,
-    listeners: FloatArray,
-    band: int | None,
-    level: FloatArray,
-) -> None:
-    """In the source's own region: the part of the energy that has not left it yet reaches a listener straight, by the object's function."""
-    region = int(regions.of_node[node])
-    if region < 0 or not alive[region]:
-        return
-    same = np.flatnonzero(regions.of_node[graph.listener_nodes] == region)
-    straight = distances(graph.node_position[graph.listener_nodes[same]], graph.node_position[node])
-    direct = np.minimum(1.0, _energy_gain(graph, np.full(len(same), regions.of_object[region]), straight, band))
-    level[number, same] += (damping[region] * direct - injected * listeners[same]) / total[region] / sides
+@dataclass(frozen=True, slots=True)
+class _Attachments:
+    """How ends belong to the subsystems of their objects.
+
+    Attributes:
+        first, size: of each end: its attachments are the ``size`` from ``first`` on, in the same order for all ends on an object.
+        region: (a,) the subsystem.
+        share: (a,) part of the end that belongs to it.
+        energy: (lanes, a) that part times the energy that gets from the end to the middle of the subsystem.
+    """
+
+    first: IntArray
+    size: IntArray
+    region: IntArray
+    share: FloatArray
+    energy: FloatArray
 
 
-def _energy_gain(graph: HapticGraph, index: IntArray, distance: FloatArray, band: int | None) -> FloatArray:
-    """Squares of the gains of objects over distances, of the plain gain or in a band."""
-    gains = graph.table.factor[index] * np.exp(-graph.table.decay[index] * distance)
-    for number in set(index.tolist()) & graph.table.special:
-        chosen = np.flatnonzero(index == number)
-        gains[chosen] = graph.table.gain(number, distance[chosen])
-    if band is not None:
-        if graph.table.band_gains is not None:
-            gains = gains * graph.table.band_gains[index, band]
-        if graph.table.band_decays is not None:
-            gains = gains * np.exp(-graph.table.band_decays[index, band] * distance)
-    gains = np.minimum(gains, HIGHEST)
-    return np.asarray(gains * gains)
+class _Assembly:
+    """The equations of all subsystems within ``hops`` contacts from the ends ``here``."""
+
+    def __init__(self, graph: HapticGraph, here: _Ends, there: _Ends, hops: int) -> None:
+        self._graph, self._here, self._there = graph, here, there
+        self._lanes = 1 + BAND_COUNT if graph.uses_bands else 1
+        nodes = nodes_of_contacts(graph)
+        nodes = nodes[(graph.transmission > 0) & (graph.share > 0)]
+        objects = graph.node_object[nodes]
+        self._reached = _within(objects, graph.node_object[here.node], len(graph.table.names), hops)
+        inside = self._reached[objects]
+        self._border = nodes[inside[:, 0] ^ inside[:, 1]]
+        self._inner = nodes[inside.all(axis=1)]
+        self._parts = subsystems(graph, np.sort(nodes[inside]))
+        through = self._squares(self._parts.of_object, self._parts.distance)
+        self._passes = through > 0
+        self._decay = 1.0 / np.where(self._passes, through, 1.0)
+        self._balance = self._equations()
+        coupled = [np.bincount(self._balance.row, weights=c, minlength=len(self._parts.mass)) for c in self._balance.coupling]
+        self._total = self._balance.damping + self._balance.leak + np.array(coupled)
+        self._ends = self._attached(here), self._attached(there)
+
+    def _squares(self, index: IntArray, distance: FloatArray) -> FloatArray:
+        """Squares (lanes, n) of the gains of objects over distances; gains above 1 count as 1."""
+        gains = self._graph.table.gains(index, distance)[None]
+        if self._lanes > 1:
+            gains = np.concatenate([gains, gains * band_factors(self._graph, index, distance).T])
+        return np.where(gains > 0, np.maximum(np.minimum(gains, 1.0) ** 2, UNDERFLOW), 0.0)
+
+    def _contact_squares(self, nodes: IntArray) -> FloatArray:
+        """Share times the square (lanes, c) of the gain of the contacts of nodes (c,)."""
+        graph = self._graph
+        contact = graph.contact[nodes]
+        gains = graph.transmission[contact][None]
+        if self._lanes > 1:
+            bands = np.ones((len(contact), BAND_COUNT)) if graph.contact_band_gains is None else graph.contact_band_gains[contact]
+            gains = np.concatenate([gains, gains * bands.T])
+        return np.asarray(graph.share[contact] * np.minimum(gains, 1.0) ** 2)
+
+    def _equations(self) -> PowerBalance:
+        """Dampings and couplings. A subsystem that lets nothing through takes up energy and has none."""
+        parts = self._parts
+        one, other, value = self._contact_couplings()
+        within, among, through = self._region_couplings()
+        row = np.concatenate([one, other, within])
+        column = np.concatenate([other, one, among])
+        coupling = np.concatenate([value, value, through], axis=1)
+        order = np.argsort(row, kind="stable")
+        row, column, coupling = row[order], column[order], coupling[:, order]
+        blocked = ~self._passes[:, column]
+        count = len(parts.mass)
+        leak = np.array([np.bincount(row, weights=np.where(b, c, 0.0), minlength=count) for b, c in zip(blocked, coupling, strict=True)])
+        self._border_part = self._border_couplings()
+        region, _, value, _ = self._border_part
+        if len(region):
+            leak += np.array([np.bincount(region, weights=v, minlength=count) for v in value])
+        coupling[blocked | ~self._passes[:, row]] = 0.0
+        return PowerBalance(parts.mass * self._decay, leak.reshape(self._lanes, count), row, column, coupling)
+
+    def _contact_couplings(self) -> tuple[IntArray, IntArray, FloatArray]:
+        """Couplings by contacts: subsystems on either side, and values (lanes, c)."""
+        parts, nodes = self._parts, self._inner
+        first = parts.node.searchsorted(nodes, side="left")
+        size = parts.node.searchsorted(nodes, side="right") - first
+        pairs = size.prod(axis=1)
+        which = np.arange(len(nodes)).repeat(pairs)
+        number = np.arange(len(which)) - (pairs.cumsum() - pairs)[which]
+        a = first[which, 0] + number // size[which, 1]
+        b = first[which, 1] + number % size[which, 1]
+        value = self._contact_squares(nodes[:, 0])[:, which] * (parts.weight[a] * parts.weight[b])
+        return parts.region[a], parts.region[b], value
+
+    def _border_couplings(self) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+        """Couplings to objects that are not assembled: subsystem, the object beyond, value (lanes, c) and weight of the contact."""
+        graph, parts = self._graph, self._parts
+        if len(self._border) == 0:
+            none = np.zeros(0, dtype=np.int64)
+            return none, none, np.zeros((self._lanes, 0)), np.zeros(0)
+        inside = self._reached[graph.node_object[self._border]]
+        nodes = self._border[inside]
+        first = parts.node.searchsorted(nodes, side="left")
+        size = parts.node.searchsorted(nodes, side="right") - first
+        which = np.arange(len(nodes)).repeat(size)
+        place = np.arange(len(which)) + (first - size.cumsum() + size)[which]
+        beyond = graph.node_object[self._border[~inside]][which]
+        return parts.region[place], beyond, self._contact_squares(nodes)[:, which] * parts.weight[place], parts.weight[place]
+
+    def _region_couplings(self) -> tuple[IntArray, IntArray, FloatArray]:
+        """Couplings between the regions of an object, both directions."""
+        parts = self._parts
+        new = np.diff(parts.of_object, prepend=-1) != 0
+        begin = np.flatnonzero(new)
+        size = np.diff(np.append(begin, len(parts.of_object)))
+        several = size > 1
+        begin, size = begin[several], size[several]
+        rows = np.arange(size.sum()) + (begin - size.cumsum() + size).repeat(size)
+        each = size.repeat(size)
+        a = rows.repeat(each)
+        b = np.arange(len(a)) + (begin.repeat(size) - each.cumsum() + each).repeat(each)
+        a, b = a[a != b], b[a != b]
+        value = self._squares(parts.of_object[a], distances(parts.centre[a], parts.centre[b]))
+        return a, b, value * (parts.mass * self._decay)[:, a] * (parts.mass * self._decay)[:, b]
+
+    def _attached(self, ends: _Ends) -> _Attachments:
+        """The ends and the subsystems of their objects: nearest ones, by the energy that gets there, have the largest shares."""
+        graph, parts = self._graph, self._parts
+        node = np.array(ends.node, dtype=np.int64)
+        index = graph.node_object[node]
+        begin = parts.of_object.searchsorted(index, side="left")
+        size = parts.of_object.searchsorted(index, side="right") - begin
+        first = size.cumsum() - size
+        which = np.arange(len(node)).repeat(size)
+        region = np.arange(len(which)) + (begin - first)[which]
+        there = self._squares(index[which], distances(graph.node_position[node[which]], parts.centre[region]))
+        at_once = self._squares(index, np.zeros(len(index)))[:, which]
+        energy = np.minimum(1.0, np.divide(there, at_once, out=np.zeros_like(there), where=at_once > 0))
+        nearest = np.zeros(len(node))
+        np.maximum.at(nearest, which, there[0])
+        share = np.divide(there[0], nearest[which], out=np.zeros(len(which)), where=nearest[which] > 0) ** STRAIGHTEST * parts.mass[region]
+        total = np.bincount(which, weights=share, minlength=len(node))
+        share = np.divide(share, total[which], out=np.zeros(len(which)), where=total[which] > 0)
+        return _Attachments(first, size, region, share, energy * np.where(self._passes[:, region], share, 0.0))
+
+    def solved(self) -> tuple[FloatArray, FloatArray, int] | None:
+        """Energies (lanes, here, there), bounds (here, there) on the plain ones' errors, and the number of subsystems.
+
+        None where what is not assembled may still matter.
+        """
+        here, there = self._here, self._there
+        lanes, count = self._lanes, len(self._parts.mass)
+        power = np.zeros((lanes, here.count, count))
+        entry, exit_ = self._ends
+        column = here.number.repeat(entry.size)
+        for lane in range(lanes):
+            np.add.at(power[lane], (column, entry.region), entry.energy[lane] * here.part.repeat(entry.size))
+        straight = self._straight()
+        felt = there.number.repeat(exit_.size)
+        reached = np.bincount(felt, weights=exit_.share * there.part.repeat(exit_.size), minlength=there.count)
+        unknown = np.zeros(there.count, dtype=np.bool_)
+        if len(self._border):
+            unknown[there.number[~self._reached[self._graph.node_object[there.node]]]] = True
+        heard = np.flatnonzero((reached > 0) | unknown)
+        weight = exit_.energy * there.part.repeat(exit_.size)
+
+        def levels(energy: FloatArray) -> FloatArray:
+            return straight + _added(energy[:, :, exit_.region] * weight[:, None], felt, there.count)
+
+        def good_enough(energy: FloatArray) -> FloatArray:
+            return np.asarray(np.maximum(INAUDIBLE, PRECISE * levels(energy)[:, :, heard].min(axis=2, initial=1.0)))
+
+        found = solve(self._balance, power, good_enough)
+        outside = self._outside(found)
+        if np.any(outside > good_enough(found.energy)):
+            return None
+        doubt = np.maximum(found.doubt, outside)[0]
+        return levels(found.energy), doubt[:, None] * np.where(unknown, 1.0, reached), count
+
+    def _outside(self, found: Balanced) -> FloatArray:
+        """Bounds (lanes, here) on the error that comes of what is not assembled: what flows there, over dampings of at least 1."""
+        region, beyond, _, weight = self._border_part
+        objects, which = np.unique(beyond, return_inverse=True)
+        if len(region) == 0:
+            return np.zeros(found.energy.shape[:2])
+        flow = _added(found.energy[:, :, region] * weight, which, len(objects))
+        return np.asarray(flow.max(axis=2, initial=0.0))
+
+    def _straight(self) -> FloatArray:
+        """Energies (lanes, here, there) that get straight from one end to another in the same object, less what the equations take for it.
+
+        Of the power put into a subsystem the part that has not left it yet reaches a listener by the object's function over the distance
+        between the two, instead of evenly.
+        """
+        graph, here, there = self._graph, self._here, self._there
+        node_a, node_b = np.array(here.node, dtype=np.int64), np.array(there.node, dtype=np.int64)
+        a, b = np.nonzero(graph.node_object[node_a][:, None] == graph.node_object[node_b])
+        if len(a) == 0:
+            return np.zeros((self._lanes, here.count, there.count))
+        entry, exit_ = self._ends
+        size = entry.size[a]
+        which = np.arange(len(a)).repeat(size)
+        offset = np.arange(len(which)) - (size.cumsum() - size)[which]
+        one, other = entry.first[a][which] + offset, exit_.first[b][which] + offset
+        region = entry.region[one]
+        left = _added(entry.share[one] * exit_.share[other] * (self._decay / self._total)[:, region], which, len(a))
+        left = np.where(size > 0, np.minimum(left, 1.0), 1.0)
+        spread = _added(entry.energy[:, one] * exit_.energy[:, other] / self._total[:, region], which, len(a))
+        directly = self._squares(graph.node_object[node_a[a]], graph.node_distances(node_a[a], node_b[b]))
+        terms = (left * directly - spread) * here.part[a] * there.part[b]
+        return _added(terms, here.number[a] * there.count + there.number[b], here.count * there.count).reshape(-1, here.count, there.count)
 
 
-def _lengths(graph: HapticGraph, extents: FloatArray) -> FloatArray:
-    """(objects,) distance over which the energy falls to 1/e, infinite where it does not within the object's extent."""
-    with np.errstate(divide="ignore"):
-        lengths = np.asarray(1.0 / (2.0 * graph.table.decay))
-    for index in graph.table.special:
-        along = np.linspace(0.0, extents[index], SAMPLES)
-        energy = np.square(np.minimum(graph.table.gain(index, along), HIGHEST))
-        below = np.flatnonzero(energy < np.max(energy) / math.e)
-        lengths[index] = along[below[0]] if len(below) and below[0] > 0 else math.inf
-    return lengths
+def _added(values: FloatArray, number: IntArray, count: int) -> FloatArray:
+    """Sums (..., count) of values (..., n) by their ``number`` (n,)."""
+    rows = values.reshape(-1, values.shape[-1]) if values.size else values.reshape(int(np.prod(values.shape[:-1])), 0)
+    sums = np.array([np.bincount(number, weights=row, minlength=count) for row in rows], dtype=np.float64)
+    return sums.reshape(*values.shape[:-1], count)
 
 
-def _regions(graph: HapticGraph) -> Regions:
-    """Objects, or boxes of their contacts no larger than the length over which they damp: halved along their longest side until then."""
-    count = len(graph.table.names)
-    contacts = np.flatnonzero(graph.node_kind == NodeKind.CONTACT)
-    objects = graph.node_object[contacts]
-    low, high = np.full((count, 3), math.inf), np.full((count, 3), -math.inf)
-    filled, first = np.unique(objects, return_index=True)
-    if len(filled):
-        low[filled] = np.minimum.reduceat(graph.node_position[contacts], first, axis=0)
-        high[filled] = np.maximum.reduceat(graph.node_position[contacts], first, axis=0)
-    extents = np.zeros(count)
-    extents[filled] = distances(high[filled], low[filled])
-    used = np.unique(graph.node_object)
-    of_object, of_node = [used], np.full(graph.node_count, -1, dtype=np.int64)
-    of_node[:] = np.searchsorted(used, graph.node_object)
-    lengths = _lengths(graph, extents)
-    with np.errstate(invalid="ignore"):
-        large = np.flatnonzero(extents > lengths)
-    following = len(used)
-    for index in large.tolist():
-        parts = _halved(graph, contacts[objects == index], float(lengths[index]))
-        for part in parts[1:]:
-            of_node[part] = following
-            following += 1
-        of_object.append(np.full(len(parts) - 1, index))
-    numbers = np.concatenate(of_object)
-    centre, distance = _centres(graph, contacts, of_node, len(numbers))
-    empty = np.setdiff1d(np.arange(len(numbers)), of_node[contacts])
-    free = np.flatnonzero(graph.node_kind != NodeKind.CONTACT)
-    for region in empty.tolist():  # no contacts: only what is inside hears it, straight
-        here = free[of_node[free] == region]
-        centre[region] = graph.node_position[here].mean(axis=0) if len(here) else 0.0
-    for node in free[np.isin(graph.node_object[free], large)].tolist():
-        candidates = np.flatnonzero(numbers == graph.node_object[node])
-        of_node[node] = candidates[np.argmin(distances(centre[candidates], graph.node_position[node]))]
-    return Regions(numbers, centre, distance, of_node)
-
-
-def _halved(graph: HapticGraph, nodes: IntArray, length: float) -> list[IntArray]:
-    """Groups of nodes: boxes cut in the middle of their longest side, the largest box first, until all are small enough or enough."""
-    parts = [nodes]
-    sizes = [math.inf]
-    while len(parts) < REGIONS:
-        largest = max(range(len(parts)), key=lambda k: sizes[k])
-        if sizes[largest] <= length:
+def _within(contacts: IntArray, starts: IntArray, count: int, hops: int) -> BoolArray:
+    """Which of ``count`` objects are at most ``hops`` contacts (c, 2) away from the objects ``starts``."""
+    reached = np.zeros(count, dtype=np.bool_)
+    reached[starts] = True
+    found = int(np.count_nonzero(reached))
+    for _ in range(hops):
+        inside = reached[contacts]
+        reached[contacts[inside[:, 0], 1]] = True
+        reached[contacts[inside[:, 1], 0]] = True
+        before, found = found, int(np.count_nonzero(reached))
+        if found == before:
             break
-        group = parts[largest]
-        position = graph.node_position[group]
-        low, high = position.min(axis=0), position.max(axis=0)
-        size = float(distances(high, low))
-        if sizes[largest] == math.inf and size <= length:
-            sizes[largest] = size
-            continue
-        axis = int(np.argmax(high - low))
-        below = position[:, axis] <= low[axis] + (high[axis] - low[axis]) / 2
-        if below.all():  # coincident up to rounding
-            sizes[largest] = 0.0
-            continue
-        parts[largest], sizes[largest] = group[below], math.inf
-        parts.append(group[~below])
-        sizes.append(math.inf)
-    return parts
-
-
-def _centres(graph: HapticGraph, contacts: IntArray, of_node: IntArray, count: int) -> tuple[FloatArray, FloatArray]:
-    """Centre of the contacts of each region, and the root mean square distance between two of them; points of one patch count as one."""
-    region, share = of_node[contacts], graph.share[graph.contact[contacts]]
-    weight = np.bincount(region, weights=share, minlength=count)
-    safe = np.where(weight > 0, weight, 1.0)
-    position = graph.node_position[contacts]
-    centre = np.stack([np.bincount(region, weights=share * position[:, k], minlength=count) for k in range(3)], axis=1) / safe[:, None]
-    spread = np.bincount(region, weights=share * np.minimum(distances(position, centre[region]), HIGHEST) ** 2, minlength=count)
-    patch = contact_patches(graph)[graph.contact[contacts]]
-    keys, which = np.unique(np.column_stack([region, patch]), axis=0, return_inverse=True)
-    of_patch = np.bincount(which.reshape(-1), weights=share, minlength=len(keys))
-    own = np.bincount(keys[:, 0], weights=of_patch**2, minlength=count) if len(keys) else np.zeros(count)
-    pairs = weight - own / safe
-    several = pairs > 1e-9 * safe
-    return centre, np.where(several, np.sqrt(2 * spread / np.where(several, pairs, 1.0)), 0.0)
-
-
-def _couplings(
-    graph: HapticGraph, regions: Regions, damping: FloatArray, alive: BoolArray, band: int | None
-) -> tuple[IntArray, IntArray, FloatArray, bool]:
-    """Both directions of every coupling: row, column and value; and whether a transmission above 1 was taken as 1."""
-    nodes = np.flatnonzero(graph.partner >= 0)
-    one, other = regions.of_node[nodes], regions.of_node[graph.partner[nodes]]
-    contact = graph.contact[nodes]
-    gain = graph.transmission[contact]
-    if band is not None and graph.contact_band_gains is not None:
-        gain = gain * graph.contact_band_gains[contact, band]
-    value = graph.share[contact] * np.minimum(gain, 1.0) ** 2
-    rows, columns, values = [one], [other], [value]
-    several = np.flatnonzero(np.bincount(regions.of_object) > 1)
-    for index in several.tolist():
-        here = np.flatnonzero(regions.of_object == index)
-        a, b = np.nonzero(~np.eye(len(here), dtype=np.bool_))
-        a, b = here[a], here[b]
-        through = np.minimum(_energy_gain(graph, np.full(len(a), index), distances(regions.centre[a], regions.centre[b]), band), 1.0)
-        rows.append(a)
-        columns.append(b)
-        values.append(through * damping[a] * damping[b])
-    row, column, coupling = np.concatenate(rows), np.concatenate(columns), np.concatenate(values)
-    kept = np.flatnonzero(alive[row] & alive[column] & (coupling > 0))
-    order = kept[np.lexsort((column[kept], row[kept]))]
-    return row[order], column[order], coupling[order], bool(np.any(gain > 1))
-
-
-def _ends(graph: HapticGraph, regions: Regions, band: int | None) -> tuple[FloatArray, FloatArray]:
-    """Part of the energy that gets from each node (n,) to the middle of its region, relative to no distance; the same of listeners (l,)."""
-    region = regions.of_node
-    distance = np.where(region >= 0, distances(graph.node_position, regions.centre[region]), 0.0)
-    there = _energy_gain(graph, graph.node_object, distance, band)
-    at_once = _energy_gain(graph, graph.node_object, np.zeros_like(distance), band)
-    part = np.minimum(1.0, there / np.where(at_once > 0, at_once, 1.0))
-    return part, part[graph.listener_nodes]
-
-
-def _solve(
-    damping: FloatArray, rows: IntArray, columns: IntArray, coupling: FloatArray, power: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Energies (r, s), and for each source (s,) a bound of how wrong any of them is: 0 where all of it is elimination."""
-    parts = Elimination(damping, rows, columns, coupling)
-    passed = parts.forward(power)
-    equations = parts.damping, parts.rows, parts.columns, parts.coupling, passed[parts.core]
-    energy, doubt = (eliminated(*equations), np.zeros(power.shape[1])) if len(parts.core) <= DENSE else _iterated(*equations)
-    return parts.back(energy, passed), doubt
-
-
-def _iterated(
-    damping: FloatArray, rows: IntArray, columns: IntArray, coupling: FloatArray, power: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """By conjugate gradients. The rows of the matrix add up to the damping, so ``|M⁻¹ r| <= max |r_i| / Λ_i``: the residual of any solution
-    bounds its error."""
-    total = damping + np.bincount(rows, weights=coupling, minlength=len(damping))
-    filled, first = np.unique(rows, return_index=True)
-
-    def apply(values: FloatArray) -> FloatArray:
-        result = total[:, None] * values
-        if len(filled):
-            result[filled] -= np.add.reduceat(coupling[:, None] * values[columns], first, axis=0)
-        return result
-
-    energy = power / total[:, None]
-    residual = power - apply(energy)
-    direction = residual / total[:, None]
-    product = (residual * direction).sum(axis=0)
-    goal = PRECISION * np.abs(power).max(axis=0)
-    for _ in range(ITERATIONS):
-        doubt = (np.abs(residual) / damping[:, None]).max(axis=0)
-        if np.all(doubt <= goal) or not np.any(product > 0):
-            break
-        applied = apply(direction)
-        curvature = (direction * applied).sum(axis=0)
-        step = np.where(curvature > 0, product / np.where(curvature > 0, curvature, 1.0), 0.0)
-        energy += step * direction
-        residual -= step * applied
-        scaled = residual / total[:, None]
-        following = (residual * scaled).sum(axis=0)
-        direction = scaled + np.where(product > 0, following / np.where(product > 0, product, 1.0), 0.0) * direction
-        product = following
-    least: FloatArray = np.maximum(energy, 0.0)
-    doubt = (np.abs(power - apply(least)) / damping[:, None]).max(axis=0)
-    return least, doubt
+    return reached

@@ -17,7 +17,7 @@ from ..arrays import BoolArray, FloatArray, IntArray
 from ..graph.contact_patches import MergedPatches
 from ..graph.haptic_graph import HapticGraph
 from .connections import LARGEST, ROUNDING, band_factors, bounded_exp, intra_gains, path_bands
-from .exact import PathLimits, lanes_of, sum_over_paths
+from .exact import PathLimits, PathSums, lanes_of, sum_over_paths
 from .threshold_costs import ThresholdCosts
 from .walk_radius import WalkOperator
 
@@ -70,11 +70,26 @@ def bounded_sums(
     has_limits = limits.threshold > 0 or limits.crossings < graph.contact_count
     limited = np.zeros(len(listeners), dtype=np.bool_)
     if has_limits or uncertain.any():
-        totals = operator.totals(roots, listeners, sums.recrossings) if operator.radius.well_posed else None
+        totals = _totals(graph, operator, roots, listeners, limits.budget, sums)
         bound = np.full(len(listeners), math.inf) if totals is None else _above(totals, gain[:, 0])
         error = bound if has_limits else np.minimum(error, bound)
         limited = has_limits & (bound > limits.tolerance * gain[:, 0] * (1 + ROUNDING))
     return BoundedSums(gain, error, limited, uncertain, sums.paths, sums.work)
+
+
+def _totals(
+    graph: HapticGraph, operator: WalkOperator, roots: Sequence[int], listeners: Sequence[int], budget: int, sums: PathSums
+) -> FloatArray | None:
+    """Upper bounds (l,) on the sums without limits; None where nothing bounds them.
+
+    In a forest the sums themselves are known in linear time. A Neumann series has as many terms as its longest chain has contacts.
+    """
+    if not operator.radius.well_posed:
+        return None
+    if not operator.has_cycles:
+        free = sum_over_paths(graph, roots, listeners, PathLimits(math.inf, 0.0, 0.0, budget), None)
+        return np.where(free.error < LARGEST, free.gain[:, 0] + free.error, math.inf)
+    return operator.totals(roots, listeners, sums.recrossings)
 
 
 def _above(totals: FloatArray, gain: FloatArray) -> FloatArray:

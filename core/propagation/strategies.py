@@ -192,7 +192,8 @@ class _Run:
         """The gains of sources whose strategy is the energy balance."""
         if Strategy.ENERGY_BALANCE not in self.strategies:
             return
-        energies = energy_gains(self.graph)
+        chosen = np.array([strategy is Strategy.ENERGY_BALANCE for strategy in self.strategies])
+        energies = energy_gains(self.graph, self.wanted & chosen[:, None])
         gains = self.gains
         for row, strategy in enumerate(self.strategies):
             if strategy is Strategy.ENERGY_BALANCE:

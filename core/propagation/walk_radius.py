@@ -89,6 +89,11 @@ class WalkOperator:
             self._assemble()
             self.radius = self._spectral_radius()
 
+    @property
+    def has_cycles(self) -> bool:
+        """Whether some patches lie on cycles: without them, any two places are connected by one path at most."""
+        return bool(self._cyclic.any())
+
     def _assemble(self) -> None:
         """Gains of the intra-connections: in compressed rows, but of objects with many contacts as dense matrices."""
         graph = self._graph

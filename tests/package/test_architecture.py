@@ -14,6 +14,7 @@ LATE = {
     "gpu": "not there without a graphics card",
     "aud": "loaded with the first preview as sound",
     "fcl": "native",
+    "fcntl": "not there on Windows",
     "soxr": "native",
     "networkx": "slow to import, needed by scripts alone",
     "fastjsonschema": "slow to import, needed for files and device profiles",

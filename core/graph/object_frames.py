@@ -1,0 +1,48 @@
+"""Where objects lie: the middle and the axes of their bounding boxes, from their shapes and poses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..contacts.shapes import Shape, pose_matrix
+from ..scene.values import HapticObject, Pose
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectFrames:
+    """``centre`` (n, 3) of each object's bounding box [m, world], NaN where the object has no shape; ``axes`` (n, 3, 3): the object's own
+    axes as columns."""
+
+    centre: FloatArray
+    axes: FloatArray
+
+    @classmethod
+    def unknown(cls, count: int) -> ObjectFrames:
+        """No shapes: the axes are those of the world."""
+        return cls(np.full((count, 3), np.nan), np.tile(np.eye(3), (count, 1, 1)))
+
+    @classmethod
+    def of_objects(cls, objects: Sequence[HapticObject]) -> ObjectFrames:
+        """From the shapes and poses of a scene's objects."""
+        frames = cls.unknown(len(objects))
+        shaped = [number for number, item in enumerate(objects) if item.shape is not None]
+        if not shaped:
+            return frames
+        transforms = np.array([pose_matrix(objects[number].pose or Pose()) for number in shaped])
+        return frames.placed(np.array(shaped), local_centres([objects[number].shape for number in shaped]), transforms)
+
+    def placed(self, numbers: IntArray, centres: FloatArray, transforms: FloatArray) -> ObjectFrames:
+        """With objects ``numbers`` (k,) under rigid ``transforms`` (k, 4, 4), the middle of each box at local ``centres`` (k, 3)."""
+        centre, axes = self.centre.copy(), self.axes.copy()
+        axes[numbers] = transforms[:, :3, :3]
+        centre[numbers] = (transforms[:, :3, :3] * centres[:, None]).sum(axis=2) + transforms[:, :3, 3]
+        return ObjectFrames(centre, axes)
+
+
+def local_centres(shapes: Sequence[Shape]) -> FloatArray:
+    """Middles (n, 3) of the bounding boxes of shapes in their own space."""
+    return np.array([shape.local_bounds().mean(axis=0) for shape in shapes], dtype=np.float64).reshape(-1, 3)

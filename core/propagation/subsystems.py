@@ -1,0 +1,243 @@
+"""The subsystems of an energy balance: objects, and regions of those that are larger than the length over which they damp.
+
+Regions are the points of a lattice in the object's own axes about the middle of its bounding box, spaced by the length over which its gain
+falls to 1/e. A contact belongs to the regions around it with multilinear weights that add up to 1. Near the middle, by up to half a spacing
+along each axis, these weights don't change: an object no larger than that is one subsystem. So energies are continuous functions of where
+contacts are. Only regions with a contact exist.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..graph.contact_patches import contact_patches
+from ..graph.haptic_graph import HapticGraph, NoGain, ObjectTable, distances
+
+REGIONS = 128
+"""Most regions of one object, about: the lattice of a larger one is coarser."""
+
+FARTHEST = 2.0**40
+"""Most lattice points from the middle: contacts beyond belong to the last one."""
+
+HIGHEST = 1e140
+"""Distances above this are cut to this: their squares have to be numbers."""
+
+BISECTIONS = 60
+"""Steps to the length over which a function of several terms damps."""
+
+SAMPLES, REFINED = 65, 6
+"""Distances at which a function without a closed form is evaluated, to find where it damps, and how often the interval is narrowed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Subsystems:
+    """Subsystems, and how contact nodes belong to them.
+
+    Attributes:
+        of_object: (r,) object of each subsystem.
+        centre: (r, 3) middle of its contacts [m].
+        distance: (r,) root mean square distance between two of its contacts [m].
+        mass: (r,) in (0, 1] how much of the subsystem exists: of a region the largest part of a contact in it, relative to the object's
+            strongest contact.
+        node: (a,) contact nodes, sorted; a node is repeated for every region that it belongs to.
+        region: (a,) the subsystem.
+        weight: (a,) of that node, in (0, 1].
+    """
+
+    of_object: IntArray
+    centre: FloatArray
+    distance: FloatArray
+    mass: FloatArray
+    node: IntArray
+    region: IntArray
+    weight: FloatArray
+
+
+def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
+    """The subsystems that contact nodes ``nodes`` (sorted) belong to."""
+    object_of = graph.node_object[nodes]
+    new = np.diff(object_of, prepend=-1) != 0
+    used, slot = object_of[new], np.cumsum(new) - 1
+    contact = graph.contact[nodes]
+    strength = graph.share[contact] * graph.weight[contact]
+    position = graph.node_position[nodes]
+    which, region, weight, of_object, divided = _attached(graph, position, strength, used, slot)
+    entity, whole = (strength[which] * weight, position[which], region), strength
+    if not np.all(graph.share[contact] == 1):
+        patch = contact_patches(graph)
+        total = np.bincount(patch, weights=graph.share * graph.weight, minlength=graph.contact_count)
+        whole = np.asarray(total[patch[contact]], dtype=np.float64)
+        entity = _by_patch(*entity, patch[contact[which]])
+    centre, distance, largest = _extents(*entity, len(of_object))
+    strongest = np.zeros(len(used))
+    np.maximum.at(strongest, slot, whole)
+    mass = np.where(divided, np.minimum(largest / strongest[used.searchsorted(of_object)], 1.0), 1.0)
+    return Subsystems(of_object, centre, distance, mass, nodes[which], region, weight)
+
+
+def _attached(
+    graph: HapticGraph, position: FloatArray, strength: FloatArray, used: IntArray, slot: IntArray
+) -> tuple[IntArray, IntArray, FloatArray, IntArray, FloatArray]:
+    """How contacts at ``position`` (n, 3) on objects ``used[slot]`` belong to subsystems.
+
+    Returns:
+        Number of the contact (a,), sorted; its subsystem (a,) and weight (a,); object of each subsystem (r,), and whether that is divided.
+    """
+    count = len(used)
+    middle = graph.frames.centre[used]
+    unknown = np.flatnonzero(np.isnan(middle[:, 0]))
+    if len(unknown):
+        middle[unknown] = _centroids(position, strength, slot, count)[unknown]
+    relative = np.clip(position - middle[slot], -HIGHEST, HIGHEST)
+    farthest = np.zeros(count)
+    np.maximum.at(farthest, slot, distances(relative, np.zeros(3)))
+    spacing = damping_lengths(graph.table, used, np.minimum(2 * farthest, HIGHEST))
+    divided = farthest > spacing / 2
+    everyone = np.arange(len(slot))
+    if not divided.any():
+        return everyone, slot, np.ones(len(slot)), used, np.zeros(count)
+    inside = divided[slot]
+    chosen = np.flatnonzero(inside)
+    local = (graph.frames.axes[used[slot[chosen]]] * relative[chosen][:, :, None]).sum(axis=1)
+    contacts = np.asarray(np.bincount(slot, weights=strength, minlength=count), dtype=np.float64)
+    contact, cell, weight = _lattice(local, spacing, slot[chosen], contacts)
+    contact = chosen[contact]
+    cells, region = _numbered(np.column_stack([slot[contact], cell]))
+    of_slot = np.concatenate([np.flatnonzero(~divided), cells])
+    order = np.argsort(of_slot, kind="stable")
+    number = np.empty_like(order)
+    number[order] = np.arange(len(order))
+    single = np.full(count, -1, dtype=np.int64)
+    single[~divided] = number[: count - int(divided.sum())]
+    which = np.concatenate([everyone[~inside], contact])
+    regions = np.concatenate([single[slot[~inside]], number[count - int(divided.sum()) :][region]])
+    weights = np.concatenate([np.ones(int((~inside).sum())), weight])
+    by_contact = np.argsort(which, kind="stable")
+    return which[by_contact], regions[by_contact], weights[by_contact], used[of_slot[order]], divided[of_slot[order]].astype(np.float64)
+
+
+def _centroids(position: FloatArray, strength: FloatArray, slot: IntArray, count: int) -> FloatArray:
+    """Centroid (count, 3) of the contacts of each object."""
+    weight = np.maximum(strength, np.finfo(np.float64).tiny)
+    total = np.bincount(slot, weights=weight, minlength=count)
+    return np.stack([np.bincount(slot, weights=weight * along, minlength=count) / total for along in position.T], axis=1)
+
+
+def _lattice(local: FloatArray, spacing: FloatArray, slot: IntArray, contacts: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+    """The lattice points around places ``local`` (n, 3) on objects ``slot`` (n,): number of the place, point (3,), weight > 0."""
+    step = _coarsened(local, spacing, slot, contacts)[slot, None]
+    along = np.sign(local) * np.clip(np.abs(local) / step - 0.5, 0.0, FARTHEST)
+    base = np.floor(along)
+    part = along - base
+    places, points, weights = [], [], []
+    for corner in itertools.product(*((0, 1) if along_axis.any() else (0,) for along_axis in part.T)):
+        weight = np.where(corner, part, 1.0 - part).prod(axis=1)
+        here = np.flatnonzero(weight > 0)
+        places.append(here)
+        points.append(base[here].astype(np.int64) + corner)
+        weights.append(weight[here])
+    return np.concatenate(places), np.concatenate(points), np.concatenate(weights)
+
+
+def _coarsened(local: FloatArray, spacing: FloatArray, slot: IntArray, contacts: FloatArray) -> FloatArray:
+    """Spacings (m,) so large that no object has many more than `REGIONS` regions; ``contacts`` (m,): the sum of strengths of each.
+
+    Regions are no more than the lattice points within the extents of the contacts, nor than eight for each contact. The harmonic mean of
+    the two is a continuous estimate.
+    """
+    low, high = np.full((len(spacing), 3), math.inf), np.full((len(spacing), 3), -math.inf)
+    np.minimum.at(low, slot, local)
+    np.maximum.at(high, slot, local)
+    extent = np.maximum(high - low, 0.0)
+    result = spacing.copy()
+    around = 8 * contacts
+    most = np.divide(REGIONS * around, around - REGIONS, out=np.full(len(around), math.inf), where=around > REGIONS)
+    for number in np.flatnonzero((1.0 + extent / np.maximum(spacing, 1e-300)[:, None]).prod(axis=1) > most).tolist():
+        fine, coarse = math.log(max(float(spacing[number]), 1e-300)), math.log(float(extent[number].max())) + 1.0
+        for _ in range(60):
+            middle = (fine + coarse) / 2
+            many = float((1.0 + extent[number] / math.exp(middle)).prod()) > most[number]
+            fine, coarse = (middle, coarse) if many else (fine, middle)
+        result[number] = math.exp(coarse)
+    return result
+
+
+def _numbered(keys: IntArray) -> tuple[IntArray, IntArray]:
+    """Distinct rows of ``keys`` (n, 4) in ascending order, of which the first column is returned, and the number of each row."""
+    low = keys.min(axis=0)
+    size = keys.max(axis=0) - low + 1
+    if math.prod(size.tolist()) < 2**62:
+        key = keys[:, 0] - low[0]
+        for column in range(1, 4):
+            key = key * size[column] + (keys[:, column] - low[column])
+        _, first, which = np.unique(key, return_index=True, return_inverse=True)
+    else:
+        _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    return keys[first, 0], which.reshape(-1)
+
+
+def _by_patch(strength: FloatArray, position: FloatArray, region: IntArray, patch: IntArray) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Strength, place and region of the part of each patch in each region: points of a patch count as one contact at their middle."""
+    key, which = np.unique(region * (int(patch.max(initial=0)) + 1) + patch, return_inverse=True)
+    total = np.asarray(np.bincount(which, weights=strength, minlength=len(key)), dtype=np.float64)
+    place = _centroids(position, strength, which, len(key))
+    return total, place, np.asarray(key // (int(patch.max(initial=0)) + 1), dtype=np.int64)
+
+
+def _extents(strength: FloatArray, position: FloatArray, region: IntArray, count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Middle (r, 3) of the contacts of each region, the root mean square distance between two of them (r,), and the largest strength.
+
+    The mean is over pairs of different contacts, weighted by the product of their strengths. Where these add up to less than one pair, as
+    while a contact parts, the other contact counts with itself as the rest.
+    """
+    total = np.bincount(region, weights=strength, minlength=count)
+    centre = _centroids(position, strength, region, count)
+    away = np.minimum(distances(position, centre[region]), HIGHEST)
+    moment = np.bincount(region, weights=strength * away * away, minlength=count)
+    own = np.bincount(region, weights=strength * strength, minlength=count)
+    largest = np.zeros(count)
+    np.maximum.at(largest, region, strength)
+    return centre, np.sqrt(2 * total * moment / np.maximum(total * total - own, 2.0)), largest
+
+
+def damping_lengths(table: ObjectTable, index: IntArray, extent: FloatArray) -> FloatArray:
+    """Length [m] over which the gain of each object (m,) falls to 1/e of its largest, infinite where it does not within ``extent`` (m,)."""
+    lengths = np.full(len(index), math.inf)
+    special = np.isin(index, sorted(table.special)) if table.special else np.zeros(len(index), dtype=np.bool_)
+    for number in np.flatnonzero(special).tolist():
+        lengths[number] = _sampled_length(table, int(index[number]), float(extent[number]))
+    closed = np.flatnonzero(~special)
+    damped = closed[table.costs(index[closed], extent[closed])[1] > 1]
+    if table.spreading is None:
+        lengths[damped] = 1.0 / table.decay[index[damped]]
+        return lengths
+    short, long = np.zeros(len(damped)), extent[damped]
+    for _ in range(BISECTIONS if len(damped) else 0):
+        middle = (short + long) / 2
+        more = table.costs(index[damped], middle)[1] > 1
+        short, long = np.where(more, short, middle), np.where(more, middle, long)
+    lengths[damped] = long
+    return lengths
+
+
+def _sampled_length(table: ObjectTable, index: int, extent: float) -> float:
+    """The same for a function without a closed form, where it has a gain within the extent."""
+    wanted, low, high = math.nan, 0.0, extent
+    for _ in range(REFINED):
+        along = np.linspace(low, high, SAMPLES)
+        try:
+            gains = table.gain(index, along)
+        except NoGain:
+            return math.inf
+        if math.isnan(wanted):
+            wanted = float(np.max(gains)) / math.e
+        below = np.flatnonzero(gains < wanted)
+        if len(below) == 0 or below[0] == 0:
+            return math.inf if high == extent else high
+        low, high = float(along[below[0] - 1]), float(along[below[0]])
+    return high

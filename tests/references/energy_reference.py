@@ -1,0 +1,187 @@
+"""The energy balance a second time: the definitions of the documentation in plain loops over objects and contacts, solved by mpmath."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import mpmath
+import numpy as np
+from haptic_tracing.core.graph.haptic_graph import HapticGraph
+
+Place = tuple[float, float, float]
+
+
+class Balance:
+    """Subsystems and equations of a graph. ``regions``: (object, lattice point) of each subsystem."""
+
+    def __init__(self, graph: HapticGraph, band: int | None = None) -> None:
+        self.graph, self.band = graph, band
+        self.contacts: dict[int, list[dict]] = {}
+        for node in range(graph.node_count):
+            partner = int(graph.partner[node])
+            if partner < 0 or graph.transmission[graph.contact[node]] <= 0 or graph.share[graph.contact[node]] <= 0:
+                continue
+            here, there = int(graph.node_object[node]), int(graph.node_object[partner])
+            contact = int(graph.contact[node])
+            patch = frozenset((here, there)) if graph.share[contact] < 1 else contact
+            strength = float(graph.share[contact] * graph.weight[contact])
+            place = tuple(graph.node_position[node].tolist())
+            self.contacts.setdefault(here, []).append(
+                {"node": node, "partner": partner, "contact": contact, "patch": patch, "strength": strength, "place": place}
+            )
+        self.weights: dict[int, dict[tuple, float]] = {}
+        for index, contacts in self.contacts.items():
+            self._attach(index, contacts)
+        self.regions = sorted({region for weights in self.weights.values() for region in weights})
+        self.number = {region: k for k, region in enumerate(self.regions)}
+        self.centre, self.distance, self.mass = {}, {}, {}
+        for index in self.contacts:
+            self._measure(index)
+
+    def squared(self, index: int, distance: float) -> float:
+        """Square of an object's gain, at most 1."""
+        item = self.graph.table.objects[index]
+        gain = float(item.propagation.gain(np.array(distance), item.kappa, item.rho, self.graph.table.epsilon))
+        if self.band is not None:
+            spectrum = item.propagation.spectrum
+            decays = item.propagation.band_decays(item.kappa, item.rho)
+            gain *= (spectrum.band_gains[self.band] if spectrum.band_gains else 1.0) * math.exp(
+                -(decays[self.band] if decays else 0.0) * distance
+            )
+        return min(gain, 1.0) ** 2
+
+    def length(self, index: int, extent: float) -> float:
+        """Distance at which the plain gain has fallen to 1/e, by bisection."""
+        item = self.graph.table.objects[index]
+
+        def gain(distance: float) -> float:
+            return float(item.propagation.gain(np.array(distance), item.kappa, item.rho, self.graph.table.epsilon))
+
+        wanted = gain(0.0) / math.e
+        if extent == 0 or gain(0.0) == 0 or gain(extent) >= wanted:
+            return math.inf
+        low, high = 0.0, extent
+        for _ in range(200):
+            low, high = ((low + high) / 2, high) if gain((low + high) / 2) >= wanted else (low, (low + high) / 2)
+        return high
+
+    def _attach(self, index: int, contacts: list[dict]) -> None:
+        middle, axes = self.graph.frames.centre[index], self.graph.frames.axes[index]
+        if np.isnan(middle[0]):
+            total = sum(c["strength"] for c in contacts)
+            middle = np.array([sum(c["strength"] * c["place"][k] for c in contacts) / total for k in range(3)])
+        farthest = max(math.dist(c["place"], middle) for c in contacts)
+        length = self.length(index, 2 * farthest)
+        for contact in contacts:
+            if farthest <= length / 2:
+                self.weights[contact["node"]] = {(index, None): 1.0}
+                continue
+            sides = []
+            for k in range(3):
+                along = float(np.dot(axes[:, k], np.array(contact["place"]) - middle)) / length
+                along = math.copysign(max(0.0, abs(along) - 0.5), along)
+                first = math.floor(along)
+                sides.append({first: 1 - (along - first), first + 1: along - first})
+            self.weights[contact["node"]] = {
+                (index, point): math.prod(side[p] for side, p in zip(sides, point, strict=True))
+                for point in itertools.product(*sides)
+                if math.prod(side[p] for side, p in zip(sides, point, strict=True)) > 0
+            }
+
+    def _measure(self, index: int) -> None:
+        contacts = self.contacts[index]
+        totals: dict = {}
+        for contact in contacts:
+            totals[contact["patch"]] = totals.get(contact["patch"], 0.0) + contact["strength"]
+        for region in {r for c in contacts for r in self.weights[c["node"]]}:
+            parts: dict = {}
+            for contact in contacts:
+                weight = contact["strength"] * self.weights[contact["node"]].get(region, 0.0)
+                if weight > 0:
+                    total, moment = parts.get(contact["patch"], (0.0, np.zeros(3)))
+                    parts[contact["patch"]] = total + weight, moment + weight * np.array(contact["place"])
+            places = [(strength, moment / strength) for strength, moment in parts.values()]
+            total = sum(strength for strength, _ in places)
+            self.centre[region] = sum(strength * place for strength, place in places) / total
+            pairs = [(a * b, float(np.sum((x - y) ** 2))) for (a, x), (b, y) in itertools.permutations(places, 2)]
+            self.distance[region] = math.sqrt(sum(w * d for w, d in pairs) / max(sum(w for w, _ in pairs), 2.0))
+            self.mass[region] = 1.0 if region[1] is None else min(1.0, max(s for s, _ in places) / max(totals.values()))
+
+    def equations(self) -> tuple[list[float], dict[tuple[int, int], float], dict[int, float]]:
+        """Dampings, couplings (both directions) and leaks to objects that transmit nothing."""
+        through = [self.squared(region[0], self.distance[region]) for region in self.regions]
+        damping = [self.mass[r] / (f if f > 0 else 1.0) for r, f in zip(self.regions, through, strict=True)]
+        couplings: dict[tuple[int, int], float] = {}
+        for contact in (c for contacts in self.contacts.values() for c in contacts):
+            gain = float(self.graph.transmission[contact["contact"]])
+            if self.band is not None and self.graph.contact_band_gains is not None:
+                gain *= float(self.graph.contact_band_gains[contact["contact"], self.band])
+            value = float(self.graph.share[contact["contact"]]) * min(gain, 1.0) ** 2
+            for (a, wa), (b, wb) in itertools.product(self.weights[contact["node"]].items(), self.weights[contact["partner"]].items()):
+                pair = self.number[a], self.number[b]
+                couplings[pair] = couplings.get(pair, 0.0) + value * wa * wb
+        for a, b in itertools.permutations(self.regions, 2):
+            if a[0] == b[0] and through[self.number[a]] > 0 and through[self.number[b]] > 0:
+                across = self.squared(a[0], math.dist(self.centre[a], self.centre[b]))
+                value = across * damping[self.number[a]] * damping[self.number[b]]
+                couplings[self.number[a], self.number[b]] = couplings.get((self.number[a], self.number[b]), 0.0) + value
+        leak: dict[int, float] = {}
+        for a, b in list(couplings):
+            if through[b] == 0:
+                leak[a] = leak.get(a, 0.0) + couplings[a, b]
+            if through[a] == 0 or through[b] == 0:
+                del couplings[a, b]
+        self.passes = [f > 0 for f in through]
+        return damping, couplings, leak
+
+    def attached(self, node: int) -> dict[int, tuple[float, float]]:
+        """Share and energy of an end by subsystem of its object."""
+        index, place = int(self.graph.node_object[node]), self.graph.node_position[node]
+        here = [region for region in self.regions if region[0] == index]
+        arriving = {r: self.squared(index, math.dist(place, self.centre[r])) for r in here}
+        if not here or max(arriving.values()) == 0:
+            return {}
+        nearest = max(arriving.values())
+        share = {r: (arriving[r] / nearest) ** 4 * self.mass[r] for r in here}
+        total = sum(share.values())
+        at_once = self.squared(index, 0.0)
+        return {
+            self.number[r]: (share[r] / total, share[r] / total * min(1.0, arriving[r] / at_once) * self.passes[self.number[r]])
+            for r in here
+        }
+
+
+def energy_gain(graph: HapticGraph, row: int, column: int, band: int | None = None) -> float:
+    """The amplitude gain of one pair."""
+    balance = Balance(graph, band)
+    damping, couplings, leak = balance.equations()
+    count = len(damping)
+    total = [damping[k] + leak.get(k, 0.0) for k in range(count)]
+    matrix = mpmath.zeros(count, count)
+    for (a, b), value in couplings.items():
+        matrix[a, b] -= value
+        total[a] += value
+    for k in range(count):
+        matrix[k, k] += mpmath.mpf(total[k])
+    sources, listener = graph.sources[row].nodes, int(graph.listener_nodes[column])
+    power = mpmath.zeros(count, 1)
+    level = mpmath.mpf(0)
+    heard = balance.attached(listener)
+    for node in sources:
+        put_in = balance.attached(node)
+        for k, (_, energy) in put_in.items():
+            power[k] += energy / len(sources)
+        if graph.node_object[node] == graph.node_object[listener]:
+            index = int(graph.node_object[node])
+            straight = balance.squared(index, math.dist(graph.node_position[node], graph.node_position[listener]))
+            left, spread = 1.0, 0.0
+            if any(region[0] == index for region in balance.regions):
+                inside = {k: 1 / balance.squared(index, balance.distance[balance.regions[k]]) for k in put_in if balance.passes[k]}
+                left = min(1.0, sum(put_in[k][0] * heard[k][0] * inside.get(k, 1.0) / total[k] for k in put_in if k in heard))
+                spread = sum(put_in[k][1] * heard[k][1] / total[k] for k in put_in if k in heard)
+            level += (left * straight - spread) / len(sources)
+    if count and any(power):
+        energy = mpmath.lu_solve(matrix, power)
+        level += sum(energy[k] * part for k, (_, part) in heard.items())
+    return float(mpmath.sqrt(min(max(level, 0), 1)))
