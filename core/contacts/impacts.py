@@ -13,7 +13,8 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from .motion import Paths
-from .narrow.narrow_phase import NarrowPhase, relative_pose
+from .narrow.frames import relative_pose
+from .narrow.narrow_phase import NarrowPhase
 from .settings import ImpactEnergy
 
 _TOUCH = 1e-4

@@ -15,7 +15,9 @@ from .contact_set import ContactSet
 from .gain_bound import GainBound
 from .impacts import Hits, Impact, Meetings, impact_energies, landings, took_place
 from .motion import MotionHistory, Paths
-from .narrow.narrow_phase import NarrowPhase, PairPatches, relative_pose
+from .narrow.body_patches import PairPatches
+from .narrow.frames import relative_pose
+from .narrow.narrow_phase import NarrowPhase
 from .settings import Body, ContactSettings, ImpactEnergy, Motion
 
 __all__ = [
@@ -404,13 +406,11 @@ class ContactTracker:
         warnings: tuple[Message, ...],
     ) -> FrameContacts:
         first_frame = self._last is None
-        low, high, larger, smaller = self._low, self._high, self._near_larger, self._near_smaller
-        met: BoolArray = np.all(low.take(larger, axis=1) <= high.take(smaller, axis=1), axis=0)
-        met &= np.all(low.take(smaller, axis=1) <= high.take(larger, axis=1), axis=0)
         old = self._pairs
         touched, struck = old.key[old.touching & old.looked], old.key[old.struck]
+        met = self._overlapping()
         key = self._near[met]
-        pairs = self._pairs = old.carried_to(key, larger[met], smaller[met])
+        pairs = self._pairs = old.carried_to(key, self._near_larger[met], self._near_smaller[met])
         broad = perf_counter() - self._begun
         fresh = pairs.known & (pairs.version[0] == self._version[pairs.larger]) & (pairs.version[1] == self._version[pairs.smaller])
         asked = self._asked(wanted, fresh)
@@ -425,56 +425,87 @@ class ContactTracker:
         before = pairs.touching & pairs.looked
         apart = ~pairs.touching & pairs.looked
         last = pairs.values.copy()
-        distance = last[_DISTANCE]
         self._look(np.flatnonzero(looked & ~fresh), before)
-        pivoting = np.flatnonzero(before & pairs.touching & looked & ~fresh & _among(key, self._near[able]))
 
         hits = None
         if paths is not None and len(able):
-            able = able[~_among(self._near[able], struck)]
-            arrived = key[pairs.touching & looked & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
-            hits = self._hits(paths, able, arrived[_among(arrived, self._near[able])])
-            recent = [k for k, (when, _) in self._last_impact.items() if time - when <= self.settings.refractory + paths.duration]
-            hits = hits.joined(self._landings(paths, pivoting[np.isin(key[pivoting], recent)], last))
+            hits = self._hits_of_frame(time, paths, able, struck, before, looked, fresh, last)
         impacts = self._impacts(time, hits, paths)
         if impacts and isinstance(wanted, GainBound) and wanted.from_impacts:
             asked |= self._asked(_from_impacts(wanted, impacts), fresh)
             rows = np.flatnonzero(asked & ~looked)
             self._catch_up(rows[~pairs.looked[rows]])
             before[rows] = pairs.touching[rows]
-            distance[rows] = pairs.values[_DISTANCE, rows]
+            last[_DISTANCE, rows] = pairs.values[_DISTANCE, rows]
             self._look(rows, before)
             looked |= asked
         pairs.touching &= looked
         pairs.looked = looked
-        settled = before & (distance - pairs.values[_DISTANCE] <= _CREEP * self._history.step)
-        if len(impacts):
-            settled |= _among(key, np.sort([a * len(self.bodies) + b for a, b in (impact.objects for impact in impacts)]))
-        pairs.struck = pairs.touching & (pairs.struck | settled | first_frame)
+        self._settle(before, last[_DISTANCE], impacts, first_frame)
         if paths is not None:
             self._disturb(hits, paths)
-        self._airborne = self._dynamic.copy()
-        self._airborne[pairs.larger[pairs.struck]] = False
-        self._airborne[pairs.smaller[pairs.struck]] = False
-
-        # Whether a pair has parted depends on the past, by the slack; its contact only on the poses.
         reported = pairs.touching & asked & (pairs.values[_DISTANCE] <= self.settings.tolerance)
-        rows = np.flatnonzero(reported)
-        state = np.stack([key[rows], self._version[pairs.larger[rows]], self._version[pairs.smaller[rows]]])
-        if self._last is None or not np.array_equal(state, self._reported):
-            contacts, self._reported = self._contact_set(rows), state
-        else:
-            contacts = self._last.contacts
         began = key[reported & apart] if not first_frame else key[:0]
         lost = touched[~_among(touched, key[pairs.touching | ~looked])]
         return FrameContacts(
-            contacts=contacts,
+            contacts=self._reported_contacts(np.flatnonzero(reported)),
             began=self._numbers(began),
             ended=self._numbers(lost),
             impacts=impacts,
             statistics=ContactStatistics(len(key), self._queries, max(0, len(key) - self._queries), broad),
             warnings=warnings,
         )
+
+    def _overlapping(self) -> BoolArray:
+        """Which near pairs have overlapping bounds."""
+        low, high, larger, smaller = self._low, self._high, self._near_larger, self._near_smaller
+        met: BoolArray = np.all(low.take(larger, axis=1) <= high.take(smaller, axis=1), axis=0)
+        met &= np.all(low.take(smaller, axis=1) <= high.take(larger, axis=1), axis=0)
+        return met
+
+    def _hits_of_frame(
+        self,
+        time: float,
+        paths: Paths,
+        able: IntArray,
+        struck: IntArray,
+        before: BoolArray,
+        looked: BoolArray,
+        fresh: BoolArray,
+        last: FloatArray,
+    ) -> Hits:
+        """The hits of this frame among near pairs ``able``, without pairs ``struck`` (keys) before. ``last``: the values of all pairs in
+        the last frame."""
+        pairs = self._pairs
+        key, near = pairs.key, self._near[able]
+        pivoting = np.flatnonzero(before & pairs.touching & looked & ~fresh & _among(key, near))
+        able = able[~_among(near, struck)]
+        arrived = key[pairs.touching & looked & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
+        hits = self._hits(paths, able, arrived[_among(arrived, self._near[able])])
+        recent = [k for k, (when, _) in self._last_impact.items() if time - when <= self.settings.refractory + paths.duration]
+        return hits.joined(self._landings(paths, pivoting[np.isin(key[pivoting], recent)], last))
+
+    def _settle(self, before: BoolArray, distance: FloatArray, impacts: Sequence[Impact], first_frame: bool) -> None:
+        """Note which pairs have nothing more to hit until they part, and which bodies are in free flight. ``distance`` (p,) is that of the
+        last frame."""
+        pairs = self._pairs
+        settled = before & (distance - pairs.values[_DISTANCE] <= _CREEP * self._history.step)
+        if len(impacts):
+            settled |= _among(pairs.key, np.sort([a * len(self.bodies) + b for a, b in (impact.objects for impact in impacts)]))
+        pairs.struck = pairs.touching & (pairs.struck | settled | first_frame)
+        self._airborne = self._dynamic.copy()
+        self._airborne[pairs.larger[pairs.struck]] = False
+        self._airborne[pairs.smaller[pairs.struck]] = False
+
+    def _reported_contacts(self, rows: IntArray) -> ContactSet:
+        """Contacts of the pairs ``rows``; those of the last frame where nothing has changed."""
+        # Whether a pair has parted depends on the past, by the slack; its contact only on the poses.
+        pairs = self._pairs
+        state = np.stack([pairs.key[rows], self._version[pairs.larger[rows]], self._version[pairs.smaller[rows]]])
+        if self._last is not None and np.array_equal(state, self._reported):
+            return self._last.contacts
+        self._reported = state
+        return self._contact_set(rows)
 
     def _asked(self, wanted: BoolArray | GainBound | None, fresh: BoolArray) -> BoolArray:
         """Which candidate pairs the caller wants to know of."""

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..contacts.narrow.narrow_phase import NarrowPhase, relative_pose
+from ..contacts.narrow.frames import relative_pose
+from ..contacts.narrow.narrow_phase import NarrowPhase
 from ..contacts.shapes import transformed_bounds
 from ..contacts.tracker import Body, ContactSettings, ContactTracker
 from ..graph.distance_only import distance_only

@@ -26,7 +26,7 @@ LATE = {
 GATEWAYS = {"__init__": "Blender imports the package before it enables the add-on, and the core is used without the add-on"}
 """Modules that may import others of this package inside a function, and why."""
 
-LONG = {"_cross", "_contacts", "_intersection"}
+LONG = {"_cross"}
 """Functions that are still too long or too branched; to be emptied, never to grow."""
 
 BLENDER = {"bpy", "mathutils", "bmesh", "gpu", "gpu_extras", "aud", "blf", "bpy_extras", "bl_math", "idprop"}

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
+from .frames import dot, turned, turned_back
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,21 +27,6 @@ class Separation:
     def swapped(self) -> Separation:
         """The same with the two sides exchanged."""
         return Separation(self.distance, -self.normal, self.second, self.first)
-
-
-def dot(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Row by row."""
-    return np.asarray(np.einsum("...i,...i->...", a, b))
-
-
-def turned(rotation: FloatArray, vector: FloatArray) -> FloatArray:
-    """``rotation @ vector`` row by row."""
-    return np.asarray(np.einsum("...ij,...j->...i", rotation, vector))
-
-
-def turned_back(rotation: FloatArray, vector: FloatArray) -> FloatArray:
-    """``rotation.T @ vector`` row by row."""
-    return np.asarray(np.einsum("...ji,...j->...i", rotation, vector))
 
 
 def between(first: FloatArray, second: FloatArray, otherwise: FloatArray | None = None) -> Separation:

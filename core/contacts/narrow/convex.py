@@ -13,8 +13,9 @@ import numpy as np
 from ...arrays import FloatArray
 from ..hull import Hull
 from ..motion import rotations
-from .closed_forms import Separation, dot
+from .closed_forms import Separation
 from .cores import Core, CoreTable, Kind
+from .frames import dot
 from .penetration import Farthest, penetration
 
 _POINT_RADIUS = 1e-9

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
-from .closed_forms import dot
+from .frames import dot
 
 PATCH_GAP = 0.001
 """Metres by which two surfaces may be further apart than where they are nearest and still belong to the patch. A body of 1 m that rests and

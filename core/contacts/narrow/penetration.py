@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from .closed_forms import dot
+from .frames import dot
 
 _TOLERANCE = 1e-9
 """Metres between the bounds at which the depth counts as found."""

@@ -1,8 +1,6 @@
-"""Boxes against boxes and triangles by separating axes, many pairs at a time.
+"""Nearest points of boxes and boxes, and of boxes and triangles, by separating axes, many pairs at a time.
 
-Of two polytopes that overlap, the least depth over the normals of their faces and the cross products of their edges is the exact depth. Of
-two that are apart, the greatest separation over those axes is their distance where the nearest features face each other, and otherwise a
-lower bound; ``exact`` says which.
+Distances are exact where the nearest features are a face or two crossing edges, and otherwise lower bounds; ``exact`` says which.
 """
 
 from __future__ import annotations
@@ -11,11 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray
-from .closed_forms import Separation, dot, turned, turned_back
-
-_FACE_PREFERENCE = 1e-6
-"""Metres by which an axis of two edges must be better than that of a face to be taken."""
+from ...arrays import BoolArray, FloatArray
+from .box_axes import COLUMN, FACE_PREFERENCE, FIRST_EDGE_AXIS, best_axes, edge_points, pick
+from .closed_forms import Separation
+from .frames import dot, turned, turned_back
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,111 +26,45 @@ class AxisSeparation:
 def box_to_box(
     rotation_a: FloatArray, centre_a: FloatArray, half_a: FloatArray, rotation_b: FloatArray, centre_b: FloatArray, half_b: FloatArray
 ) -> AxisSeparation:
-    """Boxes (n pairs): rotations (n, 3, 3), centres (n, 3), half extents (n, 3), which may be 0."""
-    row = np.arange(len(centre_a))
-    relative = np.einsum("nji,njk->nik", rotation_a, rotation_b)
-    offset = turned_back(rotation_a, centre_b - centre_a)
-    size = np.abs(relative)
-    # Faces of the first (3), faces of the second (3).
-    faces = np.empty((len(row), 6))
-    faces[:, :3] = np.abs(offset) - half_a - np.einsum("nij,nj->ni", size, half_b)
-    offset_b = turned_back(relative, offset)
-    faces[:, 3:] = np.abs(offset_b) - half_b - np.einsum("nij,ni->nj", size, half_a)
-    face = faces.argmax(axis=1)
-    face_distance = faces[row, face]
-    # Edges: axis i of the first x axis j of the second. In the first's frame e_i x r_j, with r_j column j of the relative rotation.
-    i1, i2 = _NEXT, _AFTER
-    # Its length from its components: 1 - size^2 is not that of float32 rotations, nor 0 for parallel edges.
-    length = np.sqrt(relative[:, i1, :] ** 2 + relative[:, i2, :] ** 2)
-    usable = length > 1e-4
-    along = offset[:, i2, None] * relative[:, i1, :] - offset[:, i1, None] * relative[:, i2, :]
-    reach_a = half_a[:, i1, None] * size[:, i2, :] + half_a[:, i2, None] * size[:, i1, :]
-    reach_b = half_b[:, None, i1] * size[:, :, i2] + half_b[:, None, i2] * size[:, :, i1]
-    edges = np.where(usable, (np.abs(along) - reach_a - reach_b) / np.where(usable, length, 1.0), -np.inf).reshape(-1, 9)
-    edge = edges.argmax(axis=1)
-    edge_distance = edges[row, edge]
-    by_edge = edge_distance > face_distance + _FACE_PREFERENCE
+    """Boxes (n pairs) in world space: rotations (n, 3, 3), centres (n, 3), half extents (n, 3), which may be 0."""
+    relative = np.einsum("nji,njk->ikn", rotation_a, rotation_b)
+    offset = turned_back(rotation_a, centre_b - centre_a).T
+    distance, normal, first, second, exact = _nearest_points(relative, offset, half_a.T, half_b.T)
+    ends = (turned(rotation_a, end.T) + centre_a for end in (first, second))
+    return AxisSeparation(Separation(distance, turned(rotation_a, normal.T), *ends), exact)
 
-    distance = np.where(by_edge, edge_distance, face_distance)
-    normal = np.zeros_like(offset)
-    of_a = face < 3
-    normal[of_a, face[of_a]] = 1.0
-    chosen = np.flatnonzero(~of_a)
-    normal[chosen] = relative[chosen, :, face[chosen] - 3]
-    chosen = np.flatnonzero(by_edge)
-    if len(chosen):
-        i, j = edge[chosen] // 3, edge[chosen] % 3
-        unit = np.eye(3)[i]
-        cross = np.cross(unit, relative[chosen, :, j])
-        normal[chosen] = cross / np.sqrt(dot(cross, cross))[:, None]
-    normal *= np.where(dot(normal, offset) < 0, -1.0, 1.0)[:, None]
 
-    # Supporting points, in the first's frame. An axis along which all points are equally far takes the coordinate nearest the other box.
-    other_in_b = -offset_b
-    first = _support(normal, half_a, offset)
-    normal_b = turned_back(relative, normal)
-    second_in_b = _support(-normal_b, half_b, other_in_b)
-    second = turned(relative, second_in_b) + offset
-    inside = np.zeros(len(row), dtype=np.bool_)
+def _nearest_points(
+    rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray]:
+    """Distances (p,), normals, nearest points of the first and of the second box, each (3, p) in the frame of the first, and which
+    distances are exact (p,). Pairs last, as in `box_axes`."""
+    best = best_axes(rotation, offset, half_a, half_b)
+    distance, axis = best.distance, best.axis
+    of_a, of_b = axis < 3, (axis >= 3) & (axis < FIRST_EDGE_AXIS)
+    normal = np.where(of_a, axis == COLUMN, pick(rotation.reshape(9, -1), 3 * COLUMN + axis % 3))
+    normal *= np.where(np.einsum("ip,ip->p", normal, offset) < 0, -1.0, 1.0)
+    offset_b = np.einsum("ijp,ip->jp", rotation, offset)
     # Face of the first: the second's supporting point must lie over that face; and the other way round.
-    near_a = second - normal * distance[:, None]
-    over_a = (np.abs(near_a) <= half_a + 1e-9).all(axis=1)
-    near_b = turned_back(relative, first + normal * distance[:, None] - offset)
-    over_b = (np.abs(near_b) <= half_b + 1e-9).all(axis=1)
-    pick_a = ~by_edge & of_a
-    pick_b = ~by_edge & ~of_a
-    first[pick_a] = near_a[pick_a]
-    second[pick_b] = (first + normal * distance[:, None])[pick_b]
-    inside = (pick_a & over_a) | (pick_b & over_b)
-    if len(chosen):
-        edge_a, edge_b = (first[chosen], i, half_a[chosen]), (second_in_b[chosen], j, half_b[chosen])
-        first[chosen], second[chosen], inside[chosen] = _edge_points(*edge_a, *edge_b, relative[chosen], offset[chosen])
-    world_normal = turned(rotation_a, normal)
-    return AxisSeparation(
-        Separation(distance, world_normal, turned(rotation_a, first) + centre_a, turned(rotation_a, second) + centre_a),
-        inside | (distance <= 0),
-    )
-
-
-_NEXT = np.array([1, 2, 0])
-_AFTER = np.array([2, 0, 1])
+    first = _support(normal, half_a, offset)
+    second = np.einsum("ijp,jp->ip", rotation, _support(-np.einsum("ijp,ip->jp", rotation, normal), half_b, -offset_b)) + offset
+    over_a, over_b = second - normal * distance, first + normal * distance
+    inside_a = (np.abs(over_a) <= half_a + 1e-9).all(axis=0)
+    inside_b = (np.abs(np.einsum("ijp,ip->jp", rotation, over_b - offset)) <= half_b + 1e-9).all(axis=0)
+    first, second = np.where(of_a, over_a, first), np.where(of_b, over_b, second)
+    exact = (of_a & inside_a) | (of_b & inside_b)
+    edges = np.flatnonzero(axis >= FIRST_EDGE_AXIS)
+    if len(edges):
+        points = edge_points(axis[edges], rotation[..., edges], offset[:, edges], half_a[:, edges], half_b[:, edges])
+        normal[:, edges], first[:, edges], second[:, edges] = points.normal, points.first, points.second
+        exact[edges] = points.within
+    return distance, normal, first, second, exact | (distance <= 0)
 
 
 def _support(direction: FloatArray, half: FloatArray, towards: FloatArray) -> FloatArray:
-    """The point of a box farthest along ``direction``; along its axes that are square to it, as near ``towards`` as the box goes."""
+    """The point of a box farthest along ``direction``; along axes perpendicular to it, the coordinate nearest to ``towards``."""
     free = np.clip(towards, -half, half)
     return np.where(np.abs(direction) < 1e-7, free, np.where(direction < 0, -half, half))
-
-
-def _edge_points(
-    first: FloatArray,
-    i: IntArray,
-    half_a: FloatArray,
-    second_in_b: FloatArray,
-    j: IntArray,
-    half_b: FloatArray,
-    relative: FloatArray,
-    offset: FloatArray,
-) -> tuple[FloatArray, FloatArray, BoolArray]:
-    """Nearest points of the lines of edge i of the first and edge j of the second, and whether both lie within their edges."""
-    row = np.arange(len(first))
-    p = first.copy()
-    p[row, i] = 0.0
-    q_in_b = second_in_b.copy()
-    q_in_b[row, j] = 0.0
-    q = turned(relative, q_in_b) + offset
-    v = relative[row, :, j]
-    w = q - p
-    along_u = w[row, i]
-    uv = v[row, i]
-    along_v = dot(w, v)
-    area = 1.0 - uv * uv
-    s = (along_u - uv * along_v) / area
-    t = (uv * along_u - along_v) / area
-    limit_a, limit_b = half_a[row, i], half_b[row, j]
-    within = (np.abs(s) <= limit_a + 1e-9) & (np.abs(t) <= limit_b + 1e-9)
-    p[row, i] = np.clip(s, -limit_a, limit_a)
-    return p, q + v * np.clip(t, -limit_b, limit_b)[:, None], within
 
 
 def box_to_triangle(rotation: FloatArray, centre: FloatArray, half: FloatArray, corners: FloatArray) -> AxisSeparation:
@@ -159,7 +90,7 @@ def box_to_triangle(rotation: FloatArray, centre: FloatArray, half: FloatArray, 
     sign = np.where(ahead >= behind, 1.0, -1.0)
     row = np.arange(len(local))
     worth = distance.copy()
-    worth[:, 4:] -= _FACE_PREFERENCE
+    worth[:, 4:] -= FACE_PREFERENCE
     best = worth.argmax(axis=1)
     distance = distance[row, best]
     normal = axes[row, best] * sign[row, best][:, None]

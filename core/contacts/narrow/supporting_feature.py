@@ -6,8 +6,8 @@ import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
 from ..hull import Hull
-from .closed_forms import dot, turned, turned_back
 from .cores import CoreTable, Kind
+from .frames import dot, turned, turned_back
 from .manifold import PATCH_GAP, contact_plane
 
 FEW = 4

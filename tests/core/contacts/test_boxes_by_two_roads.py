@@ -1,4 +1,4 @@
-"""The fast road for pairs of boxes against the general one, which shares no code with it beyond a record, and against SciPy."""
+"""Pairs of single boxes against the general method, which has its own patches, and against SciPy and closed forms."""
 
 from __future__ import annotations
 
@@ -50,11 +50,29 @@ def test_same_contacts(seed, tilt, square):
     np.testing.assert_allclose(fast.area[same], general.area[same], rtol=1e-3, atol=2e-3)
     wide = same & (general.area > 0.05)
     np.testing.assert_allclose(fast.centre[:, wide], general.centre[:, wide], atol=2e-3)
-    # The place of a sliver along an edge is the fast road's own choice, but both boxes are there.
+    # The two methods place a sliver along an edge differently, but both boxes are there.
     local = fast.centre, np.einsum("ijp,ip->jp", rotation, fast.centre - offset)
     for half_extents, place in zip(half, local, strict=True):
         away = np.linalg.norm(place - np.clip(place, -half_extents, half_extents), axis=0)
         assert away[same].max() < 0.0065
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("ratio", [1e6, 1e9, 1e12])
+@pytest.mark.parametrize("tilt", [0.0, 0.3])
+def test_a_pin_on_a_huge_floor(ratio, tilt):
+    """A square pin, turned about the vertical by ``tilt``, on a floor ``ratio`` times as wide: its whole face is the patch."""
+    pin = np.array([[0.001], [0.001], [0.01]])
+    floor = np.array([[0.001 * ratio], [0.001 * ratio], [1.0]])
+    rotation = rotations(np.array([[0.0], [0.0], [tilt]]))
+    offset = np.array([[0.2], [-0.3], [1.01]])
+    for first, second, turn, place in ((floor, pin, rotation, offset), (pin, floor, rotation.transpose(1, 0, 2), None)):
+        shift = -np.einsum("ijp,ip->jp", rotation, offset) if place is None else place
+        found = box_contacts(turn, shift, first, second, np.array([0.01]))
+        assert found.distance[0] == pytest.approx(0.0, abs=1e-12)
+        assert found.area[0] == pytest.approx(4e-6, rel=1e-3)
+        middle = found.centre - (shift if place is not None else 0)
+        np.testing.assert_allclose(np.abs(middle[:2]), 0, atol=1e-3 if ratio > 1e9 else 1e-6)
 
 
 @pytest.mark.slow

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from haptic_tracing.core.contacts.narrow.narrow_phase import NarrowPhase, relative_pose
+from haptic_tracing.core.contacts.narrow.frames import relative_pose
+from haptic_tracing.core.contacts.narrow.narrow_phase import NarrowPhase
 from haptic_tracing.core.contacts.shapes import ConvexHull, Shape
 
 sys.path.insert(0, str(Path(__file__).parent))

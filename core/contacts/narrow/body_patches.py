@@ -1,0 +1,117 @@
+"""One contact patch per pair of bodies from those of their cores and triangles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray, IntArray
+from ..hull import hull_2d
+from .core_pairs import CorePairs
+from .frames import dot
+from .manifold import PATCH_GAP, Patches, contact_plane
+
+_TOGETHER = 4e-5
+"""Metres by which a point or line may be further away than the nearest part of the bodies and still belong to their patch."""
+
+_POINT_AREA, _FACE_AREA = 1e-12, 1e-3
+"""Area in square metres that a point counts as beside faces, and from about which on a face belongs to the patch within ``PATCH_GAP``."""
+
+MAX_PATCH_POINTS = 8
+
+
+@dataclass(frozen=True, slots=True)
+class PairPatches:
+    """Per pair of bodies, in the frame of the first: signed ``distance`` (p,) [m] (a lower bound where it is beyond the reach asked for),
+    unit ``normal`` (3, p) from first to second, ``centre`` (3, p) of the patch, midway between the surfaces, ``area`` (p,) [m^2], and if
+    asked for the ``corners`` (k, 3) of each patch."""
+
+    distance: FloatArray
+    normal: FloatArray
+    centre: FloatArray
+    area: FloatArray
+    corners: tuple[FloatArray, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class CoreContacts:
+    """Pairs of cores in contact: ``owner`` the pair of bodies, ``distance`` between the surfaces, ``normal``, ``centre`` of the patch,
+    ``weight`` (area in square metres; that of a line is tiny, in proportion to its length), reported ``area``, ``corners``."""
+
+    owner: IntArray
+    distance: FloatArray
+    normal: FloatArray
+    centre: FloatArray
+    weight: FloatArray
+    area: FloatArray
+    corners: list[FloatArray] | None
+
+
+def core_contacts(rows: CorePairs, normal: FloatArray, distance: FloatArray, patch: Patches, corners: bool) -> CoreContacts:
+    """Contacts of cores, with normals from the first body of the pair to the second."""
+    points = None
+    if corners:
+        points = [c[u] if u.any() else m[None] for c, u, m in zip(patch.corners, patch.used, patch.centre, strict=True)]
+    outward = np.where(rows.flipped[:, None], -normal, normal)
+    return CoreContacts(rows.owner, distance, outward, patch.centre, patch.area, np.where(patch.wide, patch.area, 0.0), points)
+
+
+def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> PairPatches:
+    """One patch per pair of bodies from those of its cores and triangles, weighted by their areas and by how near they are beside the
+    nearest one."""
+    count = len(distance)
+    normal = np.tile([0.0, 0.0, 1.0], (count, 1))
+    centre, area = np.zeros((count, 3)), np.zeros(count)
+    if not found:
+        return PairPatches(distance, normal.T, centre.T, area, tuple(np.zeros((0, 3)) for _ in range(count)) if corners else ())
+    owner, each, normals, centres, weights, areas = (
+        np.concatenate([getattr(f, name) for f in found]) for name in ("owner", "distance", "normal", "centre", "weight", "area")
+    )
+    if len(np.unique(owner)) == len(owner):
+        distance[owner] = np.minimum(distance[owner], each)
+        normal[owner], centre[owner], area[owner] = normals, centres, areas
+        kept = np.ones(len(owner), dtype=np.bool_)
+    else:
+        np.minimum.at(distance, owner, each)
+        above = each - distance[owner]
+        within = _TOGETHER + PATCH_GAP * weights / (weights + _FACE_AREA)
+        near = np.square(np.clip(2.0 - 2.0 * above / within, 0.0, 1.0))
+        weights = near * (weights + _POINT_AREA)
+        kept = weights > 0
+        total = np.zeros(count)
+        np.add.at(total, owner, weights)
+        total = np.where(total > 0, total, 1.0)
+        np.add.at(centre, owner, centres * weights[:, None])
+        centre /= total[:, None]
+        np.add.at(area, owner, near * areas)
+        mean = np.zeros((count, 3))
+        np.add.at(mean, owner, normals * weights[:, None])
+        length = np.sqrt(dot(mean, mean))
+        # Normals that cancel, as those of a body in a narrow gap do: the nearest one stands.
+        order = np.argsort(-above, kind="stable")
+        normal[owner[order]] = normals[order]
+        whole = length > 0.1 * total
+        normal[whole] = mean[whole] / length[whole, None]
+    if not corners:
+        return PairPatches(distance, normal.T, centre.T, area)
+    points: list[list[FloatArray]] = [[] for _ in range(count)]
+    flat_points = [c for f in found for c in (f.corners or [])]
+    for k in np.flatnonzero(kept).tolist():
+        points[owner[k]].append(flat_points[k])
+    return PairPatches(distance, normal.T, centre.T, area, tuple(_outline(p, normal[k]) for k, p in enumerate(points)))
+
+
+def _outline(points: list[FloatArray], normal: FloatArray) -> FloatArray:
+    """Corners of the convex hull of a patch in its plane, at most ``MAX_PATCH_POINTS`` of them."""
+    if not points:
+        return np.zeros((0, 3))
+    every = np.concatenate(points)
+    u, v = (axis[0] for axis in contact_plane(normal[None]))
+    flat = np.stack([every @ u, every @ v], axis=1)
+    _, first = np.unique(np.round(flat, 5), axis=0, return_index=True)
+    chosen = np.sort(first)
+    chosen = chosen[hull_2d(flat[chosen])]
+    if len(chosen) > MAX_PATCH_POINTS:
+        chosen = chosen[np.linspace(0, len(chosen), MAX_PATCH_POINTS, endpoint=False).astype(int)]
+    return every[chosen]

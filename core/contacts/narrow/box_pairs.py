@@ -1,0 +1,121 @@
+"""Pairs of bodies that are single boxes: distances and patches in arrays, without pairs of cores."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import BoolArray, FloatArray, IntArray
+from .body_patches import PairPatches
+from .box_axes import best_axes
+from .boxes import box_contacts, corner_contacts
+from .cores import CoreTable, Kind
+from .frames import product
+
+
+@dataclass(frozen=True, slots=True)
+class Boxes:
+    """Pairs ``rows`` (k,) of single boxes, the second placed relative to the first, and the radii (k,) by which each is grown."""
+
+    rows: IntArray
+    rotation: FloatArray
+    offset: FloatArray
+    half_a: FloatArray
+    half_b: FloatArray
+    radius_a: FloatArray
+    radius_b: FloatArray
+
+
+class BoxPairs:
+    """Queries between those bodies of a table that are single boxes. ``is_box`` (n,): which bodies are."""
+
+    def __init__(self, table: CoreTable) -> None:
+        first = np.minimum(table.start[:-1], max(len(table.kind) - 1, 0))
+        self.is_box: BoolArray = (np.diff(table.start) == 1) & (table.kind[first] == Kind.BOX)
+        self._all = bool(self.is_box.all())
+        self._placed = table.placed
+        # Per body, for those that are boxes, pairs last.
+        self._half, self._sharp_half = table.half[first].T.copy(), table.sharp_half[first].T.copy()
+        self._radius, self._sharp_radius = table.radius[first], table.sharp_radius[first]
+        self._authored = table.is_box[first]
+        self._turn, self._shift = table.rotation[first].transpose(1, 2, 0).copy(), table.offset[first].T.copy()
+        self._outline = table.outline[first].T.copy()
+
+    def chosen(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> Boxes | None:
+        """Those of the pairs that are of two single boxes."""
+        first, second = pairs.T
+        if self._all:
+            rows = np.arange(len(pairs))
+        else:
+            rows = np.flatnonzero(self.is_box[first] & self.is_box[second])
+            if len(rows) == 0:
+                return None
+            first, second, rotation, offset = first[rows], second[rows], rotation[..., rows], offset[:, rows]
+        if self._placed:
+            shift, turn_a, turn_b = self._shift[:, second], self._turn[..., first], self._turn[..., second]
+            offset = offset + np.einsum("ijp,jp->ip", rotation, shift) - self._shift[:, first]
+            offset = np.einsum("ijp,ip->jp", turn_a, offset)
+            rotation = product(turn_a.transpose(1, 0, 2), product(rotation, turn_b))
+        sharp = self._authored[first] & self._authored[second]
+        some, every = bool(sharp.any()), bool(sharp.all())
+        size = []
+        for body in (first, second):
+            half, radius = self._half[:, body], self._radius[body]
+            if some:
+                sharp_half, sharp_radius = self._sharp_half[:, body], self._sharp_radius[body]
+                half = sharp_half if every else np.where(sharp, sharp_half, half)
+                radius = sharp_radius if every else np.where(sharp, sharp_radius, radius)
+            size.append((half, radius))
+        (half_a, radius_a), (half_b, radius_b) = size
+        return Boxes(rows, rotation, offset, half_a, half_b, radius_a, radius_b)
+
+    def clearances(self, boxes: Boxes) -> FloatArray:
+        """Separations (k,) along the best axes: lower bounds on the distances that are positive only if those are."""
+        return best_axes(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b).distance - boxes.radius_a - boxes.radius_b
+
+    def directed_clearances(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+        """`clearances` and normals (3, p), or None unless all bodies are boxes at their own origins."""
+        if not self._all or self._placed:
+            return None
+        boxes = self.chosen(pairs, rotation, offset)
+        if boxes is None:
+            return None
+        found = box_contacts(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b, np.full(len(pairs), np.inf))
+        return found.distance - (boxes.radius_a + boxes.radius_b), found.normal
+
+    def write_patches(self, boxes: Boxes, pairs: IntArray, reach: FloatArray, result: PairPatches) -> IntArray:
+        """Write the distances and patches of boxes into ``result``.
+
+        Returns:
+            The numbers of the other pairs.
+        """
+        rows = boxes.rows
+        radius = boxes.radius_a + boxes.radius_b
+        found = box_contacts(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b, reach[rows] + radius)
+        corner_contacts(found, boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b)
+        area, normal, centre = found.area, found.normal, found.centre
+        first, second = pairs[rows].T
+        if np.any(radius > 0):
+            area = area * self._flatness(first, second, boxes, normal)
+            centre = centre + normal * ((boxes.radius_a - boxes.radius_b) / 2)
+        if self._placed:
+            turn = self._turn[..., first]
+            normal = np.einsum("ijp,jp->ip", turn, normal)
+            centre = np.einsum("ijp,jp->ip", turn, centre) + self._shift[:, first]
+        result.distance[rows] = found.distance - radius
+        result.normal[:, rows], result.centre[:, rows], result.area[rows] = normal, centre, area
+        others = np.ones(len(pairs), dtype=np.bool_)
+        others[rows] = False
+        return np.flatnonzero(others)
+
+    def _flatness(self, first: IntArray, second: IntArray, boxes: Boxes, normal: FloatArray) -> FloatArray:
+        """Area (k,) of the smaller of the two faces divided by that of its core, so that rounded edges within a box do not reduce the
+        area."""
+        ratios, areas = [], []
+        for body, half, way in ((first, boxes.half_a, normal), (second, boxes.half_b, np.einsum("ijp,ip->jp", boxes.rotation, normal))):
+            across = np.arange(3)[:, None] != np.abs(way).argmax(axis=0)
+            areas.append(np.where(across, half, 1.0).prod(axis=0))
+            ratios.append(np.where(across, self._outline[:, body] / np.maximum(half, 1e-9), 1.0).prod(axis=0))
+        flatness: FloatArray = np.where(areas[0] <= areas[1], ratios[0], ratios[1])
+        return flatness

@@ -1,0 +1,170 @@
+"""Pairs of bodies as pairs of their cores in world space, in groups of the same kinds, meshes as their triangles nearby."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from ...arrays import BoolArray, FloatArray, IntArray
+from .cores import CoreTable, Kind
+from .frames import identity_and_relative, turned, turned_back
+from .mesh_index import MeshIndex
+
+BEYOND = 1e-9
+"""Metres beyond the limit of a query that a distance is reported as where no more is known."""
+
+
+@dataclass(slots=True)
+class CorePairs:
+    """Pairs of convex cores in world space.
+
+    ``owner`` (n,): the pair of bodies; ``flipped`` (n,): whether its first body is the second here; numbers of the cores, their poses, and
+    the radii by which they are grown. ``triangle_a`` and ``triangle_b`` (n,): the triangle that stands for a core that is a mesh.
+    """
+
+    owner: IntArray
+    flipped: BoolArray
+    first: IntArray
+    second: IntArray
+    rotation_a: FloatArray
+    centre_a: FloatArray
+    rotation_b: FloatArray
+    centre_b: FloatArray
+    radius_a: FloatArray
+    radius_b: FloatArray
+    triangle_a: IntArray | None = None
+    triangle_b: IntArray | None = None
+
+    def __len__(self) -> int:
+        return len(self.owner)
+
+    def chosen(self, rows: IntArray | BoolArray) -> CorePairs:
+        """Some of the rows."""
+        values: list[Any] = [getattr(self, f.name) for f in fields(self)]
+        picked: list[Any] = [None if value is None else value[rows] for value in values]
+        return CorePairs(*picked)
+
+
+class CorePairing:
+    """Makes pairs of cores from pairs of the bodies of a table."""
+
+    def __init__(self, table: CoreTable) -> None:
+        self._table = table
+        self._meshes: dict[int, MeshIndex] = {}
+
+    def groups(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray) -> Iterator[CorePairs]:
+        """All pairs of cores of ``pairs`` of bodies, placed as in `NarrowPhase`, in groups of the same kinds, the simpler kind first. Only
+        the triangles of a mesh within ``reach`` (p,) metres are included."""
+        a, b = identity_and_relative(rotation, offset)
+        table = self._table
+        owner, first, second = _products(table.start, pairs)
+        flipped = table.kind[first] > table.kind[second]
+        first, second = np.where(flipped, second, first), np.where(flipped, first, second)
+        matrix_a = np.where(flipped[:, None, None], b[owner], a[owner])
+        matrix_b = np.where(flipped[:, None, None], a[owner], b[owner])
+        rotation_a, centre_a = self._world(first, matrix_a)
+        rotation_b, centre_b = self._world(second, matrix_b)
+        kinds = table.kind[first] * len(Kind) + table.kind[second]
+        radius_a, radius_b = table.radius[first], table.radius[second]
+        everything = CorePairs(owner, flipped, first, second, rotation_a, centre_a, rotation_b, centre_b, radius_a, radius_b)
+        for value in np.unique(kinds).tolist():
+            rows = everything.chosen(np.flatnonzero(kinds == value)) if np.any(kinds != value) else everything
+            kind_a, kind_b = Kind(value // len(Kind)), Kind(value % len(Kind))
+            if kind_a is Kind.MESH:
+                yield from self._meshes_on_meshes(rows, reach)
+            elif kind_b is Kind.MESH:
+                yield self._on_triangles(rows, kind_a, reach)
+            else:
+                yield rows
+
+    def _world(self, core: IntArray, matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
+        rotation, centre = matrix[:, :3, :3], matrix[:, :3, 3]
+        if not self._table.placed:
+            return rotation, centre
+        return rotation @ self._table.rotation[core], centre + turned(rotation, self._table.offset[core])
+
+    def mesh(self, core: int) -> MeshIndex:
+        """The index of the triangles of a core that is a mesh, made on first use."""
+        made = self._meshes.get(core)
+        if made is None:
+            mesh = self._table.cores[core].mesh
+            assert mesh is not None
+            made = self._meshes[core] = MeshIndex.of(mesh)
+        return made
+
+    def _on_triangles(self, rows: CorePairs, kind: Kind, reach: FloatArray) -> CorePairs:
+        """Convex cores against those triangles of their meshes that are near."""
+        table = self._table
+        if kind is Kind.BOX:
+            rows.radius_a = table.thick_radius[rows.first]
+        if kind is Kind.POINT:
+            rows.radius_b = np.array([table.cores[core].mesh_radius_to_points for core in rows.second.tolist()])
+        relative = np.einsum("nji,njk->nik", rows.rotation_b, rows.rotation_a)
+        middle = turned_back(rows.rotation_b, rows.centre_a + turned(rows.rotation_a, table.bound_centre[rows.first]) - rows.centre_b)
+        half = np.einsum("nij,nj->ni", np.abs(relative), table.bound_half[rows.first])
+        half += (rows.radius_a + rows.radius_b + np.maximum(reach[rows.owner], 0.0))[:, None]
+        bounds = np.stack([middle - half, middle + half], axis=1)
+        row, triangle = [], []
+        for core in np.unique(rows.second).tolist():
+            mine = np.flatnonzero(rows.second == core)
+            box, near = self.mesh(core).near(bounds[mine])
+            row.append(mine[box])
+            triangle.append(near)
+        expanded = rows.chosen(np.concatenate(row))
+        expanded.triangle_b = np.concatenate(triangle)
+        return expanded
+
+    def _meshes_on_meshes(self, rows: CorePairs, reach: FloatArray) -> Iterator[CorePairs]:
+        """Pairs of near triangles of two meshes, one pair of meshes at a time."""
+        table = self._table
+        for k in range(len(rows)):
+            row = rows.chosen(np.array([k]))
+            first, second = self.mesh(int(row.first[0])), self.mesh(int(row.second[0]))
+            grown = float(row.radius_a[0] + row.radius_b[0] + max(reach[row.owner[0]], 0.0))
+            turn, shift = row.rotation_b[0].T @ row.rotation_a[0], row.rotation_b[0].T @ (row.centre_a[0] - row.centre_b[0])
+            middle, half = table.bound_centre[row.second[0]], table.bound_half[row.second[0]] + grown
+            back = turn.T @ (middle - shift)
+            extent = np.abs(turn.T) @ half
+            _, near = first.near(np.array([[back - extent, back + extent]]))
+            corners = first.corners[near] @ turn.T + shift
+            bounds = np.stack([corners.min(axis=1) - grown, corners.max(axis=1) + grown], axis=1)
+            mine, theirs = second.near(bounds)
+            expanded = row.chosen(np.zeros(len(mine), dtype=np.int64))
+            expanded.triangle_a, expanded.triangle_b = near[mine], theirs
+            yield expanded
+
+    def corners(self, mesh: IntArray, triangle: IntArray, rotation: FloatArray, centre: FloatArray) -> FloatArray:
+        """World corners (n, 3, 3) of triangles of meshes."""
+        local = np.empty((len(mesh), 3, 3))
+        for core in np.unique(mesh).tolist():
+            mine = mesh == core
+            local[mine] = self.mesh(core).corners[triangle[mine]]
+        return turned(rotation[:, None], local) + centre[:, None]
+
+
+def joined(groups: list[CorePairs]) -> CorePairs:
+    """Groups without triangles as one."""
+    names = [f.name for f in fields(CorePairs) if not f.name.startswith("triangle")]
+    return groups[0] if len(groups) == 1 else CorePairs(*(np.concatenate([getattr(rows, name) for rows in groups]) for name in names))
+
+
+def _products(start: IntArray, pairs: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Every core of each pair's first body with every core of its second: number of the pair, of either core."""
+    count = np.diff(start)[pairs]
+    many = count[:, 0] * count[:, 1]
+    owner = np.repeat(np.arange(len(pairs)), many)
+    within = np.arange(len(owner)) - np.repeat(np.cumsum(many) - many, many)
+    return owner, start[pairs[owner, 0]] + within // count[owner, 1], start[pairs[owner, 1]] + within % count[owner, 1]
+
+
+def bounded(rows: CorePairs, gap: FloatArray, reach: FloatArray) -> FloatArray:
+    """Gaps as lower bounds on the distances of the bodies: beyond ``reach`` not all triangles of a mesh are included."""
+    return gap if rows.triangle_b is None else np.minimum(gap, reach[rows.owner] + BEYOND)
+
+
+def chosen_of(values: Any, rows: Any) -> Any:
+    """Rows of a dataclass of arrays."""
+    return type(values)(*(getattr(values, f.name)[rows] for f in fields(values)))

@@ -1,0 +1,90 @@
+"""Contact patches of pairs of cores: the polygons of their facing features, intersected."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+
+import numpy as np
+
+from ...arrays import BoolArray, FloatArray, IntArray
+from .closed_forms import Separation
+from .core_pairs import CorePairing, CorePairs
+from .cores import CoreTable, Kind
+from .manifold import Patches, patches
+from .supporting_feature import FEW, MANY, Features, triangle_polygons
+
+_DRAWN_ROUGHLY = (Kind.CYLINDER, Kind.CONE, Kind.HULL)
+"""Kinds whose features are polygons of fewer corners than they have."""
+
+_NEAR = 1e-3
+"""Metres from the nearest points of two cores within which their patch must lie."""
+
+
+class CorePatches:
+    """Patches between the cores of a table."""
+
+    def __init__(self, table: CoreTable, pairing: CorePairing) -> None:
+        self._table = table
+        self._pairing = pairing
+        self._features = Features(table)
+
+    def patches(self, rows: CorePairs, separation: Separation) -> Patches:
+        """Patches of rows of one group, their centres and corners in the world."""
+        normal = separation.normal
+        middle = (separation.first + normal * rows.radius_a[:, None] + separation.second - normal * rows.radius_b[:, None]) / 2
+        count = len(rows)
+        if self._table.kind[rows.first[0]] == Kind.POINT:
+            none = np.zeros(count, dtype=np.bool_)
+            return Patches(middle, np.zeros(count), none, np.zeros(count), middle[:, None], none[:, None], none)
+        first, many_a, wide_a = self._polygons(rows.first, rows.triangle_a, rows.rotation_a, rows.centre_a, normal)
+        second, many_b, wide_b = self._polygons(rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b, -normal)
+        first -= middle[:, None]
+        second -= middle[:, None]
+        parts = []
+        for corners_a, corners_b in ((FEW, FEW), (MANY, FEW), (FEW, MANY), (MANY, MANY)):
+            alike = np.flatnonzero((many_a == (corners_a == MANY)) & (many_b == (corners_b == MANY)))
+            if len(alike):
+                parts.append((alike, patches(first[alike, :corners_a], second[alike, :corners_b], normal[alike])))
+        result = _merged(count, parts)
+        kind = np.maximum(self._table.kind[rows.first], self._table.kind[rows.second])
+        result = _at_nearest_points(result, np.isin(kind, _DRAWN_ROUGHLY))
+        return Patches(
+            middle + result.centre, result.area, result.found, result.gap, middle[:, None] + result.corners, result.used, wide_a & wide_b
+        )
+
+    def _polygons(
+        self, core: IntArray, triangle: IntArray | None, rotation: FloatArray, centre: FloatArray, direction: FloatArray
+    ) -> tuple[FloatArray, BoolArray, BoolArray]:
+        if triangle is None:
+            return self._features.polygons(core, rotation, centre, direction)
+        count = len(core)
+        corners = self._pairing.corners(core, triangle, rotation, centre)
+        return triangle_polygons(corners), np.zeros(count, dtype=np.bool_), np.ones(count, dtype=np.bool_)
+
+
+def _at_nearest_points(patch: Patches, rough: BoolArray) -> Patches:
+    """Patches around the origin, the nearest points of their cores; ``rough`` ones that miss it moved there."""
+    mask = patch.used[..., None]
+    low = np.where(mask, patch.corners, np.inf).min(axis=1)
+    high = np.where(mask, patch.corners, -np.inf).max(axis=1)
+    missed = rough & patch.found & ((low > _NEAR) | (high < -_NEAR)).any(axis=1)
+    keep = ~missed[:, None]
+    return replace(patch, centre=patch.centre * keep, area=patch.area * ~missed, corners=patch.corners * keep[..., None])
+
+
+def _merged(count: int, parts: list[tuple[IntArray, Patches]]) -> Patches:
+    """Results for parts of ``count`` rows put together, shorter rows of corners filled up."""
+    if len(parts) == 1:
+        return parts[0][1]
+    merged = []
+    for field in fields(Patches):
+        values = [getattr(part, field.name) for _, part in parts]
+        shape = max(value.shape[1:] for value in values)
+        whole = np.zeros((count, *shape), dtype=values[0].dtype)
+        for (rows, _), value in zip(parts, values, strict=True):
+            if value.ndim == 1 or value.shape[1:] == shape:
+                whole[rows] = value
+            else:
+                whole[rows, : value.shape[1]] = value
+        merged.append(whole)
+    return Patches(*merged)
