@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
@@ -12,7 +13,7 @@ from .arrays import FloatArray, IntArray
 from .contacts.authored import AuthoredContacts
 from .contacts.contact_set import ContactSet
 from .contacts.gain_bound import GainBound
-from .contacts.impact_sources import ImpactSources
+from .contacts.impact_sources import MOST_FRAMES, FrameImpacts, ImpactSources
 from .contacts.tracker import Body, ContactSettings, ContactTracker, FrameContacts, Impact
 from .graph.gain_bounds import object_bounds, signal_gain_bound
 from .graph.haptic_graph import ObjectTable
@@ -32,7 +33,7 @@ class Frame:
     when it happened. ``continuous``: this frame follows the one traced last; otherwise contact history, velocities and sounding signals
     are dropped. Either bodies move, then ``transforms`` (n, 4, 4) are the rigid world transforms of ``bodies``, which are ``objects`` in
     the same order; or ``contacts`` are given, which number the objects by their sorted names. ``authored`` contacts replace detected
-    ones.
+    ones. ``recall``: a frame that does not follow has the impacts that it had when it was last stepped to, see `CollisionDetector`.
     """
 
     number: int
@@ -46,12 +47,13 @@ class Frame:
     contacts: ContactSet | None = None
     continuous: bool = True
     authored: AuthoredContacts | None = None
+    recall: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Collisions:
     """Collisions of one frame. ``sources``: the temporary ones, of this frame's impacts and of earlier ones that still sound. ``frames``:
-    where the objects lie, None where propagation does not ask."""
+    where the objects lie, None where propagation does not ask. ``start`` [s]: of the frame, where its impacts are recalled."""
 
     contacts: ContactSet
     frames: ObjectFrames | None = None
@@ -60,6 +62,7 @@ class Collisions:
     statistics: Mapping[str, int | float] = field(default_factory=dict)
     milliseconds: Mapping[str, float] = field(default_factory=dict)
     warnings: tuple[Message, ...] = ()
+    start: float | None = None
 
 
 class CollisionDetector:
@@ -68,6 +71,12 @@ class CollisionDetector:
     ``lazy``: contacts are detected only where a signal of at least the threshold can arrive; gains and impacts are the same.
     ``impact_sources``: impacts make temporary sources. ``impact_materials``: the material of each object, a key of `IMPACT_MATERIALS`;
     an impact of two others plays ``impact_signal``. ``transmission``: the function of all detected contacts, None for the identity.
+
+    Impacts take two frames that follow each other. The impacts of each frame are remembered, at most `MOST_FRAMES` frames of them, for
+    frames with ``recall``: come to by a jump, or detected again after an edit, they have the same impacts as before. So modes, gains,
+    materials and strategies are compared on the same blow. What makes impacts drops all that is remembered: other bodies, shapes, masses
+    or motions, other rules of contacts and impacts, a struck body that stands elsewhere, and `forget_impacts`, which whoever knows of
+    edits of animation and physics calls.
     """
 
     def __init__(
@@ -84,6 +93,27 @@ class CollisionDetector:
         self._found: FrameContacts | None = None
         self._authored: AuthoredContacts | None = None
         self._contacts = ContactSet.empty()
+        self._remembered: dict[int, FrameImpacts] = {}
+        self._rules: tuple[tuple[Body, ...], ContactSettings] | None = None
+        self._last: Frame | None = None
+
+    @property
+    def remembers(self) -> bool:
+        """True where impacts of some frame are remembered."""
+        return bool(self._remembered)
+
+    def forget_impacts(self) -> None:
+        """Something that makes impacts has changed."""
+        self._remembered.clear()
+        self._last = None
+
+    def stands(self, frame: Frame) -> bool:
+        """Whether ``frame`` is the one that was detected last, and nothing in it has moved or changed its shape."""
+        if self._last is None or self._tracker is None or frame.transforms is None or self._tracker.settings != self.settings:
+            return False
+        last = self._last
+        alike = (last.number, last.time) == (frame.number, frame.time) and (last.bodies is frame.bodies or last.bodies == frame.bodies)
+        return alike and last.transforms is not None and np.array_equal(last.transforms, frame.transforms)
 
     def reset(self) -> None:
         """Drop contact history, velocities and sounding impacts."""
@@ -91,26 +121,40 @@ class CollisionDetector:
         if self._tracker is not None:
             self._tracker.reset()
 
-    def detect(self, frame: Frame, table: ObjectTable, previous: float | None) -> Collisions:
-        """Return the collisions of ``frame``; ``table`` numbers its objects, ``previous`` is the time of the frame before it, if any."""
+    def detect(self, frame: Frame, table: ObjectTable, previous: float | None, again: bool = False) -> Collisions:
+        """Return the collisions of ``frame``; ``table`` numbers its objects, ``previous`` is the time of the frame before it, if any.
+
+        again: it `stands`; contacts are looked for anew, and what follows it goes on as if it had been detected once.
+        """
         if frame.contacts is not None or not frame.bodies or frame.transforms is None:
             self._sources.clear()
             frames = ObjectFrames.of_objects(table.objects) if _asks_for_frames(frame.settings) else None
             return Collisions(ContactSet.empty() if frame.contacts is None else frame.contacts, frames)
         begun = perf_counter()
         tracker = self._follow(frame.bodies, table)
-        if previous is not None:
+        kept = None
+        if again:
+            tracker = copy.copy(tracker)
+            tracker.reset()
+        elif previous is not None:
             self._sources.end_before(previous)
+        if again or (frame.recall and previous is None):
+            self._sources.clear()
+            kept = self._recalled(frame.number, frame.transforms) if self.impact_sources else None
+        recalled = () if kept is None else self._sources.recall(kept, self.impact_materials)
         reach = self._reach(frame, frame.transforms) if self.lazy and frame.authored is None else None
         found = tracker.update(frame.time, frame.transforms, reach, continuous=frame.continuous)
         contacts = self._numbered(found, frame.authored)
         broad, total = found.statistics.broad_seconds, perf_counter() - begun
         impacts = found.impacts if self.impact_sources else ()
         self._sources.add(impacts, [body.name for body in frame.bodies] if impacts else (), frame.transforms, self.impact_materials)
+        if previous is not None and not again:
+            self._remember(frame.number, self._sources.kept(previous, frame.transforms))
+        self._last = frame
         return Collisions(
             contacts=contacts,
             frames=self._numbering.frames(frame.transforms) if _asks_for_frames(frame.settings) else None,
-            impacts=impacts,
+            impacts=impacts or recalled,
             sources=self._sources.sources(frame.transforms),
             statistics={
                 "candidate_pairs": found.statistics.candidates,
@@ -119,11 +163,31 @@ class CollisionDetector:
             },
             milliseconds={"broad": 1000 * broad, "narrow": 1000 * (total - broad)},
             warnings=found.warnings,
+            start=None if kept is None else kept.start,
         )
+
+    def _recalled(self, number: int, transforms: FloatArray) -> FrameImpacts | None:
+        """Return what is remembered of a frame; nothing at all is any more where a struck body stands elsewhere."""
+        kept = self._remembered.get(number)
+        if kept is not None and not kept.stands(transforms):
+            self.forget_impacts()
+            kept = None
+        return kept
+
+    def _remember(self, number: int, kept: FrameImpacts | None) -> None:
+        self._remembered.pop(number, None)
+        if kept is not None:
+            self._remembered[number] = kept
+            if len(self._remembered) > MOST_FRAMES:
+                del self._remembered[next(iter(self._remembered))]
 
     def _follow(self, bodies: tuple[Body, ...], table: ObjectTable) -> ContactTracker:
         """Return a tracker of ``bodies``: the present one while they have the same names and the settings are the same."""
         tracker = self._tracker
+        rules = bodies, replace(self.settings, patch_points=False)
+        if self._rules != rules:
+            self.forget_impacts()
+            self._rules = rules
         if tracker is None or tracker.settings != self.settings or not _same_names(tracker.bodies, bodies):
             tracker = self._tracker = ContactTracker(bodies, self.settings)
             self._sources.clear()

@@ -46,6 +46,7 @@ class Tracer:
         self._propagated: Propagated | None = None
         self._mixdown = Mixdown(impact_signal, sample_rate)
         self._time: float | None = None
+        self._start = 0.0  # of the last frame
 
     def reset(self) -> None:
         """Drop contacts, velocities and sounding signals."""
@@ -54,17 +55,24 @@ class Tracer:
         self._mixdown.reset()
 
     def step(self, frame: Frame) -> FrameResult:
-        """Trace one frame. Raises ValueError that names the object where a designer's expression gives no gain."""
-        if not frame.continuous or (self._time is not None and frame.time <= self._time):
+        """Trace one frame. Raises ValueError that names the object where a designer's expression gives no gain.
+
+        Nothing is rendered of a frame that is traced again (`CollisionDetector.stands`): what follows it goes on from its first rendering.
+        """
+        again = frame.recall and self.collisions.stands(frame)
+        if not again and (not frame.continuous or (self._time is not None and frame.time <= self._time)):
             self.reset()
         table = self._object_table(frame)
-        collisions = self.collisions.detect(frame, table, self._time)
+        collisions = self.collisions.detect(frame, table, self._time, again)
+        if not again:
+            self._start = next(t for t in (collisions.start, self._time, frame.time) if t is not None)
         watch = _Stopwatch(dict(collisions.milliseconds))
         inputs = Inputs(table, collisions.contacts, frame.sources + collisions.sources, frame.listeners, frame.settings)
         propagated = self._propagate(inputs, collisions.frames, watch)
-        block = self._mixdown.render(self._time, frame.time, inputs.sources, frame.listeners, propagated.propagation)
+        block = None
+        if not again:
+            block = self._mixdown.render(self._time, frame.time, inputs.sources, frame.listeners, propagated.propagation)
         watch.lap("mix")
-        first_sample = sample_index(frame.time if self._time is None else self._time, self.sample_rate)
         self._time = frame.time
         graph, propagation = propagated.graph, propagated.propagation
         return FrameResult(
@@ -79,12 +87,12 @@ class Tracer:
             gains=propagation.gain * np.array([source.amplitude for source in inputs.sources]).reshape(-1, 1),
             impacts=collisions.impacts,
             block=block,
-            first_sample=first_sample,
+            first_sample=sample_index(self._start, self.sample_rate),
             sample_rate=self.sample_rate,
             milliseconds=watch.milliseconds,
             statistics=_statistics(propagated, collisions),
             warnings=(*collisions.warnings, *propagation.warnings),
-            before=self._mixdown.before,
+            before=None if again else self._mixdown.before,
         )
 
     def _object_table(self, frame: Frame) -> ObjectTable:

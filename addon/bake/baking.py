@@ -9,9 +9,9 @@ from contextlib import closing
 from bpy.types import Scene
 
 from ..changes.suspension import suspended
+from ..scene_reader.digest import digest_of
 from ..session import timeline
 from . import curves, sound, storage
-from .digest import digest_of
 from .playback import play, wanted_range
 from .track import TrackRecorder, check_size
 

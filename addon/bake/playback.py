@@ -13,9 +13,9 @@ from ...core.render.history import SECONDS
 from ..changes import revisions
 from ..changes.events import file_changed
 from ..changes.redraw import redraw_sidebars, redraw_viewports
+from ..scene_reader.digest import changes, digest_of
 from ..session import session
 from . import storage
-from .digest import changes, digest_of
 from .track import HapticTrack
 
 _REST = 20.0  # comparing scene and track may take one part in so many of the time

@@ -16,9 +16,12 @@ from ...core.modalities.modality_scene import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
 from ...core.tracer import Frame, Tracer
+from ..blender.playing import is_playing
 from ..blender.time import seconds_of
 from ..changes import revisions
 from ..changes.events import file_changed
+from ..changes.suspension import is_stepped
+from ..scene_reader.digest import motion_of
 from ..scene_reader.problem import Problem
 from ..scene_reader.reader import SceneReader
 from ..scene_reader.reading import Reading
@@ -99,13 +102,21 @@ def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult
 
 def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     """Read the scene as it stands now and begin to trace it. The result is None where nothing is tagged, or where a problem forbids it.
-    ``live``: for the moment only, so that contacts that no signal gets to need not be looked for."""
+    ``live``: for the moment only, so that contacts that no signal gets to need not be looked for.
+
+    While the timeline stands, a frame keeps the impacts that stepping or playing to it made: modes, gains, materials and strategies are
+    compared on the same blow, at any frame, however it is come to. They are dropped by what makes impacts: objects added, removed, moved,
+    scaled, deformed or animated otherwise, masses and physics, and the rules of contacts and impacts (`CollisionDetector`, `motion_of`).
+    What is stepped through for a bake or an export begins anew."""
     session = of(scene)
     _finish(scene, session)
     session.previous = session.result
     if session.version != revisions.authored():
         session.reader.forget()
         session.version = revisions.authored()
+        if not session.tracer.collisions.remembers or session.motion != motion_of(scene):
+            session.tracer.collisions.forget_impacts()
+            session.motion = None
     started = time.perf_counter()
     reading = None if session.reader.is_empty else session.reader.read(scene, depsgraph)
     if reading is None or session.reader.is_empty:
@@ -121,12 +132,15 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     step, whole = scene.render.fps_base / scene.render.fps, scene.frame_subframe == 0
     follows = session.frame is not None and scene.frame_current == session.frame + 1
     continuous = whole and follows and step == session.frame_seconds
+    if continuous and session.motion is None:
+        session.motion = motion_of(scene)
+    recall = whole and not is_stepped(scene) and not is_playing()
     session.frame, session.frame_seconds = scene.frame_current if whole else None, step
     session.serial = next(_serials)
     read_milliseconds = 1000 * (time.perf_counter() - started)
     begun = _Begun(session.serial, reading, others, errors, read_milliseconds, 1000 * sessions.evaluation_seconds())
     session.begun_at = time.monotonic()
-    session.begun = worker.submit(_step, session, begun, frame_of(scene, reading, continuous))
+    session.begun = worker.submit(_step, session, begun, replace(frame_of(scene, reading, continuous), recall=recall))
     worker.submit(_follow, session)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,15 +12,44 @@ from ..scene.values import Source, SourceKind
 from ..signals import Signal, impact_template
 from .impacts import Impact
 
+MOST_FRAMES = 4096
+"""Frames whose impacts are remembered."""
+
+_UNMOVED = 1e-5
+"""A body whose pose differs by less, relative to the largest coordinate, stands where it stood: poses are float32."""
+
 
 @dataclass(frozen=True, slots=True)
-class _Sounding:
-    """An impact's source between two ``bodies``, its position in the frame of either body, and the time [s] at which its template ends."""
+class Sounding:
+    """An impact and its source: the template's ``end`` [s], and the source's position in the frame of either body."""
 
+    impact: Impact
     source: Source
-    bodies: tuple[int, int]
     local: tuple[FloatArray, FloatArray]
     end: float
+
+    def of_materials(self, signal: Signal, materials: Mapping[str, str]) -> Sounding:
+        """The same impact, of bodies that have these materials now."""
+        first, second = self.source.object, self.source.second_object or ""
+        known = first in materials and second in materials
+        signal = impact_template(materials[first], materials[second]) if known else signal
+        if signal == self.source.signal:
+            return self
+        return replace(self, source=replace(self.source, signal=signal), end=self.impact.time + signal.duration)
+
+
+@dataclass(frozen=True, slots=True)
+class FrameImpacts:
+    """What sounds in a frame that begins at ``start`` [s]; ``poses`` (k, 2, 3, 4) of the bodies of each impact at its end."""
+
+    start: float
+    sounding: tuple[Sounding, ...]
+    poses: FloatArray
+
+    def stands(self, transforms: FloatArray) -> bool:
+        """Whether the struck bodies are at ``transforms`` (n, 4, 4) where they were."""
+        poses = _struck_poses(self.sounding, transforms)
+        return bool(np.allclose(poses, self.poses, rtol=0.0, atol=_UNMOVED * max(1.0, float(np.abs(poses).max(initial=0.0)))))
 
 
 class ImpactSources:
@@ -28,11 +57,22 @@ class ImpactSources:
 
     def __init__(self, signal: Signal) -> None:
         self._signal = signal
-        self._sounding: list[_Sounding] = []
+        self._sounding: list[Sounding] = []
 
     def clear(self) -> None:
         """Drop all sources."""
         self._sounding.clear()
+
+    def kept(self, start: float, transforms: FloatArray) -> FrameImpacts | None:
+        """What sounds in the frame from ``start`` [s], for `recall`; None where nothing does."""
+        if not self._sounding:
+            return None
+        return FrameImpacts(start, tuple(self._sounding), _struck_poses(self._sounding, transforms))
+
+    def recall(self, kept: FrameImpacts, materials: Mapping[str, str]) -> tuple[Impact, ...]:
+        """Have the impacts of a frame sound again, as bodies of these ``materials``; return those that it began."""
+        self._sounding = [sounding.of_materials(self._signal, materials) for sounding in kept.sounding]
+        return tuple(sounding.impact for sounding in kept.sounding if sounding.impact.time > kept.start)
 
     def end_before(self, time: float) -> None:
         """Drop the sources whose templates have ended by ``time`` [s]."""
@@ -45,8 +85,6 @@ class ImpactSources:
         """
         for impact in impacts:
             first, second = (names[body] for body in impact.objects)
-            known = first in materials and second in materials
-            signal = impact_template(materials[first], materials[second]) if known else self._signal
             source = Source(
                 name=f"impact of {first} and {second} at {impact.time:.4f} s",
                 object=first,
@@ -55,19 +93,20 @@ class ImpactSources:
                 second_position=impact.positions[1],
                 amplitude=impact.amplitude,
                 kind=SourceKind.TEMPORARY,
-                signal=signal,
+                signal=self._signal,
                 onset=impact.time,
             )
             on_first, on_second = (
                 _to_body(transforms[body], position) for body, position in zip(impact.objects, impact.positions, strict=True)
             )
-            self._sounding.append(_Sounding(source, impact.objects, (on_first, on_second), impact.time + signal.duration))
+            sounding = Sounding(impact, source, (on_first, on_second), impact.time + self._signal.duration)
+            self._sounding.append(sounding.of_materials(self._signal, materials))
 
     def places(self, transforms: FloatArray) -> tuple[IntArray, FloatArray]:
         """Return the bodies (2k,) of the k sources and the world positions (2k, 3) of the sources on them."""
         if not self._sounding:
             return np.zeros(0, dtype=np.int64), np.zeros((0, 3))
-        bodies = np.array([sounding.bodies for sounding in self._sounding], dtype=np.int64).ravel()
+        bodies = np.array([sounding.impact.objects for sounding in self._sounding], dtype=np.int64).ravel()
         local = np.array([sounding.local for sounding in self._sounding]).reshape(-1, 3)
         placed = transforms[bodies]
         return bodies, (placed[:, :3, :3] * local[:, None]).sum(axis=2) + placed[:, :3, 3]
@@ -76,6 +115,10 @@ class ImpactSources:
         """Return the sources, each at its place on both bodies."""
         places = self.places(transforms)[1].reshape(-1, 2, 3).tolist()
         return tuple(sounding.source.moved(*place) for sounding, place in zip(self._sounding, places, strict=True))
+
+
+def _struck_poses(sounding: Sequence[Sounding], transforms: FloatArray) -> FloatArray:
+    return transforms[np.array([item.impact.objects for item in sounding], dtype=np.int64), :3]
 
 
 def _to_body(transform: FloatArray, position: Sequence[float]) -> FloatArray:

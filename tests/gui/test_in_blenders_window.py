@@ -79,3 +79,8 @@ def test_files_out_and_in(play):
 def test_answer_hint_path_and_corners(play):
     seen = played_through(play(SCENARIOS / "answer.py"))
     assert all(seen.values()), seen
+
+
+def test_looking_does_not_change_what_is_felt(play):
+    seen = played_through(play(SCENARIOS / "same_blow.py"))
+    assert all(seen.values()), seen

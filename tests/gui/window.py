@@ -13,7 +13,7 @@ import subprocess
 import sys
 import time
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -76,6 +76,14 @@ class Window:
         """A key or mouse button down and up, where the mouse is; modifiers as `ctrl=True`."""
         self.event(key, "PRESS", **keys)
         self.event(key, "RELEASE", **keys)
+        yield
+
+    def wait_until(self, holds: Callable[[], bool], seconds: float = 30.0) -> Steps:
+        """Wait for something that has to come, however busy the machine is; whether it came is the scenario's to judge."""
+        for _ in range(round(seconds / PAUSE)):
+            if holds():
+                break
+            yield
         yield
 
     def undo(self) -> Steps:

@@ -129,7 +129,7 @@ def test_many_changes_are_a_short_list(baked):
 
 
 def test_a_strange_digest_is_stale_not_an_error(baked):
-    from haptic_tracing.addon.bake.digest import changes, digest_of
+    from haptic_tracing.addon.scene_reader.digest import changes, digest_of
 
     for strange in ({}, {"objects": 3, "settings": []}, {"objects": {"crate": None}}):
         assert changes(strange, digest_of(baked))

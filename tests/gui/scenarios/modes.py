@@ -40,11 +40,11 @@ def steps(window):
     window.point_at_view()
     yield
     yield from window.press("SPACE")
-    yield 3.0
+    yield from window.wait_until(lambda: len(set(drawn)) >= 3)
     yield from window.press("SPACE")
-    yield 0.5
+    yield from window.wait_until(lambda: drawn[-1] == scene.frame_current)
     pictures.scope_picture = draw_it
-    window.seen["the panel's scope keeps up"] = len(set(drawn)) >= 3 and drawn[-1] == scene.frame_current
+    window.seen["the panel's scope keeps up"] = len(set(drawn)) >= 3 and drawn == sorted(drawn) and drawn[-1] == scene.frame_current
     window.seen["and is drawn once a frame"] = len(drawn) == len(set(drawn))
     window.seen["of the frame shown"] = session.result_of(scene).number == scene.frame_current
     yield from window.screenshot("meters")

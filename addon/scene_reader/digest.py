@@ -1,4 +1,4 @@
-"""What a track was baked from, in short: to say later what has changed since.
+"""What a scene is made of, in short: to say later what has changed since it was baked, or since its impacts were found.
 
 A digest is plain data: the settings and the frame rate as they are, and for every object of the scene that can matter a few check sums, one
 per aspect. Comparing two gives sentences.
@@ -35,17 +35,16 @@ _TRANSFORM = ("location", "rotation_euler", "rotation_quaternion", "rotation_axi
 
 def digest_of(scene: Scene) -> Digest:
     """What is baked of a scene as it stands now; it does not depend on the current frame."""
-    haptics, render = scene.haptics, scene.render
+    haptics = scene.haptics
     settings = dict(_properties(haptics, [key for key in _plain_keys(haptics) if key not in _VIEW]))
-    world = scene.rigidbody_world
-    world_keys = ("enabled", "time_scale", "substeps_per_frame", "solver_iterations")
-    return {
-        "settings": settings,
-        "frame rate": [render.fps, round(render.fps_base, 6)],
-        "gravity": [round(v, 6) for v in scene.gravity] if scene.use_gravity else None,
-        "physics": None if world is None else _sum(_properties(world, world_keys)),
-        "objects": {obj.name_full: _object(obj) for obj in scene.objects if _matters(obj)},
-    }
+    objects = {obj.name_full: {"haptics": _roles(obj), **_motion(obj)} for obj in scene.objects if _matters(obj)}
+    return {"settings": settings, **_physics(scene), "objects": objects}
+
+
+def motion_of(scene: Scene) -> Digest:
+    """What makes the impacts of a scene, whatever its haptic settings and the current frame: physics, and of everything haptic and of what
+    may move it shape, transforms, animation, rigid body, parent, constraints and modifiers."""
+    return {**_physics(scene), "objects": {obj.name_full: _motion(obj, "haptics.") for obj in scene.objects if _may_hit(obj)}}
 
 
 def changes(before: Mapping[str, Any], now: Digest) -> tuple[str, ...]:
@@ -84,17 +83,38 @@ def _matters(obj: Object) -> bool:
     )
 
 
-def _object(obj: Object) -> dict[str, str]:
-    paths, animation = _animation(obj)
-    keys = getattr(obj.data, "shape_keys", None)
-    if keys is not None:
-        animation += _animation(keys)[1] + _sum([(key.name, round(key.value, 5)) for key in keys.key_blocks if not keys.animation_data])
-    pose = [list(getattr(obj, key)) for key in _TRANSFORM if key not in paths]
-    haptics = obj.haptics
+def _may_hit(obj: Object) -> bool:
+    if obj.haptics.enabled or obj.rigid_body is not None or obj.type in {"ARMATURE", "LATTICE"}:
+        return True
+    return obj.type in {"MESH", "EMPTY"} and bool(_animation(obj, "haptics.")[1])
+
+
+def _physics(scene: Scene) -> Digest:
+    render, world = scene.render, scene.rigidbody_world
+    world_keys = ("enabled", "time_scale", "substeps_per_frame", "solver_iterations")
+    return {
+        "frame rate": [render.fps, round(render.fps_base, 6)],
+        "gravity": [round(v, 6) for v in scene.gravity] if scene.use_gravity else None,
+        "physics": None if world is None else _sum(_properties(world, world_keys)),
+    }
+
+
+def _roles(obj: Object) -> str:
+    haptics, paths = obj.haptics, _animation(obj)[0]
     groups = (("", haptics), ("source.", haptics.source), ("listener.", haptics.listener), ("material.", haptics.material))
     roles = [
         _settings(group, {path for path in paths if path.startswith(f"haptics.{prefix}")}) for prefix, group in groups if is_tagged(obj)
     ]
+    return _sum(roles)
+
+
+def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
+    """The aspects beside the haptic settings; animation of data paths that begin with ``ignored`` does not count."""
+    paths, animation = _animation(obj, ignored)
+    keys = getattr(obj.data, "shape_keys", None)
+    if keys is not None:
+        animation += _animation(keys)[1] + _sum([(key.name, round(key.value, 5)) for key in keys.key_blocks if not keys.animation_data])
+    pose = [list(getattr(obj, key)) for key in _TRANSFORM if key not in paths]
     body = obj.rigid_body
     physics = (
         []
@@ -105,7 +125,7 @@ def _object(obj: Object) -> dict[str, str]:
              "collision_margin", "linear_damping", "angular_damping"),
         )
     )  # fmt: skip
-    parent, body_of_it = (item.name_full if item is not None else "" for item in (obj.parent, haptics.body))
+    parent, body_of_it = (item.name_full if item is not None else "" for item in (obj.parent, obj.haptics.body))
     relations = [
         [body_of_it, parent, obj.parent_type, obj.parent_bone, [[round(v, 5) for v in row] for row in obj.matrix_parent_inverse]],
         [(item.name, item.type, item.mute) for item in obj.constraints],
@@ -113,7 +133,6 @@ def _object(obj: Object) -> dict[str, str]:
     ]
     shape = _shape(obj) if is_tagged(obj) or body is not None else ""
     return {
-        "haptics": _sum(roles),
         "pose": _sum(pose),
         "shape": shape,
         "animation": animation,
@@ -153,21 +172,24 @@ def _shape(obj: Object) -> str:
     return f"{len(mesh.polygons)}:{zlib.crc32(places.tobytes()):08x}"
 
 
-def _animation(datablock: ID) -> tuple[frozenset[str], str]:
-    """The data paths that are animated, and a check sum of their keys, drivers and strips."""
+def _animation(datablock: ID, ignored: str = "haptics.felt.") -> tuple[frozenset[str], str]:
+    """The data paths that are animated, and a check sum of their keys, drivers and strips. Those that begin with ``ignored`` don't count:
+    a bake itself writes what is felt."""
     data = datablock.animation_data
     if data is None:
         return frozenset(), ""
     paths: set[str] = set()
     parts: list[tuple[Any, ...]] = []
     for curve in fcurves_of(datablock):
-        if curve.data_path.startswith("haptics.felt."):
-            continue  # written by the bake itself
+        if curve.data_path.startswith(ignored):
+            continue
         paths.add(curve.data_path)
         keys = np.empty(2 * len(curve.keyframe_points), dtype=np.float32)
         curve.keyframe_points.foreach_get("co", keys)
         parts.append((curve.data_path, curve.array_index, zlib.crc32(keys.tobytes()), curve.mute, len(curve.modifiers)))
     for driver in data.drivers:
+        if driver.data_path.startswith(ignored):
+            continue
         paths.add(driver.data_path)
         parts.append((driver.data_path, driver.array_index, driver.driver.expression, driver.mute))
     parts += [

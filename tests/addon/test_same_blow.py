@@ -1,0 +1,143 @@
+"""Looking does not change what is felt: a frame keeps its impacts until something that makes impacts changes."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+from haptic_tracing.addon.session import session
+
+_PLACE = Path(__file__).parents[2] / "docs" / "pictures" / "tutorial" / "hammer_nail_by_hand.py"
+_specification = importlib.util.spec_from_file_location("hammer_nail_by_hand", _PLACE)
+tutorial = importlib.util.module_from_spec(_specification)
+_specification.loader.exec_module(tutorial)
+FRAME = 22
+"""The hammer strikes at frame 20."""
+
+
+@pytest.fixture
+def struck() -> Any:
+    """The tutorial's scene, stepped through to frame 22."""
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
+    for step in tutorial.STEPS:
+        step()
+    return stepped(bpy.context.scene, 1, FRAME)
+
+
+def stepped(scene: Any, first: int, last: int) -> Any:
+    for frame in range(first, last + 1):
+        scene.frame_set(frame)
+    return scene
+
+
+def impacts(scene: Any) -> list[tuple[str, float, float]]:
+    """Name, onset and amplitude of the impacts that sound in the frame shown."""
+    return [(item.name, item.onset, item.amplitude) for item in session.result_of(scene).sources]
+
+
+def test_each_mode_renders_the_same_blow(struck):
+    blow, felt = impacts(struck), session.result_of(struck).gains.copy()
+    assert len(blow) == 1
+    for mode in ("SD", "MD", "MN", "HT"):
+        bpy.ops.haptic.set_mode(mode=mode)
+        assert impacts(struck) == blow, mode
+    assert session.result_of(struck).gains == pytest.approx(felt, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "look",
+    [
+        lambda scene: setattr(scene.haptics, "show_flow", True),
+        lambda scene: setattr(scene.objects["Hand"].haptics.listener, "gain", 0.5),
+        lambda scene: setattr(scene.objects["Hammer"].haptics, "rho", 0.2),
+        lambda scene: setattr(scene.haptics, "strategy", "all_paths"),
+        lambda scene: setattr(scene.haptics, "patch_points", True),
+        lambda scene: scene.objects["Hand"].haptics.keyframe_insert("rho", frame=FRAME),
+        lambda scene: scene.objects["Table"].select_set(True),
+        lambda scene: bpy.ops.haptic.trace_frame(),
+        lambda scene: scene.frame_set(FRAME),
+        lambda scene: (scene.frame_set(5), scene.frame_set(FRAME)),
+    ],
+)
+def test_what_does_not_make_impacts_keeps_them(struck, look):
+    blow = impacts(struck)
+    look(struck)
+    bpy.context.view_layer.update()
+    assert impacts(struck) == blow
+
+
+def test_a_material_changes_what_the_same_blow_feels_like(struck):
+    (before,) = session.result_of(struck).sources
+    struck.objects["Nail"].haptics.material.name = struck.objects["Hammer"].haptics.material.name = "Rubber"
+    bpy.context.view_layer.update()
+    (after,) = session.result_of(struck).sources
+    assert (after.onset, after.amplitude) == (before.onset, before.amplitude)
+    assert after.signal != before.signal
+
+
+def test_switching_impacts_off_and_on_brings_them_back(struck):
+    blow = impacts(struck)
+    struck.haptics.impacts = False
+    bpy.context.view_layer.update()
+    assert impacts(struck) == []
+    struck.haptics.impacts = True
+    bpy.context.view_layer.update()
+    assert impacts(struck) == blow
+
+
+def _key_elsewhere(scene: Any) -> None:
+    """Another swing, which is the same at frame 22."""
+    wrist = scene.objects["Wrist"]
+    wrist.rotation_euler.y = -1.0
+    wrist.keyframe_insert("rotation_euler", index=1, frame=10)
+    wrist.rotation_euler.y = 0.0
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda scene: setattr(scene.haptics, "minimum_energy", 1.0),
+        lambda scene: setattr(scene.objects["Hammer"].rigid_body, "mass", 3.0),
+        lambda scene: setattr(scene.objects["Nail"].rigid_body, "restitution", 0.9),
+        lambda scene: setattr(scene.objects["Nail"].location, "x", 0.31),
+        lambda scene: setattr(scene.objects["Nail"].scale, "z", 1.1),
+        lambda scene: bpy.data.objects.remove(scene.objects["Table"]),
+        lambda scene: setattr(scene.render, "fps", 30),
+        _key_elsewhere,
+    ],
+)
+def test_what_makes_impacts_drops_them(struck, change):
+    change(struck)
+    bpy.context.view_layer.update()
+    struck.frame_set(FRAME)
+    assert impacts(struck) == []
+
+
+def test_playing_on_and_playing_anew_give_what_they_gave_without_looking(struck):
+    def rendered(first: int, last: int) -> list[Any]:
+        blocks = []
+        for frame in range(first, last + 1):
+            struck.frame_set(frame)
+            blocks.append(session.result_of(struck).block)
+        return blocks
+
+    untouched = [block for block in rendered(1, 40) if block is not None]
+    stepped(struck, 1, 19)
+    bpy.ops.haptic.set_mode(mode="SD")  # just before the strike, and back again
+    bpy.ops.haptic.set_mode(mode="HT")
+    on = rendered(20, 40)
+    assert np.abs(np.concatenate(on, axis=1)).max() > 0
+    assert all(np.array_equal(a, b) for a, b in zip(on, untouched[-21:], strict=True))
+    anew = [block for block in rendered(1, 40) if block is not None]
+    assert all(np.array_equal(a, b) for a, b in zip(anew, untouched, strict=True))
+
+
+def test_a_bake_begins_without_the_impacts_of_before(struck):
+    from haptic_tracing.addon.session import timeline
+
+    (result,) = timeline.results(struck, FRAME, FRAME)
+    assert result.sources == ()
