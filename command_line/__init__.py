@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib import import_module
 from typing import NoReturn
 
@@ -31,10 +31,16 @@ def one_line(text: str) -> str:
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
+def say(lines: Iterable[str]) -> None:
+    """Print warnings on stderr, a line each."""
+    for line in lines:
+        print(one_line(line), file=sys.stderr)
+
+
 def warn_of_unknown(file: object, unknown: Sequence[str]) -> None:
-    """Say on stderr which keys of a newer version were not read."""
+    """Say which keys of a newer version were not read."""
     if unknown:
-        print(one_line(f"{file}: of a newer version; not read: {', '.join(unknown)}"), file=sys.stderr)
+        say([f"{file}: of a newer version; not read: {', '.join(unknown)}"])
 
 
 def build_parser() -> argparse.ArgumentParser:

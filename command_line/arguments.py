@@ -12,6 +12,8 @@ from ..sample_scenes import SAMPLES
 
 Parser = argparse.ArgumentParser
 
+FORMAT_NAMES = "scene, wav, ohm, hjif, wyvrn, haptic, ahap, tact, hla, csv, npz, or all"
+
 
 class Subcommand(NamedTuple):
     """``summary``: its line in the program's help. ``describe`` adds its arguments to a parser."""
@@ -58,8 +60,7 @@ def _devices(parser: Parser) -> None:
 
 def _export(parser: Parser) -> None:
     parser.add_argument("scene", help="haptic scene, .json or .json.gz")
-    formats = "scene, wav, ohm, hjif, wyvrn, haptic, ahap, tact, hla, csv, npz, or all"
-    parser.add_argument("--to", required=True, metavar="FORMAT,...", help=formats)
+    parser.add_argument("--to", required=True, metavar="FORMAT,...", help=FORMAT_NAMES)
     parser.add_argument("--out", default="out", type=Path, metavar="FOLDER", help="where the files are written (out)")
     _add_format_options(parser)
     parser.add_argument("--seconds", type=float, default=10.0, metavar="X", help="how long a scene without frames is rendered (10)")
@@ -88,10 +89,27 @@ def _trace(parser: Parser) -> None:
     _demo(parser)
 
 
+def _bake(parser: Parser) -> None:
+    parser.add_argument("file", metavar="FILE.blend", help="Blender file with haptic objects, sources and listeners")
+    parser.add_argument("--frames", type=_frame_range, metavar="FIRST:LAST", help="only these frames (the scene's)")
+    parser.add_argument("--modes", default="", metavar="MODE,...", help="HT, SD, MD, MN: played once in each (the scene's)")
+    parser.add_argument("--to", default="wav", metavar="FORMAT,...", help=f"{FORMAT_NAMES} (wav)")
+    parser.add_argument("--out", default="out", type=Path, metavar="FOLDER", help="where the files are written (out)")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="PATH=VALUE",
+        help='a property, such as objects["Bench"].haptics.kappa=0.2 or scene.haptics.threshold=0',
+    )
+    _add_format_options(parser, "--option")
+
+
 def _demo(parser: Parser) -> None:
     parser.add_argument("--out", default="out", type=Path, metavar="FOLDER", help="where the results are written (out)")
     parser.add_argument("--start", type=int, help="first frame (the scene's)")
     parser.add_argument("--end", type=int, help="last frame (the scene's)")
+    parser.add_argument("--whole", action="store_true", help="all frames in the haptic scene, not only the last one")
     parser.add_argument("--no-picture", action="store_true", help="draw no picture")
 
 
@@ -124,6 +142,11 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
     "trace": Subcommand(
         "play a tagged .blend file and write what is felt", "Play a tagged Blender file and write what its listeners feel.", _trace
     ),
+    "bake": Subcommand(
+        "play a tagged .blend file and write files for a body",
+        "Play a Blender file, physics included, and write what its listeners feel, in the formats of other programs.",
+        _bake,
+    ),
     "demo": Subcommand(
         "trace the paper's first figure: a jackhammer felt on a bench",
         "Build the paper's first figure, play it in Blender and write what the avatar feels.",
@@ -137,8 +160,8 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
 }
 
 
-def _add_format_options(parser: Parser) -> None:
-    parser.add_argument("--set", action="append", default=[], metavar="FORMAT.OPTION=VALUE", help="an option of a format", dest="options")
+def _add_format_options(parser: Parser, flag: str = "--set") -> None:
+    parser.add_argument(flag, action="append", default=[], metavar="FORMAT.OPTION=VALUE", help="an option of a format", dest="options")
 
 
 def _connections(text: str) -> int | None:

@@ -16,11 +16,13 @@ from ..core.formats.haptic_scene import read_export
 from ..core.formats.io.catalogue import named
 from ..core.formats.io.options import Value
 from ..core.formats.scene.recording import frame_of, traced
-from ..core.formats.tracks.track_recorder import recorded_tracks
+from ..core.formats.tracks.listener_tracks import Tracks
+from ..core.formats.tracks.track_recorder import TrackRecorder
 from ..core.render.frame_result import FrameResult
 from ..core.scene.values import HapticScene
 from ..core.tracer import Tracer
-from . import warn_of_unknown
+from . import say, warn_of_unknown
+from .silence import silent_listeners
 
 STILL_RATE = 30
 """Frames a second in which a scene without frames is traced."""
@@ -30,7 +32,7 @@ LONGEST = 3600.0
 
 def run(args: argparse.Namespace) -> int:
     """Read, render what is not in the file, write, print. Exit code 0."""
-    names = list(registry.FORMATS) if args.to == "all" else list(dict.fromkeys(args.to.split(",")))
+    names = chosen_formats(args.to)
     chosen = chosen_options(args.options, names)
     if not 0 < args.seconds <= LONGEST:
         raise ValueError(f"--seconds: must be above 0 and at most {LONGEST:g}, not {args.seconds:g}")
@@ -47,6 +49,11 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
+def chosen_formats(text: str) -> list[str]:
+    """The formats in ``text``, each once; ``all`` are all of them."""
+    return list(registry.FORMATS) if text == "all" else list(dict.fromkeys(text.split(",")))
+
+
 def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str, Value]]:
     """The options of each format from ``format.option=value``. Raises ValueError that names what is unknown or out of range."""
     chosen: dict[str, dict[str, Value]] = {name: {} for name in names}
@@ -56,11 +63,11 @@ def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str,
         name, _, option = key.partition(".")
         if not equals or option not in known.get(name, {}):
             offered = ", ".join(f"{name}.{option}" for name, entries in known.items() for option in entries)
-            raise ValueError(f"--set {setting}: expected FORMAT.OPTION=VALUE" + (f" with one of {offered}" if offered else ""))
+            raise ValueError(f"{setting}: expected FORMAT.OPTION=VALUE" + (f" with one of {offered}" if offered else ""))
         try:
             chosen[name][option] = known[name][option].parse(text)
         except ValueError as error:
-            raise ValueError(f"--set {setting}: {error}") from None
+            raise ValueError(f"{setting}: {error}") from None
     return chosen
 
 
@@ -70,11 +77,16 @@ def print_written(written: dict[str, Any]) -> None:
     print(json.dumps({"files": files, "losses": {name: result.losses for name, result in written.items()}}, ensure_ascii=False, indent=1))
 
 
-def _rendered(export: Export, seconds: float, sample_rate: int) -> Any:
-    scene = export.need_scene()
-    if export.recording is not None:
-        return recorded_tracks(traced(scene, export.recording, sample_rate))
-    return recorded_tracks(_still(scene, seconds, sample_rate))
+def _rendered(export: Export, seconds: float, sample_rate: int) -> Tracks:
+    """What is felt. Says why a listener feels nothing."""
+    scene, recorder, last = export.need_scene(), TrackRecorder(), None
+    recording = export.recording
+    for last in _still(scene, seconds, sample_rate) if recording is None else traced(scene, recording, sample_rate):
+        recorder.add(last)
+    tracks = recorder.tracks()
+    if last is not None:
+        say(f"{export.name}: {words}" for words in silent_listeners(tracks, last, scene.settings))
+    return tracks
 
 
 def _still(scene: HapticScene, seconds: float, sample_rate: int) -> Iterator[FrameResult]:

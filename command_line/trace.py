@@ -10,12 +10,14 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from bpy.types import Scene
 from tqdm import tqdm
 
 from .. import register, unregister
 from ..addon.changes.suspension import suspended
+from ..addon.io.capture import Capture
 from ..addon.io.frame_scene import scene_of_result, written_export
-from ..addon.session import timeline
+from ..addon.session import session, timeline
 from ..addon.session.timeline import ImpactFelt, Played
 from ..addon.view.picture import draw_picture
 from ..core.formats.haptic_scene import read_export, write_export
@@ -27,9 +29,7 @@ from ..core.render.frame_result import FrameResult
 def run(args: argparse.Namespace) -> int:
     """Open the file, trace it, write the results. Exit code 0."""
     start_blender()
-    if not Path(args.file).is_file():
-        raise ValueError(f"{args.file}: there is no such file")
-    timeline.open_blend(str(Path(args.file).resolve()))
+    open_file(args.file)
     return trace_and_report(args, Path(args.file).stem)
 
 
@@ -41,17 +41,32 @@ def start_blender() -> None:
     atexit.register(unregister)
 
 
+def open_file(file: str) -> Scene:
+    """Open a Blender file, and return its scene."""
+    if not Path(file).is_file():
+        raise ValueError(f"{file}: there is no such file")
+    return timeline.open_blend(str(Path(file).resolve()))
+
+
 def trace_and_report(args: argparse.Namespace, name: str) -> int:
     """Play the open file's scene, write haptic scene, WAV and picture into the folder, print what is felt and what it cost."""
     scene = bpy.context.scene
     start = scene.frame_start if args.start is None else args.start
     end = scene.frame_end if args.end is None else args.end
     args.out.mkdir(parents=True, exist_ok=True)
+    capture, own = Capture(scene, start, end, recorded=args.whole, felt=False), session.of(scene)
     with tqdm(total=max(end - start + 1, 0), desc="Tracing", unit="frame") as bar:
-        played = timeline.play(scene, start, end, lambda frame: bar.update())
+
+        def played_frame(frame: int) -> None:
+            if args.whole and own.result is not None:
+                capture.add(own.result)
+            bar.update()
+
+        played = timeline.play(scene, start, end, played_frame)
 
     written = [args.out / f"{name}.json", args.out / f"{name}.wav"]
-    write_export(written_export(name, scene, scene_of_result(played.last, played.last_reading, scene)), written[0])
+    last = written_export(name, scene, scene_of_result(played.last, played.last_reading, scene))
+    write_export(capture.export(name) if args.whole else last, written[0])
     read_export(written[0])  # validates what was written
     write_wav(Tracks.of(played), written[1])
     if not args.no_picture:
@@ -64,7 +79,8 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
     print_impacts(played.impacts, played.listeners)
     print_statistics(played)
     for path in written:
-        print(f"wrote {path}")
+        shown = f"frames {start} to {end}" if path.suffix == ".wav" or args.whole else f"frame {end}"
+        print(f"wrote {path}" + (f" ({shown})" if path.suffix != ".png" else ""))
     return 0
 
 

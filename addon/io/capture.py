@@ -69,7 +69,7 @@ class Capture:
             raise ValueError(f"The frame range {self.start} to {self.end} is empty")
         with closing(self._results()) as results:
             for result in results:
-                self._add(result)
+                self.add(result)
                 yield result.number
 
     def export(self, name: str) -> Export:
@@ -95,7 +95,8 @@ class Capture:
             # What is heard at the first frame was felt on the way to it.
             yield replace(result, block=None) if frame == self.start else result
 
-    def _add(self, result: FrameResult) -> None:
+    def add(self, result: FrameResult) -> None:
+        """Add the frame in which the scene stands."""
         if self._tracks is not None:
             self._tracks.add(result if self.names is None else felt_within(result, self.names))
         if self._recorder is None:

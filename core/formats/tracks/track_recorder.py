@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable
 from typing import IO
 
 import numpy as np
@@ -58,11 +57,3 @@ class TrackRecorder:
             samples=samples.T,
             start=start,
         )
-
-
-def recorded_tracks(results: Iterable[FrameResult]) -> Tracks:
-    """The tracks of consecutive frames. Raises ValueError as `TrackRecorder.add` does."""
-    take = TrackRecorder()
-    for result in results:
-        take.add(result)
-    return take.tracks()

@@ -15,7 +15,7 @@ from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.scene.devices_json import ActuatorMapping, DeviceMapping
 from haptic_tracing.core.formats.scene.recording import RecordedFrame, Recording, SceneRecorder, states, traced
-from haptic_tracing.core.formats.tracks.track_recorder import recorded_tracks
+from haptic_tracing.core.formats.tracks.track_recorder import TrackRecorder
 from haptic_tracing.core.scene.functions import Exponential, HapticTracing
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source, SourceKind
 from haptic_tracing.core.signals import Noise
@@ -23,6 +23,13 @@ from haptic_tracing.core.tracer import Frame, Tracer
 
 RATE = 24.0
 FRAMES = range(1, 61)
+
+
+def recorded_tracks(results):
+    recorder = TrackRecorder()
+    for result in results:
+        recorder.add(result)
+    return recorder.tracks()
 
 
 def crate_pose(number, time):

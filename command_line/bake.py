@@ -1,0 +1,65 @@
+"""``haptic-tracing bake FILE.blend``: plays a Blender file, physics included, and writes what is felt, in the formats of other programs."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from bpy.types import Scene
+from tqdm import tqdm
+
+from ..addon.io.capture import Capture
+from ..addon.session import session
+from ..core.formats import registry
+from ..core.formats.export import Export
+from . import say
+from .export import chosen_formats, chosen_options
+from .setting import assign
+from .silence import silent_listeners
+from .trace import open_file, start_blender
+
+MODES = ("HT", "SD", "MD", "MN")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Open the file, play it once in each mode, write, say what the formats can't carry. Exit code 0."""
+    formats = chosen_formats(args.to)
+    options = chosen_options(args.options, formats)
+    modes = _chosen_modes(args.modes)
+    start_blender()
+    scene = open_file(args.file)
+    for setting in args.set:
+        assign(scene, setting)
+    frames = args.frames or (scene.frame_start, scene.frame_end)
+    args.out.mkdir(parents=True, exist_ok=True)
+    stem = Path(args.file).stem
+    for mode in modes or [scene.haptics.mode]:
+        scene.haptics.mode = mode
+        export = _bake(scene, f"{stem}.{mode}" if len(modes) > 1 else stem, frames, recorded="scene" in formats)
+        for name in formats:
+            written = registry.write(name, export, args.out, options[name])
+            print("\n".join([*(f"wrote {path}" for path in written.files), *(f"not in {name}: {loss}" for loss in written.losses)]))
+    return 0
+
+
+def _chosen_modes(text: str) -> list[str]:
+    """The modes in ``text``, each once; [] for the file's own."""
+    modes = list(dict.fromkeys(text.split(","))) if text else []
+    for mode in modes:
+        if mode not in MODES:
+            raise ValueError(f"--modes: must be some of {', '.join(MODES)}, not {mode}")
+    return modes
+
+
+def _bake(scene: Scene, name: str, frames: tuple[int, int], recorded: bool) -> Export:
+    """What is felt in a range in the scene's mode; ``recorded``: and the scene itself. Says why a listener feels nothing."""
+    work, own = Capture(scene, *frames, recorded, felt=True), session.of(scene)
+    result, settings = None, None
+    with tqdm(total=work.frames, desc=name, unit="frame") as bar:
+        for _ in work.steps():
+            result, settings = own.result, own.reading.settings if own.reading is not None else None
+            bar.update()
+    export = work.export(name)
+    if export.tracks is not None and result is not None and settings is not None:
+        say(f"{name}: {words}" for words in silent_listeners(export.tracks, result, settings))
+    return export

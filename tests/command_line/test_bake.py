@@ -1,0 +1,106 @@
+"""``bake`` and ``trace`` of Blender files as they are typed, against what the add-on exports of the same file."""
+
+import subprocess
+import sys
+
+import bpy
+import haptic_tracing
+import pytest
+from haptic_tracing.command_line.setting import assign
+from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.sample_scenes import build_sample
+
+FRAMES = "1:30"
+
+
+@pytest.fixture(scope="module")
+def registered():
+    """The add-on, enabled in an empty file."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    haptic_tracing.register()
+    yield
+    haptic_tracing.unregister()
+
+
+@pytest.fixture(scope="module")
+def falling(registered, tmp_path_factory):
+    """A hammer that hits a nail, as a file; and what File > Export writes of it."""
+    folder = tmp_path_factory.mktemp("hammer")
+    build_sample("hammer_nail")
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "hammer.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(folder / "hammer.blend"))
+    bpy.ops.export_scene.haptic_tracks(filepath=str(folder / "addon.wav"), format="wav", frame_start=1, frame_end=30)
+    return folder
+
+
+def run(*arguments):
+    command = [sys.executable, "-m", "haptic_tracing", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_bake_equals_the_add_ons_export_to_the_bit(falling, tmp_path):
+    done = run("bake", falling / "hammer.blend", "--frames", FRAMES, "--to", "wav,scene", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert [line for line in done.stdout.splitlines() if line.startswith("wrote")] == [
+        f"wrote {tmp_path / name}" for name in ("hammer.wav", "hammer.wav.json", "hammer.json")
+    ]
+    assert "not in wav: the scene itself" in done.stdout
+    assert (tmp_path / "hammer.wav").read_bytes() == (falling / "addon.wav").read_bytes()
+    assert len(read_export(tmp_path / "hammer.json").recording.frames) > 1
+
+
+def test_modes_and_settings(falling, tmp_path):
+    settings = ["--set", "scene.haptics.threshold=0", "--set", 'objects["Hammer"].haptics.kappa=1']
+    done = run("bake", falling / "hammer.blend", "--frames", FRAMES, "--modes", "HT,SD", "--out", tmp_path, *settings)
+    assert done.returncode == 0, done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {f"hammer.{mode}.wav{more}" for mode in ("HT", "SD") for more in ("", ".json")}
+    assert (tmp_path / "hammer.HT.wav").read_bytes() != (tmp_path / "hammer.SD.wav").read_bytes()
+
+
+def test_bad_input_is_one_line_and_writes_nothing(falling, tmp_path):
+    for arguments, said in (
+        (["--modes", "HT,XX"], "--modes: must be some of HT, SD, MD, MN, not XX"),
+        (["--to", "midi"], "format 'midi' is unknown"),
+        (["--frames", "9:2"], "must be FIRST:LAST"),
+        (["--set", 'objects["Gone"].haptics.kappa=1'], 'there is no objects["Gone"].haptics.kappa'),
+    ):
+        done = run("bake", falling / "hammer.blend", "--out", tmp_path / "out", *arguments)
+        assert done.returncode == 2 and said in done.stderr and "Traceback" not in done.stderr
+        assert not (tmp_path / "out").exists() or not list((tmp_path / "out").iterdir())
+
+
+@pytest.mark.parametrize(
+    ("setting", "said"),
+    [
+        ("scene.haptics.threshold=2", "must be from 0 to 1"),
+        ("scene.haptics.threshold", "expected PATH=VALUE"),
+        ("scene.haptics.threshold=much", "must be a number"),
+        ("scene.haptics.mode=XX", "enum"),
+        ("scene.haptics=1", "only single values"),
+        ("scene.frame_end=0.5", "must be a number"),
+        ("__import__('os').system('true')=1", "there is no __import__"),
+        ('objects["Cube"].location=1', "only single values"),
+        ('objects["Cube"].pass_index=7', "is animated"),
+    ],
+)
+def test_settings_that_cannot_be_made(registered, setting, said):
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object
+    cube.keyframe_insert("pass_index", frame=1)
+    with pytest.raises(ValueError, match=said):
+        assign(bpy.context.scene, setting)
+
+
+def test_trace_writes_all_frames_where_asked_and_says_which(falling, tmp_path):
+    last = run("trace", falling / "hammer.blend", "--end", "30", "--no-picture", "--out", tmp_path / "last")
+    assert f"wrote {tmp_path / 'last' / 'hammer.json'} (frame 30)" in last.stdout
+    assert read_export(tmp_path / "last" / "hammer.json").recording is None
+    whole = run("trace", falling / "hammer.blend", "--end", "30", "--no-picture", "--whole", "--out", tmp_path / "whole")
+    assert f"wrote {tmp_path / 'whole' / 'hammer.json'} (frames 1 to 30)" in whole.stdout
+    assert read_export(tmp_path / "whole" / "hammer.json").recording.frames[-1].number <= 30
+
+
+def test_export_of_a_silent_scene_says_why(falling, tmp_path):
+    run("trace", falling / "hammer.blend", "--end", "2", "--no-picture", "--out", tmp_path)
+    done = run("export", tmp_path / "hammer.json", "--to", "wav", "--out", tmp_path, "--seconds", "0.2")
+    assert done.returncode == 0 and "feels nothing: there is no source" in done.stderr
