@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from ..core.formats import haptic_scene, registry
 from ..core.formats.export import Export
 from ..core.formats.io.catalogue import named
-from ..core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from . import warn_of_unknown
 from .export import chosen_options, print_written
 
@@ -35,7 +31,11 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError(f"{args.target}: can't be written: the ending must be one of {', '.join(names)}")
     name = names[args.target.suffix.lower()]
     reading = registry.read(args.source)
-    written = registry.write(name, _export(args.target.stem, reading), folder, chosen_options(args.options, [name])[name])
+    try:
+        export = Export(args.target.stem, tracks=reading.to_tracks())
+    except ValueError as error:
+        raise ValueError(f"{args.source}: {error}") from None
+    written = registry.write(name, export, folder, chosen_options(args.options, [name])[name])
     lost = tuple(f"{args.source.name}: {loss}" for loss in reading.losses)
     print_written({name: registry.Written(written.files, (*lost, *written.losses))})
     return 0
@@ -44,26 +44,3 @@ def run(args: argparse.Namespace) -> int:
 def is_scene(path: Path) -> bool:
     """Whether the ending is that of a haptic scene."""
     return path.name.lower().endswith((".json", ".json.gz"))
-
-
-def _export(name: str, reading: Any) -> Any:
-    """The channels of a file as tracks, all as long as the longest."""
-    rate = max((round(channel.sample_rate) for channel in reading.channels), default=0) or SAMPLE_RATE
-    rows = [channel.at_rate(rate) for channel in reading.channels]
-    count = max(map(len, rows), default=0)
-    if not count:
-        raise ValueError(f"{name}: there is no vibration to convert")
-    samples = np.zeros((len(rows), count), dtype=np.float32)
-    for target, row in zip(samples, rows, strict=True):
-        target[: len(row)] = row
-    return Export(name, tracks=Tracks(tuple(_listeners(reading)), rate, samples))
-
-
-def _listeners(reading: Any) -> list[Any]:
-    listeners: dict[str, Any] = {}
-    for channel in reading.channels:
-        name, number = channel.name, 2
-        while name in listeners:
-            name, number = f"{channel.name} {number}", number + 1
-        listeners[name] = ListenerTrack(name, channel.body_part)
-    return list(listeners.values())

@@ -8,6 +8,7 @@ from bpy.types import Object, Scene
 from numpy.typing import NDArray
 
 from ...core.formats.tracks.envelopes import coarse_envelope
+from ...core.formats.tracks.listener_tracks import Row
 from ..blender import compatibility
 from .track import HapticTrack
 
@@ -40,7 +41,7 @@ def felt(track: HapticTrack, index: int) -> tuple[NDArray[np.float32], NDArray[n
     count = track.frame_count
     intensity, frequency = np.zeros(count), np.zeros(count)
     if count > 1 and track.samples.shape[1]:
-        found = coarse_envelope(track.listener_samples(index), track.sample_rate, track.frame_duration)
+        found = coarse_envelope(Row(track.listener_samples(index), track.sample_rate), track.frame_duration)
         filled = min(len(found[0]), count - 1)
         intensity[1 : 1 + filled], frequency[1 : 1 + filled] = found[0][:filled], found[1][:filled]
     felt = intensity > 1e-5

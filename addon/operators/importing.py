@@ -55,7 +55,7 @@ class HAPTIC_OT_import_scene(Operator):
 
 
 class HAPTIC_OT_import_signal(Operator):
-    """Let the active object emit the vibration in a file (.hjif, .haptic, .ahap, .haps, .wav); it is kept with this file"""
+    """Let the active object emit the vibration in a file (.hjif, .haptic, .ahap, .haps, .tact, .wav); it is kept with this file"""
 
     bl_idname = "haptic.import_signal"
     bl_label = "Import Haptic Signal"

@@ -26,7 +26,7 @@ class HAPTIC_FH_tracks(FileHandler):
     bl_label = "Haptic Tracks"
     bl_import_operator = "haptic.import_signal"
     bl_export_operator = "export_scene.haptic_tracks"
-    bl_file_extensions = ".hjif;.haptic;.ahap;.haps;.wav"
+    bl_file_extensions = ".hjif;.haptic;.ahap;.haps;.tact;.wav"
 
     @classmethod
     def poll_drop(cls, context: Context) -> bool:
@@ -46,7 +46,7 @@ def draw_export(self: Menu, context: Context) -> None:
 def draw_import(self: Menu, context: Context) -> None:
     """Entries of File > Import."""
     self.layout.operator("import_scene.haptic_scene", text="Haptic Scene (.json)")
-    self.layout.operator("haptic.import_signal", text="Haptic Signal for the Active Object (.hjif/.wav/.haptic/.ahap/.haps)")
+    self.layout.operator("haptic.import_signal", text="Haptic Signal for the Active Object (.hjif/.wav/.haptic/.ahap/.haps/.tact)")
 
 
 CLASSES = (HAPTIC_FH_scene, HAPTIC_FH_tracks)

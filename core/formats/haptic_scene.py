@@ -17,6 +17,7 @@ from .scene.motion import packed
 from .scene.scene_json import current_document, scene_of, scene_to_dict, write_document
 from .scene.tracks_json import tracks_from_dict, tracks_to_dict
 from .tracks import wav
+from .tracks.comparison import Comparison, Kind, Measures
 from .tracks.track_export import scene_file
 
 SUFFIX = FORMATS["scene"].suffix
@@ -37,8 +38,15 @@ def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(losses)
 
 
-def write(export: Export, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def keeps(options: Mapping[str, Any]) -> Measures | None:
+    """What the file keeps of the rendered tracks."""
+    return None if options["tracks"] == "none" else Measures(Kind.SAMPLES)
+
+
+def write(export: Export, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
     """Write ``<scene>.json`` or ``.json.gz``, and ``<scene>.tracks.wav`` if asked to."""
+    if export.tracks is not None:
+        wav.compare_encoded(export.tracks, options["encoding"], measured)
     path = scene_file(export.name, folder, SUFFIX + (".gz" if options["compressed"] else ""))
     return write_export(export, path, frames=options["frames"], tracks=options["tracks"], encoding=options["encoding"])
 

@@ -1,13 +1,13 @@
 """Writes and reads all formats by name.
 
-A format is an entry of `io.catalogue` and a module with ``write(export, folder, options)`` and ``loss(export, options)``; one that can be
-imported also has ``read(path)``.
+A format is an entry of `io.catalogue` and a module with ``write(export, folder, options, measured)``, ``loss(export, options)`` and
+``keeps(options)``; one that can be imported also has ``read(path)``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
@@ -19,15 +19,25 @@ from .io.catalogue import READERS as READERS
 from .io.catalogue import Format, named
 from .io.error import FormatError
 from .io.options import Value, complete
+from .io.staging import staging
+from .tracks.comparison import Comparison, Fidelity, sentences
 from .tracks.vibration_file import VibrationFile
 
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """Result of writing: ``files`` in the order of writing, ``losses`` one sentence each."""
+    """Result of writing: ``files`` in the order of writing, ``losses`` one sentence each, the measured ones last.
+
+    ``fidelity``: what was measured, None where nothing was rendered or all is silent.
+    """
 
     files: tuple[Path, ...]
     losses: tuple[str, ...]
+    fidelity: Fidelity | None = None
+
+
+Consent = Callable[[Written], bool]
+"""Asked with what would be written, before a file is replaced by one that keeps little of the vibration."""
 
 
 def losses(name: str, export: Export, chosen: Mapping[str, Value] = MappingProxyType({})) -> tuple[str, ...]:
@@ -36,12 +46,29 @@ def losses(name: str, export: Export, chosen: Mapping[str, Value] = MappingProxy
     return cast(tuple[str, ...], _module(form).loss(export, complete(form.options, chosen)))
 
 
-def write(name: str, export: Export, folder: str | Path, chosen: Mapping[str, Value] = MappingProxyType({})) -> Written:
-    """Write an export into an existing folder. Raises ValueError for invalid options or contents, and OSError."""
+def write(
+    name: str, export: Export, folder: str | Path, chosen: Mapping[str, Value] = MappingProxyType({}), consent: Consent | None = None
+) -> Written:
+    """Write an export into an existing folder, and measure what the files keep of it.
+
+    Without consent, where that is asked for, nothing is written and there are no files in the result. Raises ValueError for invalid options
+    or contents, and OSError.
+    """
     form = named(name)
     module, values = _module(form), complete(form.options, chosen)
     lost = module.loss(export, values)
-    return Written(tuple(module.write(export, Path(folder), values)), lost)
+    with staging(Path(folder)) as place:
+        measures = module.keeps(values)
+        has_tracks = export.tracks is not None and len(export.tracks.listeners) > 0
+        measured = Comparison(export.need_tracks(), measures) if has_tracks and measures else None
+        files = module.write(export, place.folder, values, measured)
+        fidelity = None if measured is None else measured.result()
+        targets = place.targets(files)
+        written = Written(tuple(targets), (*lost, *sentences(fidelity)), fidelity)
+        if consent and fidelity and fidelity.is_poor and any(path.exists() for path in targets) and not consent(written):
+            return replace(written, files=())
+        place.commit(files)
+    return written
 
 
 def read(path: str | Path) -> VibrationFile:
@@ -49,7 +76,12 @@ def read(path: str | Path) -> VibrationFile:
     path = Path(path)
     if path.suffix.lower() not in READERS:
         raise FormatError(path, "/", f"can't be imported: the ending must be one of {', '.join(READERS)}")
-    return cast(VibrationFile, _module(named(READERS[path.suffix.lower()])).read(path))
+    try:
+        return cast(VibrationFile, _module(named(READERS[path.suffix.lower()])).read(path))
+    except FormatError:
+        raise
+    except ValueError as error:  # a vibration that no signal may have
+        raise FormatError(path, "/", str(error)) from None
 
 
 def _module(form: Format) -> Any:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import struct
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,7 @@ from .sampled import MAX_SAMPLES, Sampled
 
 MAX_BYTES = 1 << 30
 _PCM, _FLOAT, _EXTENSIBLE = 1, 3, 0xFFFE
+_LONGEST_FORMAT = 256
 
 
 def read_wav(path: str | Path, sample_rate: float = 8000.0) -> Sampled:
@@ -47,37 +50,57 @@ def decoded_wav(data: bytes) -> tuple[FloatArray, float]:
 
 def wav_channels(data: bytes) -> tuple[FloatArray, float]:
     """Return the samples, shape (n, channels) with n >= 1, and the sample rate of a WAV file's bytes. Raises ValueError."""
-    if len(data) < 12 or data[:4] != b"RIFF" or data[8:12] != b"WAVE":
-        raise ValueError("not a WAV file")
-    form: bytes | None = None
-    place = 12
-    while place + 8 <= len(data):
-        name, size = data[place : place + 4], int.from_bytes(data[place + 4 : place + 8], "little")
-        body = data[place + 8 : place + 8 + size]
-        if name == b"fmt ":
-            form = body
-        if name == b"data":
-            if form is None:
-                raise ValueError("broken WAV file: no format before the samples")
-            return _decoded(form, body)
-        place += 8 + size + size % 2
-    raise ValueError("broken WAV file: no samples")
+    wav = WavFile(io.BytesIO(data))
+    return wav.read(0, wav.count), wav.rate
 
 
-def _decoded(form: bytes, body: bytes) -> tuple[FloatArray, float]:
-    if len(form) < 16:
-        raise ValueError("broken WAV file: format too short")
-    tag, channels, rate, _, frame_size, _ = struct.unpack_from("<HHIIHH", form)
-    if tag == _EXTENSIBLE and len(form) >= 26:
-        tag = int.from_bytes(form[24:26], "little")
-    if channels == 0 or frame_size % channels or not 1000 <= rate <= 192_000:
-        raise ValueError(f"broken WAV file: {channels} channels of {frame_size} bytes at {rate} Hz")
-    width = frame_size // channels
-    frames = len(body) // frame_size if frame_size else 0
-    if frames == 0:
-        raise ValueError("WAV file without samples")
-    raw = np.frombuffer(body, dtype=np.uint8, count=frames * frame_size).reshape(frames, channels, width)
-    return _numbers(tag, width, raw), float(rate)
+class WavFile:
+    """The samples of a WAV file, read when they are asked for.
+
+    file: open for reading, seekable; it is read again by every call of `read`. Raises ValueError if it is broken or of another encoding.
+    Attributes: ``channels``, ``count`` (samples of each channel, at least 1) and ``rate`` (hertz).
+    """
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        head = file.read(12)
+        if len(head) < 12 or head[:4] != b"RIFF" or head[8:12] != b"WAVE":
+            raise ValueError("not a WAV file")
+        form: bytes | None = None
+        while len(chunk := file.read(8)) == 8:
+            name, size = chunk[:4], int.from_bytes(chunk[4:], "little")
+            if name == b"data":
+                if form is None:
+                    raise ValueError("broken WAV file: no format before the samples")
+                self._start = file.tell()
+                self._set_format(form, min(size, file.seek(0, io.SEEK_END) - self._start))
+                return
+            end = file.tell() + size + size % 2
+            if name == b"fmt ":
+                form = file.read(min(size, _LONGEST_FORMAT))
+            file.seek(end)
+        raise ValueError("broken WAV file: no samples")
+
+    def _set_format(self, form: bytes, size: int) -> None:
+        if len(form) < 16:
+            raise ValueError("broken WAV file: format too short")
+        tag, channels, rate, _, frame_size, _ = struct.unpack_from("<HHIIHH", form)
+        if tag == _EXTENSIBLE and len(form) >= 26:
+            tag = int.from_bytes(form[24:26], "little")
+        if channels == 0 or frame_size % channels or not 1000 <= rate <= 192_000:
+            raise ValueError(f"broken WAV file: {channels} channels of {frame_size} bytes at {rate} Hz")
+        self.channels, self.rate, self.count = channels, float(rate), size // frame_size if frame_size else 0
+        self._tag, self._width = tag, frame_size // channels
+        if self.count == 0:
+            raise ValueError("WAV file without samples")
+        _numbers(tag, self._width, np.zeros((1, 1, self._width), dtype=np.uint8))
+
+    def read(self, first: int, last: int) -> FloatArray:
+        """Return the samples from index ``first`` to before ``last``, shape (last - first, channels), full scale being 1."""
+        frame_size = self.channels * self._width
+        self._file.seek(self._start + first * frame_size)
+        raw = np.frombuffer(self._file.read((last - first) * frame_size), dtype=np.uint8)
+        return _numbers(self._tag, self._width, raw.reshape(-1, self.channels, self._width))
 
 
 def _numbers(tag: int, width: int, raw: NDArray[np.uint8]) -> FloatArray:

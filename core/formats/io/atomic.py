@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
+from .file_lock import lock
+
 
 @contextmanager
 def atomic_file(path: str | Path) -> Iterator[BinaryIO]:
@@ -21,6 +23,7 @@ def atomic_file(path: str | Path) -> Iterator[BinaryIO]:
     file = temporary.open("xb")
     try:
         with file:  # closing may fail as well, on a full disk
+            lock(file.fileno())
             yield file
             file.flush()
             os.fsync(file.fileno())

@@ -85,15 +85,8 @@ _ALL = (
         ".haptic",
         "tracks.haptic",
         (
-            Option(
-                "error",
-                0.05,
-                "Error",
-                "Power of the error in relation to the signal's that a breakpoint may be left out for",
-                (),
-                0.001,
-                0.5,
-            ),
+            Option("points", 40, "Points", "Breakpoints a second at most; 0: as many as the wave needs", (), 0, 80),
+            Option("error", 0.05, "Error", "With 0 points: power of the error relative to the signal's", (), 0.001, 0.5),
             Option("frequency_min", 5.0, "Lowest frequency", "Hertz that the actuator plays for 0", (), 1.0, 500.0),
             Option("frequency_max", 500.0, "Highest frequency", "Hertz that the actuator plays for 1", (), 2.0, 1000.0),
             Option("emphasis", True, "Emphasis", "Impacts as emphasised breakpoints"),
@@ -141,7 +134,9 @@ _ALL = (
 FORMATS: Mapping[str, Format] = MappingProxyType({form.name: form for form in _ALL})
 """The formats by name."""
 
-READERS: Mapping[str, str] = MappingProxyType({".wav": "wav", ".hjif": "hjif", ".haptic": "haptic", ".ahap": "ahap", ".haps": "wyvrn"})
+READERS: Mapping[str, str] = MappingProxyType(
+    {".wav": "wav", ".hjif": "hjif", ".haptic": "haptic", ".ahap": "ahap", ".haps": "wyvrn", ".tact": "tact"}
+)
 """The format of each file suffix that can be imported."""
 
 

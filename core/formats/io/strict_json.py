@@ -6,8 +6,10 @@ document is searched for it, so that the error gives its JSON pointer.
 
 from __future__ import annotations
 
+import errno
 import gzip
 import json
+import os
 import re
 import zlib
 from collections.abc import Iterator
@@ -62,6 +64,33 @@ def _read_up_to(file: BinaryIO | gzip.GzipFile, most: int) -> bytes:
     return b"".join(pieces)
 
 
+def read_json_beside(path: Path, max_bytes: int = MAX_BYTES) -> Any:
+    """The document in a file that a reader looks for by itself; anything but a regular file counts as absent.
+
+    Raises FormatError, FileNotFoundError or OSError.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
+    return read_json(path, max_bytes)
+
+
+def without_trailing_commas(data: bytes) -> bytes:
+    """JSON text with a space in place of each comma before a closing bracket, which some applications accept."""
+    codes = np.frombuffer(data, dtype=np.uint8).copy()
+    unescaped = np.frombuffer(_without_escapes(data), dtype=np.uint8)
+    outside = np.cumsum(unescaped == ord('"'), dtype=np.uint8) & 1 == 0
+    written = np.flatnonzero(~np.isin(codes, np.frombuffer(b" \t\r\n", dtype=np.uint8)) | ~outside)
+    first, second = written[:-1], written[1:]
+    closing = ((codes[second] == ord("]")) | (codes[second] == ord("}"))) & outside[second]
+    codes[first[(codes[first] == ord(",")) & outside[first] & closing]] = ord(" ")
+    return codes.tobytes()
+
+
+def _without_escapes(data: bytes) -> bytes:
+    """The text with escaped backslashes and quotes replaced, of the same length: every quote in it delimits a string."""
+    return data.replace(b"\\\\", b"__").replace(b'\\"', b"__") if b"\\" in data else data
+
+
 def parse_json(data: bytes, file: str | Path) -> Any:
     """The document in ``data``, UTF-8 with or without byte order mark. Raises FormatError."""
     if not data.strip():
@@ -110,8 +139,7 @@ def read_json(path: str | Path, max_bytes: int = MAX_BYTES) -> Any:
 
 def _check_extent(data: bytes, file: str | Path) -> None:
     """Check depth and number of values before parsing, in chunks to save memory."""
-    if b"\\" in data:
-        data = data.replace(b"\\\\", b"__").replace(b'\\"', b"__")
+    data = _without_escapes(data)
     quotes = depth = values = 0
     for start in range(0, len(data), _CHUNK):
         codes = np.frombuffer(data, dtype=np.uint8, count=min(_CHUNK, len(data) - start), offset=start)

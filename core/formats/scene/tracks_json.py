@@ -11,17 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...signals.wav import wav_channels
 from ..io.error import FormatError
-from ..io.strict_json import read_bytes
 from ..tracks.listener_tracks import ListenerTrack, Tracks
-from ..tracks.wav import MAX_RIFF, encoded
+from ..tracks.wav import FULL_SCALE, StoredSamples, encoded
 
 MAX_INLINE = 192 * 2**20
 """Maximum number of bytes of samples in a scene file itself."""
 
 _TYPES = {"pcm16": "<i2", "float32": "<f4"}
-_FULL_SCALE = {"pcm16": 32768.0, "float32": 1.0}
 
 
 def tracks_to_dict(tracks: Tracks, encoding: str, sidecar: str | None) -> dict[str, Any]:
@@ -68,15 +65,18 @@ def _beside(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
         raise FormatError(file, "/tracks/file", f"{name!r} is not the name of a file in the same folder")
     path = Path(file).parent / name
     try:
-        samples, rate = wav_channels(read_bytes(path, MAX_RIFF))
+        if path.exists() and not path.is_file():
+            raise ValueError("is not a regular file")
+        stored = StoredSamples(path)
     except OSError as error:
         raise FormatError(file, "/tracks/file", f"{name}: {error.strerror}") from None
     except ValueError as error:
         raise FormatError(file, "/tracks/file", f"{name}: {error}") from None
-    if rate != form["sample_rate"] or samples.shape[1] != len(form["listeners"]):
+    channels, count = stored.shape
+    if stored.rate != form["sample_rate"] or channels != len(form["listeners"]):
         wanted = f"{len(form['listeners'])} channels at {form['sample_rate']} Hz"
-        raise FormatError(file, "/tracks/file", f"{name} has {samples.shape[1]} channels at {rate:g} Hz, not {wanted}")
-    return samples.T
+        raise FormatError(file, "/tracks/file", f"{name} has {channels} channels at {stored.rate:g} Hz, not {wanted}")
+    return np.asarray(stored[:, :count])
 
 
 def _inline(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
@@ -90,4 +90,4 @@ def _inline(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
         if len(data) % kind.itemsize or (rows and len(data) != rows[0].nbytes):
             raise FormatError(file, f"/tracks/listeners/{i}/samples", f"{len(data)} bytes are no whole samples or not as many as others")
         rows.append(np.frombuffer(data, dtype=kind))
-    return np.array(rows) / np.float32(_FULL_SCALE[form["encoding"]])
+    return np.array(rows) / np.float32(FULL_SCALE[form["encoding"]])

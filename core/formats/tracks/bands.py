@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .fitting import Band
+from .analytic import Band
+from .listener_tracks import Row
 
 GRID_RATES = (62.5, 125.0, 250.0, 500.0, 1000.0, 2000.0)
 """Rates (hertz) of the grids of key times; the periods are multiples of 0.5 ms."""
@@ -25,6 +25,8 @@ _WINDOW = 1.0  # seconds
 _LOUDEST_SHARE = 1e-4
 _CONTRAST = 20.0
 _NEIGHBOURS = 12
+_SPECTRA = 2000
+"""Maximum number of spectra, spread evenly over a long track."""
 
 
 def wide_bands(edges: Sequence[float]) -> tuple[Band, ...]:
@@ -32,14 +34,14 @@ def wide_bands(edges: Sequence[float]) -> tuple[Band, ...]:
     return _chain(list(edges), [edges[0] / 2, *(FADE * edge for edge in edges[1:-1]), HIGHEST_FADE])
 
 
-def bands_for(samples: NDArray[np.floating], sample_rate: int, edges: Sequence[float]) -> tuple[Band, ...]:
+def bands_for(row: Row, edges: Sequence[float]) -> tuple[Band, ...]:
     """Bands between the first and the last of the ascending ``edges`` (hertz).
 
-    Narrow ones around the tones of ``samples`` (n,); the rest is divided at the edges in between.
+    Narrow ones around the tones of the samples; the rest is divided at the edges in between.
     """
     lowest, highest = edges[0], edges[-1]
     cuts: dict[float, float] = {lowest: lowest / 2, highest: HIGHEST_FADE}
-    tones = [tone for tone in _tones(samples, sample_rate) if 2 * lowest <= tone <= highest - HIGHEST_FADE - 2 * HALF_TONE]
+    tones = [tone for tone in _tones(row) if 2 * lowest <= tone <= highest - HIGHEST_FADE - 2 * HALF_TONE]
     if tones and tones[0] > 3 * HALF_TONE:
         cuts[tones[0] - HALF_TONE] = HALF_TONE / 2
     for tone, after in pairwise([*tones, highest]):
@@ -65,15 +67,15 @@ def _grid_rate(width: float) -> float:
     return next((rate for rate in GRID_RATES if rate >= 2 * width), GRID_RATES[-1])
 
 
-def _tones(samples: NDArray[np.floating], sample_rate: int) -> list[float]:
+def _tones(row: Row) -> list[float]:
     """Frequencies (hertz, ascending) of peaks in the median of the short-time power spectra, that is, of steady tones."""
-    size = round(_WINDOW * sample_rate)
-    if len(samples) < 2 * size:
+    size = round(_WINDOW * row.sample_rate)
+    if row.count < 2 * size:
         return []
     window = np.hanning(size)
     most = round(MOST_HERTZ * _WINDOW) + 1
-    starts = range(0, len(samples) - size + 1, size // 2)
-    power = np.median([np.abs(np.fft.rfft(samples[start : start + size] * window)[:most]) ** 2 for start in starts], axis=0)
+    starts = range(0, row.count - size + 1, max(size // 2, row.count // _SPECTRA))
+    power = np.median([np.abs(np.fft.rfft(row.read(start, start + size) * window)[:most]) ** 2 for start in starts], axis=0)
     views = np.lib.stride_tricks.sliding_window_view(np.pad(power, _NEIGHBOURS, mode="edge"), 2 * _NEIGHBOURS + 1)
     floor = np.median(views, axis=1)
     near = np.lib.stride_tricks.sliding_window_view(np.pad(power, 4), 9)

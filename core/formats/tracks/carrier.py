@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, IntArray
 from ...signals import Automation, Delay, Keyed, Saw, Signal, Sine, Square, Triangle
 from ...signals.oscillators import Oscillator
+from .comparison import Comparison
+from .listener_tracks import CHUNK, Row
 
 _OSCILLATORS: dict[str, tuple[Oscillator, float]] = {
     "sine": (Sine(), 0.0),
@@ -47,6 +49,23 @@ class Carrier:
         sounding = (times >= self.start) & (times < self.end)
         return np.where(sounding, np.interp(local, self.amplitude_times, self.amplitudes) * oscillator.wave(cycles, 0.0), 0.0)
 
+    def sampled(self, first: int, last: int, rate: float) -> FloatArray:
+        """The values at the times ``first / rate`` to before ``last / rate`` seconds, as `at` gives them, but faster."""
+        begin, end = max(_index(self.start, rate), first), min(_index(self.end, rate), last)
+        if begin >= end:
+            return np.zeros(last - first)
+        local = np.arange(begin, end) / rate - self.start
+        oscillator, offset = _OSCILLATORS[self.wave]
+        cycles = _integral(self.frequency_times, self.frequencies, local, rate)
+        cycles += self.phase / (2 * math.pi) + offset
+        values = oscillator.wave(cycles, 0.0)
+        values *= _line(self.amplitude_times, self.amplitudes, local, rate)
+        if end - begin == last - first:
+            return values
+        result = np.zeros(last - first)
+        result[begin - first : end - first] = values
+        return result
+
     def cycles(self, times: FloatArray) -> FloatArray:
         """Cycles since the start at ``times`` (seconds from the start, n)."""
         return Automation(self.frequency_times, self.frequencies).integral(times)
@@ -55,9 +74,13 @@ class Carrier:
         """The carrier from ``begin`` to ``end`` seconds after its start."""
 
         def keys(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-            inside = (times > begin) & (times < end)
-            ends = np.interp([begin, end], times, values)
-            return np.concatenate([[0.0], times[inside] - begin, [end - begin]]), np.concatenate([ends[:1], values[inside], ends[1:]])
+            # Two keys at one time are a jump: the part begins after it, or ends before it.
+            first, last = np.searchsorted(times, begin, side="right"), np.searchsorted(times, end, side="left")
+            low, high = np.interp([begin, end], times, values)
+            low = values[first - 1] if first and times[first - 1] == begin else low
+            high = values[last] if last < len(times) and times[last] == end else high
+            inside = slice(first, last)
+            return np.concatenate([[0.0], times[inside] - begin, [end - begin]]), np.concatenate([[low], values[inside], [high]])
 
         return Carrier(
             self.start + begin,
@@ -67,6 +90,10 @@ class Carrier:
             *keys(self.frequency_times, self.frequencies),
             self.wave,
         )
+
+    def with_phase(self, phase: float) -> Carrier:
+        """The carrier with another phase (radians) at its start."""
+        return replace(self, phase=phase)
 
     def to_signal(self) -> Signal:
         """An oscillator with a keyed frequency times a keyed envelope, which can be edited."""
@@ -82,16 +109,98 @@ class Carrier:
         return Delay(signal, self.start) if self.start else signal
 
 
+def _line(keys: FloatArray, values: FloatArray, times: FloatArray, rate: float) -> FloatArray:
+    """The straight lines through keys at evenly spaced times."""
+    if len(keys) == 1:
+        return np.full(len(times), values[0])
+    counts = _counts(keys, times, rate)
+    since = times - keys.repeat(counts)
+    np.maximum(since, 0.0, out=since)
+    since *= _slopes(keys, values).repeat(counts)
+    since += values.repeat(counts)
+    return np.asarray(since)
+
+
+def _integral(keys: FloatArray, values: FloatArray, times: FloatArray, rate: float) -> FloatArray:
+    """The integral from 0 of the straight lines through keys at evenly spaced times."""
+    if len(keys) == 1:
+        return np.asarray(times * values[0])
+    areas = np.empty(len(keys))
+    areas[0] = keys[0] * values[0]
+    areas[1:] = areas[0] + ((keys[1:] - keys[:-1]) * (values[1:] + values[:-1]) / 2).cumsum()
+    counts = _counts(keys, times, rate)
+    since = times - keys.repeat(counts)
+    result = since * values.repeat(counts)
+    result += areas.repeat(counts)
+    np.maximum(since, 0.0, out=since)
+    since *= since
+    since *= (_slopes(keys, values) / 2).repeat(counts)
+    return np.asarray(result + since)
+
+
+def _index(time: float, rate: float) -> int:
+    """The first sample at or after a time (seconds)."""
+    index = math.ceil(time * rate)
+    return index + 1 if index / rate < time else index
+
+
+def _counts(keys: FloatArray, times: FloatArray, rate: float) -> IntArray:
+    """How many of the evenly spaced ``times`` follow each key; those before the first key count for it."""
+    borders = np.empty(len(keys) + 1, dtype=np.int64)
+    borders[0], borders[-1] = 0, len(times)
+    borders[1:-1] = np.minimum(np.maximum(np.ceil((keys[1:] - times[0]) * rate - 1e-9), 0), len(times))
+    return borders[1:] - borders[:-1]
+
+
+def _slopes(keys: FloatArray, values: FloatArray) -> FloatArray:
+    """Change of the value per second after each key, 0 after the last one and where it jumps."""
+    widths = keys[1:] - keys[:-1]
+    slopes = np.zeros(len(keys))
+    np.divide(values[1:] - values[:-1], widths, out=slopes[:-1], where=widths > 1e-12)
+    return slopes
+
+
 def _automation(times: FloatArray, values: FloatArray) -> float | Automation:
     return float(values[0]) if (values == values[0]).all() else Automation(times, values)
 
 
 def rendered(carriers: Iterable[Carrier], count: int, sample_rate: float) -> FloatArray:
     """The sum of the carriers as ``count`` samples from time 0."""
-    samples = np.zeros(count)
+    return _sum(carriers, 0, count, sample_rate)
+
+
+def _sum(carriers: Iterable[Carrier], first: int, last: int, rate: float) -> FloatArray:
+    samples = np.zeros(last - first)
     for carrier in carriers:
-        first = max(math.ceil(carrier.start * sample_rate), 0)
-        last = min(math.ceil(carrier.end * sample_rate), count)
-        if first < last:
-            samples[first:last] += carrier.at(np.arange(first, last) / sample_rate)
+        begin, end = max(_index(carrier.start, rate), first), min(_index(carrier.end, rate), last)
+        if begin < end:
+            samples[begin - first : end - first] += carrier.sampled(begin, end, rate)
     return samples
+
+
+class Player:
+    """Renders carriers and hands them with the original samples to a comparison, in pieces.
+
+    Carriers are added in any order, before the time that they begin at is played.
+    """
+
+    def __init__(self, original: Row, listener: int, measured: Comparison) -> None:
+        self._original, self._listener, self._measured = original, listener, measured
+        self._carriers: list[Carrier] = []
+        self._done = 0
+
+    def add(self, carriers: Iterable[Carrier]) -> None:
+        """More carriers."""
+        self._carriers.extend(carriers)
+
+    def play_until(self, time: float) -> None:
+        """Compare all samples before ``time`` (seconds); carriers that end before it are forgotten."""
+        count, thinning = self._original.count, self._measured.thinning
+        rate = self._original.sample_rate / thinning
+        last = count if math.isinf(time) else min(math.floor(time * rate) * thinning, count)
+        while self._done < last:
+            first, end = self._done, min(self._done + CHUNK // thinning * thinning, last)
+            played = _sum(self._carriers, first // thinning, -(-end // thinning), rate)
+            self._measured.add(self._listener, self._original.read(first, end), np.clip(played, -1.0, 1.0))
+            self._done = end
+            self._carriers = [carrier for carrier in self._carriers if carrier.end * self._original.sample_rate > end]

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from ..io.atomic import atomic_file
 from ..io.catalogue import FORMATS
+from . import wav
+from .comparison import Comparison
 from .listener_tracks import Tracks
 from .track_export import TrackExport, common_losses, scene_file
-from .wav import encoded
 
 SUFFIX = FORMATS["csv"].suffix
 
@@ -29,7 +30,10 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     return (*common_losses(export.need_tracks(), body=False), "what lies below 1/65,536 of full scale", "impacts as such")
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+keeps = wav.keeps
+
+
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
     """Write ``<scene>.csv``: seconds with six decimals, values with five."""
     tracks = export.need_tracks()
     path = scene_file(export.name, folder, SUFFIX)
@@ -38,10 +42,11 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list
     with atomic_file(path) as file:
         file.write(head.getvalue().encode())
         first = 0
-        for block in encoded(tracks, "pcm16"):
+        for block in wav.encoded(tracks, "pcm16"):
             for begin in range(0, block.shape[1], _LINES):
                 file.write(_lines(tracks, first + begin, block[:, begin : begin + _LINES]))
             first += block.shape[1]
+    wav.compare_encoded(tracks, "pcm16", measured)
     return [path]
 
 

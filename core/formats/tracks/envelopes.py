@@ -3,33 +3,75 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...arrays import FloatArray, IntArray
+from .analytic import Band
 from .carrier import Carrier
-from .fitting import Band, Fit, fit_bands, needed_keys
+from .comparison import Comparison
+from .fitting import Fit, fit_bands, needed_keys
+from .listener_tracks import CHUNK, Row
 
 WHOLE = Band(5, 700, 2.5, 90, 1600)
 """The frequencies that skin feels as one band."""
 SETTLING = 0.05
 """Time (seconds) in which a carrier that directly follows another one gets into phase."""
+SHORTEST_STEP = 0.0125
+"""Minimum time between the keys of a thinned carrier (seconds): published files have at most 81 a second."""
+FINEST = 0.005
+"""Tolerance of a thinned carrier, relative to the largest value."""
+SILENCE = 0.002
+"""Amplitude that counts as silence."""
+IN_PHASE = 0.02
+"""Phase difference (cycles) within which a carrier follows another one without delay."""
 
 
-def single_carrier(samples: NDArray[np.floating], sample_rate: int, fit: Fit) -> Carrier:
-    """The samples (n,), n >= 1, as one oscillation of phase 0 at time 0, with amplitude 0 in silence."""
-    return joined(fit_bands(samples, sample_rate, [WHOLE], fit)[0], len(samples) / sample_rate, fit)
+def single_carrier(row: Row, fit: Fit) -> Carrier:
+    """The samples, at least one, as one oscillation of phase 0 at time 0, with amplitude 0 in silence."""
+    return joined((carrier for _, (carriers,) in fit_bands(row, [WHOLE], fit) for carrier in carriers), row.duration, fit)
 
 
-def joined(carriers: Sequence[Carrier], duration: float, fit: Fit) -> Carrier:
+def thinned_carrier(row: Row, low: float, high: float, most: float) -> Carrier:
+    """The samples as amplitude and frequency between ``low`` and ``high`` hertz, with at most ``most`` keys of either a second.
+
+    The power is that of the samples; the tolerance within which keys are redundant is as small as that allows.
+    """
+    step = max(SHORTEST_STEP, 1 / most)
+    amplitude, frequency = coarse_envelope(row, step)
+    times = np.minimum((np.arange(len(amplitude)) + 0.5) * step, row.duration)
+    times = np.concatenate([[0.0], times, [row.duration]])
+    amplitude = np.minimum(np.pad(amplitude, 1, mode="edge"), 1.0)
+    frequency = np.clip(np.pad(frequency, 1, mode="edge"), low, high)
+    budget = max(math.floor(most * row.duration), 2)
+    kept = _within_budget(times, amplitude, FINEST * float(np.max(amplitude)), budget)
+    # Frequencies matter where there is an amplitude: the others take that of the last audible one.
+    audible = np.maximum.accumulate(np.where(amplitude > SILENCE, np.arange(len(amplitude)), 0))
+    keyed = _within_budget(times, frequency[audible], FINEST * (high - low), budget // 2)
+    return Carrier(0.0, row.duration, 0.0, times[kept], amplitude[kept], times[keyed], frequency[audible][keyed])
+
+
+def _within_budget(times: FloatArray, values: FloatArray, tolerance: float, most: int) -> IntArray:
+    """The keys that remain at the smallest tolerance, doubled as often as necessary, with which they are at most ``most``."""
+    kept = needed_keys(times, values, np.full(len(times), tolerance))
+    while len(kept) > max(most, 2) and tolerance < np.ptp(values):
+        tolerance *= 2
+        kept = needed_keys(times, values, np.full(len(times), tolerance))
+    return kept
+
+
+def joined(carriers: Iterable[Carrier], duration: float, fit: Fit) -> Carrier:
     """One carrier in place of consecutive ones; the frequency in the gaps is such that the next one starts in phase."""
     amplitude_keys = [np.array([[0.0], [0.0]])]
-    frequency_keys = [np.array([[0.0], [float(carriers[0].frequencies[0]) if carriers else fit.lowest]])]
+    frequency_keys: list[FloatArray] = []
     cycles = end = 0.0
     for carrier in carriers:
-        begin = carrier.start if carrier.start > end else end + min(SETTLING, (carrier.end - end) / 2)
+        if not frequency_keys:
+            frequency_keys.append(np.array([[0.0], [float(carrier.frequencies[0])]]))
+        off = (carrier.phase / (2 * math.pi) - cycles + 0.5) % 1.0 - 0.5
+        follows = carrier.start <= end and abs(off) > IN_PHASE
+        begin = end + min(SETTLING, (carrier.end - end) / 2) if follows else max(carrier.start, end)
         local = begin - carrier.start
         passed, total = carrier.cycles(np.array([local, carrier.end - carrier.start]))
         before, after = float(frequency_keys[-1][1, -1]), float(np.interp(local, carrier.frequency_times, carrier.frequencies))
@@ -47,6 +89,7 @@ def joined(carriers: Sequence[Carrier], duration: float, fit: Fit) -> Carrier:
         amplitude_keys.append(np.array([[carrier.end], [carrier.amplitudes[-1] if carrier.end >= duration else 0.0]]))
         end = carrier.end
     amplitude_keys.append(np.array([[duration], [float(amplitude_keys[-1][1, -1])]]))
+    frequency_keys = frequency_keys or [np.array([[0.0], [fit.lowest]])]
     return Carrier(0.0, duration, 0.0, *_cleaned(amplitude_keys, 1e-6), *_cleaned(frequency_keys, 1e-9))
 
 
@@ -72,23 +115,50 @@ def _cleaned(keys: Sequence[FloatArray], tolerance: float) -> tuple[FloatArray, 
     return times[kept], values[kept]
 
 
-def coarse_envelope(samples: NDArray[np.floating], sample_rate: int, step: float) -> tuple[FloatArray, FloatArray]:
+def coarse_envelope(row: Row, step: float) -> tuple[FloatArray, FloatArray]:
     """Amplitude and frequency (hertz) every ``step`` seconds: of the sine with the same power and the same power of first differences.
 
     Each value covers its step and the step before, so that quick blows merge; none covers the step after, so that nothing comes early.
     The first difference of a sine of frequency f has 4 sin²(π f / rate) times its power.
     """
-    count = max(math.ceil(len(samples) / sample_rate / step - 1e-9), 1)
-    borders = np.minimum(np.round(np.arange(count + 1) * step * sample_rate).astype(np.int64), len(samples))
-    values = np.append(samples.astype(np.float64), 0.0)
-    power = _block_sums(values[:-1] ** 2, borders)
-    change = _block_sums(np.diff(values[: len(samples)], append=values[len(samples) - 1 : len(samples)]) ** 2, borders)
-    power[1:], change[1:] = power[1:] + power[:-1], change[1:] + change[:-1]
-    width = np.maximum(np.diff(borders), 1)
-    width[1:] = width[1:] + width[:-1]
-    amplitude = np.sqrt(2 * power / width)
-    ratio = np.divide(change, 4 * power, out=np.zeros(count), where=power > 0)
-    return amplitude, np.asarray(sample_rate / math.pi * np.arcsin(np.sqrt(np.minimum(ratio, 1.0))))
+    return smoothed(*powers(row, step), row.sample_rate)
+
+
+def smoothed(power: FloatArray, change: FloatArray, width: FloatArray, sample_rate: float) -> tuple[FloatArray, FloatArray]:
+    """Amplitude and frequency (hertz) of each step and the one before, from the sums of `powers`."""
+    both = [np.concatenate([values[:1], values[1:] + values[:-1]]) for values in (power, change, width)]
+    return np.sqrt(2 * both[0] / both[2]), mean_frequency(both[0], both[1], sample_rate)
+
+
+def compare_steps(row: Row, listener: int, amplitudes: FloatArray, step: float, measured: Comparison) -> None:
+    """Measure a listener's samples against ``amplitudes`` that hold for ``step`` seconds each."""
+    for first, samples in row.chunks(CHUNK // measured.thinning * measured.thinning):
+        times = np.arange(first, first + len(samples), measured.thinning) / row.sample_rate
+        measured.add(listener, samples, amplitudes[np.minimum((times / step).astype(np.int64), len(amplitudes) - 1)])
+
+
+def powers(row: Row, step: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Sums of the squared samples and of the squared first differences in every ``step`` seconds, and their number of samples."""
+    rate = row.sample_rate
+    count = max(math.ceil(row.count / rate / step - 1e-9), 1)
+    borders = np.minimum(np.round(np.arange(count + 1) * step * rate).astype(np.int64), row.count)
+    power, change = np.zeros(count), np.zeros(count)
+    steps = max(round(CHUNK / (step * rate)), 1)
+    for first in range(0, count, steps):
+        inside = borders[first : first + steps + 1]
+        samples = row.read(int(inside[0]), int(inside[-1]) + 1)
+        differences = np.diff(samples)
+        if inside[-1] == row.count and len(differences):
+            differences[-1] = 0.0
+        power[first : first + steps] = _block_sums(samples[:-1] ** 2, inside - inside[0])
+        change[first : first + steps] = _block_sums(differences**2, inside - inside[0])
+    return power, change, np.maximum(np.diff(borders), 1).astype(np.float64)
+
+
+def mean_frequency(power: FloatArray, change: FloatArray, sample_rate: float) -> FloatArray:
+    """Frequency (hertz) of the sine with this power and this power of first differences; 0 for silence."""
+    ratio = np.divide(change, 4 * power, out=np.zeros_like(power), where=power > 0)
+    return np.asarray(sample_rate / math.pi * np.arcsin(np.sqrt(np.minimum(ratio, 1.0))))
 
 
 def _block_sums(values: FloatArray, borders: IntArray) -> FloatArray:

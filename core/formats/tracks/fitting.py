@@ -12,17 +12,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from .analytic import CONTEXT, Band, ComplexArray, Window, analytic_windows
 from .carrier import Carrier
+from .listener_tracks import Row
 
-ComplexArray = NDArray[np.complex128]
-
-BLOCK = 32
-"""Length of a transformed block (seconds)."""
-MARGIN = 1
-"""Overlap of blocks on either side (seconds)."""
 POWER_RATE = 125
 """Rate (hertz) at which the signal's power is evaluated."""
 POWER_WINDOW = 0.064
@@ -41,26 +36,8 @@ SAMPLED = 8
 """Points of a segment that are evaluated first."""
 LONGEST_REST = 0.03
 """Maximum silence within a carrier (seconds)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Band:
-    """A part of the spectrum from ``low`` to ``high`` hertz.
-
-    Its weight fades over ``low_fade`` and ``high_fade`` hertz on either side of its edges. Keys lie on a grid of ``grid_rate`` hertz, at
-    least twice the width with both fades.
-    """
-
-    low: float
-    high: float
-    low_fade: float
-    high_fade: float
-    grid_rate: float
-
-    @property
-    def centre(self) -> float:
-        """The frequency (hertz) that the analytic signal is shifted down by; an integer, so that blocks have whole cycles."""
-        return float(round((self.low - self.low_fade + self.high + self.high_fade) / 2))
+SEAM = 0.1
+"""Time before the end of a window in which a carrier may be divided (seconds)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,64 +60,44 @@ class Fit:
     signed: bool = False
 
 
-def fit_bands(samples: NDArray[np.floating], sample_rate: int, bands: Sequence[Band], fit: Fit) -> list[list[Carrier]]:
-    """The carriers of each band in the order of time, fitted to ``samples`` (n,). Times are seconds from the first sample."""
-    count = len(samples)
-    parts = [
-        np.concatenate(pieces)[: math.ceil(count / sample_rate * band.grid_rate) + 1]
-        for band, pieces in zip(bands, zip(*_analytic_blocks(samples, sample_rate, bands), strict=True), strict=True)
-    ]
-    allowed = _allowed(samples, sample_rate, bands, parts, fit)
-    return [_fit_band(z, band, budget, count / sample_rate, fit) for z, band, budget in zip(parts, bands, allowed, strict=True)]
+def fit_bands(row: Row, bands: Sequence[Band], fit: Fit) -> Iterator[tuple[float, list[list[Carrier]]]]:
+    """Fit the bands of a signal window by window.
 
-
-def _analytic_blocks(samples: NDArray[np.floating], sample_rate: int, bands: Sequence[Band]) -> Iterator[list[ComplexArray]]:
-    """For each block the complex amplitude z of each band on its grid; the band is ``Re(z exp(2πi centre t))``."""
-    length = BLOCK + 2 * MARGIN
-    weights = [_weights(band, length, sample_rate) for band in bands]
-    for start in range(0, len(samples) + 1, BLOCK * sample_rate):
-        window = np.zeros(length * sample_rate)
-        first, last = max(start - MARGIN * sample_rate, 0), min(start + (BLOCK + MARGIN) * sample_rate, len(samples))
-        begin = first - (start - MARGIN * sample_rate)
-        window[begin : begin + last - first] = samples[first:last]
-        spectrum = np.fft.rfft(window)
-        pieces = []
-        for band, (bins, weight) in zip(bands, weights, strict=True):
-            count = round(length * band.grid_rate)
-            shifted = np.zeros(count, dtype=np.complex128)
-            shifted[(bins - round(band.centre * length)) % count] = spectrum[bins] * weight
-            z = np.fft.ifft(shifted) * (2 * count / len(window))
-            pieces.append(z[round(MARGIN * band.grid_rate) : round((MARGIN + BLOCK) * band.grid_rate)])
-        yield pieces
-
-
-def _weights(band: Band, length: int, sample_rate: int) -> tuple[IntArray, FloatArray]:
-    """The bins of a spectrum of ``length`` seconds that belong to the band, and their weights.
-
-    Fades are raised cosines, so that the weights of neighbouring bands add up to 1.
+    Yields, in the order of time, a time (seconds) and for each band the carriers that end up to then, or a little later, in the order of
+    time. A carrier that lasts longer than a window is divided where its wave crosses zero, so that both parts may be played there.
     """
-    first = max(math.ceil((band.low - band.low_fade) * length), 1)
-    last = min(math.floor((band.high + band.high_fade) * length), length * sample_rate // 2)
-    bins = np.arange(first, last + 1)
-    frequencies = bins / length
+    done = [0] * len(bands)
+    for window in analytic_windows(row, bands):
+        allowed = _allowed(row, window, bands, fit)
+        fitted = []
+        complete = math.inf
+        for k, (band, z) in enumerate(zip(bands, window.parts, strict=True)):
+            origin = round(window.origin * band.grid_rate)
+            last = len(z) - 1 if window.is_last else _quiet_point(z, band, window.origin, window.end)
+            fitted.append(_fit_band(z, band, allowed[k], window.origin, (done[k] - origin, last), row.count / row.sample_rate, fit))
+            done[k] = origin + last
+            complete = min(complete, done[k] / band.grid_rate)
+        yield (math.inf if window.is_last else complete), fitted
 
-    def rise(edge: float, fade: float) -> FloatArray:
-        position = np.clip((frequencies - edge) / (2 * fade) + 0.5, 0.0, 1.0)
-        return np.asarray((1 - np.cos(math.pi * position)) / 2)
 
-    return bins, rise(band.low, band.low_fade) * (1 - rise(band.high, band.high_fade))
+def _quiet_point(z: ComplexArray, band: Band, origin: int, end: int) -> int:
+    """The point of the grid shortly before ``end`` (seconds) where the wave is nearest to zero."""
+    last = round((end - origin) * band.grid_rate)
+    points = np.arange(last - max(round(SEAM * band.grid_rate), 1), last + 1)
+    wave = z[points] * np.exp(2j * math.pi * (band.centre * (points / band.grid_rate + origin) % 1.0))
+    return int(points[np.argmin(np.abs(wave.real))])
 
 
-def _allowed(
-    samples: NDArray[np.floating], sample_rate: int, bands: Sequence[Band], parts: Sequence[ComplexArray], fit: Fit
-) -> list[FloatArray]:
+def _allowed(row: Row, window: Window, bands: Sequence[Band], fit: Fit) -> list[FloatArray]:
     """The error (squared magnitude) allowed to each band at each point of its grid.
 
     At each time up to half of the total is spent by leaving out the weakest bands; the others share the rest equally.
     """
-    count = math.ceil(len(samples) / sample_rate * POWER_RATE) + 1
-    times = np.arange(count) / POWER_RATE
-    total = 2 * _moving_mean(samples.astype(np.float64) ** 2, sample_rate, times)
+    parts, rate = window.parts, row.sample_rate
+    longest = max((len(z) - 1) / band.grid_rate for z, band in zip(parts, bands, strict=True))
+    times = np.arange(math.ceil(longest * POWER_RATE) + 1) / POWER_RATE
+    samples = row.read(window.origin * rate, min((window.end + CONTEXT) * rate, row.count))
+    total = 2 * _moving_mean(samples**2, rate, times)
     budget = np.maximum(fit.error * total, fit.floor**2)
     powers = np.array([_moving_mean(np.abs(z) ** 2, band.grid_rate, times) for z, band in zip(parts, bands, strict=True)])
     order = np.argsort(powers, axis=0, kind="stable")
@@ -176,17 +133,21 @@ def _runs(active: BoolArray, rest: int) -> Iterator[tuple[int, int]]:
     yield from zip(firsts.tolist(), lasts.tolist(), strict=True)
 
 
-def _fit_band(z: ComplexArray, band: Band, allowed: FloatArray, duration: float, fit: Fit) -> list[Carrier]:
+def _fit_band(
+    z: ComplexArray, band: Band, allowed: FloatArray, origin: int, span: tuple[int, int], duration: float, fit: Fit
+) -> list[Carrier]:
+    """The carriers of one band between the grid points ``span``; z begins at ``origin`` seconds."""
     rate, centre = band.grid_rate, band.centre
     strength = _moving_mean(np.abs(z) ** 2, rate, np.arange(len(z)) / rate)
     # One more point on either side, so that the amplitude begins and ends near 0.
-    runs = [(max(first - 1, 0), min(last + 1, len(z) - 1)) for first, last in _runs(strength > allowed, round(LONGEST_REST * rate))]
+    runs = [(max(first - 1, span[0]), min(last + 1, span[1])) for first, last in _runs(strength > allowed, round(LONGEST_REST * rate))]
+    runs = [(first, last) for first, last in runs if first < last]
     if not runs:
         return []
     phase = np.unwrap(np.angle(z * z)) / 2 if fit.signed else np.unwrap(np.angle(z))
     amplitude = (z * np.exp(-1j * phase)).real
     offset = _stepped(np.clip(_slope(z, rate, fit.signed) + centre, fit.lowest, fit.highest), fit.frequency_step) - centre
-    grid = _Grid(rate, phase, amplitude, offset, allowed, fit, centre)
+    grid = _Grid(rate, phase, amplitude, offset, allowed, fit, centre, origin)
     return grid.carriers(grid.keys(runs), duration)
 
 
@@ -207,7 +168,7 @@ def _stepped(values: FloatArray, step: float) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class _Grid:
-    """A band on its grid; ``phase`` and frequency ``offset`` are relative to ``centre``."""
+    """A band on its grid from ``origin`` seconds; ``phase`` and frequency ``offset`` are relative to ``centre``."""
 
     rate: float
     phase: FloatArray
@@ -216,6 +177,7 @@ class _Grid:
     allowed: FloatArray
     fit: Fit
     centre: float
+    origin: int
 
     def keys(self, runs: Sequence[tuple[int, int]]) -> list[IntArray]:
         """The grid points that become keys, for each run."""
@@ -301,7 +263,7 @@ class _Grid:
         amplitudes = np.clip(_stepped(self.amplitude[keys], fit.amplitude_step), -1.0 if fit.signed else 0.0, 1.0)
         kept = needed_keys(times, amplitudes, 0.25 * np.sqrt(self.allowed[keys]), run)
         needed = needed_keys(key_times, frequencies, np.full(len(frequencies), 1e-9 if fit.frequency_step else EVEN), key_run)
-        start = keys[first] / self.rate
+        start = keys[first] / self.rate + self.origin
         end = np.minimum(start + times[first + lengths - 1], duration)
         phase = (self.phase[keys[first]] + 2 * math.pi * self.centre * start + math.pi / 2) % (2 * math.pi)
         bounds = np.arange(len(runs) + 1)

@@ -1,7 +1,13 @@
-"""``.haptic`` 1.0 (Meta Haptics Studio): a file per listener, with the actuator configuration (ACF) that its numbers refer to."""
+"""``.haptic`` 1.0 (Meta Haptics Studio): one file per listener, with the actuator configuration (ACF) that its numbers refer to.
+
+Players make the oscillation themselves from an amplitude and a frequency, so that breakpoints follow these, not the wave: about as many as
+published files have. With ``points`` 0 they follow the wave.
+"""
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -15,41 +21,56 @@ from ..io.error import FormatError
 from ..io.json_text import compact, json_rows, write_json
 from ..io.schema import validate
 from ..io.strict_json import read_json
-from .carrier import Carrier
-from .envelopes import single_carrier
+from .carrier import Carrier, Player
+from .comparison import Comparison, Kind, Measures
+from .envelopes import single_carrier, thinned_carrier
 from .fitting import Fit
 from .listener_tracks import ListenerTrack
-from .track_export import EDITOR, TrackExport, clipped, common_losses, listener_files
+from .track_export import EDITOR, TrackExport, common_losses, listener_files
 from .vibration_file import Channel, VibrationFile
 
 SUFFIX = FORMATS["haptic"].suffix
 
 ATTACK = 0.03
-"""Seconds after an impact within which its vibration peaks."""
+"""Time after an impact within which its vibration peaks (seconds)."""
+SLIGHT = 0.05
+"""Amount by which amplitudes may exceed their range to be clipped instead of refused."""
 _EMPHASIS = {"frequency_min": (55.0, 36.4, "sine"), "frequency_max": (165.0, 12.1, "square")}
 _QUEST = {"continuous": {"frequency_min": 55.0, "frequency_max": 200.0}}
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
-    """What the files leave out, in words."""
+    """What the files do not carry, one sentence each."""
     low, high = _range(options)
     return (
         *common_losses(export.need_tracks(), body=False),
-        "the place on the body: the format has none, the file name says whose it is",
+        "the place on the body: the format has none; the file name gives the listener",
         f"all but one oscillation at a time, between {low:g} and {high:g} Hz",
         "the strength of players: amplitude and frequency are shares of what an actuator can do",
     )
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def keeps(options: Mapping[str, Any]) -> Measures:
+    """What the files keep."""
+    return Measures(Kind.SPECTRUM if options["points"] else Kind.WAVE, *_range(options))
+
+
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
     """Write ``<scene>.<listener>.haptic`` and ``.acf`` for each listener."""
     tracks = export.need_tracks()
     low, high = _range(options)
-    fit = Fit(error=options["error"], lowest=low, highest=high)
     files = []
-    for listener, samples, path in zip(tracks.listeners, tracks.samples, listener_files(export, folder, SUFFIX), strict=True):
-        carrier = single_carrier(clipped(samples), tracks.sample_rate, fit)
-        files.append(write_text(path, _document(export, listener, carrier, low, high, options["emphasis"])))
+    for number, (listener, path) in enumerate(zip(tracks.listeners, listener_files(export, folder, SUFFIX), strict=True)):
+        row = tracks.row(number)
+        if options["points"]:
+            carrier = thinned_carrier(row, low, high, options["points"])
+        else:
+            carrier = single_carrier(row, Fit(error=options["error"], lowest=low, highest=high))
+        text = "".join(_document(export, listener, carrier, low, high, options["emphasis"]))
+        player = Player(row, number, measured)
+        player.add(_carriers(json.loads(text)["signals"]["continuous"]["envelopes"], low, high, str(path)))
+        player.play_until(math.inf)
+        files.append(write_text(path, [text]))
         files.append(write_json(path.with_suffix(".acf"), _configuration(export, listener, low, high)))
     return files
 
@@ -102,7 +123,7 @@ def _amplitude_points(listener: ListenerTrack, carrier: Carrier, low: float, hig
 
 
 def _emphases(listener: ListenerTrack, carrier: Carrier) -> dict[float, tuple[float, float]]:
-    """Strength and frequency (hertz) of each impact at the moment its vibration peaks: an emphasis is never weaker than the envelope."""
+    """Strength and frequency (hertz) of each impact by the time of its peak, where an emphasis is not weaker than the envelope."""
     result: dict[float, tuple[float, float]] = {}
     for time, strength in listener.impacts.tolist():
         first, last = np.searchsorted(carrier.amplitude_times, [time, time + ATTACK])
@@ -126,13 +147,50 @@ def _configuration(export: TrackExport, listener: ListenerTrack, low: float, hig
 
 
 def read(path: Path) -> VibrationFile:
-    """The vibration, with the frequency range of the ``.acf`` beside the file, or of Quest controllers where there is none.
-    Raises FormatError or OSError."""
+    """The vibration, with the frequency range of the ``.acf`` beside the file, or of Quest controllers if there is none.
+
+    Raises FormatError or OSError.
+    """
     document = read_json(path)
-    validate(document, "haptic_v1", path)
     losses: list[str] = []
-    low, high = _range_beside(path, losses)
+    if _clip_slight_excess(document):
+        losses.append(f"amplitudes up to {1 + SLIGHT:g} are clipped to 1")
+    metadata = _without_unplayed_parts(document)
+    validate(document, "haptic_v1", path)
     envelopes = document["signals"]["continuous"]["envelopes"]
+    carriers = _carriers(envelopes, *_range_beside(path, losses), path)
+    name = metadata.get("description") if isinstance(metadata, dict) else None
+    return VibrationFile(
+        (Channel(name if name and isinstance(name, str) else path.stem, max(carrier.end for carrier in carriers), carriers),), tuple(losses)
+    )
+
+
+def _without_unplayed_parts(document: Any) -> Any:
+    """Remove the metadata and complete the version number, so that their faults don't matter; the metadata."""
+    if not isinstance(document, dict):
+        return None
+    if isinstance(version := document.get("version"), dict):
+        document["version"] = {"minor": 0, "patch": 0, **version}
+    return document.pop("metadata", None)
+
+
+def _clip_slight_excess(document: Any) -> bool:
+    """Limit amplitudes that exceed [0, 1] by at most ``SLIGHT``, as some tools write them; whether there are any."""
+    clipped = False
+    try:
+        points = document["signals"]["continuous"]["envelopes"]["amplitude"]
+        for point in [*points, *(point["emphasis"] for point in points if "emphasis" in point)]:
+            value = point["amplitude"]
+            if -SLIGHT <= value < 0 or 1 < value <= 1 + SLIGHT:
+                point["amplitude"] = min(max(value, 0), 1)
+                clipped = True
+    except (TypeError, KeyError, AttributeError):
+        pass  # not a valid file, as validation tells
+    return clipped
+
+
+def _carriers(envelopes: Mapping[str, Any], low: float, high: float, path: str | Path) -> tuple[Carrier, ...]:
+    """The oscillation of the envelopes, and what emphases add to it. Raises FormatError for times that decrease."""
     place = "/signals/continuous/envelopes"
     times, amplitudes = _points(path, envelopes["amplitude"], f"{place}/amplitude", "amplitude")
     if times[-1] <= 0:
@@ -146,11 +204,10 @@ def read(path: Path) -> VibrationFile:
         excess = point.get("emphasis", {}).get("amplitude", 0.0) - point["amplitude"]
         if excess > 0:
             carriers.append(_emphasis(point["time"], excess, point["emphasis"]["frequency"]))
-    name = document.get("metadata", {}).get("description") or path.stem
-    return VibrationFile((Channel(name, max(carrier.end for carrier in carriers), tuple(carriers)),), tuple(losses))
+    return tuple(carriers)
 
 
-def _points(path: Path, points: list[Mapping[str, Any]], place: str, key: str) -> tuple[FloatArray, FloatArray]:
+def _points(path: str | Path, points: list[Mapping[str, Any]], place: str, key: str) -> tuple[FloatArray, FloatArray]:
     times = np.array([point["time"] for point in points], dtype=np.float64)
     backwards = np.flatnonzero(np.diff(times) < 0)
     if len(backwards):
@@ -178,7 +235,7 @@ def _range_beside(path: Path, losses: list[str]) -> tuple[float, float]:
 
 
 def _emphasis(time: float, strength: float, sharpness: float) -> Carrier:
-    """What an emphasis adds to the envelope: the burst of the configuration, which lies between its two extremes."""
+    """The burst that an emphasis adds to the envelope, between the two extremes of the configuration."""
     (low, long, _), (high, short, _) = _EMPHASIS.values()
     seconds = (long + (short - long) * sharpness) / 1000
     zero = np.zeros(1)

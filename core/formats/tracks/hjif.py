@@ -6,40 +6,38 @@ Times are in milliseconds: the reference renderer counts phases in them whatever
 from __future__ import annotations
 
 import math
+import tempfile
 from bisect import bisect
 from collections.abc import Iterator, Mapping
-from itertools import pairwise
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...arrays import FloatArray
-from ...scene.body import BODY_PARTS
 from ..io.atomic import write_text
 from ..io.catalogue import FORMATS
-from ..io.error import FormatError
 from ..io.json_text import compact
-from ..io.schema import validate
-from ..io.strict_json import read_json
 from .bands import bands_for
-from .carrier import Carrier
+from .carrier import Carrier, Player
+from .comparison import Comparison, Kind, Measures
 from .fitting import Fit, fit_bands
-from .listener_tracks import ListenerTrack, Tracks
-from .track_export import TrackExport, body_part_of, clipped, common_losses, scene_file
-from .transients import TRANSIENT_CYCLES, TRANSIENT_SECONDS, without_transients
-from .vibration_file import Channel, VibrationFile
+from .hjif_reading import carriers_of
+from .hjif_reading import read as read
+from .listener_tracks import ListenerTrack, Row, Tracks
+from .track_export import TrackExport, body_part_of, common_losses, scene_file
+from .transients import TRANSIENT_CYCLES, TRANSIENT_SECONDS, transient_carrier, without_transients
 
 SUFFIX = FORMATS["hjif"].suffix
 
 TIMESCALE = 1000
-LONGEST_EFFECT = 65_535
-"""Milliseconds: a keyframe's position has 16 bits in the binary form."""
 CHANNELS_OF_LEVEL_1 = 127
 HIGHEST = 1000
-"""Hertz."""
+"""Highest frequency key (hertz)."""
 EDGES = (5, 40, 80, 160, 320, 640, 860)
-"""Of the bands, in hertz. With that of the transients they are as many as level 1 allows a channel."""
+"""Edges of the bands (hertz). With that of the transients they are as many as level 1 allows a channel."""
+_PIECE = 2**20
 
 _DEVICES = {
     "Head": "Razer Kraken V4 Pro",
@@ -51,23 +49,26 @@ _DEVICES = {
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
-    """What the file leaves out, in words."""
-    tracks = export.need_tracks()
+    """What the file does not carry, one sentence each."""
     return (
-        *common_losses(tracks, body=True),
-        f"what lies below {EDGES[0]} and above {EDGES[-1]} Hz",
-        f"up to {options['error']:.1%} of the vibration's power, and the order of what is less than a millisecond apart",
+        *common_losses(export.need_tracks(), body=True),
+        f"frequencies below {EDGES[0]} and above {EDGES[-1]} Hz, and the order of events within a millisecond",
     )
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def keeps(options: Mapping[str, Any]) -> Measures:
+    """What the file keeps."""
+    return Measures(Kind.WAVE, EDGES[0], EDGES[-1])
+
+
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
     """Write ``<scene>.hjif``."""
     tracks = export.need_tracks()
     path = scene_file(export.name, folder, SUFFIX)
-    return [write_text(path, _document(export, tracks, options))]
+    return [write_text(path, _document(export, tracks, options, measured))]
 
 
-def _document(export: TrackExport, tracks: Tracks, options: Mapping[str, Any]) -> Iterator[str]:
+def _document(export: TrackExport, tracks: Tracks, options: Mapping[str, Any], measured: Comparison) -> Iterator[str]:
     devices = _reference_devices(tracks)
     head = {
         "version": "2023",
@@ -90,7 +91,8 @@ def _document(export: TrackExport, tracks: Tracks, options: Mapping[str, Any]) -
     }
     yield compact(head)[:-1] + ',"perceptions":[' + compact(perception)[:-1] + ',"channels":['
     for number, listener in enumerate(tracks.listeners):
-        yield (",\n" if number else "\n") + compact(_channel(number, listener, tracks, devices, options))
+        yield ",\n" if number else "\n"
+        yield from _channel(number, listener, tracks, devices, options, measured)
     yield '\n]}],"syncs":[{"timestamp":0}]}\n'
 
 
@@ -103,20 +105,13 @@ def _reference_devices(tracks: Tracks) -> list[dict[str, Any]]:
 
 
 def _channel(
-    number: int, listener: ListenerTrack, tracks: Tracks, devices: list[dict[str, Any]], options: Mapping[str, Any]
-) -> dict[str, Any]:
-    samples = clipped(tracks.samples[number]).astype(np.float64)
-    transients = np.zeros((0, 2))
-    if options["transients"]:
-        samples, transients = without_transients(samples, tracks.sample_rate, listener.impacts, 1 / TIMESCALE)
-    fit = Fit(error=options["error"], lowest=1, highest=HIGHEST, frequency_step=1, time_step=1 / TIMESCALE, signed=True)
-    narrow = bands_for(samples, tracks.sample_rate, EDGES)
-    grouped: dict[int, list[Carrier]] = {}
-    for band, carriers in zip(narrow, fit_bands(samples, tracks.sample_rate, narrow, fit), strict=True):
-        grouped.setdefault(min(bisect(EDGES, band.centre), len(EDGES) - 1), []).extend(carriers)
-    bands = [_wave_band(EDGES[k - 1], EDGES[k], carriers) for k, carriers in sorted(grouped.items()) if carriers]
-    if len(transients):
-        bands.append(_transient_band(transients))
+    number: int,
+    listener: ListenerTrack,
+    tracks: Tracks,
+    devices: list[dict[str, Any]],
+    options: Mapping[str, Any],
+    measured: Comparison,
+) -> Iterator[str]:
     part = body_part_of(listener)
     channel: dict[str, Any] = {
         "id": number,
@@ -128,37 +123,104 @@ def _channel(
     if part is not None:
         channel["body_part_target"] = list(part.mpeg_target)
         channel["reference_device_id"] = next(device["id"] for device in devices if device["name"] == _DEVICES[part.wyvrn_target])
-    return {**channel, "frequency_sampling": tracks.sample_rate, "sample_count": tracks.count, "bands": bands}
+    yield compact({**channel, "frequency_sampling": tracks.sample_rate, "sample_count": tracks.count})[:-1] + ',"bands":['
+    row = original = tracks.row(number)
+    transients = np.zeros((0, 2))
+    if options["transients"]:
+        row, transients = without_transients(row, listener.impacts, 1 / TIMESCALE)
+    separator = ""
+    with _Bands(row, options["error"]) as bands:
+        bands.fit(original, number, transients, measured)
+        for text in bands.texts():
+            yield separator
+            yield from text
+            separator = ","
+    if len(transients):
+        yield separator + compact(_transient_band(transients))
+    yield "]}"
 
 
-def _wave_band(low: float, high: float, carriers: list[Carrier]) -> dict[str, Any]:
-    """Carriers that sound at the same time are effects that overlap: players add them up."""
-    effects = [_effect(piece) for carrier in carriers for piece in _pieces(carrier)]
-    effects.sort(key=lambda effect: effect["position"])
-    lowest = min(float(np.min(carrier.frequencies)) for carrier in carriers)
-    highest = max(float(np.max(carrier.frequencies)) for carrier in carriers)
-    return {
-        "band_type": "VectorialWave",
-        "lower_frequency_limit": math.floor(min(low, lowest)),
-        "upper_frequency_limit": math.ceil(max(high, highest)),
-        "effects": effects,
-    }
+class _Bands:
+    """The vectorial bands of a channel, whose effects are written to temporary files while the signal is fitted."""
+
+    def __init__(self, row: Row, error: float) -> None:
+        self._row = row
+        self._fit = Fit(error=error, lowest=1, highest=HIGHEST, frequency_step=1, time_step=1 / TIMESCALE, signed=True)
+        self._files = ExitStack()
+        self._bands: dict[int, _BandFile] = {}
+
+    def __enter__(self) -> _Bands:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._files.close()
+
+    def fit(self, original: Row, listener: int, transients: FloatArray, measured: Comparison) -> None:
+        """Fit the signal; what is written is compared with the ``original`` on the way."""
+        narrow = bands_for(self._row, EDGES)
+        player = Player(original, listener, measured)
+        player.add(transient_carrier(time, strength) for time, strength in transients.tolist())
+        for complete, fitted in fit_bands(self._row, narrow, self._fit):
+            for band, carriers in zip(narrow, fitted, strict=True):
+                group = min(bisect(EDGES, band.centre), len(EDGES) - 1)
+                for carrier in carriers:
+                    effect = self._band(group).add(carrier)
+                    player.add(carriers_of("VectorialWave", effect, 1 / TIMESCALE))
+            for band_file in self._bands.values():
+                band_file.flush(complete)
+            player.play_until(complete)
+
+    def texts(self) -> Iterator[Iterator[str]]:
+        """The JSON text of each band in pieces."""
+        for _, band in sorted(self._bands.items()):
+            yield band.text()
+
+    def _band(self, group: int) -> _BandFile:
+        if group not in self._bands:
+            self._bands[group] = _BandFile(EDGES[group - 1], EDGES[group], self._files)
+        return self._bands[group]
 
 
-def _pieces(carrier: Carrier) -> Iterator[Carrier]:
-    """The carrier in pieces that an effect can hold. They meet where the wave crosses zero: players add up both at that moment."""
-    length = LONGEST_EFFECT / TIMESCALE
-    while carrier.end - carrier.start > length:
-        ticks = np.arange(LONGEST_EFFECT - 100, LONGEST_EFFECT + 1) / TIMESCALE
-        cycles = carrier.phase / (2 * math.pi) + carrier.cycles(ticks)
-        cut = float(ticks[np.argmin(np.abs(np.sin(2 * math.pi * cycles)))])
-        yield carrier.part(0.0, cut)
-        carrier = carrier.part(cut, carrier.end - carrier.start)
-    yield carrier
+class _BandFile:
+    """The effects of a band. Carriers that sound at the same time are effects that overlap: players add them up."""
+
+    def __init__(self, low: float, high: float, files: ExitStack) -> None:
+        self._low, self._high = low, high
+        self._file = files.enter_context(tempfile.TemporaryFile("w+", encoding="utf-8", prefix="haptic-bands-"))  # noqa: SIM115
+        self._waiting: list[dict[str, Any]] = []
+        self._separator = ""
+
+    def add(self, carrier: Carrier) -> dict[str, Any]:
+        """The effect of a carrier."""
+        self._low = min(self._low, float(np.min(carrier.frequencies)))
+        self._high = max(self._high, float(np.max(carrier.frequencies)))
+        self._waiting.append(_effect(carrier))
+        return self._waiting[-1]
+
+    def flush(self, until: float) -> None:
+        """Write the effects that begin before ``until`` (seconds) in the order of time."""
+        self._waiting.sort(key=lambda effect: effect["position"])
+        count = bisect(self._waiting, until * TIMESCALE - 1, key=lambda effect: effect["position"])
+        for effect in self._waiting[:count]:
+            self._file.write(self._separator + compact(effect))
+            self._separator = ","
+        del self._waiting[:count]
+
+    def text(self) -> Iterator[str]:
+        """The JSON text of the band in pieces."""
+        limits = {"lower_frequency_limit": math.floor(self._low), "upper_frequency_limit": math.ceil(self._high)}
+        yield compact({"band_type": "VectorialWave", **limits})[:-1] + ',"effects":['
+        self._file.seek(0)
+        while piece := self._file.read(_PIECE):
+            yield piece
+        yield "]}"
 
 
 def _effect(carrier: Carrier) -> dict[str, Any]:
-    """Frequencies are keyed from the first moment to the last: what players do beyond the last key differs."""
+    """The effect of a carrier. Frequency keys reach from its start to its end, since players differ beyond the last key.
+
+    It lasts less than 65.535 s, so that positions of keyframes have 16 bits in the binary form.
+    """
     length = round((carrier.end - carrier.start) * TIMESCALE)
     keyframes: dict[int, dict[str, Any]] = {}
 
@@ -196,95 +258,3 @@ def _transient_band(transients: FloatArray) -> dict[str, Any]:
             for time, strength in transients.tolist()
         ],
     }
-
-
-_WAVE = {"Sine": ("sine", 1), "Square": ("square", 1), "Triangle": ("triangle", 1), "SawToothUp": ("saw", 1), "SawToothDown": ("saw", -1)}
-
-
-def read(path: Path) -> VibrationFile:
-    """The channels of all perceptions. Raises FormatError or OSError."""
-    document = read_json(path)
-    validate(document, "hjif", path)
-    channels: list[Channel] = []
-    losses: dict[str, None] = {}
-    for p, perception in enumerate(document["perceptions"]):
-        library = {effect["id"]: effect for effect in perception["effect_library"] if "id" in effect}
-        for c, form in enumerate(perception["channels"]):
-            place = f"/perceptions/{p}/channels/{c}"
-            read_bands = _BandReader(path, document["timescale"], library, losses)
-            carriers = [carrier for b, band in enumerate(form["bands"]) for carrier in read_bands(band, f"{place}/bands/{b}", form["gain"])]
-            end = max((carrier.end for carrier in carriers), default=0.0)
-            rate = form.get("frequency_sampling", 0)
-            duration = max(end, min(form.get("sample_count", 0) / rate, 1e5)) if rate else end
-            channels.append(Channel(form["description"], duration, tuple(carriers), body_part=_body_part(form)))
-    return VibrationFile(tuple(channels), tuple(losses))
-
-
-def _body_part(channel: Mapping[str, Any]) -> str:
-    """The part that we would write so, or none."""
-    place = channel["body_part_mask"], tuple(channel.get("body_part_target", ()))
-    return next((part.name for part in BODY_PARTS if (part.mpeg_mask, part.mpeg_target) == place), "")
-
-
-class _BandReader:
-    def __init__(self, path: Path, timescale: int, library: Mapping[int, Any], losses: dict[str, None]) -> None:
-        self.path = path
-        self.tick = 1 / timescale
-        self.library = library
-        self.losses = losses
-
-    def __call__(self, band: Mapping[str, Any], place: str, gain: float) -> Iterator[Carrier]:
-        kind = band["band_type"]
-        if kind == "WaveletWave":
-            self.losses["wavelet bands are not decoded"] = None
-            return
-        for e, form in enumerate(band["effects"]):
-            effect = form
-            if form["effect_type"] == "Reference":
-                if form["id"] not in self.library:
-                    raise FormatError(self.path, f"{place}/effects/{e}/id", f"the effect library has no effect {form['id']}")
-                effect = {**self.library[form["id"]], "position": form["position"]}
-            if effect["effect_type"] != "Basis":
-                self.losses["composite effects are not taken over"] = None
-                continue
-            keyframes = effect.get("keyframes", [])
-            positions = [keyframe.get("relative_position", 0) for keyframe in keyframes]
-            if any(later < earlier for earlier, later in pairwise(positions)):
-                raise FormatError(self.path, f"{place}/effects/{e}/keyframes", "relative positions must not decrease")
-            yield from self._carriers(kind, effect, keyframes, gain)
-
-    def _carriers(self, kind: str, effect: Mapping[str, Any], keyframes: list[Mapping[str, Any]], gain: float) -> Iterator[Carrier]:
-        start = effect["position"] * self.tick
-        amplitudes = _keys(keyframes, "amplitude_modulation", self.tick)
-        if amplitudes is None:
-            return
-        if kind == "Transient":
-            for time, strength in zip(*amplitudes, strict=True):
-                yield transient(start + float(time), float(strength) * gain)
-            return
-        end = start + keyframes[-1].get("relative_position", 0) * self.tick
-        if end <= start:
-            return
-        times, values = amplitudes[0], amplitudes[1] * gain
-        if kind == "Curve":
-            # A curve is the vibration itself: an oscillation that stands still at its crest.
-            yield Carrier(start, end, math.pi / 2, times, values, np.zeros(1), np.zeros(1))
-            return
-        wave, sign = _WAVE[effect.get("base_signal", "Sine")]
-        frequencies = _keys(keyframes, "frequency_modulation", self.tick)
-        if frequencies is not None:
-            yield Carrier(start, end, effect.get("phase", 0.0), times, values * sign, *frequencies, wave)
-
-
-def _keys(keyframes: list[Mapping[str, Any]], name: str, tick: float) -> tuple[FloatArray, FloatArray] | None:
-    keys = [(keyframe.get("relative_position", 0), keyframe[name]) for keyframe in keyframes if name in keyframe]
-    if not keys:
-        return None
-    times, values = np.array(keys, dtype=np.float64).T
-    return times * tick, values
-
-
-def transient(time: float, strength: float) -> Carrier:
-    """A transient as the reference renderer has it."""
-    zero, frequency = np.zeros(1), np.full(1, TRANSIENT_CYCLES / TRANSIENT_SECONDS)
-    return Carrier(time, time + TRANSIENT_SECONDS, 0.0, zero, np.full(1, strength), zero, frequency)

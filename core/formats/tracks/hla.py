@@ -11,8 +11,9 @@ import numpy as np
 from ..io.atomic import write_text
 from ..io.catalogue import FORMATS
 from ..io.json_text import compact
-from .envelopes import coarse_envelope
-from .track_export import TrackExport, clipped, common_losses, listener_files
+from .comparison import Comparison, Kind, Measures
+from .envelopes import coarse_envelope, compare_steps
+from .track_export import TrackExport, common_losses, listener_files
 
 SUFFIX = FORMATS["hla"].suffix
 
@@ -27,13 +28,21 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def keeps(options: Mapping[str, Any]) -> Measures:
+    """What the files keep."""
+    return Measures(Kind.LEVEL)
+
+
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
     """Write ``<scene>.<listener>.hla``."""
     tracks = export.need_tracks()
+    step = options["step"] / 1000
     files = []
-    for listener, samples, path in zip(tracks.listeners, tracks.samples, listener_files(export, folder, SUFFIX), strict=True):
-        amplitude, _ = coarse_envelope(clipped(samples), tracks.sample_rate, options["step"] / 1000)
+    for number, (listener, path) in enumerate(zip(tracks.listeners, listener_files(export, folder, SUFFIX), strict=True)):
+        row = tracks.row(number)
+        amplitude, _ = coarse_envelope(row, step)
         levels = np.rint(np.clip(amplitude, 0.0, 1.0) * 255).astype(np.int64)
+        compare_steps(row, number, levels / 255, step, measured)
         first = np.flatnonzero(np.diff(levels, prepend=-1))
         lengths = np.diff(first, append=len(levels)) * options["step"]
         document = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,6 +81,35 @@ class ListenerTrack:
         object.__setattr__(self, "impacts", impacts)
 
 
+class Row:
+    """The samples of one listener at ``sample_rate`` (hertz), read in pieces and clipped to ±1.
+
+    samples: one-dimensional, any sequence whose slices are arrays.
+    """
+
+    def __init__(self, samples: Any, sample_rate: int) -> None:
+        self._samples = samples
+        self.count = len(samples)
+        self.sample_rate = sample_rate
+
+    @property
+    def duration(self) -> float:
+        """Seconds."""
+        return self.count / self.sample_rate
+
+    def read(self, first: int, last: int) -> FloatArray:
+        """The samples from index ``first`` to before ``last``, shape (last - first,); 0 beyond the ends of the track."""
+        begin, end = min(max(first, 0), self.count), min(max(last, 0), self.count)
+        result = np.zeros(last - first)
+        np.clip(self._samples[begin:end], -1.0, 1.0, out=result[begin - first : end - first])
+        return result
+
+    def chunks(self, size: int = CHUNK) -> Iterator[tuple[int, FloatArray]]:
+        """The samples in pieces of at most ``size``, each with the index of its first sample."""
+        for first in range(0, self.count, size):
+            yield first, self.read(first, min(first + size, self.count))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Tracks:
     """``samples`` (n_listeners, n) at ``sample_rate`` (hertz), nominal range [-1, 1]; the first is at ``start`` seconds of the scene.
@@ -127,6 +156,10 @@ class Tracks:
     def duration(self) -> float:
         """Seconds."""
         return self.count / self.sample_rate
+
+    def row(self, number: int) -> Row:
+        """The samples of one listener."""
+        return Row(self.samples[number], self.sample_rate)
 
     def blocks(self) -> Iterator[tuple[int, NDArray[np.floating]]]:
         """The samples in pieces (n_listeners, k), each with the index of its first sample."""

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from ..io.atomic import atomic_file
 from ..io.catalogue import FORMATS
-from .listener_tracks import Tracks
+from . import wav
+from .comparison import Comparison
+from .listener_tracks import CHUNK, Tracks
 from .track_export import TrackExport, common_losses, scene_file
 
 SUFFIX = FORMATS["npz"].suffix
@@ -23,7 +25,10 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(text for text in common_losses(export.need_tracks(), body=False) if "full scale" not in text)
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+keeps = wav.keeps
+
+
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
     """Write ``<scene>.npz``.
 
     Arrays: ``samples`` (n_listeners, n) of float32, ``sample_rate``, ``start``, ``names``, ``body_parts`` and ``impacts`` (k, 3) of
@@ -37,6 +42,7 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list
         for name, array in _small_arrays(tracks).items():
             with archive.open(f"{name}.npy", "w") as entry:
                 np.lib.format.write_array(entry, array, allow_pickle=False)
+    wav.compare_encoded(tracks, "float32", measured)
     return [path]
 
 
@@ -55,6 +61,6 @@ def _write_samples(archive: zipfile.ZipFile, tracks: Tracks) -> None:
     shape = (len(tracks.listeners), tracks.count)
     with archive.open("samples.npy", "w", force_zip64=True) as entry:
         np.lib.format.write_array_header_1_0(entry, {"descr": "<f4", "fortran_order": False, "shape": shape})
-        for row in tracks.samples:
-            for first in range(0, tracks.count, 2**18):
-                entry.write(row[first : first + 2**18].astype("<f4").tobytes())
+        for number in range(len(tracks.listeners)):
+            for first in range(0, tracks.count, CHUNK):
+                entry.write(np.asarray(tracks.samples[number, first : first + CHUNK], dtype="<f4").tobytes())

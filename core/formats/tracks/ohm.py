@@ -10,6 +10,7 @@ from typing import Any
 from ..io.atomic import write_bytes
 from ..io.catalogue import FORMATS
 from . import wav
+from .comparison import Comparison
 from .listener_tracks import ListenerTrack
 from .track_export import TrackExport, body_part_of, scene_file
 
@@ -24,13 +25,17 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     return (*wav.loss(export, {"encoding": _ENCODING, "sample_rate": 0}), *([f"names beyond 32 bytes: {', '.join(long)}"] if long else []))
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+keeps = wav.keeps
+
+
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
     """Write ``<scene>.ohm`` and ``<scene>.wav``."""
     tracks = export.need_tracks()
     path, recording = scene_file(export.name, folder, SUFFIX), scene_file(export.name, folder, wav.SUFFIX)
     if len(tracks.listeners) > 32767 or len(recording.name.encode()) > 64:
         raise ValueError(f"{path}: more listeners, or a longer name, than an OHM file can hold")
     wav.write_wav(tracks, recording, _ENCODING)
+    wav.compare_encoded(tracks, _ENCODING, measured)
     head = b"OHM " + struct.pack(">hh", 1, 1) + _text(export.name, 32)
     element = _text(recording.name, 64) + _text(export.name, 32) + struct.pack(">h", len(tracks.listeners))
     write_bytes(path, head + element + b"".join(_channels(tracks.listeners)))

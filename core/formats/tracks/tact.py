@@ -1,4 +1,4 @@
-"""``.tact`` (bHaptics): a file per device, with the strength of each of its motors in steps of 20 ms."""
+"""``.tact`` (bHaptics): one file per device, with the strength of each of its motors in steps of 20 ms."""
 
 from __future__ import annotations
 
@@ -14,70 +14,61 @@ from ..io.atomic import write_text
 from ..io.catalogue import FORMATS
 from ..io.file_names import file_stems
 from ..io.json_text import compact
-from .envelopes import coarse_envelope
+from .bhaptics_layout import DEVICES, region
+from .comparison import Comparison, Kind, Measures
+from .envelopes import coarse_envelope, compare_steps
 from .listener_tracks import Tracks
-from .track_export import TrackExport, body_part_of, clipped, common_losses
+from .tact_reading import read as read
+from .track_export import TrackExport, body_part_of, common_losses
 
 SUFFIX = FORMATS["tact"].suffix
 
 INTERVAL = 20
-"""Milliseconds."""
-
-# The motors' places, x from the wearer's left to right (also on the back), y downwards; as in the maker's own files.
-_VEST = tuple((i % 4 / 3, i // 4 / 4) for i in range(20))
-_HEAD = tuple((i / 5, 0.5) for i in range(6))
-_ARM = tuple((i % 3 / 2, float(i // 3)) for i in range(6))
-_HAND = tuple((0.5, i / 2) for i in range(3))
-_FOOT = tuple((i / 2, 0.5) for i in range(3))
-DEVICES: dict[str, dict[str, tuple[tuple[float, float], ...]]] = {
-    "Tactot": {"VestFront": _VEST, "VestBack": _VEST},
-    "Tactal": {"Head": _HEAD},
-    "Tactosy2": {"ForearmL": _ARM, "ForearmR": _ARM},
-    "Hand": {"HandL": _HAND, "HandR": _HAND},
-    "Foot": {"FootL": _FOOT, "FootR": _FOOT},
-}
-"""Motors (x, y) of each position, by device."""
-
-_HALVES = {"L": (0.0, 0.5), "R": (0.5, 1.0), "": (0.0, 1.0)}
-_HEIGHTS = {"upper_back": (0.0, 0.4), "middle_back": (0.4, 1.0), "chest": (0.0, 0.6), "belly": (0.6, 1.0)}
+"""Step of strengths (milliseconds)."""
 
 
 def motors(tracks: Tracks) -> dict[str, dict[int, list[int]]]:
-    """For each position, which listeners (numbers) each motor stands for."""
+    """For each position and motor index, the numbers of the listeners that it stands for."""
     layouts = {position: places for layout in DEVICES.values() for position, places in layout.items()}
     result: dict[str, dict[int, list[int]]] = {}
     for number, listener in enumerate(tracks.listeners):
         part = body_part_of(listener)
-        if part is None or part.bhaptics not in layouts:
-            continue
-        across = _HALVES[part.side] if part.bhaptics.startswith("Vest") or part.bhaptics == "Head" else (0.0, 1.0)
-        along = _HEIGHTS.get(part.name.partition(".")[0], (0.0, 1.0))
-        for index, (x, y) in enumerate(layouts[part.bhaptics]):
-            if across[0] <= x <= across[1] and along[0] <= y <= along[1]:
+        if part is not None and part.bhaptics in layouts:
+            for index in region(part, layouts[part.bhaptics]):
                 result.setdefault(part.bhaptics, {}).setdefault(index, []).append(number)
     return result
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
-    """What the files leave out, in words."""
+    """What the files do not carry, one sentence each."""
     tracks = export.need_tracks()
     driven = {number for indices in motors(tracks).values() for numbers in indices.values() for number in numbers}
-    unheard = [listener.name for number, listener in enumerate(tracks.listeners) if number not in driven]
+    absent = [listener.name for number, listener in enumerate(tracks.listeners) if number not in driven]
     return (
         *common_losses(tracks, body=True),
         f"frequencies: the strength every {INTERVAL} ms remains, in {options['levels']} steps",
-        *([f"listeners where no device is worn: {', '.join(unheard)}"] if unheard else []),
+        *([f"listeners where no device is worn: {', '.join(absent)}"] if absent else []),
     )
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def keeps(options: Mapping[str, Any]) -> Measures:
+    """What the files keep."""
+    return Measures(Kind.LEVEL)
+
+
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
     """Write ``<scene>.<device>.tact`` for each device that a listener wears."""
     tracks = export.need_tracks()
     driven = motors(tracks)
     devices = [device for device, layout in DEVICES.items() if any(position in driven for position in layout)]
     stems = file_stems(f"{export.name}.{device}" for device in devices)
-    levels = [coarse_envelope(clipped(samples), tracks.sample_rate, INTERVAL / 1000)[0] for samples in tracks.samples]
-    steps = np.rint(np.clip(np.array(levels), 0.0, 1.0) * options["levels"]).astype(np.int64)
+    rows = [tracks.row(number) for number in range(len(tracks.listeners))]
+    levels = np.array([coarse_envelope(row, INTERVAL / 1000)[0] for row in rows])
+    steps = np.rint(np.clip(levels, 0.0, 1.0) * options["levels"]).astype(np.int64)
+    shared = {number: numbers for indices in driven.values() for numbers in indices.values() for number in numbers}
+    for number, row in enumerate(rows):
+        played = steps[shared[number]].max(axis=0) if number in shared else np.zeros(steps.shape[1])
+        compare_steps(row, number, played / options["levels"], INTERVAL / 1000, measured)
     files = []
     for device, stem in zip(devices, stems, strict=True):
         modes = {position: _mode(driven.get(position, {}), steps, options["levels"]) for position in DEVICES[device]}
@@ -94,7 +85,7 @@ def _mode(indices: Mapping[int, list[int]], steps: IntArray, levels: int) -> dic
 
 
 def _feedback(indices: Mapping[int, list[int]], steps: IntArray, levels: int) -> Iterator[dict[str, Any]]:
-    """Stretches of time in which no motor changes, the silent ones left out."""
+    """Intervals in which no motor changes, except silent ones."""
     if not indices or not steps.shape[1]:
         return
     strengths = np.array([steps[numbers].max(axis=0) for numbers in indices.values()])

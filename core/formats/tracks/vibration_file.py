@@ -1,17 +1,24 @@
-"""Vibrations read from a file, to use as templates of sources."""
+"""Vibrations read from a file, to use as templates of sources or to convert."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from ...arrays import FloatArray
 from ...signals import Sampled, Signal, Sum
 from ...signals.interpolation import resample
+from ...signals.limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS
 from .carrier import Carrier, rendered
+from .listener_tracks import ListenerTrack, Tracks
 
 SAMPLED_RATE = 4000
 """Sample rate (hertz) of a template with more than ``MOST_CARRIERS`` carriers."""
+CONVERTED_RATE = 8000
+"""Sample rate (hertz) of the tracks of a file without samples."""
 MOST_CARRIERS = 100
 MOST_SAMPLES = 2**25
 MOST_LAYERS = 64
@@ -19,17 +26,28 @@ MOST_LAYERS = 64
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Channel:
-    """One vibration of a file: the sum of ``carriers``, or ``samples`` (n,) at ``sample_rate``.
+    """One vibration of a file: the sum of ``carriers`` and of ``samples`` (n,) at ``sample_rate`` (hertz), from time 0.
 
-    ``duration`` in seconds. ``body_part`` is empty if the file does not give it.
+    ``duration`` in seconds. ``samples`` may be any sequence whose slices are arrays. ``body_part`` is empty if the file does not give it.
+    Raises ValueError for what no signal may have.
     """
 
     name: str
     duration: float
     carriers: tuple[Carrier, ...] = ()
-    samples: FloatArray | None = None
+    samples: Any = None
     sample_rate: float = 0.0
     body_part: str = ""
+
+    def __post_init__(self) -> None:
+        for carrier in self.carriers:
+            for name, values, limit in (
+                ("time", (carrier.start, carrier.end, *carrier.amplitude_times[[0, -1]], *carrier.frequency_times[[0, -1]]), MAX_SECONDS),
+                ("amplitude", carrier.amplitudes, MAX_PEAK),
+                ("frequency", carrier.frequencies, MAX_FREQUENCY),
+            ):
+                if not (np.abs(values) <= limit).all():
+                    raise ValueError(f"{self.name}: has a {name} beyond {limit:g}")
 
     def at_rate(self, sample_rate: float) -> FloatArray:
         """The vibration as samples, shape (ceil(duration * sample_rate),). Raises ValueError for more than ``MOST_SAMPLES``."""
@@ -39,7 +57,12 @@ class Channel:
             raise ValueError(f"{self.name}: {len(self.carriers)} oscillations are too many at once")
         if self.samples is None:
             return rendered(self.carriers, math.ceil(self.duration * sample_rate), sample_rate)
-        return self.samples if self.sample_rate == sample_rate else resample(self.samples, self.sample_rate, sample_rate)
+        samples = np.asarray(self.samples[:], dtype=np.float64)
+        samples = samples if self.sample_rate == sample_rate else resample(samples, self.sample_rate, sample_rate)
+        if self.carriers:
+            count = max(math.ceil(self.duration * sample_rate), len(samples))
+            samples = np.pad(samples, (0, count - len(samples))) + rendered(self.carriers, count, sample_rate)
+        return samples
 
     def to_signal(self) -> Signal:
         """The vibration as a template: oscillators with envelopes, or samples if they are more than ``MOST_CARRIERS``.
@@ -57,7 +80,36 @@ class Channel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VibrationFile:
-    """The vibrations of a file; ``losses``: what of it was not read, one sentence each."""
+    """The vibrations of a file; ``losses``: what of it was not read, one sentence each.
+
+    ``stored``: the samples of all channels (n_channels, n) where the file has such a table; it may be read in pieces.
+    """
 
     channels: tuple[Channel, ...]
     losses: tuple[str, ...] = ()
+    stored: Any = None
+
+    def to_tracks(self) -> Tracks:
+        """The channels as tracks of the same length. Raises ValueError if there is no vibration or too much of it."""
+        listeners = tuple(ListenerTrack(name, channel.body_part) for name, channel in zip(self._names(), self.channels, strict=True))
+        rate = max((round(channel.sample_rate) for channel in self.channels), default=0) or CONVERTED_RATE
+        if self.stored is not None:
+            return Tracks(listeners, rate, self.stored)
+        rows = [channel.at_rate(rate).astype(np.float32) for channel in self.channels]
+        count = max(map(len, rows), default=0)
+        if not count:
+            raise ValueError("there is no vibration to convert")
+        samples = np.zeros((len(rows), count), dtype=np.float32)
+        for target, row in zip(samples, rows, strict=True):
+            target[: len(row)] = row
+        return Tracks(listeners, rate, samples)
+
+    def _names(self) -> list[str]:
+        """The channels' names, made unique by numbers."""
+        names: list[str] = []
+        for channel in self.channels:
+            name, number = channel.name, 2
+            while name in names:
+                name, number = f"{channel.name} {number}", number + 1
+            names.append(name)
+        return names

@@ -1,4 +1,4 @@
-"""WAV: a channel per listener (WAVE_FORMAT_EXTENSIBLE), with a side-car that says whose each is."""
+"""WAV: one channel per listener (WAVE_FORMAT_EXTENSIBLE), with a side-car that names the listeners."""
 
 from __future__ import annotations
 
@@ -10,14 +10,17 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from ...signals.interpolation import resample
-from ...signals.wav import wav_channels
+from ...signals.limits import MAX_PEAK
+from ...signals.wav import WavFile
 from ..io.atomic import atomic_file
 from ..io.catalogue import FORMATS
 from ..io.error import FormatError
 from ..io.json_text import write_json
-from ..io.strict_json import read_bytes, read_json
-from .listener_tracks import ListenerTrack, Tracks
+from ..io.strict_json import read_json_beside
+from .comparison import Comparison, Kind, Measures
+from .listener_tracks import CHUNK, ListenerTrack, Tracks
 from .track_export import TrackExport, body_part_of, common_losses, scene_file
 from .vibration_file import Channel, VibrationFile
 
@@ -27,11 +30,14 @@ SIDECAR_SUFFIX = ".wav.json"
 _REST_OF_GUID = bytes.fromhex("000000001000800000aa00389b71")
 _CODES = {"pcm16": 1, "float32": 3}
 _BYTES = {"pcm16": 2, "float32": 4}
+FULL_SCALE = {"pcm16": 32768.0, "float32": 1.0}
+MAX_SAMPLE = MAX_PEAK / 4
+"""Magnitude of the samples that are read: more than that may overflow when they are interpolated."""
 MAX_RIFF = 2**32 - 1
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
-    """What the files leave out, in words."""
+    """What the files do not carry, one sentence each."""
     tracks = export.need_tracks()
     sampled = options["sample_rate"] and options["sample_rate"] < tracks.sample_rate
     losses = [text for text in common_losses(tracks, body=False) if options["encoding"] == "pcm16" or "full scale" not in text]
@@ -42,17 +48,29 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
+def keeps(options: Mapping[str, Any]) -> Measures:
+    """What the files keep."""
+    return Measures(Kind.SAMPLES)
+
+
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
     """Write ``<scene>.wav`` and ``<scene>.wav.json``."""
-    tracks = at_rate(export.need_tracks(), options["sample_rate"])
+    original = export.need_tracks()
+    tracks = at_rate(original, options["sample_rate"])
     path = scene_file(export.name, folder, SUFFIX)
     write_wav(tracks, path, options["encoding"])
+    if tracks is original:
+        compare_encoded(tracks, options["encoding"], measured)
+    elif measured is not None:
+        again = at_rate(tracks, original.sample_rate)
+        for number in range(len(original.listeners)):
+            measured.add(number, original.row(number).read(0, original.count), again.row(number).read(0, original.count))
     sidecar = path.with_name(path.name.removesuffix(SUFFIX) + SIDECAR_SUFFIX)
     return [path, write_json(sidecar, {"format": "haptic-tracks", "version": "1.0", "file": path.name, **described(tracks)})]
 
 
 def described(tracks: Tracks) -> dict[str, Any]:
-    """Whose each channel is and what happens when, as JSON."""
+    """The JSON description of tracks: listeners and their impacts."""
     return {
         "sample_rate": tracks.sample_rate,
         "samples": tracks.count,
@@ -75,7 +93,7 @@ def _mpeg(listener: ListenerTrack) -> dict[str, Any]:
 
 
 def at_rate(tracks: Tracks, sample_rate: int) -> Tracks:
-    """The tracks at another rate; 0: as they are."""
+    """The tracks at another sample rate; 0: unchanged."""
     if sample_rate in (0, tracks.sample_rate):
         return tracks
     samples = np.array([resample(row.astype(np.float64), tracks.sample_rate, sample_rate) for row in tracks.samples], dtype=np.float32)
@@ -83,7 +101,7 @@ def at_rate(tracks: Tracks, sample_rate: int) -> Tracks:
 
 
 def write_wav(tracks: Tracks, path: Path, encoding: str = "pcm16") -> None:
-    """Write the samples as ``pcm16`` or ``float32``, a piece at a time. Raises ValueError where a WAV file can't hold them."""
+    """Write the samples as ``pcm16`` or ``float32``, in pieces. Raises ValueError for more than a WAV file can hold."""
     channels, width = len(tracks.listeners), _BYTES[encoding]
     size = channels * tracks.count * width
     header = _header(channels, tracks.sample_rate, width, _CODES[encoding], tracks.count, size)
@@ -108,7 +126,7 @@ def _write_samples(file: BinaryIO, tracks: Tracks, encoding: str) -> None:
 
 
 def encoded(tracks: Tracks, encoding: str) -> Iterator[NDArray[Any]]:
-    """The samples in pieces, as 16 bit of which 32,768 is full scale, or as float; little-endian."""
+    """The samples in pieces, as 16 bit integers with full scale 32,768, or as 32 bit floats; little-endian."""
     for _, block in tracks.blocks():
         if encoding == "pcm16":
             yield np.clip(np.rint(block * 32768.0), -32768, 32767).astype("<i2")
@@ -116,29 +134,95 @@ def encoded(tracks: Tracks, encoding: str) -> Iterator[NDArray[Any]]:
             yield block.astype("<f4")
 
 
-def read(path: Path) -> VibrationFile:
-    """The channels, named by the side-car where there is one. Raises FormatError or OSError."""
-    try:
-        samples, rate = wav_channels(read_bytes(path, MAX_RIFF))
-        if not np.isfinite(samples).all():
-            raise ValueError("has samples that are not finite")
-    except ValueError as error:
-        if isinstance(error, FormatError):
+def compare_encoded(tracks: Tracks, encoding: str, measured: Comparison | None) -> None:
+    """Measure what encoding the samples loses."""
+    if measured is None:
+        return
+    for (_, block), coded in zip(tracks.blocks(), encoded(tracks, encoding), strict=True):
+        for number, (row, values) in enumerate(zip(block, coded / np.float64(FULL_SCALE[encoding]), strict=True)):
+            measured.add(number, np.asarray(row, dtype=np.float64), values)
+
+
+class StoredSamples:
+    """The samples (channels, n) of a WAV file, read when they are asked for: ``[channel]``, ``[channel, first:last]``, ``[:, first:last]``.
+
+    Raises ValueError if the file is broken or has samples beyond ``MAX_SAMPLE``, and OSError.
+    """
+
+    ndim = 2
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("rb")
+        try:
+            self._wav = WavFile(self._file)
+            self.shape: tuple[int, ...] = (self._wav.channels, self._wav.count)
+            self.rate = self._wav.rate
+            for first in range(0, self._wav.count, CHUNK):
+                if not (np.abs(self[:, first : first + CHUNK]) <= MAX_SAMPLE).all():
+                    raise ValueError(f"has samples beyond ±{MAX_SAMPLE:g}")
+        except ValueError:
+            self._file.close()
             raise
+
+    def __del__(self) -> None:
+        if hasattr(self, "_file"):
+            self._file.close()
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, key: Any) -> Any:
+        if isinstance(key, int):
+            return _StoredChannel(self, key)
+        channel, part = key
+        first, last, _ = part.indices(self.shape[1])
+        return self._wav.read(first, max(first, last)).T[channel]
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.asarray(self[:, : self.shape[1]], dtype=dtype)
+
+
+class _StoredChannel:
+    """The samples of one channel, read by ``[first:last]``."""
+
+    ndim = 1
+
+    def __init__(self, samples: StoredSamples, channel: int) -> None:
+        self._samples, self._channel, self.shape = samples, channel, samples.shape[1:]
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, part: slice) -> FloatArray:
+        return np.asarray(self._samples[self._channel, part])
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.asarray(self[:], dtype=dtype)
+
+
+def read(path: Path) -> VibrationFile:
+    """The channels, named by the side-car if there is one; their samples are read from the file in pieces, when they are needed.
+
+    Raises FormatError or OSError.
+    """
+    try:
+        stored = StoredSamples(path)
+    except ValueError as error:
         raise FormatError(path, "/", str(error)) from None
-    named = _named(path, samples.shape[1])
+    channels, count = stored.shape
     return VibrationFile(
         tuple(
-            Channel(name, len(samples) / rate, samples=np.ascontiguousarray(column), sample_rate=rate, body_part=body_part)
-            for (name, body_part), column in zip(named, samples.T, strict=True)
-        )
+            Channel(name, count / stored.rate, samples=stored[number], sample_rate=stored.rate, body_part=body_part)
+            for number, (name, body_part) in enumerate(_named(path, channels))
+        ),
+        stored=stored,
     )
 
 
 def _named(path: Path, count: int) -> list[tuple[str, str]]:
-    """Name and body part of each channel: from the side-car if it is one of ours and fits."""
+    """Name and body part of each channel, from the side-car if it fits."""
     try:
-        listeners = read_json(path.with_name(path.name + ".json"))["listeners"]
+        listeners = read_json_beside(path.with_name(path.name + ".json"))["listeners"]
         named = [(str(form["name"]), str(form["body_part"])) for form in listeners]
     except (OSError, FormatError, TypeError, KeyError):
         named = []

@@ -1,7 +1,8 @@
-"""The folder that WYVRN's players load: ``haptic.config`` and a ``.haps`` clip (version 5) per listener, all played by one event."""
+"""The folder that WYVRN's players load: a configuration and a ``.haps`` clip (version 5) per listener, all played by one event."""
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -18,32 +19,33 @@ from ..io.json_text import compact, json_rows, write_json
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .bands import wide_bands
-from .carrier import Carrier
+from .carrier import Carrier, Player
+from .comparison import Comparison, Kind, Measures
 from .fitting import Fit, fit_bands
-from .hjif import transient
-from .listener_tracks import ListenerTrack
-from .track_export import TrackExport, body_part_of, clipped, common_losses
-from .transients import TRANSIENT_SECONDS, without_transients
+from .listener_tracks import ListenerTrack, Row
+from .track_export import TrackExport, body_part_of, common_losses
+from .transients import TRANSIENT_SECONDS, transient_carrier, without_transients
 from .vibration_file import Channel, VibrationFile
 
 SUFFIX = FORMATS["wyvrn"].suffix
 
 BANDS = wide_bands((5, 90, 430))
-"""As melodies: the published clips have at most three, and frequencies up to 366 Hz."""
+"""The bands of the melodies: published clips have at most three, and frequencies up to 366 Hz."""
 SHORTEST = 0.01
-"""Seconds between keys: the densest of the published clips has 169 a second."""
-CONFIGURATION = "haptic.config"
+"""Minimum time between keys (seconds): the densest published clip has 169 keys a second."""
+CONFIGURATIONS = ("haptic.config", "Wyvrn.config")
+"""Names of the configuration that players look for: the second one is that of newer development kits. Both have the same content."""
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
-    """What the folder leaves out, in words."""
+    """What the folder does not carry, one sentence each."""
     tracks = export.need_tracks()
     shared: dict[tuple[str, str], list[str]] = {}
     for listener in tracks.listeners:
         shared.setdefault(_target(listener), []).append(listener.name)
     return (
         *common_losses(tracks, body=True),
-        f"what lies below {BANDS[0].low:.0f} and above {BANDS[-1].high:.0f} Hz, and more than two oscillations at a time",
+        f"frequencies below {BANDS[0].low:.0f} and above {BANDS[-1].high:.0f} Hz, and more than two oscillations at a time",
         f"changes within {SHORTEST * 1000:g} ms",
         *(
             f"that {', '.join(names)} are different places: {target}, {side} is one target"
@@ -53,16 +55,24 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list[Path]:
-    """Write ``<scene>/haptic.config`` and ``<scene>/<scene>.<listener>.haps``."""
+def keeps(options: Mapping[str, Any]) -> Measures:
+    """What the clips keep."""
+    return Measures(Kind.WAVE, BANDS[0].low, BANDS[-1].high)
+
+
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
+    """Write ``<scene>/haptic.config``, ``<scene>/Wyvrn.config`` and ``<scene>/<scene>.<listener>.haps``."""
     tracks = export.need_tracks()
     inside = folder / file_stem(export.name)
     inside.mkdir(parents=True, exist_ok=True)
     stems = file_stems(f"{export.name}.{listener.name}" for listener in tracks.listeners)
     files = []
-    for listener, samples, stem in zip(tracks.listeners, tracks.samples, stems, strict=True):
-        clip = _clip(clipped(samples).astype(np.float64), tracks.sample_rate, listener, options)
-        files.append(write_text(inside / f"{stem}{SUFFIX}", clip))
+    for number, (listener, stem) in enumerate(zip(tracks.listeners, stems, strict=True)):
+        clip = "".join(_clip(tracks.row(number), listener, options))
+        player = Player(tracks.row(number), number, measured)
+        player.add(_carriers_of(json.loads(clip), {}))
+        player.play_until(math.inf)
+        files.append(write_text(inside / f"{stem}{SUFFIX}", [clip]))
     events = [
         {
             "Haptic_Effect": stem,
@@ -73,7 +83,7 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any]) -> list
         for listener, stem in zip(tracks.listeners, stems, strict=True)
     ]
     configuration = {"ExternalCommands": [{"External_Command_ID": file_stem(export.name), "Haptic_Events": events}]}
-    return [*files, write_json(inside / CONFIGURATION, configuration)]
+    return [*files, *(write_json(inside / name, configuration) for name in CONFIGURATIONS)]
 
 
 def _target(listener: ListenerTrack) -> tuple[str, str]:
@@ -81,13 +91,15 @@ def _target(listener: ListenerTrack) -> tuple[str, str]:
     return ("All", "Global") if part is None else (part.wyvrn_target, part.wyvrn_side)
 
 
-def _clip(samples: FloatArray, sample_rate: int, listener: ListenerTrack, options: Mapping[str, Any]) -> Iterator[str]:
+def _clip(row: Row, listener: ListenerTrack, options: Mapping[str, Any]) -> Iterator[str]:
     transients = np.zeros((0, 2))
     if options["transients"]:
-        samples, transients = without_transients(samples, sample_rate, listener.impacts, 1e-6)
+        row, transients = without_transients(row, listener.impacts, 1e-6)
     fit = Fit(error=options["error"], lowest=BANDS[0].low, highest=BANDS[-1].high, shortest=SHORTEST)
-    melodies = [[_burst(time, strength) for time, strength in transients.tolist()]]
-    melodies += [_notes(carriers) for carriers in fit_bands(samples, sample_rate, BANDS, fit)]
+    melodies = [[_burst(time, strength) for time, strength in transients.tolist()], *([] for _ in BANDS)]
+    for _, fitted in fit_bands(row, BANDS, fit):
+        for notes, carriers in zip(melodies[1:], fitted, strict=True):
+            notes += _notes(carriers)
     head = {
         "m_version": "5",
         "m_description": listener.name,
@@ -119,7 +131,7 @@ def _notes(carriers: Sequence[Carrier]) -> list[str]:
 
 
 def from_zero_phase(carrier: Carrier) -> Carrier | None:
-    """The carrier without what comes before it first begins a cycle, or None if nothing remains: notes have no phase."""
+    """The carrier from its first beginning of a cycle on, since notes have no phase; None if there is none."""
     missing = (-carrier.phase / (2 * math.pi)) % 1.0
     if missing < 1e-6:
         return carrier
@@ -147,26 +159,35 @@ def _note(carrier: Carrier) -> str:
 
 
 def read(path: Path) -> VibrationFile:
-    """The vibration of a ``.haps`` clip of version 5. Raises FormatError or OSError."""
+    """The vibration of a ``.haps`` clip of version 5; texture and stiffness are ignored. Raises FormatError or OSError."""
     document = read_json(path)
+    if isinstance(document, dict) and str(document.get("version", "5")) != "5":
+        raise FormatError(path, "/version", f"this reads version 5, not {str(document['version'])[:20]}")
+    losses: dict[str, None] = {}
+    if isinstance(document, dict):
+        for part in ("texture", "stiffness"):
+            ignored = document.pop(f"m_{part}", None)
+            if isinstance(ignored, dict) and ignored.get("m_melodies"):
+                losses[f"{part} is not read"] = None
     validate(document, "haps_v5", path)
-    gain = document["m_gain"] * document["m_vibration"]["m_gain"]
-    carriers = [
-        carrier
-        for m, melody in enumerate(document["m_vibration"]["m_melodies"])
-        if not melody["m_mute"]
-        for n, note in enumerate(melody["m_notes"])
-        for carrier in _carriers(path, note, gain * melody["m_gain"] * note["m_gain"], f"/m_vibration/m_melodies/{m}/m_notes/{n}")
-    ]
-    losses = tuple(f"{part} is not taken over" for part in ("texture", "stiffness") if document[f"m_{part}"]["m_melodies"])
+    carriers = tuple(_carriers_of(document, losses))
     end = max((carrier.end for carrier in carriers), default=0.0)
-    return VibrationFile((Channel(document.get("m_description") or path.stem, end, tuple(carriers)),), losses)
+    return VibrationFile((Channel(document.get("m_description") or path.stem, end, carriers),), tuple(losses))
 
 
-def _carriers(path: Path, note: Mapping[str, Any], gain: float, place: str) -> Iterator[Carrier]:
+def _carriers_of(document: Mapping[str, Any], losses: dict[str, None]) -> Iterator[Carrier]:
+    """The oscillations and transients of a clip."""
+    gain = document["m_gain"] * document["m_vibration"]["m_gain"]
+    for melody in document["m_vibration"]["m_melodies"]:
+        if not melody["m_mute"]:
+            for note in melody["m_notes"]:
+                yield from _carriers(note, gain * melody["m_gain"] * note["m_gain"], losses)
+
+
+def _carriers(note: Mapping[str, Any], gain: float, losses: dict[str, None]) -> Iterator[Carrier]:
     start, effect = note["m_startingPoint"], note["m_hapticEffect"]
     if "m_type" in effect:
-        yield transient(start, gain)
+        yield transient_carrier(start, gain)
         return
     keys = []
     for name in ("m_amplitudeModulation", "m_frequencyModulation"):
@@ -175,7 +196,9 @@ def _carriers(path: Path, note: Mapping[str, Any], gain: float, place: str) -> I
             return
         times, values = np.array([[key["m_time"], key["m_value"]] for key in keyframes], dtype=np.float64).T
         if (np.diff(times) < 0).any():
-            raise FormatError(path, f"{place}/m_hapticEffect/{name}/m_keyframes", "times must not decrease")
+            losses["keyframes that are not in the order of time are sorted"] = None
+            order = np.argsort(times, kind="stable")
+            times, values = times[order], values[order]
         keys.append((times, values))
     if note["m_length"] > 0:
         (times, values), frequencies = keys

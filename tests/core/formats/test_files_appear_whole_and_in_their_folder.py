@@ -105,6 +105,7 @@ name, folder, most = sys.argv[1], sys.argv[2], int(sys.argv[3])
 noise = np.random.default_rng(0).normal(0, 0.1, (2, 80_000)).clip(-1, 1)
 tracks = Tracks((ListenerTrack("hand", "hand.L", [[0.5, 0.5]]), ListenerTrack("ear", "ear.L")), 8000, noise)
 options = {"tracks": "inline"} if name == "scene" else {}
+sys.dont_write_bytecode = True  # else modules imported under the limit leave cut files in the cache
 export = Export("scene", HapticScene((HapticObject("a", 0, 1),)), tracks)
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))

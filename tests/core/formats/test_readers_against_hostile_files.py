@@ -36,7 +36,7 @@ def corpus(tmp_path_factory):
     tracks = Tracks((ListenerTrack("hand", "hand.L", [[0.05, 0.5]]),), 8000, 0.5 * np.sin(2 * np.pi * 80 * time)[None])
     scene = HapticScene((HapticObject("ground", 0.2, 0.9),), sources=(Source("hammer", "ground"),))
     export = Export("small", scene, tracks)
-    files = [path for name in ("wav", "hjif", "haptic", "ahap", "wyvrn") for path in registry.write(name, export, folder).files]
+    files = [path for name in ("wav", "hjif", "haptic", "ahap", "wyvrn", "tact") for path in registry.write(name, export, folder).files]
     good = {path.suffix: path for path in files if path.suffix in registry.READERS and ".transients" not in path.name}
     everything = haptic_scene.read_export(Path(__file__).parent / "corpus" / "good-devices-and-warmth.json")
     haptic_scene.write_export(replace(everything, tracks=tracks), folder / "small.scene.json", tracks="inline")
@@ -111,7 +111,7 @@ def places(document, path=()):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("suffix", [".hjif", ".haptic", ".ahap", ".haps", ".json"])
+@pytest.mark.parametrize("suffix", [".hjif", ".haptic", ".ahap", ".haps", ".tact", ".json"])
 @LOOSE
 @given(data=st.data())
 def test_damaged_values(corpus, tmp_path, suffix, data):
@@ -132,7 +132,7 @@ def test_damaged_values(corpus, tmp_path, suffix, data):
     assert is_fine(file, *outcome(file))
 
 
-@pytest.mark.parametrize("suffix", [".hjif", ".haptic", ".ahap", ".haps", ".json"])
+@pytest.mark.parametrize("suffix", [".hjif", ".haptic", ".ahap", ".haps", ".tact", ".json"])
 @pytest.mark.parametrize(
     ("data", "reason"),
     [
@@ -154,6 +154,8 @@ def test_damaged_values(corpus, tmp_path, suffix, data):
 def test_what_is_no_json_document_says_so(tmp_path, suffix, data, reason):
     path = tmp_path / f"bad{suffix}"
     path.write_bytes(data)
+    if suffix == ".ahap" and data == b'{"a": 1,}':
+        reason = "/Pattern: "  # Apple's loader takes commas before closing brackets
     assert reason in one_clear_error(path)
 
 

@@ -1,0 +1,73 @@
+"""Writing several files in one step: into a hidden folder beside their place, then moved there."""
+
+from __future__ import annotations
+
+import re
+import secrets
+import shutil
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from .file_lock import lock as lock_file
+
+_NAME = re.compile(r"\.[0-9a-f]{16}\.part")
+_LOCK = "lock"
+
+
+class Staging:
+    """The folder that files are written into."""
+
+    def __init__(self, folder: Path, target: Path) -> None:
+        self.folder, self._target = folder, target
+
+    def targets(self, files: Iterable[Path]) -> list[Path]:
+        """The places that the files will have."""
+        return [self._target / path.relative_to(self.folder) for path in files]
+
+    def commit(self, files: Iterable[Path]) -> None:
+        """Move the files to their places, in this order; each replaces a file that is there."""
+        for path in files:
+            target = self._target / path.relative_to(self.folder)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            path.replace(target)
+
+
+@contextmanager
+def staging(target: Path) -> Iterator[Staging]:
+    """A folder for files on the way to ``target``, an existing folder; what was not committed is removed at the end.
+
+    What a killed process left there is removed as well. Raises OSError.
+    """
+    remove_abandoned(target)
+    folder = target / f".{secrets.token_hex(8)}.part"
+    folder.mkdir()
+    try:
+        with _locked(folder / _LOCK):
+            yield Staging(folder, target)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def remove_abandoned(folder: Path) -> None:
+    """Remove the unfinished files and folders in ``folder`` that no process is writing."""
+    for path in folder.iterdir():
+        if not _NAME.fullmatch(path.name):
+            continue
+        lock = path / _LOCK if path.is_dir() else path
+        with suppress(OSError):
+            if not lock.exists() or _is_free(lock):
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    with path.open("wb") as file:
+        lock_file(file.fileno())
+        yield
+
+
+def _is_free(path: Path) -> bool:
+    """Whether no process holds the lock of a file."""
+    with path.open("rb+") as file:
+        return lock_file(file.fileno())

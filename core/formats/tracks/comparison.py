@@ -1,0 +1,301 @@
+"""Measured difference between tracks and what a format plays of them: by band, in level and at onsets."""
+
+from __future__ import annotations
+
+import enum
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import BoolArray, FloatArray
+from .listener_tracks import Tracks
+
+EDGES = (0.0, 5.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0, 1000.0)
+"""Edges of the bands (hertz); the last band reaches up to half the sample rate."""
+WINDOW = 1.0
+"""Length of the windows of the spectra (seconds)."""
+ENVELOPE_RATE = 1000
+"""Rate of the envelopes (hertz)."""
+FARTHEST_LAG = 50
+"""Largest shift of an onset that is looked for (milliseconds)."""
+MOST_ONSETS = 100
+"""Onsets of a listener that are compared."""
+LONGEST_ENVELOPE = 1000
+"""Length of the envelopes that are kept (seconds)."""
+
+LOWEST_RATE = 2500
+"""Rate at least of what is played instead (hertz)."""
+
+LOST_LIMIT = 0.25
+"""Share of the power that may be lost before replacing a file needs consent."""
+LEVEL_LIMIT = 3.0
+"""Change of level (dB) likewise."""
+ONSET_LIMIT = 20.0
+"""Shift of onsets (milliseconds) likewise."""
+
+_BEFORE, _AFTER = 30, 120
+_RISE = 4.0
+_LOUD = 0.05
+_SILENT = 1e-12
+
+
+class Kind(enum.Enum):
+    """What of a vibration a format keeps."""
+
+    SAMPLES = "samples"  # every sample, rounded: only the error and the level are measured
+    WAVE = "wave"  # the samples themselves: their difference is an error
+    SPECTRUM = "spectrum"  # amplitude and frequency, but no phase: power by band is compared
+    LEVEL = "level"  # amplitude alone
+
+
+@dataclass(frozen=True, slots=True)
+class Measures:
+    """What a format keeps, and the frequencies (hertz) that it addresses."""
+
+    kind: Kind
+    low: float = 0.0
+    high: float = math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class Fidelity:
+    """What a format keeps of the vibrations of all listeners.
+
+    low, high: the frequencies (hertz) that it addresses. beyond: share of the power outside of them. lost: share of all power that is not
+    reproduced, None unless waves are kept; ``lost_within``: of the power between ``low`` and ``high``. band_levels: (low, high, change of
+    level in dB) of the bands between ``low`` and ``high`` with at least 1 % of the power. level: change of the level (dB), between ``low``
+    and ``high`` if waves are kept.
+    onset: 95th percentile of the shifts of onsets (milliseconds), None without onsets. worst: name of the listener who loses most.
+    """
+
+    kind: Kind
+    low: float
+    high: float
+    beyond: float
+    lost: float | None
+    lost_within: float | None
+    band_levels: tuple[tuple[float, float, float], ...]
+    level: float
+    onset: float | None
+    worst: str
+
+    @property
+    def is_poor(self) -> bool:
+        """Whether more is lost than anybody should overwrite a file with unasked."""
+        lost = self.beyond if self.lost is None else self.lost
+        return lost > LOST_LIMIT or abs(self.level) > LEVEL_LIMIT or (self.onset or 0.0) > ONSET_LIMIT
+
+
+def sentences(fidelity: Fidelity | None) -> Iterator[str]:
+    """What was measured, in words."""
+    if fidelity is None:
+        return
+    span = f"{fidelity.low:g} to {fidelity.high:g} Hz"
+    if fidelity.kind is Kind.SAMPLES:
+        if fidelity.lost:
+            yield f"{_percent(fidelity.lost)} of the power, by rounding"
+        return
+    if fidelity.beyond >= 0.0005:
+        yield f"{_percent(fidelity.beyond)} of the power, which lies outside of {span}"
+    if fidelity.lost_within is not None:
+        yield f"{_percent(fidelity.lost_within)} of the power from {span}; {fidelity.worst} loses most"
+    changes = [change for _, _, change in fidelity.band_levels]
+    by_band = f", by band {min(changes):+.1f} to {max(changes):+.1f} dB" if changes else ""
+    yield f"levels change by {fidelity.level:+.1f} dB{by_band}"
+    if fidelity.onset is not None:
+        yield f"onsets shift by up to {fidelity.onset:g} ms"
+
+
+def _percent(share: float) -> str:
+    return f"{share:.1%}" if share >= 0.001 else f"{100 * share:.1g} %"
+
+
+class Comparison:
+    """Gathers the measures while a format is written.
+
+    ``add`` is called for each listener with consecutive pieces of the samples and of what the format plays instead: samples, or
+    amplitudes for `Kind.LEVEL`. ``thinning``: of the latter every so-manyth is enough, since no format but those that keep samples has
+    frequencies above 1000 Hz.
+    """
+
+    def __init__(self, tracks: Tracks, measures: Measures) -> None:
+        self.kind, self.low, self.high = measures.kind, measures.low, measures.high
+        self._rate = tracks.sample_rate
+        self.thinning = 1 if self.kind is Kind.SAMPLES else max(self._rate // LOWEST_RATE, 1)
+        self._listeners = [_Listener(track.name, track.impacts[:, 0], self._rate, self.thinning, self.kind) for track in tracks.listeners]
+
+    def add(self, listener: int, original: FloatArray, decoded: FloatArray) -> None:
+        """The next samples of a listener, shape (n,), and what is played instead, shape (ceil(n / thinning),)."""
+        self._listeners[listener].add(original, decoded)
+
+    def result(self) -> Fidelity | None:
+        """The measures of all that was added; None for silence."""
+        if self.kind is Kind.SAMPLES:
+            return self._of_samples()
+        parts = [part.finished() for part in self._listeners]
+        original, decoded, error = (sum((part[k] for part in parts), np.zeros(self._bins)) for k in range(3))
+        hertz = np.arange(self._bins) / (2 * (self._bins - 1)) * self._rate
+        within = (hertz >= self.low) & (hertz <= self.high)
+        for power in (original, decoded, error):
+            power[[0, -1]] /= 2  # these bins have no counterpart at negative frequencies
+        total = float(original.sum())
+        if total <= _SILENT:
+            return None
+        is_wave = self.kind is Kind.WAVE
+        shares = [float(lost.sum() / max(own.sum(), _SILENT)) for own, _, lost in parts]
+        compared = within if is_wave else np.ones(self._bins, dtype=np.bool_)
+        lags = [lag for part in self._listeners for lag in part.lags()]
+        return Fidelity(
+            kind=self.kind,
+            low=self.low,
+            high=min(self.high, self._rate / 2),
+            beyond=float(original[~within].sum()) / total,
+            lost=float(error.sum()) / total if is_wave else None,
+            lost_within=float(error[within].sum()) / max(float(original[within].sum()), _SILENT) if is_wave else None,
+            band_levels=() if self.kind is Kind.LEVEL else tuple(_band_levels(hertz, original, decoded, within)),
+            level=_decibels(float(decoded[compared].sum()), float(original[compared].sum())),
+            onset=float(np.percentile(np.abs(lags), 95)) if lags else None,
+            worst=self._listeners[int(np.argmax(shares))].name,
+        )
+
+    def _of_samples(self) -> Fidelity | None:
+        powers = np.array([part.powers for part in self._listeners])
+        total, kept, lost = powers.sum(axis=0).tolist()
+        if total <= _SILENT:
+            return None
+        worst = self._listeners[int(np.argmax(powers[:, 2] / np.maximum(powers[:, 0], _SILENT)))].name
+        return Fidelity(self.kind, 0.0, self._rate / 2, 0.0, lost / total, lost / total, (), _decibels(kept, total), None, worst)
+
+    @property
+    def _bins(self) -> int:
+        return _size(self._rate, self.thinning) // 2 + 1
+
+
+def _size(rate: int, thinning: int) -> int:
+    """Samples of a window: a multiple of 4 and of the thinning."""
+    return 4 * thinning * max(round(WINDOW * rate / (4 * thinning)), 1)
+
+
+def _decibels(power: float, reference: float) -> float:
+    return 10 * math.log10(max(power, _SILENT * reference, 1e-300) / max(reference, 1e-300))
+
+
+def _band_levels(hertz: FloatArray, original: FloatArray, decoded: FloatArray, within: BoolArray) -> Iterator[tuple[float, float, float]]:
+    edges = [*EDGES, math.inf]
+    for low, high in pairwise(edges):
+        band = (hertz >= low) & (hertz < high) & within
+        power = float(original[band].sum())
+        if power >= 0.01 * float(original.sum()):
+            yield low, min(high, float(hertz[-1])), _decibels(float(decoded[band].sum()), power)
+
+
+class _Listener:
+    def __init__(self, name: str, impacts: FloatArray, rate: int, thinning: int, kind: Kind) -> None:
+        self.name, self._impacts, self._thinning, self._kind = name, impacts, thinning, kind
+        size = _size(rate, thinning)
+        # Sine windows with half an overlap: their squares add up to 1, so that powers add up to the signal's.
+        self._shape = np.sin(math.pi * (np.arange(size) + 0.5) / size)
+        self._pending = [np.zeros(size // 2), np.zeros(size // 2 // thinning)]
+        self._sums = np.zeros((3, size // 2 + 1))
+        self._envelopes = _Envelope(rate), _Envelope(rate / thinning)
+        self.powers = np.zeros(3)
+
+    def add(self, original: FloatArray, decoded: FloatArray) -> None:
+        if self._kind is Kind.SAMPLES:
+            error = original - decoded
+            self.powers += [np.dot(original, original), np.dot(decoded, decoded), np.dot(error, error)]
+            return
+        for envelope, samples in zip(self._envelopes, (original, decoded), strict=True):
+            envelope.add(samples)
+        self._pending = [np.concatenate(pair) for pair in zip(self._pending, (original, decoded), strict=True)]
+        self._transform()
+
+    def finished(self) -> FloatArray:
+        """Power of the original, of what is played, and of the error, by frequency, shape (3, bins)."""
+        size = len(self._shape)
+        self._pending = [np.pad(part, (0, size // step)) for part, step in zip(self._pending, (1, self._thinning), strict=True)]
+        self._transform()
+        return self._sums
+
+    def _transform(self) -> None:
+        size, step = len(self._shape), self._thinning
+        hop = size // 2
+        count = min(len(self._pending[0]) // hop, len(self._pending[1]) // (hop // step)) - 1
+        for k in range(count):
+            original = np.fft.rfft(self._pending[0][k * hop :][:size] * self._shape)
+            thin = self._pending[1][k * hop // step :][: size // step] * self._shape[::step]
+            decoded = np.zeros(len(original), dtype=np.complex128)
+            if self._kind is Kind.LEVEL:
+                decoded[1] = step * math.sqrt(float(np.dot(thin, thin)) * size / (4 * step))
+            else:
+                # The spectrum of every so-manyth sample is that of all of them up to half of its rate.
+                decoded[: size // (2 * step)] = step * np.fft.rfft(thin)[:-1]
+            for row, spectrum in enumerate((original, decoded, original - decoded)):
+                self._sums[row] += spectrum.real**2 + spectrum.imag**2
+        if count > 0:
+            self._pending = [self._pending[0][count * hop :], self._pending[1][count * hop // step :]]
+
+    def lags(self) -> list[float]:
+        """Shifts of onsets (milliseconds), positive where they come late."""
+        original, decoded = (envelope.values() for envelope in self._envelopes)
+        onsets = self._impacts * ENVELOPE_RATE if len(self._impacts) else _onsets(original)
+        lags = []
+        for onset in np.unique(np.rint(onsets).astype(np.int64))[:MOST_ONSETS].tolist():
+            window = original[max(onset - _BEFORE, 0) : onset + _AFTER]
+            around = decoded[max(onset - _BEFORE, 0) : onset + _AFTER]
+            if len(window) == _BEFORE + _AFTER and window.any() and around.any():
+                lags.append(_lag(window - window.mean(), around - around.mean()))
+        return lags
+
+
+class _Envelope:
+    """Root mean squares of every millisecond; none below ``ENVELOPE_RATE`` samples a second."""
+
+    def __init__(self, rate: float) -> None:
+        self._rate, self._count, self._leftover = rate, 0, np.zeros(0)
+        self._pieces: list[NDArray[np.float32]] = []
+
+    def add(self, samples: FloatArray) -> None:
+        first = math.ceil(self._count / self._rate * ENVELOPE_RATE - 1e-9)  # the millisecond that the leftover belongs to or begins
+        if self._rate < ENVELOPE_RATE or first > LONGEST_ENVELOPE * ENVELOPE_RATE:
+            return
+        both = np.concatenate([self._leftover, samples])
+        last = math.floor((self._count + len(both)) / self._rate * ENVELOPE_RATE + 1e-9)
+        borders = np.ceil(np.arange(first, last + 1) * (self._rate / ENVELOPE_RATE) - 1e-9).astype(np.int64) - self._count
+        if last <= first:
+            self._leftover = both
+            return
+        sums = np.add.reduceat(both[: borders[-1]] ** 2, borders[:-1])
+        self._pieces.append(np.sqrt(sums / np.diff(borders)).astype(np.float32))
+        self._leftover = both[borders[-1] :]
+        self._count += int(borders[-1])
+
+    def values(self) -> FloatArray:
+        return np.concatenate(self._pieces).astype(np.float64) if self._pieces else np.zeros(0)
+
+
+def _lag(window: FloatArray, around: FloatArray) -> float:
+    """The shift with the highest correlation, 0 if there is none."""
+    shifts = np.arange(-FARTHEST_LAG, FARTHEST_LAG + 1)
+    padded = np.pad(around, FARTHEST_LAG)
+    views = np.lib.stride_tricks.sliding_window_view(padded, len(window))
+    products = views @ window
+    best = float(products.max())
+    near = shifts[products >= best - 1e-6 * abs(best)]
+    return float(near[np.argmin(np.abs(near))])
+
+
+def _onsets(envelope: FloatArray) -> FloatArray:
+    """Milliseconds at which an envelope rises by 12 dB within 10 ms, at least 150 ms apart."""
+    smooth = np.convolve(envelope, np.full(5, 0.2), "same")
+    before = np.pad(smooth, (10, 0))[: len(smooth)]
+    rising = np.flatnonzero((smooth > _RISE * before) & (smooth > _LOUD * smooth.max(initial=0.0)))
+    onsets: list[int] = []
+    for place in rising.tolist():
+        if not onsets or place - onsets[-1] >= _BEFORE + _AFTER:
+            onsets.append(place)
+    return np.array(onsets, dtype=np.float64)

@@ -1,0 +1,194 @@
+"""Decoding wavelet bands of MPEG haptics: arithmetic decoding, SPIHT and the inverse wavelet transform.
+
+The bits of a block are coded by an adaptive binary arithmetic code with seven contexts. They describe integer wavelet coefficients by set
+partitioning in hierarchical trees (Said and Pearlman, 1996) in one dimension, bit plane by bit plane. The transform is that of the
+biorthogonal 9/7 filters (Cohen, Daubechies and Feauveau, 1992) with symmetric extension.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray, IntArray
+from ...signals.interpolation import resample
+
+SMALLEST, LARGEST = 8, 2**14
+"""Samples of a block, a power of two."""
+MOST_BITS = 2**24
+"""Coded bits of a band."""
+MOST_SAMPLES = 2**25
+"""Samples of a band."""
+
+_SYNTHESIS_LOW = np.array(
+    [
+        -0.064538882628938, -0.040689417609559, 0.418092273222212, 0.788485616405665,
+        0.418092273222212, -0.040689417609559, -0.064538882628938,
+    ]
+)  # fmt: skip
+_SYNTHESIS_HIGH = np.array(
+    [
+        -0.037828455506995, -0.02384946501938, 0.110624404418423, 0.377402855612654, -0.852698679009404,
+        0.377402855612654, 0.110624404418423, -0.02384946501938, -0.037828455506995,
+    ]
+)  # fmt: skip
+
+_CONTEXTS = 7
+_HEAD, _SIGN, _SINGLE, _CHILDREN, _CHILD, _GRANDCHILDREN, _REFINEMENT = range(_CONTEXTS)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WaveletBand:
+    """A decoded band: ``samples`` (n,) from time 0 at ``rate`` hertz."""
+
+    samples: FloatArray
+    rate: float
+
+    @property
+    def end(self) -> float:
+        """Seconds."""
+        return len(self.samples) / self.rate
+
+    @classmethod
+    def decoded(cls, blocks: Sequence[tuple[float, str]], seconds: float, rate: int, gain: float) -> WaveletBand:
+        """Decode a band of blocks (time in seconds, bits in base64) of ``seconds`` each at ``rate`` hertz. Raises ValueError."""
+        size = round(seconds * rate)
+        if not SMALLEST <= size <= LARGEST or size & (size - 1):
+            raise ValueError(f"a wavelet block must have a power of 2 from {SMALLEST} to {LARGEST} samples, not {seconds * rate:g}")
+        streams = [(round(time * rate), _bits(text)) for time, text in blocks]
+        if sum(len(bits) for _, bits in streams) > MOST_BITS:
+            raise ValueError(f"more than {MOST_BITS} bits of wavelets")
+        count = max((first for first, _ in streams), default=-size) + size
+        if count > MOST_SAMPLES:
+            raise ValueError(f"wavelets over {count / rate:.6g} seconds")
+        samples = np.zeros(count)
+        for first, bits in streams:
+            if len(bits):
+                samples[first : first + size] += gain * decoded_block(bits, size)
+        return cls(samples, float(rate))
+
+    @staticmethod
+    def summed(bands: Iterable[WaveletBand]) -> tuple[FloatArray, float]:
+        """The sum of bands and its sample rate, the highest of theirs."""
+        bands = list(bands)
+        rate = max(band.rate for band in bands)
+        parts = [resample(band.samples, band.rate, rate) for band in bands]
+        result = np.zeros(max(map(len, parts)))
+        for part in parts:
+            result[: len(part)] += part
+        return result, rate
+
+
+def _bits(text: str) -> bytes:
+    """The bits of a base64 text without padding, one per byte. Raises ValueError."""
+    try:
+        data = base64.b64decode(text + "=" * (-len(text) % 4), validate=True) if len(text) % 4 != 1 else base64.b64decode(text + "A==")
+    except (binascii.Error, ValueError):
+        raise ValueError("wavelet_stream is not base64") from None
+    return np.unpackbits(np.frombuffer(data, dtype=np.uint8)).tobytes()
+
+
+def decoded_block(bits: bytes, size: int) -> FloatArray:
+    """The samples (size,) of a block from its coded bits, one per byte."""
+    read = _arithmetic_decoder(bits)
+    planes = sum(read(_HEAD) << k for k in range(4))
+    is_large = read(_HEAD)
+    value = sum(read(_HEAD) << k for k in range(7))
+    largest = value / 8 + 1 if is_large else value / 128
+    return _inverse_transform(_coefficients(read, planes, size) * (largest / 2**planes))
+
+
+def _arithmetic_decoder(bits: bytes) -> Callable[[int], int]:
+    """A function that returns the next symbol, 0 or 1, in a context. Beyond the end the coded bits are 0."""
+    zeros, total = [8] * _CONTEXTS, [16] * _CONTEXTS
+    low, high, position = 0, 1024, 10
+    code = int.from_bytes(np.packbits(np.frombuffer(bits[:10].ljust(16, b"\0"), dtype=np.uint8)).tobytes(), "big") >> 6
+    count = len(bits)
+
+    def read(context: int) -> int:
+        nonlocal low, high, code, position
+        width = high - low
+        split = width * ((2048 * zeros[context] + total[context]) // (2 * total[context])) // 1024
+        split = low + min(max(split, 1), width - 1)
+        total[context] += 1
+        if code < split:
+            symbol, high = 0, split
+            zeros[context] += 1
+        else:
+            symbol, low = 1, split
+        while True:
+            if high <= 512:
+                offset = 0
+            elif low >= 512:
+                offset = 512
+            elif low >= 256 and high <= 768:
+                offset = 256
+            else:
+                return symbol
+            low, high = (low - offset) << 1, (high - offset) << 1
+            code = ((code - offset) << 1) + (bits[position] if position < count else 0)
+            position += 1
+
+    return read
+
+
+def _coefficients(read: Callable[[int], int], planes: int, size: int) -> IntArray:
+    """The wavelet coefficients (size,) by set partitioning, from bit plane ``planes`` down to 0."""
+    values = [0] * size
+    single = list(range(8))
+    sets = [(root, False) for root in range(4, 8)]
+    found: list[int] = []
+    for plane in range(planes, -1, -1):
+        step = 1 << plane
+        known = len(found)
+        still = []
+        for index in single:
+            if read(_SINGLE):
+                values[index] = step if read(_SIGN) else -step
+                found.append(index)
+            else:
+                still.append(index)
+        single = still
+        waiting: list[tuple[int, bool]] = []
+        for root, beyond_children in sets:  # grows while it is walked
+            if not read(_GRANDCHILDREN if beyond_children else _CHILDREN):
+                waiting.append((root, beyond_children))
+                continue
+            if beyond_children:
+                sets += [(2 * root, False), (2 * root + 1, False)]
+                continue
+            for index in (2 * root, 2 * root + 1):
+                if read(_CHILD):
+                    values[index] = step if read(_SIGN) else -step
+                    found.append(index)
+                else:
+                    single.append(index)
+            if 4 * root + 3 < size:
+                sets.append((root, True))
+        sets = waiting
+        for index in found[:known]:
+            if read(_REFINEMENT):
+                values[index] += step if values[index] > 0 else -step
+    return np.array(values, dtype=np.int64)
+
+
+def _inverse_transform(coefficients: FloatArray) -> FloatArray:
+    """The signal whose wavelet transform has 4 coefficients in its lowest band."""
+    signal = coefficients.astype(np.float64)
+    length = 2 * 4
+    for _ in range(round(math.log2(len(signal) / 4))):
+        low, high = np.zeros(length), np.zeros(length)
+        low[::2], high[1::2] = signal[: length // 2], signal[length // 2 : length]
+        signal[:length] = _convolved(low, _SYNTHESIS_LOW) + _convolved(high, _SYNTHESIS_HIGH)
+        length *= 2
+    return signal
+
+
+def _convolved(signal: FloatArray, kernel: FloatArray) -> FloatArray:
+    """Convolution with an odd kernel; the signal is mirrored at its first and last sample."""
+    return np.convolve(np.pad(signal, len(kernel) // 2, mode="reflect"), kernel, "valid")

@@ -1,0 +1,130 @@
+"""What exports say that they lose, against an evaluation of the written files by whole-signal spectra (Parseval) and by definition."""
+
+import numpy as np
+import pytest
+from haptic_tracing.core.formats import registry
+from haptic_tracing.core.formats.export import Export
+from haptic_tracing.core.formats.tracks.comparison import Comparison, Kind, Measures
+from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
+
+RATE = 8000
+TIME = np.arange(6 * RATE) / RATE
+
+
+def noise(seed=0):
+    return np.clip(np.random.default_rng(seed).normal(0, 0.15, len(TIME)), -1, 1)
+
+
+def blows():
+    since = TIME % 0.4
+    return 0.8 * np.exp(-since / 0.03) * np.sin(2 * np.pi * 150 * since)
+
+
+SIGNALS = {
+    "noise": noise(),
+    "tone": 0.5 * np.sin(2 * np.pi * 60 * TIME),
+    "low and high": 0.3 * np.sin(2 * np.pi * 2 * TIME) + 0.3 * np.sin(2 * np.pi * 100 * TIME) + 0.3 * np.sin(2 * np.pi * 1500 * TIME),
+    "blows": blows(),
+}
+
+
+def tracks_of(*rows, impacts=()):
+    listeners = tuple(ListenerTrack(f"listener {k}", "hand.L", np.array(impacts).reshape(-1, 2)) for k in range(len(rows)))
+    return Tracks(listeners, RATE, np.array(rows))
+
+
+def band_power(samples, low, high):
+    spectrum = np.abs(np.fft.rfft(samples)) ** 2
+    hertz = np.fft.rfftfreq(len(samples), 1 / RATE)
+    return float(spectrum[(hertz >= low) & (hertz <= high)].sum())
+
+
+@pytest.mark.parametrize("name", ["hjif", "wyvrn"])
+@pytest.mark.parametrize("signal", SIGNALS)
+def test_lost_power_of_waves(tmp_path, name, signal):
+    source = SIGNALS[signal]
+    written = registry.write(name, Export("one", tracks=tracks_of(source)), tmp_path)
+    path = next(path for path in written.files if path.suffix in registry.READERS)
+    again = np.zeros(len(source))
+    played = registry.read(path).channels[0].at_rate(RATE)[: len(source)]
+    again[: len(played)] = np.clip(played, -1, 1)
+    found = written.fidelity
+    low, high = found.low, found.high
+    assert found.kind is Kind.WAVE
+    inside = band_power(source, low, high)
+    lost = band_power(source - again, low, high) / inside
+    assert found.lost_within == pytest.approx(lost, rel=0.1, abs=0.01)
+    assert found.beyond == pytest.approx(1 - inside / band_power(source, 0, RATE), abs=0.01)
+    assert found.level == pytest.approx(10 * np.log10(band_power(again, low, high) / inside), abs=0.2)
+    assert any(f"from {low:g} to {high:g} Hz" in loss for loss in written.losses)
+
+
+def test_a_known_error_is_measured_by_band():
+    """A tone that is played at half its amplitude, and another that is left out."""
+    tracks = tracks_of(0.4 * np.sin(2 * np.pi * 60 * TIME) + 0.2 * np.sin(2 * np.pi * 500 * TIME))
+    measured = Comparison(tracks, Measures(Kind.WAVE, 5, 400))
+    half = 0.2 * np.sin(2 * np.pi * 60 * TIME)
+    for first in range(0, len(TIME), 999):
+        part = slice(first, first + 999)
+        measured.add(0, tracks.samples[0, part], half[part][:: measured.thinning])
+    found = measured.result()
+    assert measured.thinning == 3
+    assert found.lost == pytest.approx((0.2**2 + 0.2**2) / (0.4**2 + 0.2**2), abs=0.005)
+    assert found.lost_within == pytest.approx(0.25, abs=0.005)
+    assert found.beyond == pytest.approx(0.2**2 / (0.4**2 + 0.2**2), abs=0.005)
+    assert found.level == pytest.approx(-6.02, abs=0.05)
+    assert [(low, high) for low, high, _ in found.band_levels] == [(40, 80)]
+
+
+@pytest.mark.parametrize("late", [0, 7, -12])
+def test_late_onsets_are_measured(late):
+    tracks = tracks_of(blows(), impacts=[(t, 0.8) for t in np.arange(0, 6, 0.4)])
+    measured = Comparison(tracks, Measures(Kind.WAVE))
+    played = np.roll(blows(), late * RATE // 1000)
+    measured.add(0, tracks.samples[0], played[:: measured.thinning])
+    assert measured.result().onset == pytest.approx(abs(late), abs=1)
+
+
+def test_the_listener_who_loses_most_is_named():
+    tracks = tracks_of(SIGNALS["tone"], SIGNALS["noise"])
+    measured = Comparison(tracks, Measures(Kind.WAVE))
+    for number, row in enumerate(tracks.samples):
+        measured.add(number, row, (row if number == 0 else 0.5 * row)[:: measured.thinning])
+    assert measured.result().worst == "listener 1"
+
+
+def test_silence_has_no_losses(tmp_path):
+    for name in registry.FORMATS:
+        if name != "scene":
+            assert registry.write(name, Export("one", tracks=tracks_of(0 * TIME)), tmp_path).fidelity is None
+
+
+def test_levels_of_formats_without_waves(tmp_path):
+    """Their strength is that of the sine with the same power."""
+    for name in ("haptic", "ahap", "hla", "tact"):
+        found = registry.write(name, Export("one", tracks=tracks_of(SIGNALS["tone"])), tmp_path).fidelity
+        assert abs(found.level) < 0.5, name
+
+
+@pytest.mark.parametrize("answer", [True, False])
+def test_a_poor_copy_replaces_a_file_only_with_consent(tmp_path, answer):
+    asked = []
+    export = Export("one", tracks=tracks_of(SIGNALS["noise"]))
+
+    def consent(written):
+        asked.append(written)
+        return answer
+
+    first = registry.write("wyvrn", export, tmp_path, {}, consent)
+    assert first.files and not asked  # nothing was there to be replaced
+    content = {path: path.read_bytes() for path in first.files}
+    louder = Export("one", tracks=tracks_of(2 * SIGNALS["noise"]))
+    second = registry.write("wyvrn", louder, tmp_path, {}, consent)
+    assert len(asked) == 1 and asked[0].fidelity.lost > 0.25 and bool(second.files) == answer
+    changed = {path for path in content if path.read_bytes() != content[path]}
+    assert bool(changed) == answer
+    assert {path for path in tmp_path.rglob("*") if path.is_file()} == set(content)
+    faithful = Export("one", tracks=tracks_of(SIGNALS["tone"]))
+    registry.write("hjif", faithful, tmp_path, {}, consent)
+    registry.write("hjif", faithful, tmp_path, {}, consent)
+    assert len(asked) == 1
