@@ -36,11 +36,13 @@ class Homes:
         limits[:, :3, 3] = NEAR * np.where(np.isfinite(far), far, 1.0)[:, None]
         return cls(names, poses, transforms, limits)
 
-    def settled(self, transforms: FloatArray) -> frozenset[str]:
-        """The bodies that stand there."""
+    def settle(self, transforms: FloatArray) -> frozenset[str]:
+        """The bodies that stand there; their ``transforms`` become those of the file, which are not rounded."""
         if not np.isfinite(self.transforms[:, 3, 3]).any():
             return frozenset()
-        return frozenset(compress(self.names, np.all(np.abs(transforms - self.transforms) <= self.limits, axis=(1, 2)).tolist()))
+        at_home = np.all(np.abs(transforms - self.transforms) <= self.limits, axis=(1, 2))
+        transforms[at_home] = self.transforms[at_home]
+        return frozenset(compress(self.names, at_home.tolist()))
 
 
 class ImportedContacts:

@@ -165,8 +165,8 @@ class SceneReader:
             lists = TaggedLists.of(self._tagged, lists)  # of the same rows
         if len(moved) or lists is not self._lists:
             self._transforms = self._rigid[lists.of_bodies]
+            self._settled = lists.homes.settle(self._transforms)
             self._transforms.setflags(write=False)  # so that the tracker knows it again
-            self._settled = lists.homes.settled(self._transforms)
             self._placed = [
                 item if near(item.position, place) else item.moved(place)
                 for place, item in zip(raw[lists.of_places, 12:15].tolist(), lists.places, strict=True)
