@@ -10,7 +10,6 @@ import time
 from typing import Any
 
 from ..core.contacts.scene_contacts import contacts_of_scene
-from ..core.diagnosis.sentences import sentence
 from ..core.formats.io.strict_json import read_json
 from ..core.formats.scene.modalities_json import modalities_from_dict
 from ..core.formats.scene.scene_json import current_document, scene_of
@@ -18,6 +17,7 @@ from ..core.graph.haptic_graph import HapticGraph, NoGain, graph_of_scene
 from ..core.modalities.propagation import Felt
 from ..core.propagation import Propagation, objects_on, propagate
 from ..core.scene.values import HapticScene, Strategy
+from ..core.sentences import sentence
 from . import warn_of_unknown
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ..core.diagnosis.sentences import sentence
 from ..core.diagnosis.silence import reasons
 from ..core.formats.tracks.listener_tracks import Tracks
 from ..core.render.frame_result import FrameResult
 from ..core.scene.values import Settings
+from ..core.sentences import sentence
 
 MOST_LISTENERS = 10
 

@@ -1,4 +1,4 @@
-"""Messages to people as data: a cause and its arguments. `diagnosis.sentences` has the English table; other languages have their own."""
+"""Messages to people as data: a cause and its arguments. `core.sentences` has the English table; other languages have their own."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 class Cause(enum.StrEnum):
-    """Kinds of messages: reasons for silence, warnings of a traced frame, and losses between listeners and actuators."""
+    """Kinds of messages: reasons for silence, warnings of a traced frame, losses between listeners and actuators, faults of formulas."""
 
     # What keeps a source from a listener: the source, the mode, what arrives
     NO_SOURCE = enum.auto()
@@ -54,6 +54,32 @@ class Cause(enum.StrEnum):
     PARTLY_OUT_OF_BAND = enum.auto()
     STRENGTH_ONLY = enum.auto()
     LATE = enum.auto()
+    # Formulas that are not accepted
+    FORMULA_NOT_TEXT = enum.auto()
+    FORMULA_TOO_LONG = enum.auto()
+    FORMULA_TOO_COMPLEX = enum.auto()
+    FORMULA_INCOMPLETE = enum.auto()
+    FORMULA_SYNTAX = enum.auto()
+    FORMULA_INVALID = enum.auto()
+    FORMULA_UNKNOWN_NAME = enum.auto()
+    FORMULA_CALL = enum.auto()
+    FORMULA_ARGUMENTS = enum.auto()
+    FORMULA_NOT_ALLOWED = enum.auto()
+    FORMULA_NOT_A_NUMBER = enum.auto()
+    FORMULA_NUMBER_TOO_LARGE = enum.auto()
+    FORMULA_COMPARISON = enum.auto()
+    FORMULA_DEGREE = enum.auto()
+    FORMULA_X_IN_POWER = enum.auto()
+    FORMULA_X_IN_CONDITION = enum.auto()
+    FORMULA_X_IN_FUNCTION = enum.auto()
+    FORMULA_MIXED_TERMS = enum.auto()
+    # What a formula does
+    FORMULA_CONTACT_VARIABLE = enum.auto()
+    FORMULA_NOT_FINITE = enum.auto()
+    FORMULA_NEGATIVE = enum.auto()
+    FORMULA_AMPLIFIES = enum.auto()
+    MIX_NOT_FINITE = enum.auto()
+    MIX_NOT_SILENT = enum.auto()
 
 
 class Metres(float):

@@ -1,4 +1,4 @@
-"""Playing a baked scene: its frames come from the track, nothing is traced. And whether the track still fits the scene."""
+"""Playback of a baked scene, whose frames come from the track, and whether the track still fits the scene."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from ...core.render.history import SECONDS
 from ..changes import revisions
 from ..changes.events import file_changed
 from ..changes.redraw import redraw_sidebars, redraw_viewports
-from ..scene_reader.digest import changes, digest_of
+from ..scene_reader.digest import Change, changes, digest_of, words_for
 from ..session import session
 from . import storage
 from .track import HapticTrack
 
-_REST = 20.0  # comparing scene and track may take one part in so many of the time
+_REST = 20.0  # pause after a comparison of scene and track, in times as long as it took
 
 
 @dataclass(slots=True)
 class _Compared:
-    """When a scene was last compared with its track, how long it took, and what had changed."""
+    """When a scene was last compared with its track, how long that took, and what had changed."""
 
     stamp: str
     version: int
     at: float
     seconds: float
-    reasons: tuple[str, ...]
+    changes: tuple[Change, ...]
 
 
 _compared: dict[int, _Compared] = {}  # by session id of the scene
@@ -46,7 +46,7 @@ def plays(scene: Scene) -> bool:
 
 
 def play(scene: Scene) -> bool:
-    """Take the current frame from the track. False where that is not wanted or the frame was not baked."""
+    """Show the current frame from the track. False where that is not wanted or the frame was not baked."""
     if not plays(scene):
         return False
     started = time.perf_counter()
@@ -60,7 +60,7 @@ def play(scene: Scene) -> bool:
 
 
 def keep_up(scene: Scene) -> bool:
-    """After an edit, undo or redo: have the current frame of the track shown if it is not. False where the frame is not played from it."""
+    """Show the current frame of the track after an edit, undo or redo. False where the frame is not played from the track."""
     if not plays(scene):
         return False
     result = session.result_of(scene)
@@ -68,21 +68,21 @@ def keep_up(scene: Scene) -> bool:
 
 
 def is_from_track(result: FrameResult | None, frame: int) -> bool:
-    """Whether a result is that frame, read from a track."""
+    """Whether a result is this frame, read from a track."""
     return result is not None and result.number == frame and "read_track" in result.milliseconds
 
 
 def show_current(scene: Scene) -> None:
-    """After the choice between track and tracing: the current frame anew."""
+    """Show the current frame anew after the choice between track and tracing has changed."""
     revisions.mark_changed()
     play(scene)
     redraw_viewports()
 
 
 def known_stale_reasons(scene: Scene) -> tuple[str, ...] | None:
-    """What has changed since the bake, as far as it is known; None before anything is.
+    """What has changed since the bake, as far as it is known; None before the first comparison.
 
-    For draw callbacks: where something has been edited since, scene and track are compared after the redraw, and then only now and then.
+    For draw callbacks: where something has been edited since, scene and track are compared after the redraw, with pauses in between.
     """
     known = _compared.get(scene.session_uid)
     if known is not None and known.stamp != storage.stamp(scene):
@@ -92,11 +92,11 @@ def known_stale_reasons(scene: Scene) -> tuple[str, ...] | None:
         if not bpy.app.timers.is_registered(_compare_shown):
             rest = 0.0 if known is None else known.at + _REST * known.seconds - time.perf_counter()
             bpy.app.timers.register(_compare_shown, first_interval=max(rest, 0.05))
-    return None if known is None else known.reasons
+    return None if known is None else tuple(words_for(change) for change in known.changes)
 
 
 def _compare_shown() -> None:
-    """Compare the scenes that are shown with their tracks, and show what differs."""
+    """Compare the scenes whose panels wait for it with their tracks, and redraw."""
     for scene in bpy.data.scenes:
         if scene.session_uid in _to_compare:
             stale_reasons(scene)
@@ -110,19 +110,19 @@ def stale_reasons(scene: Scene) -> tuple[str, ...]:
     if track is None:
         return ()
     mark, version, started = storage.stamp(scene), revisions.edits(), time.perf_counter()
-    reasons = compare(scene, track)
+    found = compare(scene, track)
     ended = time.perf_counter()
-    _compared[scene.session_uid] = _Compared(mark, version, ended, ended - started, reasons)
-    return reasons
+    _compared[scene.session_uid] = _Compared(mark, version, ended, ended - started, found)
+    return tuple(words_for(change) for change in found)
 
 
-def compare(scene: Scene, track: HapticTrack) -> tuple[str, ...]:
-    """What differs between a scene and what was baked of it, in words."""
+def compare(scene: Scene, track: HapticTrack) -> tuple[Change, ...]:
+    """What differs between a scene and what was baked of it."""
     first, last = wanted_range(scene)
-    reasons = changes(track.digest, digest_of(scene))
+    found = changes(track.digest, digest_of(scene))
     if first < track.frame_start or last > track.frame_end:
-        reasons = (f"frames {first} to {last} are played, {track.frame_start} to {track.frame_end} were baked", *reasons)
-    return reasons
+        return (("range", first, last, track.frame_start, track.frame_end), *found)
+    return found
 
 
 def fitting_track(scene: Scene, start: int, end: int) -> HapticTrack | None:
@@ -140,7 +140,7 @@ def wanted_range(scene: Scene) -> tuple[int, int]:
 
 
 def forget() -> None:
-    """Another file is loaded, or the add-on ends."""
+    """Drop what is known of tracks, as another file is loaded or the add-on ends."""
     storage.forget()
     _compared.clear()
     _to_compare.clear()

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, UILayout
 
-from ...core.diagnosis.sentences import written
 from ...core.message import Chain
+from ...core.sentences import written
 from ..blender.playing import is_playing
 from ..session import sessions
 from ..translations.sentences import sentence

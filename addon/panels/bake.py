@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Panel, Scene, UILayout
 
 from ..bake import playback, storage
@@ -53,14 +54,16 @@ def _draw_track(layout: UILayout, scene: Scene, track: HapticTrack | None) -> No
         return
     box = layout.box()
     reasons = playback.known_stale_reasons(scene) or ()
-    words = "The scene has changed since" if reasons else f"Frames {track.frame_start} to {track.frame_end} are baked"
-    box.label(text=words, icon="ERROR" if reasons else "CHECKMARK")
+    baked = iface_("Frames {} to {} are baked").format(track.frame_start, track.frame_end)
+    words = iface_("The scene has changed since") if reasons else baked
+    box.label(text=words, icon="ERROR" if reasons else "CHECKMARK", translate=False)
     column = box.column(align=True)
     for reason in reasons:
         for line in wrapped(reason):
-            column.label(text=line)
+            column.label(text=line, translate=False)
     count = len(track.listeners)
-    box.label(text=f"{track.duration:.1f} s, {count} listener{'s' if count != 1 else ''}")
+    length = iface_("{:.1f} s, 1 listener") if count == 1 else iface_("{:.1f} s, {} listeners")
+    box.label(text=length.format(track.duration, count), translate=False)
     box.prop(bake, "use_track")
     layout.operator("haptic.delete_bake", icon="TRASH")
 

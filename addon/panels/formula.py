@@ -12,6 +12,7 @@ from bpy.types import UILayout
 from ...core.scene import functions
 from ..blender.text import wrapped
 from ..properties.function import PARAMETERS
+from ..translations.sentences import sentence
 
 if TYPE_CHECKING:
     from ...core.scene.functions import Finding
@@ -52,7 +53,7 @@ def draw_finding(layout: UILayout, source: str, finding: Finding | None) -> Find
         shown, place = functions.excerpt(source, finding.column)
         column.label(text=shown, translate=False)
         column.label(text=" " * spaces_under(shown, place) + "^", translate=False)
-    for number, line in enumerate(wrapped(finding.message, 34)):
+    for number, line in enumerate(wrapped(sentence(finding.message), 34)):
         column.label(text=line, icon=("INFO" if finding.usable else "ERROR") if number == 0 else "BLANK1", translate=False)
     return finding
 

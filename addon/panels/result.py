@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Panel, UILayout
 
-from ...core.diagnosis.sentences import written
 from ...core.message import Metres
 from ...core.scene.choices import Mode
+from ...core.sentences import written
 from ..bake import playback
 from ..blender.playing import is_playing
 from ..live_output import unfelt

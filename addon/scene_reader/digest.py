@@ -1,7 +1,7 @@
-"""What a scene is made of, in short: to say later what has changed since it was baked, or since its impacts were found.
+"""Digests of a scene, to tell later what has changed since it was baked or since its impacts were found.
 
-A digest is plain data: the settings and the frame rate as they are, and for every object of the scene that can matter a few check sums, one
-per aspect. Comparing two gives sentences.
+A digest is plain data: the settings and the frame rate as they are, and for every object of the scene that can matter one checksum per
+aspect.
 """
 
 from __future__ import annotations
@@ -11,30 +11,46 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import ID, Object, Scene
 
 from ..blender.compatibility import fcurves_of
-from ..scene_reader.roles import is_tagged
+from .roles import is_tagged
 
 Digest = dict[str, Any]
 
-_MOST_REASONS = 6
-_ASPECTS = {
-    "haptics": "its haptic settings changed",
-    "pose": "it was moved, turned or scaled",
-    "shape": "its shape changed",
-    "animation": "its animation changed",
-    "physics": "its rigid body changed",
-    "relations": "its parent, constraints or modifiers changed",
+_MOST_CHANGES = 6
+_WHOLES = (("frame rate", "frame rate"), ("gravity", "gravity"), ("world", "physics"))
+_ASPECTS = ("haptics", "pose", "shape", "animation", "physics", "relations")
+TEXTS = {
+    "setting": "{} was {}, is {}",
+    "frame rate": "the frame rate changed",
+    "gravity": "gravity changed",
+    "world": "the rigid body world changed",
+    "added": "'{}' was added",
+    "removed": "'{}' was removed",
+    "haptics": "'{}': its haptic settings changed",
+    "pose": "'{}': it was moved, turned or scaled",
+    "shape": "'{}': its shape changed",
+    "animation": "'{}': its animation changed",
+    "physics": "'{}': its rigid body changed",
+    "relations": "'{}': its parent, constraints or modifiers changed",
+    "more": "and {} more",
+    "range": "frames {} to {} are played, {} to {} were baked",
 }
+"""What can have changed, in words."""
+
+Change = tuple[Any, ...]
+"""A key of `TEXTS`, and the values for the gaps in its text."""
+
 _VIEW = {"tracing", "show_overlay", "show_intra", "show_best_paths", "show_labels", "show_flow", "xray"}
 _NAMES = {"rna_type", "name"}
-_LONG = 60  # characters of a text that are kept
+_LONG = 60  # characters of a text that a digest holds
 _TRANSFORM = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
 
 
 def digest_of(scene: Scene) -> Digest:
-    """What is baked of a scene as it stands now; it does not depend on the current frame."""
+    """The digest of a scene as it stands now; it does not depend on the current frame."""
     haptics = scene.haptics
     settings = dict(_properties(haptics, [key for key in _plain_keys(haptics) if key not in _VIEW]))
     objects = {obj.name_full: {"haptics": _roles(obj), **_motion(obj)} for obj in scene.objects if _matters(obj)}
@@ -47,26 +63,28 @@ def motion_of(scene: Scene) -> Digest:
     return {**_physics(scene), "objects": {obj.name_full: _motion(obj, "haptics.") for obj in scene.objects if _may_hit(obj)}}
 
 
-def changes(before: Mapping[str, Any], now: Digest) -> tuple[str, ...]:
-    """What changed from one digest to another, as sentences: a few, and how many more. Nothing in ``before`` is trusted."""
-    reasons = []
+def changes(before: Mapping[str, Any], now: Digest) -> tuple[Change, ...]:
+    """What changed from one digest to another: a few changes, and how many more there are. ``before`` comes from a file and may hold
+    anything."""
     was, settings = _mapping(before.get("settings")), now["settings"]
-    differing = [key for key in settings if key in was and was[key] != settings[key]]
-    reasons += [f"{key.replace('_', ' ')} was {was[key]}, is {settings[key]}" for key in differing]
-    if before.get("frame rate") != now["frame rate"]:
-        reasons.append("the frame rate changed")
-    if before.get("gravity") != now["gravity"]:
-        reasons.append("gravity changed")
-    if before.get("physics") != now["physics"]:
-        reasons.append("the rigid body world changed")
+    found: list[Change] = [
+        ("setting", key.replace("_", " "), was[key], settings[key]) for key in settings if key in was and was[key] != settings[key]
+    ]
+    found += [(kind,) for kind, key in _WHOLES if before.get(key) != now[key]]
     old, objects = _mapping(before.get("objects")), now["objects"]
-    reasons += [f"'{name}' was added" for name in objects if name not in old]
-    reasons += [f"'{name}' was removed" for name in old if name not in objects]
+    found += [("added", name) for name in objects if name not in old]
+    found += [("removed", name) for name in old if name not in objects]
     for name, aspects in objects.items():
         known = _mapping(old.get(name, aspects))
-        reasons += [f"'{name}': {words}" for aspect, words in _ASPECTS.items() if known.get(aspect) != aspects[aspect]]
-    more = len(reasons) - _MOST_REASONS
-    return (*reasons[:_MOST_REASONS], *((f"and {more} more",) if more > 0 else ()))
+        found += [(aspect, name) for aspect in _ASPECTS if known.get(aspect) != aspects[aspect]]
+    more = len(found) - _MOST_CHANGES
+    return (*found[:_MOST_CHANGES], *((("more", more),) if more > 0 else ()))
+
+
+def words_for(change: Change) -> str:
+    """A change as a sentence in the language of the interface."""
+    kind, *values = change
+    return iface_(TEXTS[kind]).format(*values)
 
 
 def _mapping(value: Any) -> Mapping[str, Any]:
@@ -74,7 +92,7 @@ def _mapping(value: Any) -> Mapping[str, Any]:
 
 
 def _matters(obj: Object) -> bool:
-    """What has a role, a rigid body or a child, or moves: cameras, lights and scenery do not matter."""
+    """Whether an object has a role or a rigid body, deforms others or moves: cameras, lights and scenery do not matter."""
     return (
         is_tagged(obj)
         or obj.rigid_body is not None
@@ -173,7 +191,7 @@ def _shape(obj: Object) -> str:
 
 
 def _animation(datablock: ID, ignored: str = "haptics.felt.") -> tuple[frozenset[str], str]:
-    """The data paths that are animated, and a check sum of their keys, drivers and strips. Those that begin with ``ignored`` don't count:
+    """The data paths that are animated, and a checksum of their keys, drivers and strips. Paths that begin with ``ignored`` do not count:
     a bake itself writes what is felt."""
     data = datablock.animation_data
     if data is None:

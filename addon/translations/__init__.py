@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.diagnosis.sentences import ENGLISH
+from ...core.sentences import ENGLISH
 from . import german
 
 # Blender looks texts of buttons for operators up in a context of their own. "Haptics" is for words that Blender translates in another sense.

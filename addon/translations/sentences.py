@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bpy.app.translations import pgettext_iface as iface_
 
-from ...core.diagnosis import sentences
+from ...core import sentences
 from ...core.message import Message
 
 

@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from ..arrays import FloatArray
+from ..message import Cause, Message
 from ..scene.functions import MIXING_VARIABLES, Finding
 from ..scene.functions.expression import CompiledExpression, ExpressionError, compile_expression
 
@@ -56,18 +57,18 @@ def check_mixing(expression: str, s_max: float = 1.0) -> Finding | None:
     try:
         compiled = _compiled(expression)
     except ExpressionError as error:
-        return Finding(error.reason, error.column)
+        return Finding(error.message, error.column)
     tones = np.sin(2.0 * np.pi * np.outer([3.0, 7.0], np.arange(200) / 200.0)) * np.array([[1.0], [0.5]])
     total = cumulative(tones)
     loudest = strongest(tones)
     values: dict[str, float | FloatArray] = {"sum": total, "weighted": total, "strongest": loudest, "power": power(tones), "s_max": s_max}
     bad = ~np.isfinite(compiled.evaluate(np.zeros(200), values))
     if bad.any():
-        return Finding(f"no finite value where sum is {total[bad][0]:.3g}: nothing is felt there", usable=True)
+        return Finding(Message.of(Cause.MIX_NOT_FINITE, sum=f"{total[bad][0]:.3g}"), usable=True)
     silence = {**dict.fromkeys(MIXING_VARIABLES, 0.0), "s_max": s_max}
     rest = float(compiled.evaluate(np.zeros(1), silence)[0])
     if math.isfinite(rest) and rest != 0.0:
-        return Finding(f"{rest:.3g} where nothing sounds; 0 would be silence", usable=True)
+        return Finding(Message.of(Cause.MIX_NOT_SILENT, value=f"{rest:.3g}"), usable=True)
     return None
 
 

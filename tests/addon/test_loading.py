@@ -12,7 +12,7 @@ from haptic_tracing.addon import gateway
 LEAVES = {
     "devices",
     "diagnosis",
-    "diagnosis.sentences",
+    "sentences",
     "formats",
     "formats.io",
     "formats.io.catalogue",

@@ -12,6 +12,7 @@ PARTS = ("core", "addon", "sample_scenes", "study", "command_line")
 
 FLOORS = (
     ("core.arrays", "core.message"),
+    ("core.sentences",),
     ("core.signals", "core.perception"),
     ("core.scene",),
     ("core.contacts", "core.devices"),

@@ -1,4 +1,4 @@
-"""Looks at a designer's formula while it is written: what is wrong, and where."""
+"""Checks of a designer's formula while it is written: what is wrong, and where."""
 
 from __future__ import annotations
 
@@ -6,43 +6,42 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...message import Cause, Message
 from .expression import ExpressionError, compile_expression
 
-REACH = 100.0
-"""Metres over which a formula is tried."""
+FARTHEST = 100.0
+"""Metres up to which a formula is tried."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What a formula has: the words, its 0-based ``column`` or None where it has no place, and whether it can be used all the same."""
+    """A fault of a formula: its ``message``, the 0-based ``column`` or None where it has none, and whether the formula is ``usable``."""
 
-    message: str
+    message: Message
     column: int | None = None
     usable: bool = False
 
 
 def check_expression(source: str, kappa: float, rho: float, epsilon: float, on_contact: bool = False) -> Finding | None:
-    """What is wrong with a formula for these properties, or None. It is tried from 0 to `REACH` metres.
+    """What is wrong with a formula for these properties, or None. It is tried from 0 to `FARTHEST` metres.
 
     ``on_contact``: it is of a contact, which has area, depth and angle; an object has none.
     """
     try:
         compiled = compile_expression(source)
     except ExpressionError as error:
-        return Finding(error.reason, error.column)
+        return Finding(error.message, error.column)
     if compiled.uses_contact and not on_contact:
         name = next(name for name in ("area", "depth", "angle") if name in source)
-        return Finding(f"{name} is 0 inside an object: only a contact has one", source.index(name), usable=True)
-    distance = np.concatenate([[0.0], np.geomspace(1e-3, REACH, 200)])
+        return Finding(Message.of(Cause.FORMULA_CONTACT_VARIABLE, name=name), source.index(name), usable=True)
+    distance = np.concatenate([[0.0], np.geomspace(1e-3, FARTHEST, 200)])
     gains = compiled.evaluate(distance, {"kappa": kappa, "rho": rho, "epsilon": epsilon, "area": 0.01, "depth": 0.0, "angle": 0.0})
-    for bad, message in (
-        (~np.isfinite(gains), "no finite value at {} m; divided by zero?"),
-        (gains < 0, "negative at {} m; a gain is 0 or more"),
-    ):
+    for bad, cause in ((~np.isfinite(gains), Cause.FORMULA_NOT_FINITE), (gains < 0, Cause.FORMULA_NEGATIVE)):
         if bad.any():
-            return Finding(message.format(f"{distance[bad][0]:.3g}"))
+            return Finding(Message.of(cause, distance=f"{distance[bad][0]:.3g}"))
     if gains.max() > 1 + 1e-9:
-        return Finding(f"amplifies: the gain is {gains.max():.3g} at {distance[gains.argmax()]:.3g} m", usable=True)
+        loudest = Message.of(Cause.FORMULA_AMPLIFIES, gain=f"{gains.max():.3g}", distance=f"{distance[gains.argmax()]:.3g}")
+        return Finding(loudest, usable=True)
     return None
 
 

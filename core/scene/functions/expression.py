@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray
+from ...message import Argument, Cause, Message, Names
+from ...sentences import sentence
 from . import interval
 from .interval import Interval
 
@@ -65,12 +67,17 @@ _COMPARE: dict[type[ast.cmpop], Callable[..., Any]] = {
 
 
 class ExpressionError(ValueError):
-    """A formula that is not accepted: the ``reason`` and the ``column``, its 0-based place in the formula."""
+    """A formula that is not accepted: the ``message`` and the ``column``, its 0-based place in the formula."""
 
-    def __init__(self, reason: str, column: int = 0) -> None:
-        super().__init__(f"expression: {reason} (column {column + 1})")
-        self.reason = reason
+    def __init__(self, message: Message, column: int = 0) -> None:
+        super().__init__(f"expression: {sentence(message)} (column {column + 1})")
+        self.message = message
         self.column = column
+
+    @classmethod
+    def of(cls, cause: Cause, column: int = 0, **arguments: Argument) -> ExpressionError:
+        """An error of this ``cause``."""
+        return cls(Message.of(cause, **arguments), column)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,28 +112,28 @@ def compile_expression(source: str, variables: Collection[str] = VARIABLES) -> C
     not proportional to it.
     """
     if not isinstance(source, str):
-        raise ExpressionError(f"expected text, got {type(source).__name__}")
+        raise ExpressionError.of(Cause.FORMULA_NOT_TEXT, type=type(source).__name__)
     if len(source) > MAX_LENGTH:
-        raise ExpressionError(f"longer than {MAX_LENGTH} characters", MAX_LENGTH)
+        raise ExpressionError.of(Cause.FORMULA_TOO_LONG, MAX_LENGTH, most=MAX_LENGTH)
     formula = source.strip()
     indent = len(source) - len(source.lstrip())
     try:
         tree = ast.parse(formula, mode="eval").body
     except SyntaxError as error:
         if not error.offset:  # the parser ran out of text
-            raise ExpressionError("not a formula: something is missing at its end", indent + len(formula)) from None
-        raise ExpressionError(f"not a formula: {error.msg}", indent + error.offset - 1) from None
+            raise ExpressionError.of(Cause.FORMULA_INCOMPLETE, indent + len(formula)) from None
+        raise ExpressionError.of(Cause.FORMULA_SYNTAX, indent + error.offset - 1, parser=error.msg) from None
     except (ValueError, MemoryError, RecursionError):
-        raise ExpressionError("not a formula") from None
+        raise ExpressionError.of(Cause.FORMULA_INVALID) from None
     if sum(1 for _ in ast.walk(tree)) > 3 * MAX_NODES:
-        raise ExpressionError(f"more than {MAX_NODES} parts")
+        raise ExpressionError.of(Cause.FORMULA_TOO_COMPLEX, most=MAX_NODES)
     try:
         degree = _degree(tree, variables)
     except ExpressionError as error:  # the parser counts the bytes of UTF-8
         before = formula.encode()[: error.column].decode(errors="ignore")
-        raise ExpressionError(error.reason, indent + len(before)) from None
+        raise ExpressionError(error.message, indent + len(before)) from None
     if degree not in (0, 1, None):
-        raise ExpressionError(f"must be proportional to x, but grows with x to the power {degree}")
+        raise ExpressionError.of(Cause.FORMULA_DEGREE, degree=degree)
     return CompiledExpression(source, tree)
 
 
@@ -137,8 +144,8 @@ def _degree(node: ast.expr, variables: Collection[str]) -> int | None:
             return _degree_of_constant(node)
         case ast.Name(id=name):
             if name not in variables and name not in CONSTANTS:
-                known = ", ".join((*variables, *CONSTANTS, *FUNCTION_NAMES))
-                raise ExpressionError(f"unknown name {name!r}; known are {known}", node.col_offset)
+                known = Names((*variables, *CONSTANTS, *FUNCTION_NAMES))
+                raise ExpressionError.of(Cause.FORMULA_UNKNOWN_NAME, node.col_offset, name=name, known=known)
             return 1 if name == "x" else 0
         case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=operand):
             return _degree(operand, variables)
@@ -152,31 +159,31 @@ def _degree(node: ast.expr, variables: Collection[str]) -> int | None:
             return None if top is None else top - (bottom or 0)
         case ast.BinOp(op=ast.Pow(), left=left, right=right):
             if _degree(left, variables) or _degree(right, variables):
-                raise ExpressionError("x can't stand in a power: the formula must be proportional to x", node.col_offset)
+                raise ExpressionError.of(Cause.FORMULA_X_IN_POWER, node.col_offset)
             return 0
         case ast.Call(func=ast.Name(id="where"), args=[ast.Compare(left=left, ops=[operator], comparators=[right]), a, b], keywords=[]):
             if type(operator) not in _COMPARE:
-                raise ExpressionError("where() compares with <, <=, > or >=", node.col_offset)
+                raise ExpressionError.of(Cause.FORMULA_COMPARISON, node.col_offset)
             if _degree(left, variables) or _degree(right, variables):
-                raise ExpressionError("a condition can't depend on x", node.col_offset)
+                raise ExpressionError.of(Cause.FORMULA_X_IN_CONDITION, node.col_offset)
             return _same_degree(node, [a, b], variables)
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in _FUNCTIONS:
             return _degree_of_call(node, name, arguments, variables)
         case ast.Call(func=ast.Name(id=name)):
-            raise ExpressionError(f"{name!r} can't be called like this; functions are {', '.join(FUNCTION_NAMES)}", node.col_offset)
+            raise ExpressionError.of(Cause.FORMULA_CALL, node.col_offset, name=name, known=Names(FUNCTION_NAMES))
         case _:
-            raise ExpressionError(f"{type(node).__name__} is not allowed", getattr(node, "col_offset", 0))
+            raise ExpressionError.of(Cause.FORMULA_NOT_ALLOWED, getattr(node, "col_offset", 0), part=type(node).__name__)
 
 
 def _degree_of_constant(node: ast.Constant) -> int | None:
     if isinstance(node.value, bool) or not isinstance(node.value, int | float):
-        raise ExpressionError(f"{node.value!r} is not a number", node.col_offset)
+        raise ExpressionError.of(Cause.FORMULA_NOT_A_NUMBER, node.col_offset, value=repr(node.value))
     try:
         finite = math.isfinite(float(node.value))
     except OverflowError:
         finite = False
     if not finite:
-        raise ExpressionError("number too large", node.col_offset)
+        raise ExpressionError.of(Cause.FORMULA_NUMBER_TOO_LARGE, node.col_offset)
     return None if node.value == 0 else 0
 
 
@@ -184,18 +191,18 @@ def _degree_of_call(node: ast.expr, name: str, arguments: list[ast.expr], variab
     function = _FUNCTIONS[name]
     fewest, most = function.arguments
     if not fewest <= len(arguments) <= most:
-        raise ExpressionError(f"{name}() takes {fewest} argument{'s' if fewest > 1 else ''}, got {len(arguments)}", node.col_offset)
+        raise ExpressionError.of(Cause.FORMULA_ARGUMENTS, node.col_offset, name=name, expected=fewest, count=len(arguments))
     if function.keeps_scale:
         return _same_degree(node, arguments, variables)
     if any(_degree(argument, variables) for argument in arguments):
-        raise ExpressionError(f"x can't stand inside {name}(): the formula must be proportional to x", node.col_offset)
+        raise ExpressionError.of(Cause.FORMULA_X_IN_FUNCTION, node.col_offset, name=name)
     return 0
 
 
 def _same_degree(node: ast.expr, parts: list[ast.expr], variables: Collection[str]) -> int | None:
     degrees = {degree for part in parts if (degree := _degree(part, variables)) is not None}
     if len(degrees) > 1:
-        raise ExpressionError("terms with and without x are mixed: the formula must be proportional to x", node.col_offset)
+        raise ExpressionError.of(Cause.FORMULA_MIXED_TERMS, node.col_offset)
     return degrees.pop() if degrees else None
 
 

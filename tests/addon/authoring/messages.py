@@ -9,6 +9,7 @@ from typing import Any, get_args
 
 import bpy
 import haptic_tracing
+from haptic_tracing.addon.scene_reader.digest import TEXTS as CHANGES
 from haptic_tracing.addon.view import annotations, body_map
 from haptic_tracing.core.modalities import MODALITIES
 
@@ -33,7 +34,7 @@ def registered_texts() -> set[str]:
     """Labels, names and descriptions of the add-on's classes."""
     found = {text for cls in _classes() for text in _of_class(cls)}
     found |= {words for modality in MODALITIES.values() for _, words in modality.sensations}
-    found |= {*annotations.NAMES.values(), *get_args(body_map.View)}
+    found |= {*annotations.NAMES.values(), *CHANGES.values(), *get_args(body_map.View)}
     return {text for text in found if _has_words(text)}
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import bpy
 from haptic_tracing.addon import translations
 from haptic_tracing.addon.translations import german, sentences
-from haptic_tracing.core.diagnosis.sentences import ENGLISH
 from haptic_tracing.core.message import Cause, Message, Metres
+from haptic_tracing.core.sentences import ENGLISH
 
 _spec = importlib.util.spec_from_file_location("messages_of_the_add_on", Path(__file__).parent / "messages.py")
 messages = importlib.util.module_from_spec(_spec)

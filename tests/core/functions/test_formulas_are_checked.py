@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.scene.functions import Expression, check_expression, excerpt
 from haptic_tracing.core.scene.functions.expression import MAX_LENGTH
+from haptic_tracing.core.sentences import sentence
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -39,15 +40,15 @@ def test_what_is_not_finished_is_marked_near_its_end(source, column):
 
 def test_division_by_zero_is_found_without_running_it():
     finding = _check("x / d")
-    assert "no finite value at 0 m" in finding.message
+    assert "no finite value at 0 m" in sentence(finding.message)
     assert finding.column is None
-    assert "negative at" in _check("x * (1 - d)").message
+    assert "negative at" in sentence(_check("x * (1 - d)").message)
 
 
 def test_amplifying_is_noticed_but_usable():
     finding = _check("x * (1 + d)")
     assert finding.usable
-    assert "amplifies" in finding.message
+    assert "amplifies" in sentence(finding.message)
 
 
 def test_contact_values_are_zero_inside_an_object():
@@ -72,7 +73,7 @@ def test_any_text_is_either_right_or_told_what_is_wrong(source):
         gains = Expression(expression=source).gain(np.geomspace(1e-3, 100, 50), 0.1, 0.9, 0.1)
         assert np.all(np.isfinite(gains)) and np.all(gains >= 0)
     else:
-        assert finding.message
+        assert sentence(finding.message)
         assert finding.column is None or 0 <= finding.column <= len(source)
 
 

@@ -23,6 +23,7 @@ from haptic_tracing.core.render.renderer import ListenerMix, Renderer
 from haptic_tracing.core.render.voices import Voice
 from haptic_tracing.core.scene.functions import MIXING_VARIABLES
 from haptic_tracing.core.scene.values import Listener
+from haptic_tracing.core.sentences import sentence
 from haptic_tracing.core.signals import Constant, Decay, Sine
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -180,14 +181,14 @@ def test_renderer_mixes_by_a_formula() -> None:
         ("sum +", "not a formula"),
         ("", "not a formula"),
         ("log(sum)", "no finite value where sum is"),
-        ("sum + 0.25", "0.25 where nothing sounds"),
+        ("sum + 0.25", "0.25 where no source sounds"),
     ],
 )
 def test_formulas_are_checked_while_they_are_written(formula: str, words: str | None) -> None:
     finding = check_mixing(formula)
     assert (finding is None) == (words is None)
     if finding is not None and words is not None:
-        assert words in finding.message
+        assert words in sentence(finding.message)
         if not finding.usable:
             with pytest.raises(ValueError, match="expression: "):
                 MixingExpression(formula)

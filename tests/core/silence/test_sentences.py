@@ -6,8 +6,8 @@ from pathlib import Path
 
 import haptic_tracing
 import pytest
-from haptic_tracing.core.diagnosis.sentences import ENGLISH, sentence, written
 from haptic_tracing.core.message import Cause, Chain, Decibels, Hertz, Message, Metres, Names, Seconds
+from haptic_tracing.core.sentences import ENGLISH, sentence, written
 
 CORE = Path(haptic_tracing.__file__).parent / "core"
 

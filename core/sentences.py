@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..message import Argument, Cause, Chain, Decibels, Hertz, Message, Metres, Names, Seconds
+from .message import Argument, Cause, Chain, Decibels, Hertz, Message, Metres, Names, Seconds
 
 ENGLISH: Mapping[Cause, str] = {
     Cause.NO_SOURCE: "there is no source, and no collision was strong enough to make one",
@@ -53,6 +53,30 @@ ENGLISH: Mapping[Cause, str] = {
     Cause.PARTLY_OUT_OF_BAND: "its signal ({low} to {high}) is partly outside what {actuator} of {device} can play ({lowest} to {highest})",
     Cause.STRENGTH_ONLY: "{actuator} of {device} plays strength, not frequency",
     Cause.LATE: "{actuator} of {device} answers after {delay}; more than {limit} is noticed",
+    Cause.FORMULA_NOT_TEXT: "expected text, got {type}",
+    Cause.FORMULA_TOO_LONG: "longer than {most} characters",
+    Cause.FORMULA_TOO_COMPLEX: "more than {most} parts",
+    Cause.FORMULA_INCOMPLETE: "not a formula: something is missing at its end",
+    Cause.FORMULA_SYNTAX: "not a formula: {parser}",
+    Cause.FORMULA_INVALID: "not a formula",
+    Cause.FORMULA_UNKNOWN_NAME: "unknown name '{name}'; known are {known}",
+    Cause.FORMULA_CALL: "'{name}' can't be called like this; functions are {known}",
+    Cause.FORMULA_ARGUMENTS: "wrong number of arguments of {name}(): {count} instead of {expected}",
+    Cause.FORMULA_NOT_ALLOWED: "{part} is not allowed",
+    Cause.FORMULA_NOT_A_NUMBER: "{value} is not a number",
+    Cause.FORMULA_NUMBER_TOO_LARGE: "number too large",
+    Cause.FORMULA_COMPARISON: "where() compares with <, <=, > or >=",
+    Cause.FORMULA_DEGREE: "must be proportional to x, but grows with x to the power {degree}",
+    Cause.FORMULA_X_IN_POWER: "x can't stand in a power: the formula must be proportional to x",
+    Cause.FORMULA_X_IN_CONDITION: "a condition can't depend on x",
+    Cause.FORMULA_X_IN_FUNCTION: "x can't stand inside {name}(): the formula must be proportional to x",
+    Cause.FORMULA_MIXED_TERMS: "terms with and without x are mixed: the formula must be proportional to x",
+    Cause.FORMULA_CONTACT_VARIABLE: "{name} is 0 inside an object: only a contact has one",
+    Cause.FORMULA_NOT_FINITE: "no finite value at {distance} m; divided by zero?",
+    Cause.FORMULA_NEGATIVE: "negative at {distance} m; a gain is 0 or more",
+    Cause.FORMULA_AMPLIFIES: "amplifies: the gain is {gain} at {distance} m",
+    Cause.MIX_NOT_FINITE: "no finite value where sum is {sum}: nothing is felt there",
+    Cause.MIX_NOT_SILENT: "{value} where no source sounds; it should be 0",
 }
 
 _LONGEST_CHAIN = 6
