@@ -8,15 +8,16 @@ import math
 
 import numpy as np
 import pytest
+from haptic_tracing.core.contacts.shapes import Box
 from haptic_tracing.core.graph.contact_patches import merge_patches
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import objects_on, propagate
 from haptic_tracing.core.propagation.spread import spread
 from haptic_tracing.core.scene.functions import Constant, Exponential, HapticTracing, Identity, Spectrum
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, Strategy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from path_reference import METRIC, OTHER, connected_scene, recursive_paths
+from path_reference import METRIC, OTHER, connected_scene, meets, recursive_paths
 
 SEEDS = st.integers(0, 10**6)
 BEST = Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0.0)
@@ -42,7 +43,7 @@ def refined(scene: HapticScene, points: int, size: float, seed: int) -> tuple[Ha
 
 
 @settings(max_examples=150, deadline=None, derandomize=True)
-@given(SEEDS, st.integers(2, 5), st.booleans(), st.sampled_from([None, 5]))
+@given(SEEDS, st.integers(2, 5), st.booleans(), st.sampled_from([None, 3, 5, 7]))
 def test_best_path_takes_a_patch_as_one_contact_at_its_centre(seed, points, waves, most):
     functions = (*METRIC, *OTHER, *([Exponential(alpha=0.3, spectrum=WAVES)] if waves else []))
     scene = connected_scene(seed, functions, (Constant(gain_value=0.9, spectrum=WAVES if waves else Spectrum()),), listeners=3)
@@ -50,6 +51,9 @@ def test_best_path_takes_a_patch_as_one_contact_at_its_centre(seed, points, wave
     chosen = dataclasses.replace(BEST, max_connections=most)
     one, other = propagate(fine, chosen), propagate(coarse, chosen)
     assert np.allclose(one.gain, other.gain, rtol=1e-12, atol=0)
+    for column in range(len(coarse.listeners)):
+        products = [math.prod(gains) for _, gains in recursive_paths(coarse, 0, column) if meets(gains, most, 0.0)]
+        assert one.gain[0, column] == pytest.approx(max(products, default=0.0), rel=1e-9, abs=0)
     for key in ("band_gain", "delay"):
         first, second = getattr(one, key), getattr(other, key)
         assert (first is None) == (second is None)
@@ -58,6 +62,58 @@ def test_best_path_takes_a_patch_as_one_contact_at_its_centre(seed, points, wave
     for pair, nodes in one.best_path.items():
         assert objects_on(fine, nodes) == objects_on(coarse, other.best_path[pair])
         assert all(fine.partner[a] == b for a, b in itertools.pairwise(nodes[1:-1]) if fine.node_object[a] != fine.node_object[b])
+
+
+def metre_boxes(shape: tuple[int, int, int], seed: int, offsets: np.ndarray) -> HapticScene:
+    """Boxes of 1 m side by side, each face that two have in common given by points at ``offsets`` (n, 2) from its middle, of equal shares.
+    A source in the first, a listener in each other one."""
+    random = np.random.default_rng(seed)
+    cells = [np.array(cell) for cell in itertools.product(*map(range, shape))]
+    names = {tuple(cell): f"b{number}" for number, cell in enumerate(cells)}
+    boxes = tuple(HapticObject(name, *random.uniform([0.1, 0.5], [0.5, 0.9]).tolist(), shape=Box((1, 1, 1))) for name in names.values())
+    boxes = tuple(dataclasses.replace(box, pose=Pose(tuple(cell.tolist()))) for box, cell in zip(boxes, cells, strict=True))
+    contacts = []
+    for cell, axis in itertools.product(cells, range(3)):
+        beside = cell + np.eye(3, dtype=np.int64)[axis]
+        if tuple(beside) in names:
+            points = np.insert(offsets, axis, 0.0, axis=1) + (cell + beside) / 2
+            pair = names[tuple(cell)], names[tuple(beside)]
+            contacts += [Contact(pair, (point, point), share=1 / len(points)) for point in map(tuple, points.tolist())]
+    inside = [tuple((cell + random.uniform(-0.4, 0.4, 3)).tolist()) for cell in cells]
+    ends = list(zip(names.values(), inside, strict=True))
+    return HapticScene(boxes, tuple(contacts), (Source("s", *ends[0]),), tuple(Listener(f"l {name}", name, at) for name, at in ends[1:]))
+
+
+def levels(scene: HapticScene, strategy: Strategy) -> np.ndarray:
+    """In dB, without limits."""
+    result = propagate(graph_of_scene(scene), dataclasses.replace(BEST, strategy=strategy, tolerance=0.0))
+    return 20 * np.log10(result.gain[0])
+
+
+CORNERS = np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)]) / 2
+MIDDLE = np.zeros((1, 2))
+
+
+@pytest.mark.parametrize("shape", [(3, 1, 1), (3, 2, 1), (2, 2, 2)])
+@pytest.mark.parametrize("seed", range(3))
+def test_corners_of_a_patch_of_10_cm_between_boxes_of_a_metre(shape, seed):
+    for strategy, allowed in ((Strategy.BEST_PATH, 1e-9), (Strategy.ENERGY_BALANCE, 1e-9), (Strategy.ALL_PATHS, 0.5)):
+        coarse, fine = (levels(metre_boxes(shape, seed, offsets), strategy) for offsets in (MIDDLE, 0.1 * CORNERS))
+        assert np.abs(fine - coarse).max() < allowed
+
+
+@pytest.mark.parametrize("shape", [(3, 1, 1), (2, 2, 1)])
+def test_points_all_over_a_face_converge(shape):
+    """Faces divided into equal squares: the middle of the face gives what many points give, or comes near; best path and balance to
+    rounding."""
+    for strategy, allowed in ((Strategy.BEST_PATH, 1e-9), (Strategy.ENERGY_BALANCE, 1e-9), (Strategy.ALL_PATHS, 3.0)):
+        found = []
+        for divisions in (1, 2, 4):
+            along = (np.arange(divisions) + 0.5) / divisions - 0.5
+            found.append(levels(metre_boxes(shape, 1, np.array(list(itertools.product(along, along)))), strategy))
+        first, second = np.abs(np.diff(found, axis=0)).max(axis=1)
+        assert np.abs(found[-1] - found[0]).max() < allowed
+        assert second <= max(first / 2, 1e-9)
 
 
 def plank_on_soil(points: int) -> HapticScene:
