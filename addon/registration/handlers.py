@@ -51,7 +51,9 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
 
 @persistent
 def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
-    """Trace the frame again after an edit; while the timeline plays, `frame_change_post` does it."""
+    """Trace the frame again after an edit; while the timeline plays, `frame_change_post` does it. Edits of meshes are noted in any case."""
+    if depsgraph.mode != "RENDER" and is_loaded(session):
+        session.geometry_changed(depsgraph)
     if is_suspended() or is_stepped(scene) or depsgraph.mode == "RENDER" or is_playing():
         return
     mark_edited()
@@ -72,7 +74,9 @@ def file_changed(*_: Any) -> None:
 
 @persistent
 def reread(*_: Any) -> None:
-    """After undo and redo any property may have another value."""
+    """After undo and redo any property may have another value, and any mesh another shape."""
+    if is_loaded(session):
+        session.geometry_changed()
     mark_changed()
 
 

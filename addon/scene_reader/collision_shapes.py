@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from functools import lru_cache
 from typing import Any
 
@@ -38,6 +39,21 @@ def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Sha
             return _compound(obj, depsgraph, size)
         case kind:
             return shape_from_bounding_box(kind, _bounding_box(obj, depsgraph), size.tolist(), margin, use_margin)
+
+
+def mesh_checksum(obj: Object, depsgraph: Depsgraph) -> object:
+    """Check sum of the geometry that the shape of ``obj`` is built from; one that equals no other where parts of a compound count."""
+    body = obj.rigid_body
+    kind, source = ("CONVEX_HULL", "FINAL") if body is None else (body.collision_shape, body.mesh_source)
+    match kind:
+        case "COMPOUND":
+            return object()
+        case "CONVEX_HULL":
+            return zlib.crc32(_vertices(obj, depsgraph, source).tobytes())
+        case "MESH":
+            return tuple(zlib.crc32(part.tobytes()) for part in _triangles(obj, depsgraph, source))
+        case _:
+            return zlib.crc32(_bounding_box(obj, depsgraph).tobytes())
 
 
 @lru_cache(maxsize=32)

@@ -6,6 +6,7 @@ calls: only session ids, row numbers and plain values.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import bpy
@@ -21,7 +22,7 @@ from ..blender import compatibility
 from ..blender.progress import progress
 from ..blender.time import frame_seconds, seconds_of
 from .animated_frequency import AnimatedFrequencies
-from .collision_shapes import collision_shape
+from .collision_shapes import collision_shape, mesh_checksum
 from .imported import imported_object, near
 from .imported_contacts import ImportedContacts
 from .objects import read_impact_material, read_listener, read_motion, read_object, read_source
@@ -68,7 +69,8 @@ class SceneReader:
     def __init__(self) -> None:
         self._session_ids: NDArray[np.int32] | None = None
         self._tagged: dict[int, Tagged] = {}  # by row
-        self._shapes: dict[int, tuple[Any, Any]] = {}  # by session id: what it was built from, and the shape
+        self._shapes: dict[int, tuple[Any, Any, Any]] = {}  # by session id: what it was built from, its mesh's check sum, and the shape
+        self._doubtful: set[int] = set()  # session ids of objects whose geometry may have changed
         self._frequencies = AnimatedFrequencies()
         self._animated: dict[int, tuple[Any, ...]] = {}  # by row: what its animated properties were last
         self._lists: TaggedLists | None = None
@@ -84,9 +86,13 @@ class SceneReader:
         self._session_ids = None
 
     def forget_shapes(self) -> None:
-        """Meshes have changed."""
+        """Read every mesh at the next call."""
         self._shapes.clear()
         self._session_ids = None
+
+    def doubt_shapes(self, session_ids: Iterable[int] | None = None) -> None:
+        """The geometry of these objects (None: of all) may have changed: compare it at the next call."""
+        self._doubtful.update(self._shapes if session_ids is None else session_ids)
 
     @property
     def is_empty(self) -> bool:
@@ -149,10 +155,9 @@ class SceneReader:
             known = lists.scales[moved]
             rows |= set(lists.rows[moved[np.any(np.abs(scales - known) > 1e-5 * np.abs(known), axis=1)]].tolist())
         if lists.deforming or depsgraph.id_type_updated("MESH"):
-            deformed = {u.id.original.session_uid for u in depsgraph.updates if u.is_updated_geometry and isinstance(u.id, Object)}
-            for session_id in deformed:
-                self._shapes.pop(session_id, None)
-            rows |= {row for row in self._tagged if self._session_ids is not None and int(self._session_ids[row]) in deformed}
+            self.doubt_shapes(edited_geometry(depsgraph))
+        if self._doubtful and lists is self._lists:
+            rows |= {row for row in self._tagged if bpy.data.objects[row].session_uid in self._doubtful}
         changed = False
         again = sorted(rows)
         scales = rigid_transforms(raw[np.array(again, dtype=np.int64)])[1] if again else np.zeros((0, 3))
@@ -172,6 +177,7 @@ class SceneReader:
                 for place, item in zip(raw[lists.of_places, 12:15].tolist(), lists.places, strict=True)
             ]
         self._lists = lists
+        self._doubtful.clear()
         return lists
 
     def _read_object(self, row: int, obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Tagged:
@@ -229,12 +235,24 @@ class SceneReader:
             imported = imported_object(obj.haptics.imported).shape
             if imported is not None:
                 return imported
-        key = (tuple(scale.tolist()), settings)
-        known = self._shapes.get(obj.session_uid)
-        if known is None or known[0] != key:
-            known = (key, collision_shape(obj, depsgraph, scale))
-            self._shapes[obj.session_uid] = known
-        return known[1]
+        key, session_id = (tuple(scale.tolist()), settings), obj.session_uid
+        known = self._shapes.get(session_id)
+        if known is not None and known[0] == key and (session_id not in self._doubtful or known[1] == mesh_checksum(obj, depsgraph)):
+            return known[2]
+        self._shapes[session_id] = key, mesh_checksum(obj, depsgraph), collision_shape(obj, depsgraph, scale)
+        return self._shapes[session_id][2]
+
+
+def edited_geometry(depsgraph: Depsgraph) -> set[int]:
+    """Session ids of the objects whose geometry an update may have changed, and of the compounds that they are parts of."""
+    found = set()
+    for update in depsgraph.updates:
+        if update.is_updated_geometry and isinstance(update.id, Object):
+            obj = update.id.original
+            while obj is not None:
+                found.add(obj.session_uid)
+                obj = obj.parent if obj.rigid_body is not None and obj.parent is not None and obj.parent.rigid_body is not None else None
+    return found
 
 
 def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:

@@ -23,7 +23,7 @@ from ..changes.events import file_changed
 from ..changes.suspension import is_stepped
 from ..scene_reader.digest import motion_of
 from ..scene_reader.problem import Problem
-from ..scene_reader.reader import SceneReader
+from ..scene_reader.reader import SceneReader, edited_geometry
 from ..scene_reader.reading import Reading
 from ..scene_reader.settings import read_settings
 from . import modalities, sessions, worker
@@ -85,6 +85,15 @@ def show(scene: Scene, result: FrameResult, samples: FloatArray) -> None:
     session.serial = next(_serials)
     session.shown = Traced(session.serial, result, read_settings(scene), session.history.all())
     worker.submit(_follow, session)
+
+
+def geometry_changed(depsgraph: Depsgraph | None = None) -> None:
+    """Have every scene compare the meshes that an update of a depsgraph may have changed (None: all meshes) when it is read next, also those
+    that are not traced now."""
+    edited = None if depsgraph is None else edited_geometry(depsgraph)
+    if edited is None or edited:
+        for session in sessions.every():
+            session.reader.doubt_shapes(edited)
 
 
 def clear() -> None:

@@ -97,6 +97,11 @@ def add(scene: Scene, session: Session) -> None:
     _state.sessions[scene.session_uid] = session
 
 
+def every() -> tuple[Session, ...]:
+    """The sessions of all scenes."""
+    return tuple(_state.sessions.values())
+
+
 def clear() -> None:
     """Drop all sessions."""
     _state.sessions.clear()
