@@ -102,6 +102,18 @@ class CollisionDetector:
         """True where impacts of some frame are remembered."""
         return bool(self._remembered)
 
+    def impacts_of(self, number: int) -> FrameImpacts | None:
+        """Return the impacts that are remembered of a frame."""
+        return self._remembered.get(number)
+
+    def restore_impacts(self, number: int, bodies: tuple[Body, ...], kept: FrameImpacts) -> None:
+        """Remember the impacts of a frame of ``bodies`` from elsewhere, and nothing else."""
+        self._rules = self._rules_of(bodies)
+        self._remembered = {number: kept}
+
+    def _rules_of(self, bodies: tuple[Body, ...]) -> tuple[tuple[Body, ...], ContactSettings]:
+        return bodies, replace(self.settings, patch_points=False)
+
     def forget_impacts(self) -> None:
         """Something that makes impacts has changed."""
         self._remembered.clear()
@@ -184,7 +196,7 @@ class CollisionDetector:
     def _follow(self, bodies: tuple[Body, ...], table: ObjectTable) -> ContactTracker:
         """Return a tracker of ``bodies``: the present one while they have the same names and the settings are the same."""
         tracker = self._tracker
-        rules = bodies, replace(self.settings, patch_points=False)
+        rules = self._rules_of(bodies)
         if self._rules != rules:
             self.forget_impacts()
             self._rules = rules

@@ -171,6 +171,11 @@ class HapticSceneProperties(Imported, PropertyGroup):
         options={"HIDDEN"},
         update=changed,
     )
+    kept_impacts: StringProperty(
+        name="Kept Impacts",
+        description="The impacts of the frame in which the file was saved",
+        options={"HIDDEN"},
+    )
 
 
 CLASSES = (HapticSceneProperties,)

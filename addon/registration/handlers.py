@@ -73,6 +73,32 @@ def file_changed(*_: Any) -> None:
 
 
 @persistent
+def file_loaded(*_: Any) -> None:
+    """After another file is loaded: have what it showed when it was saved traced, as soon as it is drawn."""
+    file_changed()
+    if not bpy.app.background:
+        bpy.app.timers.register(trace_opened, first_interval=0.0)
+
+
+def trace_opened() -> None:
+    """Begin to trace the scenes in the windows, or show their frames of the baked tracks; waits for no trace."""
+    for window in bpy.context.window_manager.windows:
+        scene = window.scene
+        if scene.haptics.tracing and _is_concerned(scene) and sessions.known(scene) is None and not playback.play(scene):
+            with bpy.context.temp_override(window=window):
+                session.begin(scene, bpy.context.evaluated_depsgraph_get(), live=True)
+
+
+@persistent
+def saving(*_: Any) -> None:
+    """Before the file is saved."""
+    if is_loaded(session):
+        for scene in bpy.data.scenes:
+            if scene.is_editable:
+                session.keep_impacts(scene)
+
+
+@persistent
 def reread(*_: Any) -> None:
     """After undo and redo any property may have another value, and any mesh another shape."""
     if is_loaded(session):
@@ -100,7 +126,8 @@ _HANDLERS: dict[str, Callable[..., None]] = {
     "frame_change_post": frame_change_post,
     "depsgraph_update_post": depsgraph_update_post,
     "load_pre": file_changed,
-    "load_post": file_changed,
+    "load_post": file_loaded,
+    "save_pre": saving,
     "undo_post": reread,
     "redo_post": reread,
 }
@@ -118,6 +145,8 @@ def unregister() -> None:
     """Stop listening, end what is going on, and drop everything."""
     job.stop()
     bake.stop()
+    if bpy.app.timers.is_registered(trace_opened):
+        bpy.app.timers.unregister(trace_opened)
     live_output.unregister()
     events.track_switched.unsubscribe(_show_track)
     for event, handler in _HANDLERS.items():

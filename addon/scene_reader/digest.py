@@ -57,10 +57,13 @@ def digest_of(scene: Scene) -> Digest:
     return {"settings": settings, **_physics(scene), "objects": objects}
 
 
-def motion_of(scene: Scene) -> Digest:
-    """What makes the impacts of a scene, whatever its haptic settings and the current frame: physics, and of everything haptic and of what
-    may move it shape, transforms, animation, rigid body, parent, constraints and modifiers."""
-    return {**_physics(scene), "objects": {obj.name_full: _motion(obj, "haptics.") for obj in scene.objects if _may_hit(obj)}}
+def motion_of(scene: Scene) -> str:
+    """A check sum of what makes the impacts of a scene, whatever its haptic settings and the current frame.
+
+    That is physics, and of everything haptic and of what may move it shape, transforms, animation, rigid body, parent, constraints and
+    modifiers.
+    """
+    return _sum([_physics(scene), [(obj.name_full, _motion(obj, "haptics.")) for obj in scene.objects if _may_hit(obj)]])
 
 
 def changes(before: Mapping[str, Any], now: Digest) -> tuple[Change, ...]:

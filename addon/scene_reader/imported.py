@@ -125,14 +125,14 @@ def exact(owner: Any, name: str, numbers: Numbers) -> float:
 
 def text_with(text: str, emitters: Mapping[str, Vector], numbers: Numbers) -> str:
     """The text of an object with more of these."""
-    form = _stored(text, "object")
+    form = stored(text, "object")
     return text_of(**{**form, "emitters": {**form.get("emitters", {}), **emitters}, "numbers": {**form.get("numbers", {}), **numbers}})
 
 
 @lru_cache(maxsize=4096)
 def imported_object(text: str) -> ImportedObject:
     """Raises ValueError in words where the text is damaged."""
-    form = _stored(text, "object")
+    form = stored(text, "object")
     with _damaged():
         shape, pose, function = (form.get(key) for key in ("shape", "pose", "function"))
         return ImportedObject(
@@ -149,7 +149,7 @@ def imported_object(text: str) -> ImportedObject:
 @lru_cache(maxsize=4096)
 def imported_source(text: str) -> ImportedSource:
     """Raises ValueError in words where the text is damaged."""
-    form = _stored(text, "source")
+    form = stored(text, "source")
     with _damaged():
         return ImportedSource(
             signal=signal_from_dict(form["signal"]) if "signal" in form else None,
@@ -166,27 +166,27 @@ def imported_source(text: str) -> ImportedSource:
 @lru_cache(maxsize=4096)
 def imported_listener(text: str) -> ImportedListener:
     """Raises ValueError in words where the text is damaged."""
-    form = _stored(text, "listener")
+    form = stored(text, "listener")
     return ImportedListener(_place(form, "position"), _numbers(form), form.get("extras", {}))
 
 
 @lru_cache(maxsize=8)
 def imported_scene(text: str) -> ImportedScene:
     """Raises ValueError in words where the text is damaged."""
-    form = _stored(text, "scene")
+    form = stored(text, "scene")
     return ImportedScene(_float(form, "tolerance"), _numbers(form), form.get("extras", {}))
 
 
 def imported_device(text: str) -> ImportedDevice:
     """Raises ValueError in words where the text is damaged."""
-    form = _stored(text, "device")
+    form = stored(text, "device")
     return ImportedDevice(form.get("profile"), form.get("extras", {}))
 
 
 @lru_cache(maxsize=8)
 def file_contacts(text: str) -> FileContacts:
     """Raises ValueError in words where the text is damaged."""
-    form = _stored(text, "contacts")
+    form = stored(text, "contacts")
     if not form:
         return FileContacts()
     with _damaged():
@@ -239,6 +239,10 @@ def _object(required: tuple[str, ...] = (), /, others: Any = True, **properties:
     return {"type": "object", "properties": properties, "required": list(required), "additionalProperties": others}
 
 
+def _list(items: dict[str, Any], count: int | None = None) -> dict[str, Any]:
+    return {"type": "array", "items": items} | ({} if count is None else {"minItems": count, "maxItems": count})
+
+
 # What is stored, by whose it is, by the definitions of scene files. A later version of the add-on may store more.
 _STORED: Mapping[str, dict[str, Any]] = {
     "object": _object(
@@ -277,6 +281,25 @@ _STORED: Mapping[str, dict[str, Any]] = {
         tolerance=_ref("length"),
         patch_points={"type": "boolean"},
     ),
+    "impacts": _object(
+        ("frame", "start", "motion", "impacts"),
+        frame={"type": "integer"},
+        start=_ref("seconds"),
+        motion={"type": "string"},
+        impacts=_list(
+            _object(
+                ("objects", "time", "positions", "normal", "energy", "amplitude", "local", "poses"),
+                objects=_list(_ref("name"), 2),
+                time=_ref("seconds"),
+                positions=_list(_ref("position"), 2),
+                normal=_ref("position"),
+                energy={"type": "number", "minimum": 0},
+                amplitude=_ref("unit"),
+                local=_list(_ref("position"), 2),
+                poses=_list(_list({"type": "number"}, 12), 2),
+            )
+        ),
+    ),
 }
 
 
@@ -289,7 +312,7 @@ def _validator(kind: str) -> Callable[[Any], Any]:
     return validate
 
 
-def _stored(text: str, kind: str) -> dict[str, Any]:
+def stored(text: str, kind: str) -> dict[str, Any]:
     """The document that a property stores; an empty one for no text. Raises ValueError in words where it is not what is stored there."""
     if not text:
         return {}

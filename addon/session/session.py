@@ -22,6 +22,7 @@ from ..changes import revisions
 from ..changes.events import file_changed
 from ..changes.suspension import is_stepped
 from ..scene_reader.digest import motion_of
+from ..scene_reader.kept_impacts import impacts_from_text, text_of_impacts
 from ..scene_reader.problem import Problem
 from ..scene_reader.reader import SceneReader, edited_geometry
 from ..scene_reader.reading import Reading
@@ -88,8 +89,10 @@ def show(scene: Scene, result: FrameResult, samples: FloatArray) -> None:
 
 
 def geometry_changed(depsgraph: Depsgraph | None = None) -> None:
-    """Have every scene compare the meshes that an update of a depsgraph may have changed (None: all meshes) when it is read next, also those
-    that are not traced now."""
+    """Have every scene, traced now or not, compare the meshes that an update of a depsgraph may have changed when it is read next.
+
+    depsgraph: that of the update; None for all meshes.
+    """
     edited = None if depsgraph is None else edited_geometry(depsgraph)
     if edited is None or edited:
         for session in sessions.every():
@@ -143,6 +146,7 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     continuous = whole and follows and step == session.frame_seconds
     if continuous and session.motion is None:
         session.motion = motion_of(scene)
+    _restore_impacts(scene, session, reading)
     recall = whole and not is_stepped(scene) and not is_playing()
     session.frame, session.frame_seconds = scene.frame_current if whole else None, step
     session.serial = next(_serials)
@@ -151,6 +155,32 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     session.begun_at = time.monotonic()
     session.begun = worker.submit(_step, session, begun, replace(frame_of(scene, reading, continuous), recall=recall))
     worker.submit(_follow, session)
+
+
+def keep_impacts(scene: Scene) -> None:
+    """Keep the impacts of the frame shown in the scene, before it is saved. A scene that was never traced keeps what it has."""
+    session = known(scene)
+    if session is None:
+        return
+    _finish(scene, session)
+    kept = None if session.reading is None else session.tracer.collisions.impacts_of(scene.frame_current)
+    text = ""
+    if session.reading is not None and kept is not None:
+        text = text_of_impacts(scene.frame_current, kept, [body.name for body in session.reading.bodies], motion_of(scene))
+    if scene.haptics.kept_impacts != text:
+        scene.haptics.kept_impacts = text
+
+
+def _restore_impacts(scene: Scene, session: Session, reading: Reading) -> None:
+    """The first time that a scene is traced: take the impacts that were kept when it was saved."""
+    text = scene.haptics.kept_impacts
+    if text and not session.is_restored:
+        motion = motion_of(scene)
+        kept = impacts_from_text(text, scene.frame_current, [body.name for body in reading.bodies], motion)
+        if kept is not None:
+            session.tracer.collisions.restore_impacts(scene.frame_current, reading.bodies, kept)
+            session.motion = motion
+    session.is_restored = True
 
 
 def _step(session: Session, begun: _Begun, frame: Frame) -> Traced:

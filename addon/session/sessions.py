@@ -62,7 +62,8 @@ class Session:
     frame: int | None = None
     frame_seconds: float = 0.0
     version: int = -1
-    motion: dict[str, Any] | None = None  # what made the impacts that the tracer remembers
+    motion: str | None = None  # check sum of what made the impacts that the tracer remembers
+    is_restored: bool = False  # the impacts kept in the file have been asked for
     begun: Future[Traced] | None = None
     serial: int = 0  # of the frame that was begun last
     begun_at: float = 0.0  # time.monotonic() of that

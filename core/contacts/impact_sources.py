@@ -28,6 +28,23 @@ class Sounding:
     local: tuple[FloatArray, FloatArray]
     end: float
 
+    @classmethod
+    def of(cls, impact: Impact, bodies: tuple[str, str], local: tuple[FloatArray, FloatArray], signal: Signal) -> Sounding:
+        """An impact of ``bodies``, by name, that plays ``signal``."""
+        first, second = bodies
+        source = Source(
+            name=f"impact of {first} and {second} at {impact.time:.4f} s",
+            object=first,
+            position=impact.positions[0],
+            second_object=second,
+            second_position=impact.positions[1],
+            amplitude=impact.amplitude,
+            kind=SourceKind.TEMPORARY,
+            signal=signal,
+            onset=impact.time,
+        )
+        return cls(impact, source, local, impact.time + signal.duration)
+
     def of_materials(self, signal: Signal, materials: Mapping[str, str]) -> Sounding:
         """The same impact, of bodies that have these materials now."""
         first, second = self.source.object, self.source.second_object or ""
@@ -84,22 +101,9 @@ class ImpactSources:
         materials: by body, a key of `IMPACT_MATERIALS`.
         """
         for impact in impacts:
-            first, second = (names[body] for body in impact.objects)
-            source = Source(
-                name=f"impact of {first} and {second} at {impact.time:.4f} s",
-                object=first,
-                position=impact.positions[0],
-                second_object=second,
-                second_position=impact.positions[1],
-                amplitude=impact.amplitude,
-                kind=SourceKind.TEMPORARY,
-                signal=self._signal,
-                onset=impact.time,
-            )
-            on_first, on_second = (
-                _to_body(transforms[body], position) for body, position in zip(impact.objects, impact.positions, strict=True)
-            )
-            sounding = Sounding(impact, source, (on_first, on_second), impact.time + self._signal.duration)
+            first, second = impact.objects
+            local = (_to_body(transforms[first], impact.positions[0]), _to_body(transforms[second], impact.positions[1]))
+            sounding = Sounding.of(impact, (names[first], names[second]), local, self._signal)
             self._sounding.append(sounding.of_materials(self._signal, materials))
 
     def places(self, transforms: FloatArray) -> tuple[IntArray, FloatArray]:

@@ -141,3 +141,56 @@ def test_a_bake_begins_without_the_impacts_of_before(struck):
 
     (result,) = timeline.results(struck, FRAME, FRAME)
     assert result.sources == ()
+
+
+def reopened(path: Path) -> Any:
+    """The file's scene as a window shows it once it is loaded."""
+    from haptic_tracing.addon.registration import handlers
+
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    handlers.trace_opened()
+    return bpy.context.scene
+
+
+def test_a_saved_file_opens_with_its_result(struck, tmp_path):
+    before = session.result_of(struck)
+    blow, path = impacts(struck), tmp_path / "struck.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    scene = reopened(path)
+    after = session.result_of(scene)
+    assert after.number == FRAME
+    assert impacts(scene) == blow
+    assert after.impacts == before.impacts
+    assert after.gains == pytest.approx(before.gains, rel=1e-6)
+    assert [item.position for item in after.sources] == [pytest.approx(item.position, abs=1e-6) for item in before.sources]
+    bpy.ops.haptic.set_mode(mode="SD")
+    assert impacts(scene) == blow
+
+
+def test_what_was_changed_elsewhere_keeps_no_impacts(struck, tmp_path):
+    path = tmp_path / "struck.blend"
+    kept = struck.haptics
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    text = kept.kept_impacts
+    for spoiled in (
+        text.replace('"frame":22', '"frame":23'),
+        text.replace("Nail", "Anvil"),
+        text.replace('"motion":"', '"motion":"0'),
+        text[:-1],
+        text.replace('"energy":', '"energy":-'),
+        '{"frame":22}',
+        "x" * 2**17,
+    ):
+        assert spoiled != text
+        scene = reopened(path)
+        scene.haptics.kept_impacts = spoiled
+        session.clear()
+        scene.frame_set(FRAME)
+        assert impacts(scene) == []
+
+
+def test_a_frame_without_impacts_is_saved_without(struck, tmp_path):
+    struck.frame_set(5)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "before.blend"))
+    assert struck.haptics.kept_impacts == ""
+    assert impacts(reopened(tmp_path / "before.blend")) == []

@@ -50,3 +50,15 @@ def steps(window):
     yield 0.5
     window.seen["after a step back and forth"] = scene.frame_current == frame and blow() == struck
     yield from window.screenshot("back-again")
+
+    # The file opens as it was left.
+    path = str(window.folder / "struck.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_homefile(use_factory_startup=False)
+    yield 0.5
+    bpy.ops.wm.open_mainfile(filepath=path)
+    scene = bpy.context.scene
+    sessions = window.module("addon.session.sessions")
+    yield from window.wait_until(lambda: sessions.shown(scene) is not None)
+    window.seen["opened with its blow"] = scene.frame_current == frame and blow() == struck
+    yield from window.screenshot("opened")

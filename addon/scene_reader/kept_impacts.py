@@ -1,0 +1,68 @@
+"""The impacts of a frame as they are kept in a .blend, so that it opens as it was left."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ...core.contacts.impact_sources import FrameImpacts, Sounding
+from ...core.contacts.impacts import Impact
+from ...core.signals import DEFAULT_IMPACT
+from .imported import stored
+
+_MOST_CHARACTERS = 2**16
+"""Of the text; more impacts than that are not kept."""
+
+
+def text_of_impacts(frame: int, kept: FrameImpacts, names: Sequence[str], motion: str) -> str:
+    """The text that keeps the impacts of a frame between bodies called ``names``, made by ``motion``, for `impacts_from_text`."""
+    impacts = [
+        {
+            "objects": [names[body] for body in item.impact.objects],
+            "time": item.impact.time,
+            "positions": item.impact.positions,
+            "normal": item.impact.normal,
+            "energy": item.impact.energy,
+            "amplitude": item.impact.amplitude,
+            "local": [place.tolist() for place in item.local],
+            "poses": poses.reshape(2, 12).tolist(),
+        }
+        for item, poses in zip(kept.sounding, kept.poses, strict=True)
+    ]
+    form = {"frame": frame, "start": kept.start, "motion": motion, "impacts": impacts}
+    text = json.dumps(form, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text if len(text) <= _MOST_CHARACTERS else ""
+
+
+def impacts_from_text(text: str, frame: int, names: Sequence[str], motion: str) -> FrameImpacts | None:
+    """The impacts that are kept of a frame; None where there are none, or where something has changed since. The text may come from a
+    stranger's file: what is no such text counts as none."""
+    if not 0 < len(text) <= _MOST_CHARACTERS:
+        return None
+    try:
+        form = stored(text, "impacts")
+    except ValueError:
+        return None
+    row = {name: number for number, name in enumerate(names)}
+    if (form["frame"], form["motion"]) != (frame, motion) or not all(name in row for item in form["impacts"] for name in item["objects"]):
+        return None
+    sounding = tuple(_sounding(item, row) for item in form["impacts"])
+    poses = np.array([item["poses"] for item in form["impacts"]], dtype=np.float64).reshape(-1, 2, 3, 4)
+    return FrameImpacts(float(form["start"]), sounding, poses) if sounding else None
+
+
+def _sounding(item: dict[str, Any], row: dict[str, int]) -> Sounding:
+    first, second = item["objects"]
+    impact = Impact(
+        objects=(row[first], row[second]),
+        time=float(item["time"]),
+        positions=tuple(tuple(map(float, place)) for place in item["positions"]),
+        normal=tuple(map(float, item["normal"])),
+        energy=float(item["energy"]),
+        amplitude=float(item["amplitude"]),
+    )
+    on_first, on_second = (np.array(place, dtype=np.float64) for place in item["local"])
+    return Sounding.of(impact, (first, second), (on_first, on_second), DEFAULT_IMPACT)
