@@ -6,7 +6,7 @@ MATRIX := 4.2.23 4.5.15 5.0.1 5.2.3
 # Compiled modules are kept, whatever the environment says: the tests start Python some hundred times.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: packages-for-demo packages-for-test help demo test test-quick test-more lint format test-matrix $(MATRIX:%=test-%) test-gui docs package wheels bench samples clean
+.PHONY: packages-for-demo packages-for-test help demo test test-quick test-more lint format test-matrix $(MATRIX:%=test-%) test-gui docs validate package wheels bench samples clean
 .DELETE_ON_ERROR:
 
 help:
@@ -19,6 +19,7 @@ help:
 	@echo "make test-gui BLENDER=path/to/blender   the suite in Blender's own window"
 	@echo "make package      the extension, one zip per platform in dist/"
 	@echo "make bench        measurements, printed as tables"
+	@echo "make validate     the model beside published measurements: docs/validation.md"
 	@echo "make docs         the documentation as web pages in out/docs"
 	@echo "make samples      the sample scenes as .blend files in out/samples"
 	@echo "make clean        remove everything made, the virtual environments included"
@@ -62,6 +63,9 @@ wheels: .venv/complete
 bench: .venv/complete
 	@packaging/make_environment .venv newest test,benchmark
 	$(PYTHON) benchmarks
+
+validate: .venv/complete
+	$(PYTHON) -m haptic_tracing validate --out docs
 
 samples: packages-for-demo .venv/complete
 	@mkdir -p out/samples

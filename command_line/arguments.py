@@ -120,6 +120,10 @@ def _study(parser: Parser) -> None:
     parser.add_argument("--no-tracks", action="store_true", help="write no WAV files")
 
 
+def _validate(parser: Parser) -> None:
+    parser.add_argument("--out", type=Path, metavar="FOLDER", help="write the page and its picture here")
+
+
 SUBCOMMANDS: Mapping[str, Subcommand] = {
     "propagate": Subcommand("gains of a haptic scene file", "Print the gains of a haptic scene file as one JSON object.", _propagate),
     "contacts": Subcommand(
@@ -151,6 +155,11 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "trace the paper's first figure: a jackhammer felt on a bench",
         "Build the paper's first figure, play it in Blender and write what the avatar feels.",
         _demo,
+    ),
+    "validate": Subcommand(
+        "hold the model against published measurements",
+        "Compare attenuation, damping and energies with published measurements and printed answers.",
+        _validate,
     ),
     "study": Subcommand(
         "render the paper's ride in its four modes and report",

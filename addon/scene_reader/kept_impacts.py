@@ -56,11 +56,13 @@ def impacts_from_text(text: str, frame: int, names: Sequence[str], motion: str) 
 
 def _sounding(item: dict[str, Any], row: dict[str, int]) -> Sounding:
     first, second = item["objects"]
+    (ax, ay, az), (bx, by, bz) = item["positions"]
+    nx, ny, nz = item["normal"]
     impact = Impact(
         objects=(row[first], row[second]),
         time=float(item["time"]),
-        positions=tuple(tuple(map(float, place)) for place in item["positions"]),
-        normal=tuple(map(float, item["normal"])),
+        positions=((float(ax), float(ay), float(az)), (float(bx), float(by), float(bz))),
+        normal=(float(nx), float(ny), float(nz)),
         energy=float(item["energy"]),
         amplitude=float(item["amplitude"]),
     )

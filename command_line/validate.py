@@ -1,0 +1,20 @@
+"""``haptic-tracing validate``: the model beside published measurements, as a page with a picture."""
+
+from __future__ import annotations
+
+import argparse
+
+from ..study.validation import all_series
+from ..study.validation_page import page, picture
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print a line for each series; write the page and its picture where a folder is given. Exit code 0."""
+    for series in all_series():
+        print(f"{series.verdict:7}  {series.kind:10}  {series.name}")
+    if args.out is not None:
+        (args.out / "pictures").mkdir(parents=True, exist_ok=True)
+        for path, text in ((args.out / "validation.md", page()), (args.out / "pictures" / "validation.svg", picture())):
+            path.write_text(text, encoding="utf-8")
+            print(f"wrote {path}")
+    return 0

@@ -1,0 +1,135 @@
+"""The page `docs/validation.md` and its picture, from the series of `validation`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from .validation import Series, all_series, ground
+
+UNMODELLED = (
+    (
+        "Floors and foundations of houses",
+        "+17 dB (concrete) and +22 dB (timber) at a floor's resonance, -5 dB well above (E DIN 45672-3:2023, annex A)",
+        "resonances are not modelled: a floor passes on what its material does, at every frequency",
+    ),
+    (
+        "Skin",
+        "felt 4 cm from an actuator above 150 Hz, not beyond 8 cm (doi 10.3390/app9204329)",
+        "bodies of listeners have no parts that depend on frequency yet",
+    ),
+    (
+        "Hand to shoulder, seat to head, foot to knee",
+        "resonances at 8 Hz (elbow), 4 to 6 Hz (head), 16 to 147 Hz (foot; doi 10.3233/OER-160236), then falling by tens of decibels",
+        "as for skin; the curves of the sources could not be read as numbers",
+    ),
+    ("Contacts under load", "stiffness grows with the cube root of the force (Hertz)", "the force of a contact is not estimated yet"),
+    (
+        "Rooms and beams with few modes",
+        "peaks and gaps of 20 dB and more",
+        "an energy balance describes averages over many modes, and a path has no resonance",
+    ),
+)
+"""What was published, its figures, and why the model has none."""
+
+INTRODUCTION = """# Validation: the model beside what was measured
+
+`haptic-tracing validate --out docs` computes this page. What a comparison is worth stands under *kind*:
+
+- **validation**: nothing was fitted.
+- **fit**: one number was fitted to some places; the others judge.
+- **printed**: figures of a closed form or a textbook, computed again by the solver.
+- **definition**: the same formula; shows that its factors are right.
+- **chosen**: the value was chosen so; it proves nothing.
+
+Levels are amplitudes in decibels. Figures of standards come from transcriptions, named with each series.
+
+![Attenuation on the ground, measured and modelled](pictures/validation.svg)
+
+| series | kind | judged figures | largest error | limit | verdict |
+|---|---|---|---|---|---|"""
+
+
+def page() -> str:
+    """The page as Markdown."""
+    every = list(all_series())
+    lines = [INTRODUCTION, *(_summary(series) for series in every)]
+    lines += ["", "## What the model can't say", "", "| published | figures | why the model has none |", "|---|---|---|"]
+    lines += [f"| {published} | {figures} | {why} |" for published, figures, why in UNMODELLED]
+    for series in every:
+        lines += _section(series)
+    return "\n".join(lines) + "\n"
+
+
+def _summary(series: Series) -> str:
+    judged = sum(point.judged for point in series.points)
+    limit = "" if series.limit is None else _written(series, series.limit)
+    return f"| {series.name} | {series.kind} | {judged} | {_written(series, series.worst)} | {limit} | {series.verdict} |"
+
+
+def _section(series: Series) -> Iterator[str]:
+    yield from ("", f"## {series.name}", "")
+    yield ". ".join(text[:1].upper() + text[1:] for text in (series.source, series.conditions, series.remark)) + "."
+    yield from ("", "| at | published | model | error |", "|---|---|---|---|")
+    for point in series.points:
+        error = _written(series, point.error / point.measured if series.unit == "relative" else point.error)
+        yield f"| {point.at} | {_number(point.measured)} | {_number(point.modelled)} | {error}{'' if point.judged else ' (fitted)'} |"
+
+
+def _number(value: float) -> str:
+    return f"{value:.5g}" if abs(value) < 1 else f"{value:.2f}".rstrip("0").rstrip(".")
+
+
+def _written(series: Series, error: float) -> str:
+    if series.unit == "relative":
+        return f"{100 * error:.3f} %"
+    return f"{error:.0f} pairs" if series.unit == "pairs" else f"{error:.2f} {series.unit}"
+
+
+WIDTH, HEIGHT, LEFT, TOP, RIGHT, BOTTOM = 640, 300, 50, 20, 20, 40
+NEAREST, FARTHEST, LOWEST = 7.0, 80.0, -40.0
+COLOURS = ("#2e86ab", "#d1495b")
+
+
+def picture() -> str:
+    """The first two ground series as SVG: published places as dots, the model as lines."""
+    levels = [_level_line(level) for level in (0, -10, -20, -30, -40)]
+    places = [f'<text x="{_x(r):.1f}" y="{HEIGHT - 22}" text-anchor="middle">{r} m</text>' for r in (10, 20, 40, 80)]
+    curves = [_curve(k, series) for k, series in enumerate(list(ground())[:2])]
+    caption = "dB against distance. Lines: model. Dots: published; hollow ones were used to fit the model."
+    return "\n".join(
+        [
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" font-size="12">',
+            f'<rect width="{WIDTH}" height="{HEIGHT}" fill="#fff"/>',
+            *levels,
+            *places,
+            *curves,
+            f'<text x="{LEFT}" y="{HEIGHT - 6}">{caption}</text>',
+            "</svg>\n",
+        ]
+    )
+
+
+def _x(distance: float) -> float:
+    return LEFT + (WIDTH - LEFT - RIGHT) * math.log(distance / NEAREST) / math.log(FARTHEST / NEAREST)
+
+
+def _y(level: float) -> float:
+    return TOP + (HEIGHT - TOP - BOTTOM) * level / LOWEST
+
+
+def _level_line(level: float) -> str:
+    line = f'<path d="M{LEFT} {_y(level):.1f}H{WIDTH - RIGHT}" stroke="#ddd"/>'
+    return f'{line}<text x="{LEFT - 8}" y="{_y(level) + 4:.1f}" text-anchor="end">{level}</text>'
+
+
+def _curve(number: int, series: Series) -> str:
+    colour = COLOURS[number]
+    at: Sequence[float] = [float(point.at.removesuffix(" m")) for point in series.points]
+    line = "L".join(f"{_x(r):.1f} {_y(point.modelled):.1f}" for r, point in zip(at, series.points, strict=True))
+    dots = [
+        f'<circle cx="{_x(r):.1f}" cy="{_y(point.measured):.1f}" r="4" fill="{colour if point.judged else "#fff"}" stroke="{colour}"/>'
+        for r, point in zip(at, series.points, strict=True)
+    ]
+    name = f'<text x="{WIDTH - 220}" y="{TOP + 16 * (number + 1)}" fill="{colour}">{series.name}</text>'
+    return "".join([f'<path d="M{line}" fill="none" stroke="{colour}" stroke-width="2"/>', *dots, name])
