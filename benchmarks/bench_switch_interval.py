@@ -3,7 +3,7 @@
     python -m benchmarks.bench_switch_interval [--bodies 250] [--seconds 6]
 
 The main thread does what draw callbacks do: after every pause of 2 ms it takes the GIL. Shown is by how much that comes late. The worker
-updates the contacts of bodies that all move. The two intervals, Python's own of 5 ms and that of `session.SWITCH_INTERVAL`, take turns, so
+updates the contacts of bodies that all move. The two intervals, Python's own of 5 ms and that of `worker.SWITCH_INTERVAL`, take turns, so
 that both meet the same load.
 """
 

@@ -119,6 +119,12 @@ class CollisionDetector:
         self._remembered.clear()
         self._last = None
 
+    def take_over(self, interrupted: CollisionDetector) -> None:
+        """Take over the settings and the remembered impacts of a detector that was interrupted, but none of its contacts."""
+        self.settings, self.lazy = interrupted.settings, interrupted.lazy
+        self.impact_sources, self.impact_materials = interrupted.impact_sources, interrupted.impact_materials
+        self._remembered, self._rules = interrupted._remembered, interrupted._rules
+
     def stands(self, frame: Frame) -> bool:
         """Whether ``frame`` is the one that was detected last, and nothing in it has moved or changed its shape."""
         if self._last is None or self._tracker is None or frame.transforms is None or self._tracker.settings != self.settings:

@@ -40,6 +40,11 @@ def is_stepped(scene: Scene) -> bool:
     return scene.session_uid in _state.stepped
 
 
+def steps_any() -> bool:
+    """True while the add-on steps through the frames of some scene."""
+    return bool(_state.stepped)
+
+
 @contextmanager
 def stepped(scene: Scene) -> Iterator[None]:
     """Every frame that the scene comes to is traced, whatever is chosen for the preview, and edits are not."""

@@ -18,7 +18,7 @@ from ..blender.playing import is_playing
 from ..changes import events
 from ..changes.redraw import redraw_viewports
 from ..changes.revisions import mark_changed, mark_edited
-from ..changes.suspension import is_stepped, is_suspended
+from ..changes.suspension import is_stepped, is_suspended, steps_any
 from ..gateway import is_loaded
 from ..live_output import handlers as live_output
 from ..operators import bake
@@ -99,6 +99,27 @@ def saving(*_: Any) -> None:
 
 
 @persistent
+def cancel(*_: Any) -> None:
+    """Before an undo: what is being traced is of no use any more."""
+    if is_loaded(session):
+        session.cancel()
+
+
+@persistent
+def exit_pre(*_: Any) -> None:
+    """Blender ends. Where it is a module of Python, Python has ended before it and taken this module's names away."""
+    if cancel is not None:
+        cancel()
+
+
+@persistent
+def render_pre(*_: Any) -> None:
+    """Rendering gets the processor; what was being traced is traced afterwards. Called on the thread that renders."""
+    if is_loaded(session) and not steps_any():
+        session.cancel(resume=True)
+
+
+@persistent
 def reread(*_: Any) -> None:
     """After undo and redo any property may have another value, and any mesh another shape."""
     if is_loaded(session):
@@ -128,15 +149,20 @@ _HANDLERS: dict[str, Callable[..., None]] = {
     "load_pre": file_changed,
     "load_post": file_loaded,
     "save_pre": saving,
+    "undo_pre": cancel,
+    "redo_pre": cancel,
     "undo_post": reread,
     "redo_post": reread,
+    "render_pre": render_pre,
+    "exit_pre": exit_pre,
 }
 
 
 def register() -> None:
     """Start listening to Blender's events."""
     for event, handler in _HANDLERS.items():
-        getattr(bpy.app.handlers, event).append(handler)
+        if hasattr(bpy.app.handlers, event):  # exit_pre: Blender 5.1 on
+            getattr(bpy.app.handlers, event).append(handler)
     events.track_switched.subscribe(_show_track)
     live_output.register()
 
@@ -150,7 +176,7 @@ def unregister() -> None:
     live_output.unregister()
     events.track_switched.unsubscribe(_show_track)
     for event, handler in _HANDLERS.items():
-        handlers = getattr(bpy.app.handlers, event)
+        handlers = getattr(bpy.app.handlers, event, [])
         if handler in handlers:
             handlers.remove(handler)
     file_changed()

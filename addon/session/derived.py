@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Hashable
+from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Generic, TypeVar
@@ -73,12 +74,17 @@ class Background(Generic[Value]):
             self.want(key, compute)
             if not self._is_queued:
                 self._is_queued = True
-                worker.submit(self.update)
+                worker.submit(self.update).add_done_callback(self._done)
         return None if computed is None else Latest(computed.value, is_current)
 
     def want(self, key: Hashable, compute: Callable[[Value | None], Value]) -> None:
         """Compute this with the next `update`."""
         self._wanted = key, compute
+
+    def _done(self, job: Future[None]) -> None:
+        """A job has ended: after a cancellation another has to be queued."""
+        if job.cancelled() or job.exception() is not None:
+            self._is_queued = False
 
     def update(self) -> None:
         """On the worker: compute what is wanted, unless it is there."""

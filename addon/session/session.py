@@ -5,8 +5,8 @@ one. `result_of` waits for the trace; draw callbacks use `sessions.shown`, which
 from __future__ import annotations
 
 import itertools
-import sys
 import time
+from concurrent.futures import CancelledError, Future
 from dataclasses import dataclass, replace
 
 from bpy.types import Depsgraph, Scene
@@ -29,10 +29,6 @@ from ..scene_reader.reading import Reading
 from ..scene_reader.settings import read_settings
 from . import modalities, sessions, worker
 from .sessions import Session, Traced, known, problems_in
-
-SWITCH_INTERVAL = 2e-4
-"""Python's switch interval [s] while a frame is traced: how long the worker may keep the GIL from Blender's own Python. With Python's 5 ms
-a draw callback comes 5.9 ms late in the median while contacts are found (benchmarks/bench_switch_interval.py)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,10 +96,56 @@ def geometry_changed(depsgraph: Depsgraph | None = None) -> None:
 
 
 def clear() -> None:
-    """Forget every scene."""
+    """Cancel what is being traced, and forget every scene."""
     worker.shut_down()
     sessions.clear()
     revisions.mark_changed()
+
+
+def cancel(resume: bool = False) -> None:
+    """Cancel what is being traced and computed; the next frame of a scene that was being traced starts afresh. For any thread.
+
+    resume: trace the same frame again as soon as nothing renders, or its result is asked for; else no scene has a result any more.
+    """
+    worker.cancel()
+    for session in sessions.every():
+        begun = session.begun
+        if not resume:
+            session.begun = session.result = session.shown = session.frame = None
+        if begun is None or _ended_well(begun):
+            continue
+        interrupted, session.tracer = session.tracer, Tracer()
+        session.tracer.collisions.take_over(interrupted.collisions)
+        session.history = History()
+        session.begun = session.result = session.frame = None
+        session.interrupted = session.job if resume else None
+        if resume:
+            worker.call_after_render(_resume_all)
+
+
+def _ended_well(begun: Future[Traced]) -> bool:
+    """Whether a frame has been traced, or could not be for a reason of its own."""
+    return begun.done() and not begun.cancelled() and not isinstance(begun.exception(), worker.Cancelled)
+
+
+def _resume_all() -> None:
+    """Trace again the frames whose tracing was cancelled to be resumed."""
+    for session in sessions.every():
+        _resume(session)
+
+
+def _resume(session: Session) -> None:
+    interrupted, session.interrupted = session.interrupted, None
+    if interrupted is not None:
+        begun, frame = interrupted
+        _submit(session, begun, replace(frame, continuous=False))
+
+
+def _submit(session: Session, begun: _Begun, frame: Frame) -> None:
+    """Let the worker trace a frame, and compute what is shown of it."""
+    session.job = begun, frame
+    session.begun = worker.submit(_step, session, begun, frame)
+    worker.submit(_follow, session)
 
 
 def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult | None:
@@ -121,6 +163,7 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     scaled, deformed or animated otherwise, masses and physics, and the rules of contacts and impacts (`CollisionDetector`, `motion_of`).
     What is stepped through for a bake or an export begins anew."""
     session = of(scene)
+    session.interrupted = None
     _finish(scene, session)
     session.previous = session.result
     if session.version != revisions.authored():
@@ -153,8 +196,7 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     read_milliseconds = 1000 * (time.perf_counter() - started)
     begun = _Begun(session.serial, reading, others, errors, read_milliseconds, 1000 * sessions.evaluation_seconds())
     session.begun_at = time.monotonic()
-    session.begun = worker.submit(_step, session, begun, replace(frame_of(scene, reading, continuous), recall=recall))
-    worker.submit(_follow, session)
+    _submit(session, begun, replace(frame_of(scene, reading, continuous), recall=recall))
 
 
 def keep_impacts(scene: Scene) -> None:
@@ -185,8 +227,6 @@ def _restore_impacts(scene: Scene, session: Session, reading: Reading) -> None:
 
 def _step(session: Session, begun: _Begun, frame: Frame) -> Traced:
     """On the worker: trace a frame. Raises ValueError that names the object where a designer's expression gives no gain."""
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(SWITCH_INTERVAL)
     try:
         try:
             result = session.tracer.step(frame)
@@ -207,8 +247,6 @@ def _step(session: Session, begun: _Begun, frame: Frame) -> Traced:
     except BaseException:
         session.shown = None
         raise
-    finally:
-        sys.setswitchinterval(interval)
 
 
 def _follow(session: Session) -> None:
@@ -219,6 +257,7 @@ def _follow(session: Session) -> None:
 
 def _finish(scene: Scene, session: Session) -> None:
     """Wait for the frame that is being traced, and keep what it gave."""
+    _resume(session)
     begun, session.begun = session.begun, None
     if begun is None:
         return
@@ -228,6 +267,8 @@ def _finish(scene: Scene, session: Session) -> None:
         traced = worker.result_of(begun)
     except ValueError:
         session.problems = session.failure
+        return
+    except (worker.Cancelled, CancelledError):  # an exit of Blender or a render began while this waited
         return
     waited = 1000 * (time.perf_counter() - started)
     session.result = replace(traced.result, statistics={**traced.result.statistics, "waited_milliseconds": waited})

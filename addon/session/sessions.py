@@ -65,6 +65,8 @@ class Session:
     motion: str | None = None  # check sum of what made the impacts that the tracer remembers
     is_restored: bool = False  # the impacts kept in the file have been asked for
     begun: Future[Traced] | None = None
+    job: Any = None  # what the frame was traced from that was begun last
+    interrupted: Any = None  # the same of a frame whose tracing was cancelled, to be resumed
     serial: int = 0  # of the frame that was begun last
     begun_at: float = 0.0  # time.monotonic() of that
     shown: Traced | None = None

@@ -1,15 +1,19 @@
 """The worker thread, which traces frames and computes what is shown of them, and the timer that redraws when it has finished.
 
-Jobs run one after the other. None of them touches Blender; the timer runs on Blender's main thread.
+Jobs run one after the other. None of them touches Blender; the timer runs on Blender's main thread. `cancel` ends a job between two
+instructions of Python, wherever it is: so a job must own what it changes, or the owner must throw that away after a `Cancelled`.
 """
 
 from __future__ import annotations
 
+import ctypes
 import math
+import sys
+import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 import bpy
@@ -26,13 +30,26 @@ _MOMENT = 0.1
 _INTERVAL = 0.02
 """Seconds between two looks at the worker while it has something to do."""
 
+SWITCH_INTERVAL = 2e-4
+"""Python's switch interval [s] while a job runs: how long the worker may keep the GIL from Blender's own Python. With Python's 5 ms a draw
+callback comes 5.9 ms late in the median while contacts are found (benchmarks/bench_switch_interval.py)."""
+
+
+class Cancelled(BaseException):
+    """The running job was cancelled. Like `SystemExit` no error, so that nothing that handles errors keeps the job from ending."""
+
 
 @dataclass(slots=True)
 class _State:
+    """lock: for ``running``. running: identifier of the worker thread while it is inside a job that may be cancelled."""
+
+    lock: threading.Lock = field(default_factory=threading.Lock)
+    running: int | None = None
     executor: ThreadPoolExecutor | None = None
     last: Future[Any] | None = None  # the job that was queued last
     owes_redraw: bool = False  # a job has ended since the last redraw
     redraw_at: float = math.inf  # time.monotonic()
+    after_render: Callable[[], None] | None = None
 
 
 _state = _State()
@@ -42,10 +59,55 @@ def submit(job: Callable[..., Value], *arguments: object) -> Future[Value]:
     """Queue a job, and redraw the 3D viewports and their sidebars when it has ended. Call it on the main thread."""
     if _state.executor is None:
         _state.executor = ThreadPoolExecutor(1, "haptic-tracing")
-    future = _state.last = _state.executor.submit(job, *arguments)
+    future: Future[Value] = _state.executor.submit(_run, job, *arguments)
+    _state.last = future
     future.add_done_callback(_ended)
     _start_timer()
     return future
+
+
+def _run(job: Callable[..., Value], *arguments: object) -> Value:
+    """On the worker: run a job so that `cancel` can end it."""
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    try:
+        with _state.lock:
+            _state.running = threading.get_ident()
+        try:
+            return job(*arguments)
+        finally:
+            with _state.lock:
+                _state.running = None
+                _raise_in(threading.get_ident(), None)  # a cancellation that came too late for this job is none for the next
+    finally:
+        sys.setswitchinterval(interval)
+
+
+def _raise_in(thread: int, exception: type[BaseException] | None) -> None:
+    """Raise an exception in another thread at its next instruction of Python; None takes back one that is not raised yet."""
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), None if exception is None else ctypes.py_object(exception))
+
+
+def cancel() -> None:
+    """Drop the queued jobs, end the running one and the thread. Returns when nothing runs any more. For any thread.
+
+    Futures of dropped jobs are cancelled, that of the running job has the exception `Cancelled`. It takes as long as the longest call of
+    native code without an instruction of Python between.
+    """
+    executor, _state.executor = _state.executor, None
+    if executor is None:
+        return
+    executor.shutdown(wait=False, cancel_futures=True)
+    with _state.lock:
+        running, _state.running = _state.running, None  # at most once for a job
+        if running is not None:
+            _raise_in(running, Cancelled)
+    executor.shutdown()
+
+
+def call_after_render(resume: Callable[[], None]) -> None:
+    """Call ``resume`` on the main thread when no rendering is going on any more, if a job was queued before. For any thread."""
+    _state.after_render = resume
 
 
 def result_of(future: Future[Value]) -> Value:
@@ -80,13 +142,11 @@ def _start_timer() -> None:
 
 
 def shut_down() -> None:
-    """Drop the queued jobs, wait for the running one and end the thread."""
-    executor, _state.executor = _state.executor, None
-    if executor is not None:
-        executor.shutdown(cancel_futures=True)
+    """Cancel all jobs and end thread and timer."""
+    cancel()
     if bpy.app.timers.is_registered(_look):
         bpy.app.timers.unregister(_look)
-    _state.last, _state.owes_redraw, _state.redraw_at = None, False, math.inf
+    _state.last, _state.owes_redraw, _state.redraw_at, _state.after_render = None, False, math.inf, None
 
 
 def _ended(future: Future[Any]) -> None:
@@ -97,7 +157,10 @@ def _look() -> float | None:
     """Redraw where a job has ended. While the timeline plays Blender redraws by itself: then only once it has stopped."""
     if time.monotonic() >= _state.redraw_at:
         _state.owes_redraw, _state.redraw_at = True, math.inf
-    is_idle = _state.last is None or _state.last.done()
+    if _state.after_render is not None and not bpy.app.is_job_running("RENDER"):
+        resume, _state.after_render = _state.after_render, None
+        resume()
+    is_idle = (_state.last is None or _state.last.done()) and _state.after_render is None
     if _state.owes_redraw and not any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows):
         _state.owes_redraw = False
         redraw_viewports()
