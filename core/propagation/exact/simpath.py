@@ -29,6 +29,10 @@ fragment's other end, counted from `FIRST`."""
 
 SLOTS = FIELD - FIRST + 1
 
+SHIFT = tuple(BITS * (mate - FIRST) for mate in range(FIELD + 1))
+WITHOUT = tuple(-1 if mate < FIRST else ~(FIELD << SHIFT[mate]) for mate in range(FIELD + 1))
+"""By the other end of a fragment: shift of its slot, and mask without it."""
+
 WIDEST = 48
 """With more objects than this at once in the frontier, no order is narrow."""
 
@@ -282,73 +286,14 @@ def _cross(layer: _Layer, following: _Layer, total: FloatArray, crossing: Crossi
 
     Either side of the contact is joined to an end that waits in its object, or to the listeners, or waits itself.
     """
-    slot_a, slot_b = crossing.slots
-    shift_a, shift_b = BITS * slot_a, BITS * slot_b
-    number_a, number_b = slot_a + FIRST, slot_b + FIRST
-    joins_a = [(BITS * slot, k) for k, (_, slot) in enumerate(crossing.waiting[0])]
-    joins_b = [(BITS * slot, slot + FIRST, k) for k, (_, slot) in enumerate(crossing.waiting[1])]
-    wait_a, wait_b = len(joins_a), len(joins_b)
-    width = wait_b + 1
-    open_moves, closed_moves, begun_a, begun_b = _Moves(), _Moves(), _Moves(), _Moves()
-    ended_a, ended_b, met = _Moves(), _Moves(), _Moves()
-    for states, index, moves, has_listener in (
-        (layer.opened, following.opened, open_moves, False),
-        (layer.closed, following.closed, closed_moves, True),
-    ):
-        source, target, factors = moves.source, moves.target, moves.factor
-        ends_a, ends_b = not has_listener and weight.ends[0] is not None, not has_listener and weight.ends[1] is not None
-        for state, row in states.items():
-            sides = [(state & ~(FIELD << shift), mate, k * width) for shift, k in joins_a if (mate := state >> shift & FIELD)]
-            if crossing.waits[0]:
-                sides.append((state, 0, wait_a * width))
-            for rest, mate_a, code in sides:
-                for shift, number, k in joins_b:
-                    mate_b = rest >> shift & FIELD
-                    if not mate_b or mate_a == number:
-                        continue  # nobody waits there, or it is the other end of the same fragment: a cycle
-                    remaining = rest & ~(FIELD << shift)
-                    if not mate_a:  # side a waits, its other end is where side b was joined
-                        if mate_b < FIRST:
-                            key = remaining | mate_b << shift_a
-                        else:
-                            place = BITS * (mate_b - FIRST)
-                            key = remaining & ~(FIELD << place) | number_a << place | mate_b << shift_a
-                    elif mate_a < FIRST:
-                        if mate_b < FIRST:  # the source's and the listener's fragments meet
-                            if not remaining:
-                                met.source.append(row)
-                                met.factor.append(code + k)
-                            continue
-                        place = BITS * (mate_b - FIRST)
-                        key = remaining & ~(FIELD << place) | mate_a << place
-                    else:
-                        place = BITS * (mate_a - FIRST)
-                        key = remaining & ~(FIELD << place) | mate_b << place
-                        if mate_b >= FIRST:
-                            place = BITS * (mate_b - FIRST)
-                            key = key & ~(FIELD << place) | mate_a << place
-                    source.append(row)
-                    target.append(index.setdefault(key, len(index)))
-                    factors.append(code + k)
-                if crossing.waits[1]:
-                    if not mate_a:
-                        key = rest | number_b << shift_a | number_a << shift_b
-                    elif mate_a < FIRST:
-                        key = rest | mate_a << shift_b
-                    else:
-                        place = BITS * (mate_a - FIRST)
-                        key = rest & ~(FIELD << place) | number_b << place | mate_a << shift_b
-                    source.append(row)
-                    target.append(index.setdefault(key, len(index)))
-                    factors.append(code + wait_b)
-                if ends_b:
-                    _begin(rest, mate_a, shift_a, row, code // width, following.closed, begun_b, ended_b)
-            if ends_a:
-                for shift, _, k in joins_b:
-                    if mate := state >> shift & FIELD:
-                        _begin(state & ~(FIELD << shift), mate, shift_b, row, k, following.closed, begun_a, ended_a)
-                if crossing.waits[1]:
-                    _begin(state, 0, shift_b, row, wait_b, following.closed, begun_a, ended_a)
+    sides, width = _sides(crossing), weight.joins.shape[1]
+    open_moves, _ = _joined(layer.opened, following.opened, sides, width)
+    ending = [
+        (*_ended(layer.opened, following.closed, side), ends, alone)
+        for side, ends, alone in zip(sides, weight.ends[::-1], weight.alone, strict=True)
+        if ends is not None
+    ]
+    closed_moves, met = _joined(layer.closed, following.closed, sides, width)
     opened, closed = layer.open_values, layer.closed_values
     if limited:
         opened, closed = _one_more(opened), _one_more(closed)
@@ -359,35 +304,87 @@ def _cross(layer: _Layer, following: _Layer, total: FloatArray, crossing: Crossi
         _add(following.open_values, open_moves, opened[open_moves.source] * table[open_moves.factor, None])
     if closed_moves.source:
         _add(following.closed_values, closed_moves, closed[closed_moves.source] * table[closed_moves.factor, None, None])
-    for begun, ended, ends, alone in (
-        (begun_a, ended_a, weight.ends[0], weight.alone[1]),
-        (begun_b, ended_b, weight.ends[1], weight.alone[0]),
-    ):
-        if begun.source and ends is not None:
+    for begun, ended, ends, alone in ending:
+        if begun.source:
             value = opened[begun.source] * alone[begun.factor, None]
             _add(following.closed_values, begun, value[:, None] * ends[None, :, None])
-        if ended.source and ends is not None:
+        if ended.source:
             total += (opened[ended.source] * alone[ended.factor, None]).sum(axis=0) * ends[:, None]
     if met.source:
         total += (closed[met.source] * table[met.factor, None, None]).sum(axis=0)
-    return sum(len(moves.source) for moves in (open_moves, closed_moves, begun_a, begun_b, ended_a, ended_b, met))
+    done = [open_moves, closed_moves, met, *(moves for begun, ended, _, _ in ending for moves in (begun, ended))]
+    return sum(len(moves.source) for moves in done)
 
 
-def _begin(rest: int, mate: int, shift: int, row: int, factor: int, closed: dict[int, int], begun: _Moves, ended: _Moves) -> None:
-    """One side of the contact ends at the listeners; the other has the fragment's end ``mate``, or waits at ``shift`` (mate 0)."""
-    if mate == SOURCE:
-        if not rest:
-            ended.source.append(row)
-            ended.factor.append(factor)
-        return
-    if mate:
-        place = BITS * (mate - FIRST)
-        key = rest & ~(FIELD << place) | LISTENER << place
-    else:
-        key = rest | LISTENER << shift
-    begun.source.append(row)
-    begun.target.append(closed.setdefault(key, len(closed)))
-    begun.factor.append(factor)
+_Side = list[tuple[int, int, int, int]]
+"""Ends that a side of a contact can be joined to: shift of the slot, mask without it, the other end of what waits there where the state
+does not say (else 0), and number of the factor. The last one is the side itself, which then waits alone: both ends of a fragment."""
+
+
+def _sides(crossing: Crossing) -> tuple[_Side, _Side]:
+    """Both sides of a contact."""
+    sides = []
+    for waiting, slot, waits in zip(crossing.waiting, crossing.slots, crossing.waits, strict=True):
+        ends = [(SHIFT[at + FIRST], WITHOUT[at + FIRST], 0, k) for k, (_, at) in enumerate(waiting)]
+        if waits:
+            ends.append((SHIFT[slot + FIRST], -1, slot + FIRST, len(waiting)))
+        sides.append(ends)
+    return sides[0], sides[1]
+
+
+def _joined(states: Mapping[int, int], following: dict[int, int], sides: tuple[_Side, _Side], width: int) -> tuple[_Moves, _Moves]:
+    """Moves to states in which both sides are joined to ends that wait, or wait; and those where the source's fragment meets a
+    listener's and nothing else is open."""
+    moves, met = _Moves(), _Moves()
+    if not states:
+        return moves, met
+    source, target, factors = moves.source, moves.target, moves.factor
+    ends_a, ends_b = sides
+    starts = [(shift, without, alone, k * width) for shift, without, alone, k in ends_a]
+    for state, row in states.items():
+        # Side b is not joined to the other end of what side a is joined to: the fragment would be a cycle.
+        joined = [
+            (state & without & WITHOUT[mate], mate, code)
+            for shift, without, alone, code in starts
+            if (mate := state >> shift & FIELD or alone)
+        ]
+        for rest, mate_a, code in joined:
+            for shift, without, alone, k in ends_b:
+                mate_b = rest >> shift & FIELD or alone
+                if not mate_b:
+                    continue
+                key = rest & without & WITHOUT[mate_b]
+                if mate_a >= FIRST:
+                    key |= mate_b << SHIFT[mate_a]
+                elif mate_b < FIRST:
+                    if not key:
+                        met.source.append(row)
+                        met.factor.append(code + k)
+                    continue
+                if mate_b >= FIRST:
+                    key |= mate_a << SHIFT[mate_b]
+                source.append(row)
+                target.append(following.setdefault(key, len(following)))
+                factors.append(code + k)
+    return moves, met
+
+
+def _ended(states: Mapping[int, int], closed: dict[int, int], side: _Side) -> tuple[_Moves, _Moves]:
+    """Moves where one ``side`` of the contact is joined or waits and the other ends at the listeners: to states with a fragment that ends
+    there, and to whole paths."""
+    begun, ended = _Moves(), _Moves()
+    for state, row in states.items():
+        for shift, without, alone, factor in side:
+            mate = state >> shift & FIELD or alone
+            if mate >= FIRST:
+                key = state & without & WITHOUT[mate] | LISTENER << SHIFT[mate]
+                begun.source.append(row)
+                begun.target.append(closed.setdefault(key, len(closed)))
+                begun.factor.append(factor)
+            elif mate == SOURCE and not state & without:
+                ended.source.append(row)
+                ended.factor.append(factor)
+    return begun, ended
 
 
 def _one_more(values: FloatArray) -> FloatArray:
