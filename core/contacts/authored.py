@@ -1,4 +1,4 @@
-"""Contacts that an author gave, over those that are found."""
+"""Contacts given by an author, which override those found."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ ARRAYS = ("pairs", "positions", "normal", "depth", "distance", "area", "share", 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AuthoredContacts:
-    """``contacts`` are all there are between two objects that are both ``settled`` (n,): they stand where their author put them.
-    ``transmissions``: by pair of objects, the smaller number first, what their contacts pass on wherever they are found. Objects are
-    numbered by their sorted names."""
+    """Authored ``contacts`` replace those found between two objects that are both ``settled`` (n,), which means placed by their author.
+    ``transmissions``: by pair of objects, the smaller number first, the transmission of their contacts wherever they are found. Objects
+    are numbered by their sorted names."""
 
     settled: BoolArray
     contacts: ContactSet
@@ -34,7 +34,7 @@ class AuthoredContacts:
         contacts: Sequence[Contact],
         transmissions: Mapping[tuple[str, str], ModulationFunction],
     ) -> AuthoredContacts:
-        """In a scene of the objects ``names``; what is said of others is left out."""
+        """The contacts in a scene of the objects ``names``; those of other objects are left out."""
         index = {name: number for number, name in enumerate(sorted(names))}
         return cls(
             settled=np.array([name in settled for name in index], dtype=np.bool_),
@@ -47,7 +47,7 @@ class AuthoredContacts:
         )
 
     def over(self, found: ContactSet) -> ContactSet:
-        """The contacts that count where ``found`` were found."""
+        """The contacts that are valid where detection ``found`` these."""
         left = rows_of(found, np.logical_not(self.settled[found.pairs].all(axis=1)))
         functions = list(left.transmissions)
         transmission = left.transmission.copy()
@@ -65,5 +65,5 @@ class AuthoredContacts:
 
 
 def rows_of(contacts: ContactSet, chosen: BoolArray) -> ContactSet:
-    """Those contacts (n,) that are ``chosen``."""
+    """The contacts that are ``chosen`` (n,)."""
     return replace(contacts, **{key: getattr(contacts, key)[chosen] for key in ARRAYS})

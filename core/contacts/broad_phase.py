@@ -7,16 +7,16 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray
 
 _LARGE = 4.0
-"""A box more than so many times the cell is compared with all others instead of being entered in the grid."""
+"""Size in cells above which a box is compared with all others instead of being entered in the grid."""
 
 _CHUNK = 1_000_000
-"""Pairs compared at a time where all are compared with all."""
+"""Pairs compared at a time, to bound memory."""
 
 
 def overlapping_pairs(bounds: FloatArray, moved: BoolArray | None = None) -> IntArray:
     """Pairs (p, 2) of boxes (n, 2, 3) that overlap or touch, each once, smaller index first, sorted.
 
-    With ``moved`` (n,) only pairs of which at least one has moved. A box with NaN overlaps nothing.
+    With ``moved`` (n,) only pairs in which at least one box has moved. A box with NaN overlaps nothing.
     """
     count = len(bounds)
     real = ~np.isnan(bounds).any(axis=(1, 2))
@@ -34,13 +34,13 @@ def overlapping_pairs(bounds: FloatArray, moved: BoolArray | None = None) -> Int
 
 
 def _sorted(pairs: IntArray, count: int) -> IntArray:
-    """Pairs by number, smaller one first."""
+    """Pairs sorted, the smaller number first."""
     keys = np.sort(pairs.min(axis=1) * count + pairs.max(axis=1)) if len(pairs) else np.zeros(0, dtype=np.int64)
     return np.stack([keys // max(count, 1), keys % max(count, 1)], axis=1)
 
 
 def _overlapping(bounds: FloatArray, a: IntArray, b: IntArray) -> IntArray:
-    """Which of the pairs (a, b) overlap, by number. Axis by axis, each time among those that are left."""
+    """Numbers of the pairs (a, b) that overlap, tested axis by axis among the remaining pairs."""
     left = np.arange(len(a))
     for axis in range(3):
         low, high = np.ascontiguousarray(bounds[:, 0, axis]), np.ascontiguousarray(bounds[:, 1, axis])
@@ -50,7 +50,7 @@ def _overlapping(bounds: FloatArray, a: IntArray, b: IntArray) -> IntArray:
 
 
 def _with_all(bounds: FloatArray, active: IntArray, is_active: BoolArray) -> IntArray:
-    """Pairs of each active box with all boxes; of two active ones, each once."""
+    """Pairs of each active box with all boxes, each pair once."""
     found = []
     step = max(1, _CHUNK // max(len(bounds), 1))
     for begin in range(0, len(active), step):
@@ -78,7 +78,7 @@ def _by_grid(bounds: FloatArray) -> IntArray:
     pairs = [_with_all(bounds, np.flatnonzero(large), large)]
     if len(small) > 1:
         origin = bounds[small, 0].min(axis=0)
-        # So many cells a side at most that a cell's number fits an integer.
+        # Few enough cells a side that a cell's number fits into 64 bits.
         cell = max(cell, float(np.max(bounds[small, 1].max(axis=0) - origin)) / 1_000_000)
         first = ((bounds[small, 0] - origin) / cell).astype(np.int64)
         last = ((bounds[small, 1] - origin) / cell).astype(np.int64)
@@ -87,7 +87,7 @@ def _by_grid(bounds: FloatArray) -> IntArray:
 
 
 def _within_cells(bounds: FloatArray, first: IntArray, last: IntArray) -> IntArray:
-    """Pairs of boxes that cover cells ``first`` (n, 3) to ``last`` (n, 3). A pair is taken in one cell alone: the first that both cover."""
+    """Pairs of boxes that cover cells ``first`` (n, 3) to ``last`` (n, 3). A pair counts in one cell alone: the first that both cover."""
     span = last - first + 1
     many = span[:, 0] * span[:, 1] * span[:, 2]
     box = np.repeat(np.arange(len(first)), many)

@@ -1,8 +1,8 @@
 """Shapes as Blender hands them to Bullet, from the bounding box or the vertices of an object.
 
-Box and round shapes take their size from the bounding box and stand at the object's origin, wherever the middle of that box is. All of
-them are built without scale; Bullet then scales each shape by its own rules. Boxes and cylinders hold their margin inside; cones, hulls
-and meshes have it outside, but a hull is first moved inwards by 0.04 m unless its margin is used as it is.
+Boxes and round shapes have the size of the bounding box and are centred at the object's origin, wherever the centre of that box is. All
+are built without scale; Bullet then scales each shape by its own rules. The margin of boxes and cylinders lies inside, that of cones,
+hulls and meshes outside; a hull is first moved inwards by 0.04 m unless it uses its own margin.
 """
 
 from __future__ import annotations
@@ -67,9 +67,8 @@ def convex_hull_shape(
 
 
 def mesh_shape(points: ArrayLike, triangles: ArrayLike, scale: Sequence[float] = (1.0, 1.0, 1.0), margin: float = DEFAULT_MARGIN) -> Mesh:
-    """MESH of an object's vertices (n, 3) and triangles (t, 3) in its own space. Its margin, used or not, lies outside, but a sphere meets
-    the triangles themselves. Raises ValueError for bad
-    arrays or a scale that is not positive."""
+    """MESH of an object's vertices (n, 3) and triangles (t, 3) in its own space. Its margin, used or not, lies outside, except
+    against spheres, which touch the triangles themselves. Raises ValueError for bad arrays or a scale that is not positive."""
     return Mesh(points_array("points", points) * np.array(_scale(scale)), np.asarray(triangles), margin, sphere_margin=0.0)
 
 

@@ -1,4 +1,4 @@
-"""The contacts of one frame as arrays: what detection hands on and the haptic graph is built from."""
+"""The contacts of one frame as arrays, from which the haptic graph is built."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Upper bounds on gains of signals at contacts, so that only those are looked for where a signal can be felt."""
+"""Upper bounds on the gains of signals at contacts, so that only contacts are computed where a signal can be felt."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray
 
 _FEW = 8
-"""Starts that are looked at one by one."""
+"""Number of starts up to which each is examined by itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,9 +17,9 @@ class GainBound:
     """Upper bound on the gain of signals, by body.
 
     Signals start at ``positions`` (k, 3) [m] on ``bodies`` (k,) with at most ``strengths`` (k,); the gain through body b over d metres is
-    at most ``factor[b] * exp(-decay[b] * d)``, that of any contact at most ``transmission``. What falls below ``threshold`` is of no
-    interest; 0 wants everything that is connected. Sources or listeners, whichever are fewer: paths run both ways. With ``from_impacts``
-    signals also start at the impacts of the frame, with strength 1.
+    at most ``factor[b] * exp(-decay[b] * d)``, that of any contact at most ``transmission``. Signals below ``threshold`` are ignored; 0
+    wants everything that is connected. The starts are the sources or the listeners, whichever are fewer: paths can be followed in either
+    direction. With ``from_impacts`` signals also start at the impacts of the frame, with strength 1.
     """
 
     bodies: IntArray
@@ -38,15 +38,15 @@ class GainBound:
             raise ValueError(f"threshold: must be finite and >= 0, got {self.threshold!r}")
 
     def started_at(self, bodies: IntArray, positions: FloatArray) -> GainBound:
-        """Of signals that start at ``positions`` (m, 3) on ``bodies`` (m,) alone, with strength 1."""
+        """The bound for signals that start only at ``positions`` (m, 3) on ``bodies`` (m,), with strength 1."""
         return replace(self, bodies=bodies, positions=positions, strengths=np.ones(len(bodies)))
 
     def wanted(self, first: IntArray, second: IntArray, low: FloatArray, high: FloatArray) -> BoolArray:
-        """Which of the possible contacts of bodies ``first`` and ``second`` (p,), lying somewhere between ``low`` and ``high`` (3, p)
-        [world], a signal can get to.
+        """Which possible contacts of bodies ``first`` and ``second`` (p,), somewhere between ``low`` and ``high`` (3, p) [world], a signal
+        can reach.
 
-        A signal that is still at least the threshold at a contact has passed bodies from the source on, each for its factor, and at least
-        the straight way there, for the least decay of any body.
+        The gain at a contact is at most the product of the factors of the bodies on the path and the least decay of any body over the
+        straight distance.
         """
         if len(self.bodies) == 0 or len(first) == 0:
             return np.zeros(len(first), dtype=np.bool_)
@@ -60,8 +60,8 @@ class GainBound:
         return wanted
 
     def _away(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        """How far regions from ``low`` to ``high`` (3, p) are from the nearest start (p,); of many starts a lower bound: the distance from
-        the box of all."""
+        """Distances (p,) of regions from ``low`` to ``high`` (3, p) from the nearest start; for many starts a lower bound, the distance
+        from their bounding box."""
         starts = [(position, position) for position in self.positions]
         if len(starts) > _FEW:
             starts = [(self.positions.min(axis=0), self.positions.max(axis=0))]
@@ -73,7 +73,7 @@ class GainBound:
         return np.asarray(np.sqrt(nearest))
 
     def _reached(self, first: IntArray, second: IntArray, fading: FloatArray, limit: float) -> BoolArray:
-        """Which pairs a signal gets to over others with at least ``limit`` left after its way there has taken ``fading`` of it."""
+        """Which pairs a signal reaches through others with a gain of at least ``limit``, of which ``fading`` (p,) is due to distance."""
         count, bodies_in_all = len(first), len(self.factor)
         ends, others = np.concatenate([first, second]), np.concatenate([second, first])
         order = np.argsort(ends, kind="stable")
@@ -91,7 +91,7 @@ class GainBound:
             arrived = (value * fading[pair[steps]] >= limit) & (value > 0)
             steps, value = steps[arrived], value[arrived] * self.transmission
             reached[pair[steps]] = True
-            # Stronger than before by more than rounding: bodies around a ring don't chase each other.
+            # Stronger by more than rounding, so that the search ends on rings of bodies.
             ahead = other[steps]
             stronger = value > entering[ahead] * (1 + 1e-12)
             ahead = ahead[stronger]

@@ -37,8 +37,8 @@ class Hull:
 
 
 def extreme_points(points: FloatArray, count: int) -> FloatArray:
-    """The points farthest out in ``count`` directions spread evenly over the sphere; of very many, of those farthest from the middle in
-    small solid angles."""
+    """The extreme points in ``count`` directions spread evenly over the sphere. Very many points are first reduced to the farthest from the
+    centre in small solid angles."""
     if len(points) > 10 * count:
         points = points[_farthest(points - (points.min(axis=0) + points.max(axis=0)) / 2, 4 * count)]
     k = np.arange(count) + 0.5
@@ -76,7 +76,7 @@ def convex_hull(points: FloatArray) -> Hull:
 
 @lru_cache(256)
 def _hull_of(coordinates: bytes) -> Hull:
-    """The hull of distinct points. Kept for the next scene with the same meshes, and for the hulls that a shrunk hull starts from."""
+    """The hull of distinct points, cached for scenes with the same meshes and for shrunk hulls."""
     points = np.frombuffer(coordinates).reshape(-1, 3)
     hull = _computed_hull(points)
     hull.points.flags.writeable = hull.triangles.flags.writeable = False
@@ -206,7 +206,7 @@ class _Quickhull:
                 face.neighbours[(a, b)] = other
 
     def _share_out(self, indices: IntArray, faces: list[_Face]) -> None:
-        """Give every point above some face to the one it is highest above."""
+        """Assign every point outside some face to the face it is farthest from."""
         if not len(indices):
             return
         heights = self._points[indices] @ np.array([f.normal for f in faces]).T - np.array([f.offset for f in faces])
@@ -248,7 +248,7 @@ class _Quickhull:
 
 
 def shrunk_hull(hull: Hull, depth: float) -> Hull | None:
-    """The hull with every face moved inwards by ``depth`` metres (outwards where it is negative), or None where nothing is left of it."""
+    """The hull with every face moved inwards by ``depth`` metres (outwards where negative); None where it vanishes."""
     if depth == 0:
         return hull
     if not _is_solid(hull):
@@ -267,12 +267,12 @@ def shrunk_hull(hull: Hull, depth: float) -> Hull | None:
 
 
 def _is_solid(hull: Hull) -> bool:
-    """Whether it has an inside: a flat hull has two faces in opposite directions at the same place."""
+    """Whether the hull encloses a volume: a flat hull has two faces in opposite directions at the same place."""
     return len(hull.triangles) > 0 and len(hull.planes()[0]) > 3
 
 
 def _deep_point(normals: FloatArray, offsets: FloatArray, start: FloatArray) -> FloatArray:
-    """A point well inside the half-spaces: steps away from the nearest plane, ever smaller."""
+    """A point well inside the half-spaces, by decreasing steps away from the nearest plane."""
     best = point = start
     best_slack = float(np.min(offsets - normals @ start))
     step = float(np.max(np.abs(offsets - normals @ start)))

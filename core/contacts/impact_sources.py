@@ -1,4 +1,4 @@
-"""Temporary sources: the impact templates that still sound, each carried along by the two bodies that hit each other."""
+"""Temporary sources: impact templates that still sound, attached to the two bodies that hit each other."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ..signals import Signal, impact_template
 from .impacts import Impact
 
 MOST_FRAMES = 4096
-"""Frames whose impacts are remembered."""
+"""Number of frames whose impacts are stored."""
 
 _UNMOVED = 1e-5
-"""A body whose pose differs by less, relative to the largest coordinate, stands where it stood: poses are float32."""
+"""Difference of poses, relative to the largest coordinate, below which a body has not moved: poses are float32."""
 
 
 @dataclass(frozen=True, slots=True)

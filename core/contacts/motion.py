@@ -1,8 +1,8 @@
-"""How bodies move between two frames, from their poses at whole frames alone.
+"""Motion of bodies between two frames, estimated from their poses at whole frames.
 
-An engine tells poses, not velocities, and the pose of the frame in which a body hits something already has the bounce in it. So a body's
-way up to its next hit is extrapolated from the frames before: position with constant acceleration, rotation with constant angular velocity.
-Free fall is met exactly. A kinematic body's way is known at both ends and interpolated.
+A physics engine gives poses, not velocities, and the pose of the frame in which a body hits something already contains the bounce. So a
+body's path up to its next hit is extrapolated from the frames before: position with constant acceleration, rotation with constant angular
+velocity. Free fall is exact. A kinematic body's path is known at both ends and interpolated.
 
 Poses are arrays (12, n): rotation by rows, then position.
 """
@@ -16,20 +16,20 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray
 
 _DEPTH = 3
-"""Poses that are remembered before the current one."""
+"""Number of poses stored before the current one."""
 
-_BELIEVABLE = 2.5
-"""Accelerations up to so many times gravity are taken from the second difference of poses; larger ones come from a hit in between."""
+_PLAUSIBLE = 2.5
+"""Multiple of gravity up to which an acceleration is estimated by second differences of poses; larger ones are due to a hit."""
 
-_ASTRAY = 0.001
-"""Metres by which a body misses where its motion led it if it was disturbed on the way."""
+_DEVIATION = 0.001
+"""Metres of deviation from the extrapolated path above which a body counts as disturbed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Paths:
-    """The ways of bodies from one frame to the next, ``duration`` seconds: from ``start`` (12, n) on with ``velocity`` (3, n), constant
-    ``acceleration`` (3, n) and ``spin`` (3, n) [rad/s] about the body's origin. ``end`` (12, n): where the bodies really are then.
-    ``certain`` (n,): the way is known all along, and no hit turned it. ``turned`` (n,): it was turned by a hit in the interval before.
+    """Paths of bodies from one frame to the next, ``duration`` seconds: from ``start`` (12, n) with ``velocity`` (3, n), constant
+    ``acceleration`` (3, n) and ``spin`` (3, n) [rad/s] about the body's origin. ``end`` (12, n): the actual poses at the end.
+    ``certain`` (n,): the path is known throughout, without a hit. ``turned`` (n,): it was deflected by a hit in the interval before.
     ``earlier`` (12, n): the poses ``earlier_duration`` seconds before the start."""
 
     duration: float
@@ -44,7 +44,7 @@ class Paths:
     earlier_duration: float
 
     def to_the_ends(self) -> Paths:
-        """The ways that lead from the same starts with the same accelerations to where the bodies really are at the end."""
+        """The paths from the same starts with the same accelerations to the actual poses at the end."""
         direct = (self.end[9:] - self.start[9:]) / self.duration
         velocity = direct - self.acceleration * (self.duration / 2)
         return replace(self, velocity=velocity, spin=_spins(self.start, self.end, self.duration))
@@ -63,11 +63,11 @@ class Paths:
         return np.asarray(self.velocity[:, bodies] + self.acceleration[:, bodies] * time)
 
     def displacement(self) -> FloatArray:
-        """(3, n) from the starts to the ends of the ways."""
+        """Vectors (3, n) from the starts to the ends of the paths."""
         return np.asarray((self.velocity + self.acceleration * (self.duration / 2)) * self.duration)
 
     def fastest(self) -> FloatArray:
-        """(n,) greatest speed of each body's origin on its way, or on the straight one to where it really is at the end."""
+        """Greatest speed (n,) of each body's origin on its path, or on the straight line to its actual position at the end."""
         final = self.velocity + self.acceleration * self.duration
         direct = (self.end[9:] - self.start[9:]) / self.duration
         squared = np.stack([_squared(self.velocity), _squared(final), _squared(direct)])
@@ -75,7 +75,7 @@ class Paths:
 
 
 class MotionHistory:
-    """The last poses of bodies, and for how many intervals each has moved, and moved undisturbed."""
+    """The last poses of bodies, and for how many intervals each has moved, and has moved undisturbed."""
 
     def __init__(self, count: int) -> None:
         self.times: list[float] = []
@@ -91,7 +91,7 @@ class MotionHistory:
         return self.times[-1] - self.times[-2] if len(self.times) > 1 else 0.0
 
     def advance(self, time: float, poses: FloatArray, moved: IntArray) -> None:
-        """Add a frame: ``poses`` (12, n), which are kept, and the numbers of the bodies that have moved."""
+        """Add a frame: ``poses`` (12, n), stored without a copy, and the numbers of the bodies that have moved."""
         self.times = [*self.times[-_DEPTH:], time]
         self._poses = [*self._poses[-_DEPTH:], poses]
         self._onset += 1
@@ -109,7 +109,7 @@ class MotionHistory:
         self.advance(time, self._poses[-1], np.zeros(0, dtype=np.int64))
 
     def disturb(self, bodies: IntArray | BoolArray) -> None:
-        """These have hit something in the last interval: their motion in it and before says nothing about what follows."""
+        """Mark bodies that hit something in the last interval: their motion up to then does not predict what follows."""
         self._clean[bodies] = 0
 
     @property
@@ -118,7 +118,7 @@ class MotionHistory:
         return self._poses[-2]
 
     def moving(self) -> BoolArray:
-        """(n,) which bodies have moved lately."""
+        """Which bodies (n,) have moved within the stored frames."""
         return np.asarray(self._begun & (self._still <= _DEPTH))
 
     def speeds(self) -> FloatArray:
@@ -128,7 +128,7 @@ class MotionHistory:
         return np.asarray(np.sqrt(_squared(self._poses[-1][9:] - self._poses[-2][9:])) / self.step)
 
     def speed_bound(self, gravity: FloatArray) -> FloatArray:
-        """(n,) what the speed of each body in the last interval can have been at most, as far as poses tell; 0 before there are three."""
+        """Estimated upper bound (n,) on the speed of each body in the last interval; 0 before there are three poses."""
         if len(self.times) < 3:
             return np.zeros(len(self._still))
         step, known = self.times[-1] - self.times[-2], self.times[-2] - self.times[-3]
@@ -139,28 +139,28 @@ class MotionHistory:
         if len(self.times) > 3:
             older = self.times[-3] - self.times[-4]
             bend = np.maximum(bend, np.sqrt(_squared(chord - (before - self._poses[-4][9:]) / older)) * (2 / (known + older)))
-        bend = np.clip(bend, weight, _BELIEVABLE * weight)
+        bend = np.clip(bend, weight, _PLAUSIBLE * weight)
         return np.asarray(np.sqrt(np.maximum(_squared(direct), _squared(chord))) + bend * (step + known / 2))
 
     def drift(self, bodies: IntArray) -> FloatArray:
-        """(3, k) how far bodies have moved in the last interval, 0 before there is one."""
+        """Displacement (3, k) of bodies in the last interval, 0 before there is one."""
         if len(self.times) < 2:
             return np.zeros((3, len(bodies)))
         drift = self._poses[-1][9:, bodies] - self._poses[-2][9:, bodies]
         return np.where(np.isfinite(drift), drift, 0.0)
 
     def surprised(self, paths: Paths) -> BoolArray:
-        """(n,) which bodies are neither where ``paths`` up to now led nor where they would be without acceleration."""
+        """Which bodies (n,) are neither at the ends of ``paths`` nor where they would be without acceleration."""
         t = paths.duration
         straight = paths.end[9:] - paths.start[9:] - paths.velocity * t
         bent = straight - paths.acceleration * (t * t / 2)
-        return np.asarray(self.moving() & (np.minimum(_squared(straight), _squared(bent)) > _ASTRAY**2))
+        return np.asarray(self.moving() & (np.minimum(_squared(straight), _squared(bent)) > _DEVIATION**2))
 
     def paths(self, kinematic: BoolArray, airborne: BoolArray, gravity: FloatArray) -> Paths | None:
-        """Ways from the last frame but one to the last. None before there are three poses.
+        """Paths from the last frame but one to the last. None before there are three poses.
 
-        ``kinematic`` (n,): known at both ends. ``airborne`` (n,): fall with ``gravity`` (3,) [m/s^2] where their own acceleration is not
-        known.
+        ``kinematic`` (n,): known at both ends. ``airborne`` (n,): fall with ``gravity`` (3,) [m/s^2] where their acceleration can't be
+        measured.
         """
         if len(self.times) < 3:
             return None
@@ -169,24 +169,24 @@ class MotionHistory:
         now, last, before = end[9:], start[9:], earlier[9:]
         weight = float(np.linalg.norm(gravity))
         chord, direct = (last - before) / known, (now - last) / step
-        clean = self._clean - 1  # undisturbed intervals up to the start of the way
-        # Dynamic: constant acceleration, measured where it can be believed.
+        clean = self._clean - 1  # undisturbed intervals up to the start of the path
+        # Dynamic: constant acceleration, measured where no hit falsifies it.
         bend = np.where(airborne, gravity[:, None], 0.0)
         if older:
             measured = 2 * (chord - (before - self._poses[-4][9:]) / older[0]) / (known + older[0])
-            believed = (clean >= 2) & (self._onset > 2) & (_squared(measured) <= (_BELIEVABLE * weight) ** 2)
-            bend = np.where(believed, measured, bend)
+            plausible = (clean >= 2) & (self._onset > 2) & (_squared(measured) <= (_PLAUSIBLE * weight) ** 2)
+            bend = np.where(plausible, measured, bend)
         begin = chord + bend * (known / 2)
         if weight > 0:
-            # Let go within the interval before: the speed that falling so far from rest gives.
+            # Released within the interval before: the speed of a fall from rest over this height.
             down = gravity / weight
             fallen = down @ chord * known
             level = _squared(chord * known - fallen * down[:, None])
             from_rest = (fallen > 0) & (fallen <= 0.501 * weight * known**2) & (level <= (0.1 * fallen) ** 2)
             dropped = (self._onset == 1) & airborne & from_rest
             begin = np.where(dropped, down[:, None] * np.sqrt(2 * weight * np.maximum(fallen, 0.0)), begin)
-        # Kinematic: through both ends, unless it turned sharply in between, as what hits does. Hit in the interval before: what it has done
-        # since is all that is known.
+        # Kinematic: through both ends, unless it turned sharply in between, as in a hit. Dynamic bodies that were hit in the interval
+        # before: only the motion since then is known.
         curved = 2 * (direct - chord) / (step + known)
         smooth = kinematic & (4 * step**2 * _squared(curved) <= np.maximum(_squared(direct), _squared(chord)))
         given = smooth | (~kinematic & (clean < 1))

@@ -1,4 +1,4 @@
-"""What the tracker is told of bodies, and what counts as a contact and as an impact."""
+"""Bodies as the tracker sees them, and the thresholds of contacts and impacts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Motion(enum.StrEnum):
 
 
 class ImpactEnergy(enum.StrEnum):
-    """The energy that an impact is judged by."""
+    """The energy that decides on an impact."""
 
     KINETIC = "kinetic"  # the paper's: 1/2 m1 v1^2 + 1/2 m2 v2^2
     NORMAL = "normal"  # 1/2 mu v_n^2: relative motion along the normal, the same in every frame of reference
@@ -27,7 +27,7 @@ class ImpactEnergy(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """What the tracker knows of an object. ``mass`` in kg, None where it has none. ``medium``: a volume (air, water) that touches what it
+    """An object as the tracker sees it. ``mass`` in kg, None where it has none. ``medium``: a volume (air, water) that touches what it
     overlaps; a mesh then stands for its hull."""
 
     name: str
@@ -48,8 +48,8 @@ class ContactSettings:
     ``patch_points``: one contact per point of a patch, with shares, instead of one at its centre.
 
     An impact is a begin of contact with at least ``least_energy`` (E_min) joules; ``full_energy`` (E_max) gives amplitude 1; ``energy``
-    says how it is reckoned. A pair makes no second impact within ``refractory`` seconds. ``gravity`` [m/s^2] is how dynamic bodies fall
-    where too few frames show it, ``time_scale`` the seconds that are simulated in a second of the timeline.
+    says how it is computed. A pair makes no second impact within ``refractory`` seconds. ``gravity`` [m/s^2] accelerates dynamic bodies
+    where too few frames show how they fall; ``time_scale``: simulated seconds per second of the timeline.
     """
 
     tolerance: float = 0.01

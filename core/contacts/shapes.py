@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, fields
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,7 +18,7 @@ from ..arrays import FloatArray, IntArray
 from ..scene.values import Pose, Vector
 
 MAX_TRIANGLES = 500_000
-"""Largest mesh taken. A scene that wants more collides with its hull."""
+"""Largest collision mesh; a larger one collides as its hull."""
 
 
 def _length(key: str, value: float, least: float = 0.0) -> float:
@@ -75,9 +75,17 @@ def pose_matrix(pose: Pose) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """Base of all shapes. Values: hashable, compared by content."""
+    """Base of all shapes: values, hashable and compared by content. Every field of type float is a length; those named in ``positive`` are
+    greater than 0."""
 
     type: ClassVar[str] = ""
+    positive: ClassVar[frozenset[str]] = frozenset({"radius", "height"})
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            if item.type == "float":
+                check = _positive if item.name in self.positive else _length
+                object.__setattr__(self, item.name, check(item.name, getattr(self, item.name)))
 
     @property
     def margin(self) -> float:
@@ -94,18 +102,20 @@ class Shape:
         return bounds
 
     def to_dict(self) -> dict[str, Any]:
-        """The form of the scene file."""
-        raise NotImplementedError
-
-    def _margin_form(self) -> dict[str, float]:
-        return {"margin": self.margin} if self.margin else {}
+        """The JSON form in scene files, without what has its default."""
+        form: dict[str, Any] = {"type": self.type}
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if item.default is MISSING or value != item.default:
+                form[item.name] = value.tolist() if isinstance(value, np.ndarray) else list(value) if isinstance(value, tuple) else value
+        return form
 
 
 @dataclass(frozen=True, slots=True)
 class Box(Shape):
-    """``size`` (x, y, z) in metres. ``rounding`` is the radius of its edges within that size (Bullet's embedded margin): where the other
-    shape is not a box, too, Bullet sees it so; two boxes meet with sharp edges. A box thinner than twice its rounding is a thin sharp one,
-    but counts as so thick against a mesh."""
+    """``size`` (x, y, z) in metres. ``rounding`` is the radius of its edges within that size (Bullet's embedded margin), used against
+    all shapes but boxes: two boxes meet with sharp edges. A box thinner than twice its rounding is thin and sharp, but has that thickness
+    against a mesh."""
 
     type: ClassVar[str] = "box"
     size: Vector
@@ -118,16 +128,11 @@ class Box(Shape):
         except (TypeError, ValueError):
             raise ValueError(f"size: expected three lengths, got {self.size!r}") from None
         object.__setattr__(self, "size", (_positive("size", x), _positive("size", y), _positive("size", z)))
-        object.__setattr__(self, "margin", _length("margin", self.margin))
-        object.__setattr__(self, "rounding", _length("rounding", self.rounding))
+        Shape.__post_init__(self)
 
     def core_bounds(self) -> FloatArray:
         half = np.maximum(np.array(self.size) / 2, self.rounding)
         return np.array([-half, half])
-
-    def to_dict(self) -> dict[str, Any]:
-        rounding = {"rounding": self.rounding} if self.rounding else {}
-        return {"type": self.type, "size": list(self.size), **self._margin_form(), **rounding}
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,15 +143,8 @@ class Sphere(Shape):
     radius: float
     margin: float = 0.0
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _positive("radius", self.radius))
-        object.__setattr__(self, "margin", _length("margin", self.margin))
-
     def core_bounds(self) -> FloatArray:
         return np.array([[-self.radius] * 3, [self.radius] * 3])
-
-    def to_dict(self) -> dict[str, Any]:
-        return {"type": self.type, "radius": self.radius, **self._margin_form()}
 
 
 def _round_bounds(radius: float, half: float) -> FloatArray:
@@ -158,20 +156,13 @@ class Capsule(Shape):
     """``radius`` and ``height`` of the cylindrical part, in metres (height 0 is a sphere)."""
 
     type: ClassVar[str] = "capsule"
+    positive: ClassVar[frozenset[str]] = frozenset({"radius"})
     radius: float
     height: float
     margin: float = 0.0
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _positive("radius", self.radius))
-        object.__setattr__(self, "height", _length("height", self.height))
-        object.__setattr__(self, "margin", _length("margin", self.margin))
-
     def core_bounds(self) -> FloatArray:
         return _round_bounds(self.radius, self.height / 2 + self.radius)
-
-    def to_dict(self) -> dict[str, Any]:
-        return {"type": self.type, "radius": self.radius, "height": self.height, **self._margin_form()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,17 +176,11 @@ class Cylinder(Shape):
     rounding: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _positive("radius", self.radius))
-        object.__setattr__(self, "height", _positive("height", self.height))
-        object.__setattr__(self, "margin", _length("margin", self.margin))
-        object.__setattr__(self, "rounding", min(_length("rounding", self.rounding), self.radius, self.height / 2))
+        Shape.__post_init__(self)
+        object.__setattr__(self, "rounding", min(self.rounding, self.radius, self.height / 2))
 
     def core_bounds(self) -> FloatArray:
         return _round_bounds(self.radius, self.height / 2)
-
-    def to_dict(self) -> dict[str, Any]:
-        rounding = {"rounding": self.rounding} if self.rounding else {}
-        return {"type": self.type, "radius": self.radius, "height": self.height, **self._margin_form(), **rounding}
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,16 +192,8 @@ class Cone(Shape):
     height: float
     margin: float = 0.0
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _positive("radius", self.radius))
-        object.__setattr__(self, "height", _positive("height", self.height))
-        object.__setattr__(self, "margin", _length("margin", self.margin))
-
     def core_bounds(self) -> FloatArray:
         return _round_bounds(self.radius, self.height / 2)
-
-    def to_dict(self) -> dict[str, Any]:
-        return {"type": self.type, "radius": self.radius, "height": self.height, **self._margin_form()}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -234,8 +211,7 @@ class ConvexHull(Shape):
         if not np.ptp(points, axis=0).any():
             raise ValueError("points: they all lie in one place")
         object.__setattr__(self, "points", points)
-        object.__setattr__(self, "margin", _length("margin", self.margin))
-        object.__setattr__(self, "rounding", _length("rounding", self.rounding))
+        Shape.__post_init__(self)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, ConvexHull):
@@ -247,10 +223,6 @@ class ConvexHull(Shape):
 
     def core_bounds(self) -> FloatArray:
         return np.array([self.points.min(axis=0), self.points.max(axis=0)])
-
-    def to_dict(self) -> dict[str, Any]:
-        rounding = {"rounding": self.rounding} if self.rounding else {}
-        return {"type": self.type, "points": self.points.tolist(), **self._margin_form(), **rounding}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -280,7 +252,7 @@ class Mesh(Shape):
         triangles.setflags(write=False)
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "triangles", triangles)
-        object.__setattr__(self, "margin", _length("margin", self.margin))
+        Shape.__post_init__(self)
         if self.sphere_margin is not None:
             object.__setattr__(self, "sphere_margin", _length("sphere_margin", self.sphere_margin))
 
@@ -300,10 +272,6 @@ class Mesh(Shape):
         used = self.points[self.triangles.reshape(-1)]
         return np.array([used.min(axis=0), used.max(axis=0)])
 
-    def to_dict(self) -> dict[str, Any]:
-        spheres = {} if self.sphere_margin is None else {"sphere_margin": self.sphere_margin}
-        return {"type": self.type, "points": self.points.tolist(), "triangles": self.triangles.tolist(), **self._margin_form(), **spheres}
-
 
 @dataclass(frozen=True, slots=True)
 class Compound(Shape):
@@ -318,17 +286,18 @@ class Compound(Shape):
         if not children:
             raise ValueError("children: there are none")
         object.__setattr__(self, "children", children)
-        object.__setattr__(self, "margin", _length("margin", self.margin))
+        Shape.__post_init__(self)
 
     def core_bounds(self) -> FloatArray:
         bounds = np.array([transformed_bounds(shape.local_bounds(), pose_matrix(pose)) for shape, pose in self.children])
         return np.array([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
 
     def to_dict(self) -> dict[str, Any]:
-        children = [
+        form = Shape.to_dict(self)
+        form["children"] = [
             {**shape.to_dict(), "pose": {"position": list(pose.position), "rotation": list(pose.rotation)}} for shape, pose in self.children
         ]
-        return {"type": self.type, "children": children, **self._margin_form()}
+        return form
 
 
 def transformed_bounds(bounds: FloatArray, matrices: FloatArray) -> FloatArray:
@@ -343,17 +312,6 @@ def transformed_bounds(bounds: FloatArray, matrices: FloatArray) -> FloatArray:
 
 SHAPES: dict[str, type[Shape]] = {cls.type: cls for cls in (Box, Sphere, Capsule, Cylinder, Cone, ConvexHull, Mesh, Compound)}
 
-_KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "box": (("size",), ("margin", "rounding")),
-    "sphere": (("radius",), ("margin",)),
-    "capsule": (("radius", "height"), ("margin",)),
-    "cylinder": (("radius", "height"), ("margin", "rounding")),
-    "cone": (("radius", "height"), ("margin",)),
-    "convex_hull": (("points",), ("margin", "rounding")),
-    "mesh": (("points", "triangles"), ("margin", "sphere_margin")),
-    "compound": (("children",), ("margin",)),
-}
-
 
 def shape_from_dict(form: Mapping[str, Any]) -> Shape:
     """The shape of a scene file's ``{"type": name, ...}``. The children of a compound are such forms with a ``pose`` beside.
@@ -366,13 +324,13 @@ def shape_from_dict(form: Mapping[str, Any]) -> Shape:
     cls = SHAPES.get(name) if isinstance(name, str) else None
     if cls is None:
         raise ValueError(f"type: unknown shape {name!r}; one of {', '.join(SHAPES)}")
-    required, optional = _KEYS[cls.type]
+    known = fields(cls)
     for key in form:
-        if key not in ("type", *required, *optional):
+        if key not in ("type", *(item.name for item in known)):
             raise ValueError(f"{key}: unknown key of shape {name!r}")
-    for key in required:
-        if key not in form:
-            raise ValueError(f"{key}: missing in shape {name!r}")
+    for item in known:
+        if item.default is MISSING and item.name not in form:
+            raise ValueError(f"{item.name}: missing in shape {name!r}")
     values = {key: value for key, value in form.items() if key != "type"}
     if cls is Compound:
         values["children"] = _children(values["children"])

@@ -1,4 +1,4 @@
-"""Contacts from frame to frame: begin, end and impacts, with work done only where something moved."""
+"""Contacts from frame to frame: begin, end and impacts, recomputed only where something moved."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ from ..message import Cause, Message
 from .broad_phase import overlapping_pairs
 from .contact_set import ContactSet
 from .gain_bound import GainBound
-from .impacts import Hits, Impact, Meetings, impact_energies, landings, took_place
+from .impacts import Hits, Impact, confirmed, impact_energies, landings
 from .motion import MotionHistory, Paths
 from .narrow.body_patches import PairPatches
 from .narrow.frames import relative_pose
 from .narrow.narrow_phase import NarrowPhase
 from .settings import Body, ContactSettings, ImpactEnergy, Motion
+from .time_of_impact import TimeOfImpact
 
 __all__ = [
     "Body",
@@ -33,44 +34,44 @@ __all__ = [
 ]
 
 _COLUMNS = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10, 3, 7, 11])
-"""Where the rotation and then the position are in the upper three rows of a 4 x 4 matrix."""
+"""Indices of the rotation and then the position in the upper three rows of a 4 x 4 matrix."""
 
 
 STILL = 1e-5
-"""Metres by which no point of a body has moved if it counts as at rest: simulations at rest tremble, and poses are float32."""
+"""Metres of motion below which a body counts as at rest: simulations at rest tremble, and poses are float32."""
 
 _SAME = 1e-12
-"""Metres of relative motion up to which a contact is still the same: two bodies that move together differ by rounding."""
+"""Metres of relative motion up to which a contact is unchanged: bodies that move together differ by rounding."""
 
 _RESTING = 0.2
-"""Part of the tolerance up to which the gap is one that bodies at rest have; up to twice that, corners and edges touch."""
+"""Part of the tolerance up to which a gap counts as that of bodies at rest; up to twice that, corners and edges touch."""
 
 _APART = 0.1
-"""Weight of a corner or an edge of a box that is near but does not touch, beside that of faces as near."""
+"""Weight of a corner or an edge of a box that is near but does not touch, relative to faces at the same distance."""
 
 _FACING = 0.05
-"""Part of a body's face that lies within the other's patch where the two count half as faces."""
+"""Part of a body's face covered by the patch at which the contact counts half as one of faces."""
 
 _FIRM = 2e-3
-"""Metres of distance at which a contact is taken to act on the bodies."""
+"""Metres of distance below which a contact acts on the bodies."""
 
 _CREEP = 0.05
-"""Metres per second of approach up to which touching bodies have nothing left to hit."""
+"""Speed of approach [m/s] up to which touching bodies have come to rest against each other."""
 
 _STRONGER = 1.25
-"""Times as fast as the last blow of a pair (2 dB) is one that counts within the refractory time."""
+"""Factor of the last impact's speed (2 dB) above which another one counts within the refractory time."""
 
 _SOON = 3
-"""Frames within which a body may have been pulled to an impact by gravity: so long before its contacts are watched, wanted or not."""
+"""Frames in which gravity may accelerate a body to an impact: its contacts are watched that long before, wanted or not."""
 
 _FAT = 0.05
-"""Metres by which the bounds of the broad phase are wider than they need be, so that they hold for some frames."""
+"""Metres added to the bounds of the broad phase, so that they hold for several frames."""
 
 
 @dataclass(frozen=True, slots=True)
 class ContactStatistics:
-    """Of one update: ``candidates`` pairs with overlapping bounds, narrow-phase ``queries`` made and ``avoided``, and seconds that the
-    broad phase took."""
+    """Work of one update: ``candidates`` (pairs with overlapping bounds), narrow-phase ``queries`` made and ``avoided``, time of the broad
+    phase [s]."""
 
     candidates: int = 0
     queries: int = 0
@@ -92,18 +93,18 @@ class FrameContacts:
     warnings: tuple[Message, ...]
 
 
-# Rows of what is kept of a pair, all in the frame of its larger body unless said otherwise: place of the middle of the smaller one's
-# bounds, its rotation, the contact on the larger and (in its own frame) on the smaller body, normal from larger to smaller, distance, area.
+# Rows of the values of a pair, in the frame of its larger body unless said otherwise: centre of the smaller body's bounds, its rotation,
+# the contact on the larger and (in its own frame) on the smaller body, normal from larger to smaller, distance, area.
 _PLACE, _TURN, _ON_LARGER, _ON_SMALLER, _NORMAL = slice(0, 3), slice(3, 12), slice(12, 15), slice(15, 18), slice(18, 21)
 _DISTANCE, _AREA, _ROWS = 21, 22, 23
 
 
 @dataclass(slots=True)
 class _Pairs:
-    """Candidate pairs (p,), sorted by ``key`` = smaller number * n + larger number, and what is known of them.
+    """Candidate pairs (p,), sorted by ``key`` = smaller number * n + larger number, and their state.
 
     ``larger`` and ``smaller`` (p,): the bodies by size. ``known``: has been queried, at ``version`` (2, p) of their poses, with ``values``
-    (rows, p). ``touching``; ``struck``: nothing more is to be hit until they part; ``looked``: all that is as of the last frame.
+    (rows, p). ``touching``: in contact. ``struck``: no further hit until they part. ``looked``: examined in the last frame.
     """
 
     key: IntArray
@@ -119,7 +120,7 @@ class _Pairs:
 
     @classmethod
     def of(cls, key: IntArray, larger: IntArray, smaller: IntArray) -> _Pairs:
-        """Pairs of which nothing is known."""
+        """Pairs that have not been queried."""
         count = len(key)
         known, touching, struck = np.zeros((3, count), dtype=np.bool_)
         looked = np.ones(count, dtype=np.bool_)
@@ -127,7 +128,7 @@ class _Pairs:
         return cls(key, larger, smaller, known, touching, struck, looked, version, np.zeros((_ROWS, count)), {})
 
     def carried_to(self, key: IntArray, larger: IntArray, smaller: IntArray) -> _Pairs:
-        """The pairs ``key``, with what is known of those that were here before."""
+        """The pairs ``key``, with the state of those that were candidates before."""
         if np.array_equal(key, self.key):
             return self
         if len(self.key) == 0 or len(key) == 0:
@@ -165,13 +166,13 @@ class ContactTracker:
         self._arm = arm = np.sqrt((np.abs(local).max(axis=1) ** 2).sum(axis=1))
         self._still = STILL / np.stack([arm, arm, arm, np.ones(len(bodies))] * 3, axis=1).clip(1e-9)
         self._narrow = NarrowPhase([b.shape for b in bodies], [b.medium for b in bodies])
-        self._meetings = Meetings(self._narrow, local)
+        self._time_of_impact = TimeOfImpact(self._narrow, local)
         self._mass = np.array([b.mass or 0.0 for b in bodies], dtype=np.float64)
         self._dynamic = np.array([b.motion is Motion.DYNAMIC for b in bodies], dtype=np.bool_)
         self._medium = np.array([b.medium for b in bodies], dtype=np.bool_)
 
     def reset(self) -> None:
-        """Forget the past: the next update begins no contact and makes no impact."""
+        """Drop all history: the next update begins no contact and makes no impact."""
         count = len(self.bodies)
         none = np.zeros(0, dtype=np.int64)
         self._history = MotionHistory(count)
@@ -195,7 +196,7 @@ class ContactTracker:
         self._last_wanted: BoolArray | GainBound | None = None
 
     def replace_bodies(self, bodies: Sequence[Body]) -> None:
-        """Other shapes or masses for the same bodies, in the same order (deforming meshes): their motion and contacts go on.
+        """Replace shapes or masses of the same bodies, in the same order (deforming meshes); their motion and contacts go on.
 
         Raises ValueError where the names differ.
         """
@@ -216,9 +217,12 @@ class ContactTracker:
     ) -> FrameContacts:
         """The contacts at ``time`` [s] under rigid world ``transforms`` (n, 4, 4), scale being in the shapes.
 
-        ``wanted``: only contacts of these bodies (n,), or only those that signals can reach; None: all. Impacts are found in any case. A
-        pair that was not looked at counts as apart for the slack. ``continuous`` False says that this is not the step that follows the last
-        one: history is forgotten. A body whose transform is not finite is left out, with a warning.
+        Args:
+            wanted: only contacts of these bodies (n,), or only those that signals can reach; None: all. Impacts are found in any case. A
+                pair that was not examined in the last frame gets no slack.
+            continuous: False where this step does not follow the last one; history is then dropped.
+
+        A body whose transform is not finite is left out, with a warning.
         """
         transforms = np.asarray(transforms, dtype=np.float64)
         if transforms.shape != (len(self.bodies), 4, 4):
@@ -227,7 +231,7 @@ class ContactTracker:
             self.reset()
         self._queries = 0
         self._begun = perf_counter()
-        moved, warnings = self._take(time, transforms)
+        moved, warnings = self._update_poses(time, transforms)
         if self._last is not None and len(moved) == 0 and _same(wanted, self._last_wanted):
             return self._unchanged(warnings)
         paths, able = self._near_pairs(moved)
@@ -254,9 +258,9 @@ class ContactTracker:
         """Pairs (k, 2), smaller number first."""
         return np.stack([key // max(len(self.bodies), 1), key % max(len(self.bodies), 1)], axis=1)
 
-    def _take(self, time: float, transforms: FloatArray) -> tuple[IntArray, tuple[Message, ...]]:
-        """Take over the poses that are not those of the last frame; the numbers of their bodies, and warnings of those left out."""
-        # An array that can't be written to and is here again is not even compared.
+    def _update_poses(self, time: float, transforms: FloatArray) -> tuple[IntArray, tuple[Message, ...]]:
+        """Store the poses that have changed. Returns the numbers of their bodies, and warnings about bodies left out."""
+        # The same read-only array need not be compared.
         same = transforms is self._seen and not transforms.flags.writeable
         self._seen = transforms
         if same and self._history.times and not self._lost:
@@ -293,8 +297,8 @@ class ContactTracker:
         return (moved if len(lost) == 0 else np.union1d(moved, gone)), warnings
 
     def _world_bounds(self, bodies: IntArray, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Lowest and highest corners (3, k) of boxes around ``bodies`` (k,) in ``pose`` (12, k) that overlap wherever two could be
-        touching."""
+        """Lowest and highest corners (3, k) of bounding boxes of ``bodies`` (k,) in ``pose`` (12, k), grown so that they overlap wherever
+        two bodies can touch."""
         turn = pose[:9].reshape(3, 3, -1)
         centre = np.einsum("ijp,jp->ip", turn, self._middle.take(bodies, axis=1)) + pose[9:]
         grow = (self.settings.tolerance + self.settings.slack) / 2 + 2 * STILL
@@ -309,7 +313,7 @@ class ContactTracker:
         return FrameContacts(self._last.contacts, none, none, (), statistics, warnings)
 
     def _energies(self, speed: FloatArray) -> FloatArray:
-        """The most energy (n,) that bodies of a ``speed`` (n,) of up to so much could bring into an impact."""
+        """Upper bound on the energy (n,) that bodies with at most this ``speed`` (n,) bring into an impact."""
         mass = self._mass
         if self.settings.energy is ImpactEnergy.NORMAL:
             # Twice the speed of the faster of two at most, and no more than the mass of a dynamic one of them.
@@ -317,7 +321,7 @@ class ContactTracker:
         return np.asarray(mass / 2 * (speed / self.settings.time_scale) ** 2)
 
     def _lively(self) -> BoolArray:
-        """(n,) which bodies move and could take part in an impact soon: all with a mass, as soon as one has the energy for it."""
+        """Which bodies (n,) may take part in an impact soon: all that move and have a mass, once one of them has the energy for it."""
         gain = float(np.linalg.norm(self.settings.gravity)) * self.settings.time_scale**2 * self._history.step * _SOON
         energy = self._energies(self._history.speeds() + gain)
         moving = self._history.moving()
@@ -326,7 +330,7 @@ class ContactTracker:
         return np.asarray(moving & (self._mass > 0))
 
     def _catch_up(self, rows: IntArray) -> bool:
-        """Find out of pairs ``rows`` whether they touched in the last frame, where nobody wanted to know then. Whether any did."""
+        """Find which pairs ``rows``, not examined in the last frame, touched then. Returns whether any did."""
         if len(rows) == 0:
             return False
         pairs = self._pairs
@@ -344,8 +348,8 @@ class ContactTracker:
         return bool(touching.any())
 
     def _near_pairs(self, moved: IntArray) -> tuple[Paths | None, IntArray]:
-        """Bring the near pairs up to date. The ways of the bodies if any is fast enough for an impact, and the pairs, by number among the
-        near ones, that have the energy for one."""
+        """Update the near pairs. Returns the paths of the bodies if any is fast enough for an impact, and the numbers among the near pairs
+        of those that have the energy for one."""
         low, high = self._low, self._high
         paths, none = None, np.zeros(0, dtype=np.int64)
         gravity = np.array(self.settings.gravity) * self.settings.time_scale**2
@@ -378,7 +382,7 @@ class ContactTracker:
         return paths, np.flatnonzero(solid & (rapid[a] | rapid[b]) & (energy[a] + energy[b] >= least))
 
     def _widen(self, low: FloatArray, high: FloatArray, moved: IntArray) -> None:
-        """Make the wide bounds hold these again, and find the pairs whose wide bounds overlap."""
+        """Enlarge the wide bounds to contain the bounds ``low`` to ``high`` again, and find the pairs whose wide bounds overlap."""
         inside = (low[:, moved] >= self._fat_low[:, moved]) & (high[:, moved] <= self._fat_high[:, moved])
         rows = moved[~inside.all(axis=0)]
         if len(rows) == 0:
@@ -508,7 +512,7 @@ class ContactTracker:
         return self._contact_set(rows)
 
     def _asked(self, wanted: BoolArray | GainBound | None, fresh: BoolArray) -> BoolArray:
-        """Which candidate pairs the caller wants to know of."""
+        """Which candidate pairs the caller asked for."""
         pairs = self._pairs
         if wanted is None:
             return np.ones(len(pairs.key), dtype=np.bool_)
@@ -525,7 +529,7 @@ class ContactTracker:
         return asked
 
     def _look(self, rows: IntArray, before: BoolArray) -> None:
-        """Bring pairs ``rows`` up to date, by a query where they have moved relative to each other."""
+        """Update pairs ``rows``, by a query where they have moved relative to each other."""
         if len(rows) == 0:
             return
         pairs = self._pairs
@@ -556,8 +560,7 @@ class ContactTracker:
     def _stays(
         self, rows: IntArray, turn: FloatArray, place: FloatArray, radius: FloatArray, limit: FloatArray, before: BoolArray
     ) -> BoolArray:
-        """Which of the pairs ``rows`` are still what they were: touching and not moved relative to each other, or too far apart to
-        touch."""
+        """Which of the pairs ``rows`` are unchanged: touching and not moved relative to each other, or still too far apart to touch."""
         pairs = self._pairs
         values = pairs.values[: _ON_LARGER.start].take(rows, axis=1)
         travel, change = place - values[_PLACE], turn.reshape(9, -1) - values[_TURN]
@@ -566,7 +569,7 @@ class ContactTracker:
         return np.asarray(pairs.known[rows] & np.where(before, motion <= _SAME, apart) & (pairs.touching[rows] == before))
 
     def _patches(self, larger: IntArray, smaller: IntArray, turn: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
-        """What the narrow phase finds. A medium and what is in it touch in the middle of what their bounds have in common, without area or
+        """Patches by the narrow phase. A medium and a body in it touch at the centre of the intersection of their bounds, without area or
         depth."""
         numbers, points = np.stack([larger, smaller], axis=1), self.settings.patch_points
         medium = self._medium[larger] | self._medium[smaller]
@@ -630,10 +633,10 @@ class ContactTracker:
         )
 
     def _weights(self, larger: IntArray, smaller: IntArray, values: FloatArray) -> FloatArray:
-        """What contacts (k,) with ``values`` (rows, k) count: 1 as far apart as bodies at rest are, falling smoothly to 0 at the tolerance.
+        """Weights of contacts (k,) with ``values`` (rows, k): 1 up to the gap of bodies at rest, falling smoothly to 0 at the tolerance.
 
-        Boxes that do not touch are weighed by the area of the patch, too, compared with the face of the smaller one: edges do not face
-        each other as round bodies do where they are nearest.
+        Boxes that do not touch are also weighted by the patch's area relative to the face of the smaller one: their nearest edges do not
+        face each other as round bodies do.
         """
         distance, turn = values[_DISTANCE], values[_TURN].reshape(3, 3, -1)
         rest = _RESTING * self.settings.tolerance
@@ -652,25 +655,25 @@ class ContactTracker:
         return np.asarray(near * (touch + (1.0 - touch) * (_APART + (1.0 - _APART) * facing)))
 
     def _hits(self, paths: Paths, able: IntArray, arrived: IntArray) -> Hits:
-        """The hits among near pairs ``able`` that took place. Pairs (by key) that have ``arrived`` at each other by the end of the interval
-        although their motion did not lead there have been moved by something else: their ways are then those to where they are."""
-        meeting = self._meetings.may_meet(paths, self._near_larger[able], self._near_smaller[able], *self._before)
-        hits = self._meetings.hits(paths, self._numbers(self._near[able[meeting]]))
+        """The confirmed hits among near pairs ``able``. Pairs (by key) that have ``arrived`` at each other by the end of the interval
+        although their motion did not lead there were moved by something else: their paths then lead to where they are."""
+        possible = self._time_of_impact.may_hit(paths, self._near_larger[able], self._near_smaller[able], *self._before)
+        hits = self._time_of_impact.hits(paths, self._numbers(self._near[able[possible]]))
         if len(hits):
-            hits = hits.chosen(took_place(hits, paths, self.settings.tolerance))
+            hits = hits.chosen(confirmed(hits, paths, self.settings.tolerance))
         if len(arrived):
             arrived = arrived[~_among(arrived, np.sort(self._keys(*hits.pairs.T)))]
         if len(arrived):
             pairs = self._numbers(arrived)
-            expected = self._meetings.ahead(paths, pairs, np.full(len(pairs), self.settings.tolerance))
+            expected = self._time_of_impact.final_distances(paths, pairs, np.full(len(pairs), self.settings.tolerance))
             pulled = pairs[expected > 2 * _FIRM]
-            hits = hits.joined(self._meetings.hits(paths.to_the_ends(), pulled).approaching())
+            hits = hits.joined(self._time_of_impact.hits(paths.to_the_ends(), pulled).approaching())
         return hits
 
     def _landings(self, paths: Paths, rows: IntArray, last: FloatArray) -> Hits:
-        """Hits of the pairs ``rows``, which touch in both frames, with a part that was away from the other body before: of each pair, the
-        hit of the patch's fastest point. ``last``: the values of all pairs in the last frame. Called for pairs with an impact within the
-        refractory time: what has touched for longer is at rest, and tips over unfelt."""
+        """Hits of the pairs ``rows``, which touch in both frames, by a part that was away from the other body before; of each pair, the hit
+        of the patch's fastest point. ``last``: the values of all pairs in the last frame. Only for pairs with an impact within the
+        refractory time: bodies that have touched for longer are at rest."""
         pairs = self._pairs
         rows = rows[~(self._medium[pairs.larger[rows]] | self._medium[pairs.smaller[rows]])]
         if len(rows) == 0:
@@ -697,7 +700,7 @@ class ContactTracker:
         return hits.chosen(order[last])
 
     def _impacts(self, time: float, hits: Hits | None, paths: Paths | None) -> tuple[Impact, ...]:
-        """Impacts that the hits make, by time. Within the refractory time of a pair only a clearly stronger blow makes another one."""
+        """Impacts from hits, by time. Within the refractory time of a pair only a clearly stronger hit makes another impact."""
         if hits is None or paths is None or len(hits) == 0:
             return ()
         energies = impact_energies(hits, self._mass, ~self._dynamic, self.settings.energy) / self.settings.time_scale**2
@@ -714,21 +717,21 @@ class ContactTracker:
         return tuple(impacts)
 
     def _disturb(self, hits: Hits | None, paths: Paths) -> None:
-        """Bodies that have hit something have to be watched anew: those known to, and those that are not where they would be otherwise."""
+        """Mark the bodies whose motion was disturbed: those that hit something, and those that are not where their motion led."""
         disturbed = self._history.surprised(paths) & self._dynamic
         if hits is not None:
             disturbed[hits.pairs] = True
         self._history.disturb(disturbed)
 
 
-def _from_impacts(reach: GainBound, impacts: Sequence[Impact]) -> GainBound:
-    """Of signals that start at ``impacts``, on both sides of the contact."""
+def _from_impacts(bound: GainBound, impacts: Sequence[Impact]) -> GainBound:
+    """The bound for signals that start at ``impacts``, on both sides of the contact."""
     positions = np.array([impact.positions for impact in impacts], dtype=np.float64).reshape(-1, 3)
-    return reach.started_at(np.array([impact.objects for impact in impacts], dtype=np.int64).reshape(-1), positions)
+    return bound.started_at(np.array([impact.objects for impact in impacts], dtype=np.int64).reshape(-1), positions)
 
 
 def _placed(pose: FloatArray, points: FloatArray) -> FloatArray:
-    """Points (3, k) of bodies in ``pose`` (12, k), in the world."""
+    """World positions (3, k) of points (3, k) of bodies in ``pose`` (12, k)."""
     return np.asarray(np.einsum("ijp,jp->ip", pose[:9].reshape(3, 3, -1), points) + pose[9:])
 
 

@@ -13,17 +13,17 @@ from .frames import dot
 from .manifold import PATCH_GAP, Patches, contact_plane
 
 _TOGETHER = 4e-5
-"""Metres by which a point or line may be further away than the nearest part of the bodies and still belong to their patch."""
+"""Metres beyond the least distance up to which a point or line belongs to the patch."""
 
 _POINT_AREA, _FACE_AREA = 1e-12, 1e-3
-"""Area in square metres that a point counts as beside faces, and from about which on a face belongs to the patch within ``PATCH_GAP``."""
+"""Area [m^2] that a point counts as, and that from about which on a face belongs to the patch within ``PATCH_GAP``."""
 
 MAX_PATCH_POINTS = 8
 
 
 @dataclass(frozen=True, slots=True)
 class PairPatches:
-    """Per pair of bodies, in the frame of the first: signed ``distance`` (p,) [m] (a lower bound where it is beyond the reach asked for),
+    """Per pair of bodies, in the frame of the first: signed ``distance`` (p,) [m] (a lower bound beyond the limit of the query),
     unit ``normal`` (3, p) from first to second, ``centre`` (3, p) of the patch, midway between the surfaces, ``area`` (p,) [m^2], and if
     asked for the ``corners`` (k, 3) of each patch."""
 
@@ -88,7 +88,7 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
         mean = np.zeros((count, 3))
         np.add.at(mean, owner, normals * weights[:, None])
         length = np.sqrt(dot(mean, mean))
-        # Normals that cancel, as those of a body in a narrow gap do: the nearest one stands.
+        # Where normals cancel, as those of a body in a narrow gap, use that of the nearest contact.
         order = np.argsort(-above, kind="stable")
         normal[owner[order]] = normals[order]
         whole = length > 0.1 * total

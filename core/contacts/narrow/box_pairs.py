@@ -84,7 +84,7 @@ class BoxPairs:
         found = box_contacts(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b, np.full(len(pairs), np.inf))
         return found.distance - (boxes.radius_a + boxes.radius_b), found.normal
 
-    def write_patches(self, boxes: Boxes, pairs: IntArray, reach: FloatArray, result: PairPatches) -> IntArray:
+    def write_patches(self, boxes: Boxes, pairs: IntArray, limit: FloatArray, result: PairPatches) -> IntArray:
         """Write the distances and patches of boxes into ``result``.
 
         Returns:
@@ -92,7 +92,7 @@ class BoxPairs:
         """
         rows = boxes.rows
         radius = boxes.radius_a + boxes.radius_b
-        found = box_contacts(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b, reach[rows] + radius)
+        found = box_contacts(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b, limit[rows] + radius)
         corner_contacts(found, boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b)
         area, normal, centre = found.area, found.normal, found.centre
         first, second = pairs[rows].T

@@ -46,15 +46,15 @@ class BoxContacts:
     exact: BoolArray
 
 
-def box_contacts(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray, reach: FloatArray) -> BoxContacts:
+def box_contacts(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray, limit: FloatArray) -> BoxContacts:
     """Contacts of boxes: rotation (3, 3, p) and centre (3, p) of the second in the frame of the first, half extents (3, p) > 0. Beyond
-    ``reach`` (p,) only a lower bound on the distance is given."""
+    ``limit`` (p,) only a lower bound on the distance is given."""
     best = best_axes(rotation, offset, half_a, half_b)
     count = len(best.distance)
-    result = BoxContacts(best.distance, np.zeros((3, count)), np.zeros((3, count)), np.zeros(count), best.distance > reach)
+    result = BoxContacts(best.distance, np.zeros((3, count)), np.zeros((3, count)), np.zeros(count), best.distance > limit)
     result.normal[2] = 1.0
     axis = best.axis
-    near = best.distance <= reach
+    near = best.distance <= limit
     edges = np.flatnonzero(near & (axis >= FIRST_EDGE_AXIS))
     if len(edges):
         boxes = _rows(edges, rotation, offset, half_a, half_b)

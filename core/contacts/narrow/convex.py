@@ -19,24 +19,24 @@ from .frames import dot
 from .penetration import Farthest, penetration
 
 _POINT_RADIUS = 1e-9
-"""FCL has no points and segments: spheres and capsules of that radius in metres stand in."""
+"""Radius [m] of the spheres and capsules that stand for points and segments, which FCL lacks."""
 
 _CONFIRMED = 2e-5
-"""Metres by which bounds on a distance may differ."""
+"""Metres between the bounds on a distance below which it is accepted."""
 
 _TOUCHING = 1e-7
-"""Metres of distance below which nearest points say nothing about the normal."""
+"""Metres of distance below which the nearest points do not determine the normal."""
 
 _MOST_TRIANGLES = 100_000
 
 _TURNS = (None, *rotations(np.array([[1.0, -2.0, 0.7], [0.4, 0.9, -2.2], [-1.3, 0.3, 1.9]])).transpose(2, 0, 1))
-"""Ways to turn a question round."""
+"""Rotations under which a query is repeated."""
 
 _UPRIGHT = np.eye(3)
 
 
 class Size(Enum):
-    """Which of its sizes a box is taken in."""
+    """The size in which a box is used."""
 
     CORE = "core"
     SHARP = "sharp"
@@ -68,11 +68,11 @@ class ConvexDistances:
         self._triangles: dict[tuple[int, int], Convex] = {}
 
     def core(self, number: int, size: Size = Size.CORE) -> Convex:
-        """Of a core. ``size`` chooses among those of a box."""
+        """The body of a core. ``size`` chooses among the sizes of a box."""
         return self.cores([number], size)[0]
 
     def cores(self, numbers: Sequence[int], size: Size) -> list[Convex]:
-        """Of several cores."""
+        """The bodies of several cores."""
         known = self._cores[size]
         made = []
         for number in numbers:
@@ -87,7 +87,7 @@ class ConvexDistances:
         return made
 
     def triangle(self, core: int, number: int, corners: FloatArray) -> Convex:
-        """Of triangle ``number`` of the mesh ``core``, with its ``corners`` (3, 3)."""
+        """The body of triangle ``number`` of the mesh ``core``, with its ``corners`` (3, 3)."""
         made = self._triangles.get((core, number))
         if made is None:
             if len(self._triangles) >= _MOST_TRIANGLES:
@@ -164,8 +164,8 @@ _FARTHEST: dict[Kind, Callable[[FloatArray, FloatArray], FloatArray]] = {
 def separations(
     first: Sequence[Convex], second: Sequence[Convex], rotation: FloatArray, offset: FloatArray, depths: bool = True
 ) -> Separation:
-    """Between pairs of bodies, the second placed by ``rotation`` (n, 3, 3) and ``offset`` (n, 3) in the frame of the first, in which the
-    result is, too. Without ``depths``, those that overlap are said to be 0 apart."""
+    """Separations of pairs of bodies in the frame of the first, the second placed by ``rotation`` (n, 3, 3) and ``offset`` (n, 3). Without
+    ``depths``, bodies that overlap have distance 0."""
     import fcl
 
     request = fcl.DistanceRequest(enable_nearest_points=True)
@@ -188,7 +188,7 @@ def separations(
         distance[~apart] = 0.0
     curved = np.flatnonzero(apart & np.array([a.curved or b.curved for a, b in zip(first, second, strict=True)], dtype=np.bool_))
     if len(curved):
-        # Between the nearest points lies no less than the distance; between the supporting planes square to their line, no more.
+        # The nearest points bound the distance from above, the supporting planes perpendicular to their line from below.
         way = normal[curved]
         back = -np.einsum("nji,nj->ni", rotation[curved], way)
         between = (way * offset[curved]).sum(axis=1)
@@ -202,7 +202,7 @@ def separations(
 
 
 def _supports(bodies: Sequence[Convex], directions: FloatArray) -> FloatArray:
-    """Heights (n,) of bodies along a direction (n, 3) each."""
+    """Support values (n,) of bodies, each along its own direction (n, 3)."""
     rows: dict[int, list[int]] = {}
     for row, body in enumerate(bodies):
         rows.setdefault(id(body), []).append(row)
@@ -213,10 +213,10 @@ def _supports(bodies: Sequence[Convex], directions: FloatArray) -> FloatArray:
 
 
 def _confirmed(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, nearest: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-    """Distance, normal and nearest points (2, 3) of two that are apart, of which one is curved.
+    """Distance, normal and nearest points (2, 3) of two bodies that are apart, one of them curved.
 
-    Now and then the points that FCL finds are millimetres further apart than the supporting planes square to their line: then it is asked
-    again with everything turned, until the two agree.
+    Occasionally FCL's nearest points are millimetres further apart than the supporting planes perpendicular to their line. The query is
+    then repeated with both bodies rotated until the two bounds agree.
     """
     import fcl
 
@@ -244,7 +244,7 @@ def _confirmed(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, n
 
 
 def _overlapping(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-    """Signed distance, normal and deepest points (2, 3) of two that overlap."""
+    """Signed distance, normal and deepest points (2, 3) of two bodies that overlap."""
     found = penetration(a.farthest, lambda ways: b.farthest(ways @ rotation) @ rotation.T + offset)
     half = found.normal * (found.depth / 2)
     return -found.depth, found.normal, np.stack([found.middle + half, found.middle - half])

@@ -97,15 +97,15 @@ class CoreDistances:
             return box_to_triangle(rows.rotation_a, rows.centre_a, self._table.thick_half[rows.first], corners)
         return exact(self.by_fcl(rows))
 
-    def near_by_fcl(self, rows: CorePairs, reach: FloatArray) -> Separation:
-        """`by_fcl` of the rows whose bounding boxes are within ``reach`` of each other; lower bounds for the others."""
+    def near_by_fcl(self, rows: CorePairs, limit: FloatArray) -> Separation:
+        """`by_fcl` of the rows whose bounding boxes are within ``limit`` of each other; lower bounds for the others."""
         table = self._table
         centre_a = rows.centre_a + turned(rows.rotation_a, table.bound_centre[rows.first])
         centre_b = rows.centre_b + turned(rows.rotation_b, table.bound_centre[rows.second])
         turn = np.einsum("nki,nkj->ijn", rows.rotation_a, rows.rotation_b)
         offset = turned_back(rows.rotation_a, centre_b - centre_a).T
         bound = best_axes(turn, offset, table.bound_half[rows.first].T, table.bound_half[rows.second].T).distance
-        near = bound <= rows.radius_a + rows.radius_b + reach[rows.owner]
+        near = bound <= rows.radius_a + rows.radius_b + limit[rows.owner]
         if near.all():
             return self.by_fcl(rows)
         result = Separation(bound, np.tile([0.0, 0.0, 1.0], (len(rows), 1)), centre_a, centre_b)

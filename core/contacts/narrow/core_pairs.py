@@ -14,7 +14,7 @@ from .frames import identity_and_relative, turned, turned_back
 from .mesh_index import MeshIndex
 
 BEYOND = 1e-9
-"""Metres beyond the limit of a query that a distance is reported as where no more is known."""
+"""Metres beyond the limit of a query at which a distance is reported where only a lower bound is known."""
 
 
 @dataclass(slots=True)
@@ -55,9 +55,9 @@ class CorePairing:
         self._table = table
         self._meshes: dict[int, MeshIndex] = {}
 
-    def groups(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray) -> Iterator[CorePairs]:
+    def groups(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> Iterator[CorePairs]:
         """All pairs of cores of ``pairs`` of bodies, placed as in `NarrowPhase`, in groups of the same kinds, the simpler kind first. Only
-        the triangles of a mesh within ``reach`` (p,) metres are included."""
+        the triangles of a mesh within ``limit`` (p,) metres are included."""
         a, b = identity_and_relative(rotation, offset)
         table = self._table
         owner, first, second = _products(table.start, pairs)
@@ -74,9 +74,9 @@ class CorePairing:
             rows = everything.chosen(np.flatnonzero(kinds == value)) if np.any(kinds != value) else everything
             kind_a, kind_b = Kind(value // len(Kind)), Kind(value % len(Kind))
             if kind_a is Kind.MESH:
-                yield from self._meshes_on_meshes(rows, reach)
+                yield from self._meshes_on_meshes(rows, limit)
             elif kind_b is Kind.MESH:
-                yield self._on_triangles(rows, kind_a, reach)
+                yield self._on_triangles(rows, kind_a, limit)
             else:
                 yield rows
 
@@ -95,7 +95,7 @@ class CorePairing:
             made = self._meshes[core] = MeshIndex.of(mesh)
         return made
 
-    def _on_triangles(self, rows: CorePairs, kind: Kind, reach: FloatArray) -> CorePairs:
+    def _on_triangles(self, rows: CorePairs, kind: Kind, limit: FloatArray) -> CorePairs:
         """Convex cores against those triangles of their meshes that are near."""
         table = self._table
         if kind is Kind.BOX:
@@ -105,7 +105,7 @@ class CorePairing:
         relative = np.einsum("nji,njk->nik", rows.rotation_b, rows.rotation_a)
         middle = turned_back(rows.rotation_b, rows.centre_a + turned(rows.rotation_a, table.bound_centre[rows.first]) - rows.centre_b)
         half = np.einsum("nij,nj->ni", np.abs(relative), table.bound_half[rows.first])
-        half += (rows.radius_a + rows.radius_b + np.maximum(reach[rows.owner], 0.0))[:, None]
+        half += (rows.radius_a + rows.radius_b + np.maximum(limit[rows.owner], 0.0))[:, None]
         bounds = np.stack([middle - half, middle + half], axis=1)
         row, triangle = [], []
         for core in np.unique(rows.second).tolist():
@@ -117,13 +117,13 @@ class CorePairing:
         expanded.triangle_b = np.concatenate(triangle)
         return expanded
 
-    def _meshes_on_meshes(self, rows: CorePairs, reach: FloatArray) -> Iterator[CorePairs]:
+    def _meshes_on_meshes(self, rows: CorePairs, limit: FloatArray) -> Iterator[CorePairs]:
         """Pairs of near triangles of two meshes, one pair of meshes at a time."""
         table = self._table
         for k in range(len(rows)):
             row = rows.chosen(np.array([k]))
             first, second = self.mesh(int(row.first[0])), self.mesh(int(row.second[0]))
-            grown = float(row.radius_a[0] + row.radius_b[0] + max(reach[row.owner[0]], 0.0))
+            grown = float(row.radius_a[0] + row.radius_b[0] + max(limit[row.owner[0]], 0.0))
             turn, shift = row.rotation_b[0].T @ row.rotation_a[0], row.rotation_b[0].T @ (row.centre_a[0] - row.centre_b[0])
             middle, half = table.bound_centre[row.second[0]], table.bound_half[row.second[0]] + grown
             back = turn.T @ (middle - shift)
@@ -160,9 +160,9 @@ def _products(start: IntArray, pairs: IntArray) -> tuple[IntArray, IntArray, Int
     return owner, start[pairs[owner, 0]] + within // count[owner, 1], start[pairs[owner, 1]] + within % count[owner, 1]
 
 
-def bounded(rows: CorePairs, gap: FloatArray, reach: FloatArray) -> FloatArray:
-    """Gaps as lower bounds on the distances of the bodies: beyond ``reach`` not all triangles of a mesh are included."""
-    return gap if rows.triangle_b is None else np.minimum(gap, reach[rows.owner] + BEYOND)
+def bounded(rows: CorePairs, gap: FloatArray, limit: FloatArray) -> FloatArray:
+    """Gaps as lower bounds on the distances of the bodies: beyond ``limit`` not all triangles of a mesh are included."""
+    return gap if rows.triangle_b is None else np.minimum(gap, limit[rows.owner] + BEYOND)
 
 
 def chosen_of(values: Any, rows: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Shapes reduced to cores: what the narrow phase computes with.
+"""Shapes reduced to cores, the primitives of the narrow phase.
 
 Every primitive is a core (a point, a segment, a box, a cylinder, a cone, a hull, a triangle) and all points within ``radius`` of it: a
 sphere is a point, a capsule a segment, a box with rounded edges a smaller box. Distances are between cores, less the two radii.
@@ -92,7 +92,7 @@ def _core(part: Part, solid: bool) -> Core:
         case Box(size=size, rounding=rounding):
             return _box(part.matrix, part.radius, np.array(size) / 2, rounding)
         case Cylinder(radius=radius, height=height, rounding=rounding):
-            # A core of no height or radius is one that nothing lies inside of: leave it a thousandth.
+            # A core without height or radius has no inside: leave it a thousandth.
             limited = min(rounding, 0.999 * radius, 0.999 * height / 2)
             return _simple(Kind.CYLINDER, part, (radius, radius, height / 2), limited)
         case Cone(radius=radius, height=height):
@@ -184,7 +184,7 @@ def _as_box(corners: FloatArray) -> tuple[FloatArray, FloatArray] | None:
         return None
     edges = corners - corners[0]
     order = np.argsort(np.linalg.norm(edges, axis=1), kind="stable")
-    # The three shortest ways from a corner of a box need not be its edges: take those that are square to each other.
+    # The three nearest corners need not lie along edges: find three directions that are perpendicular.
     for first in order[1:4].tolist():
         for second in order[2:].tolist():
             for third in order[3:].tolist():

@@ -1,9 +1,8 @@
 """Contact patches: where the facing features of two touching cores lie on each other, many pairs at a time.
 
-Each core shows its flattest feature towards the other: a face of a box, hull or triangle, the end of a cylinder, a line along the side of a
-round core. Both are projected onto the contact plane and intersected, as far as the gap between them is within ``PATCH_GAP`` of the least.
-A face on a face gives their common area, an edge a strip along it, a corner next to nothing: centre and area change smoothly as a body
-tips.
+Each core contributes its supporting feature: a face of a box, hull or triangle, the end of a cylinder, a line along the side of a round
+core. Both are projected onto the contact plane and intersected, as far as the gap between them is within ``PATCH_GAP`` of the least. A face
+on a face gives their common area, an edge a strip along it, a corner almost nothing: centre and area change smoothly as a body tips.
 """
 
 from __future__ import annotations
@@ -16,14 +15,14 @@ from ...arrays import BoolArray, FloatArray
 from .frames import dot
 
 PATCH_GAP = 0.001
-"""Metres by which two surfaces may be further apart than where they are nearest and still belong to the patch. A body of 1 m that rests and
-trembles by 1e-4 rad keeps its whole face in the patch."""
+"""Metres beyond the least gap up to which two surfaces belong to the patch. A body of 1 m at rest that trembles by 1e-4 rad keeps its whole
+face in the patch."""
 
 _LYING, _TIPPED = 0.002, 0.02
-"""Slopes between two faces up to which they lie on each other, and from which on they touch along a line or at a point."""
+"""Slopes between two faces below which they lie on each other, and above which they touch along a line or at a point."""
 
 _LINE_GAP = 0.00005
-"""The same in metres where they touch along a line or at a point."""
+"""``PATCH_GAP`` where faces touch along a line or at a point [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,8 +41,8 @@ class Patches:
 
 
 def patch_gap(slope: FloatArray) -> FloatArray:
-    """How far apart [m] two faces may be within a patch at a ``slope`` (rise over run): ``PATCH_GAP`` where they are parallel, smoothly
-    less where they are tipped, so that the patch stays near the line or point where they touch."""
+    """Largest gap [m] within a patch of faces at a ``slope`` (rise over run): ``PATCH_GAP`` where they are parallel, smoothly less where
+    they are tipped, so that the patch stays near the line or point where they touch."""
     tipped = np.clip((slope - _LYING) / (_TIPPED - _LYING), 0.0, 1.0)
     return np.asarray(PATCH_GAP - (PATCH_GAP - _LINE_GAP) * tipped * tipped * (3.0 - 2.0 * tipped))
 
@@ -107,7 +106,7 @@ def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patche
     area = (cross.sum(axis=1) + closing) / 2
     moment = (np.einsum("nki,nk->ni", start + end, cross) + (out + back) * closing[:, None]) / 6
     found = used.any(axis=1) & (area > 0)
-    # Cancellation could throw the centre of a sliver anywhere: keep it among the corners.
+    # Cancellation can move the centre of a sliver far away: clip it to the corners' bounds.
     mask = used[..., None]
     least = np.where(mask, np.minimum(start, end), np.inf).min(axis=1)
     most = np.where(mask, np.maximum(start, end), -np.inf).max(axis=1)
@@ -136,7 +135,7 @@ def _plane(polygon: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _counter_clockwise(polygon: FloatArray) -> FloatArray:
-    """Polygons (n, k, 2) with those turned round that run clockwise."""
+    """Polygons (n, k, 2), those that run clockwise reversed."""
     following = np.roll(polygon, -1, axis=1)
     area = (polygon[..., 0] * following[..., 1] - polygon[..., 1] * following[..., 0]).sum(axis=1)
     return np.where(area[:, None, None] < 0, polygon[:, ::-1], polygon)

@@ -1,4 +1,4 @@
-"""Which triangles of a mesh lie near a box: triangles in blocks of neighbours, so that most are ruled out by the block."""
+"""Triangles of a mesh near a box, found by the bounds of blocks of neighbouring triangles."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ class MeshIndex:
         return cls(corners, low, high, np.minimum.reduceat(low, starts), np.maximum.reduceat(high, starts), size)
 
     def near(self, bounds: FloatArray) -> tuple[IntArray, IntArray]:
-        """Which box of ``bounds`` (n, 2, 3) [local space] meets the bounds of which triangle: numbers of boxes and of triangles, sorted."""
+        """Pairs of boxes ``bounds`` (n, 2, 3) [local space] and triangles with overlapping bounds: numbers of both, sorted."""
         boxes, triangles = [], []
         step = max(1, _CHUNK // max(len(self.block_low), 1))
         for begin in range(0, len(bounds), step):
-            box, block = _meeting(bounds[begin : begin + step], self.block_low, self.block_high)
+            box, block = _overlapping(bounds[begin : begin + step], self.block_low, self.block_high)
             box += begin
             for part in range(0, len(box), max(1, _CHUNK // self.size)):
                 chosen = slice(part, part + max(1, _CHUNK // self.size))
@@ -64,17 +64,17 @@ class MeshIndex:
         return owner[kept], triangle[kept]
 
 
-def _meeting(bounds: FloatArray, low: FloatArray, high: FloatArray) -> tuple[IntArray, IntArray]:
-    meet = np.ones((len(bounds), len(low)), dtype=np.bool_)
+def _overlapping(bounds: FloatArray, low: FloatArray, high: FloatArray) -> tuple[IntArray, IntArray]:
+    overlap = np.ones((len(bounds), len(low)), dtype=np.bool_)
     for axis in range(3):
-        meet &= low[None, :, axis] <= bounds[:, None, 1, axis]
-        meet &= high[None, :, axis] >= bounds[:, None, 0, axis]
-    first, second = np.nonzero(meet)
+        overlap &= low[None, :, axis] <= bounds[:, None, 1, axis]
+        overlap &= high[None, :, axis] >= bounds[:, None, 0, axis]
+    first, second = np.nonzero(overlap)
     return first.astype(np.int64), second.astype(np.int64)
 
 
 def _interleaved(cell: IntArray) -> IntArray:
-    """Bits of three 10-bit numbers, taken in turn."""
+    """Z-order codes: the interleaved bits of three 10-bit numbers."""
     code = np.zeros(len(cell), dtype=np.int64)
     for bit in range(10):
         for axis in range(3):

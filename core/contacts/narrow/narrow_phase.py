@@ -43,41 +43,41 @@ class NarrowPhase:
         """Smallest extent of each body's thinnest part (n,) [m]: a step longer than that may pass through it."""
         return self._table.thickness
 
-    def query(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray, corners: bool = False) -> PairPatches:
-        """Distances and patches of ``pairs`` (p, 2). Distances up to ``reach`` (p,) metres are exact; beyond, they are lower bounds.
+    def query(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray, corners: bool = False) -> PairPatches:
+        """Distances and patches of ``pairs`` (p, 2). Distances up to ``limit`` (p,) metres are exact; beyond, they are lower bounds.
         ``corners``: give the points of the patches, too."""
         count = len(pairs)
         result = PairPatches(np.empty(count), np.empty((3, count)), np.empty((3, count)), np.empty(count), ())
         others = np.arange(count)
         boxes = None if corners else self._boxes.chosen(pairs, rotation, offset)
         if boxes is not None:
-            others = self._boxes.write_patches(boxes, pairs, reach, result)
+            others = self._boxes.write_patches(boxes, pairs, limit, result)
         if len(others) == 0:
             return result
-        found = self._general(pairs[others], rotation[..., others], offset[:, others], reach[others], corners)
+        found = self._general(pairs[others], rotation[..., others], offset[:, others], limit[others], corners)
         if len(others) == count:
             return found
         result.distance[others], result.area[others] = found.distance, found.area
         result.normal[:, others], result.centre[:, others] = found.normal, found.centre
         return result
 
-    def clearances(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray) -> FloatArray:
-        """Signed distances (p,), or lower bounds on them that are positive only if the distance is. Cheaper than `query`. Beyond ``reach``
+    def clearances(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> FloatArray:
+        """Signed distances (p,), or lower bounds on them that are positive only if the distance is. Cheaper than `query`. Beyond ``limit``
         (p,) a bound need not be larger than that."""
         boxes = self._boxes.chosen(pairs, rotation, offset)
         if boxes is None:
-            return self.directed_clearances(pairs, rotation, offset, reach)[0]
+            return self.directed_clearances(pairs, rotation, offset, limit)[0]
         distance = np.empty(len(pairs))
         distance[boxes.rows] = self._boxes.clearances(boxes)
         if len(boxes.rows) < len(pairs):
             rest = np.ones(len(pairs), dtype=np.bool_)
             rest[boxes.rows] = False
             others = np.flatnonzero(rest)
-            distance[others] = self.directed_clearances(pairs[others], rotation[..., others], offset[:, others], reach[others])[0]
+            distance[others] = self.directed_clearances(pairs[others], rotation[..., others], offset[:, others], limit[others])[0]
         return distance
 
     def directed_clearances(
-        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray
+        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """The same, and normals (3, p) from first to second."""
         found = self._boxes.directed_clearances(pairs, rotation, offset)
@@ -86,34 +86,34 @@ class NarrowPhase:
         count = len(pairs)
         distance = np.full(count, np.inf)
         normal = np.tile([0.0, 0.0, 1.0], (count, 1))
-        for rows in self._pairing.groups(pairs, rotation, offset, reach):
+        for rows in self._pairing.groups(pairs, rotation, offset, limit):
             separation = self._distances.separated(rows).separation
-            gap = bounded(rows, separation.distance - rows.radius_a - rows.radius_b, reach)
+            gap = bounded(rows, separation.distance - rows.radius_a - rows.radius_b, limit)
             outward = np.where(rows.flipped[:, None], -separation.normal, separation.normal)
             order = np.argsort(-gap, kind="stable")
             owner = rows.owner[order]
             closer = gap[order] < distance[owner]
             normal[owner[closer]] = outward[order][closer]
             np.minimum.at(distance, owner, gap[order])
-        return np.where(np.isinf(distance), reach + BEYOND, distance), normal.T
+        return np.where(np.isinf(distance), limit + BEYOND, distance), normal.T
 
-    def gaps(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray) -> FloatArray:
-        """Distances (p,) up to ``reach`` (p,), 0 where bodies overlap: cheaper than to find out how deep."""
+    def gaps(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> FloatArray:
+        """Distances (p,) up to ``limit`` (p,), 0 where bodies overlap: cheaper than to find out how deep."""
         distance = np.full(len(pairs), np.inf)
-        for rows in self._pairing.groups(pairs, rotation, offset, reach):
+        for rows in self._pairing.groups(pairs, rotation, offset, limit):
             gap = self._distances.separated(rows, depths=False).separation.distance - rows.radius_a - rows.radius_b
-            np.minimum.at(distance, rows.owner, bounded(rows, gap, reach))
-        return np.where(np.isinf(distance), reach + BEYOND, np.maximum(distance, 0.0))
+            np.minimum.at(distance, rows.owner, bounded(rows, gap, limit))
+        return np.where(np.isinf(distance), limit + BEYOND, np.maximum(distance, 0.0))
 
-    def _general(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, reach: FloatArray, corners: bool) -> PairPatches:
+    def _general(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray, corners: bool) -> PairPatches:
         """Pairs of any shapes."""
         distance = np.full(len(pairs), np.inf)
         found: list[CoreContacts] = []
         closed: list[tuple[CorePairs, AxisSeparation]] = []
         others = []
-        for rows in self._pairing.groups(pairs, rotation, offset, reach):
+        for rows in self._pairing.groups(pairs, rotation, offset, limit):
             if rows.triangle_b is not None:
-                self._finish(rows, self._distances.separated(rows), reach, distance, found, corners)
+                self._finish(rows, self._distances.separated(rows), limit, distance, found, corners)
             elif self._distances.in_closed_form(rows):
                 closed.append((rows, self._distances.separated(rows)))
             else:
@@ -121,22 +121,22 @@ class NarrowPhase:
         # The rest together: fewer, longer arrays.
         if others:
             rows = joined(others)
-            closed.append((rows, exact(self._distances.near_by_fcl(rows, reach))))
+            closed.append((rows, exact(self._distances.near_by_fcl(rows, limit))))
         if closed:
             rows, separated = _together(closed)
             points = self._table.kind[rows.first] == Kind.POINT
             for chosen in (np.flatnonzero(points), np.flatnonzero(~points)):
                 if len(chosen):
                     part = AxisSeparation(chosen_of(separated.separation, chosen), separated.exact[chosen])
-                    self._finish(rows.chosen(chosen), part, reach, distance, found, corners)
-        return reduced(np.where(np.isinf(distance), reach + BEYOND, distance), found, corners)
+                    self._finish(rows.chosen(chosen), part, limit, distance, found, corners)
+        return reduced(np.where(np.isinf(distance), limit + BEYOND, distance), found, corners)
 
     def _finish(
-        self, rows: CorePairs, separated: AxisSeparation, reach: FloatArray, distance: FloatArray, found: list[CoreContacts], corners: bool
+        self, rows: CorePairs, separated: AxisSeparation, limit: FloatArray, distance: FloatArray, found: list[CoreContacts], corners: bool
     ) -> None:
-        """Add the patches of rows within reach to ``found`` and lower bounds on the others to ``distance``."""
-        gap = bounded(rows, separated.separation.distance - rows.radius_a - rows.radius_b, reach)
-        near = gap <= reach[rows.owner]
+        """Add the patches of rows within ``limit`` to ``found`` and lower bounds on the others to ``distance``."""
+        gap = bounded(rows, separated.separation.distance - rows.radius_a - rows.radius_b, limit)
+        near = gap <= limit[rows.owner]
         np.minimum.at(distance, rows.owner[~near], gap[~near])
         if not near.any():
             return
@@ -148,7 +148,7 @@ class NarrowPhase:
         if unsure.any():
             again = rows.chosen(unsure)
             measured = self._distances.by_fcl(again)
-            self._finish(again, exact(measured), reach, distance, found, corners)
+            self._finish(again, exact(measured), limit, distance, found, corners)
             rows, separation, known, patch = rows.chosen(~unsure), chosen_of(separation, ~unsure), known[~unsure], chosen_of(patch, ~unsure)
         if len(rows):
             gap = separation.distance - rows.radius_a - rows.radius_b + np.where(known, 0.0, patch.gap)

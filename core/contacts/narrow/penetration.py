@@ -24,10 +24,10 @@ _FLAT = 1e-9
 """Metres of thickness below which a Minkowski difference counts as flat."""
 
 _MOST_STEPS = 200
-"""Steps after which the best direction so far is taken. Overlaps that are the same all around an axis need that many."""
+"""Steps after which the best direction so far is used. Overlaps with rotational symmetry need that many."""
 
 _TILT = 1e-4
-"""Radians from a face's normal to the directions in which its other corners are looked for."""
+"""Angle [rad] between a face's normal and the directions in which its other corners are sought."""
 
 _MOST_CORNERS = 30
 
@@ -99,7 +99,7 @@ def _simplex(supports: _Supports) -> _Polytope | Penetration:
 
 
 def _expanded(polytope: _Polytope, supports: _Supports) -> Penetration:
-    """Grow the polytope until its nearest face lies on the boundary."""
+    """Expand the polytope until its nearest face lies on the boundary."""
     least, nearest = math.inf, None
     for _ in range(_MOST_STEPS):
         number, offset = polytope.nearest()

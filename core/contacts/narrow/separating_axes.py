@@ -82,10 +82,10 @@ def box_to_triangle(rotation: FloatArray, centre: FloatArray, half: FloatArray, 
     usable = length > 1e-6 * np.concatenate([scale[:, None] ** 2, np.ones((len(local), 3)), np.repeat(scale[:, None], 9, axis=1)], axis=1)
     axes /= np.where(usable, length, 1.0)[:, :, None]
     heights = np.einsum("nai,nki->nak", axes, local)
-    reach = np.einsum("nai,ni->na", np.abs(axes), half)
+    extent = np.einsum("nai,ni->na", np.abs(axes), half)
     low, high = heights.min(axis=2), heights.max(axis=2)
     # From the box to the triangle along +axis and along -axis.
-    ahead, behind = low - reach, -high - reach
+    ahead, behind = low - extent, -high - extent
     distance = np.where(usable, np.maximum(ahead, behind), -np.inf)
     sign = np.where(ahead >= behind, 1.0, -1.0)
     row = np.arange(len(local))

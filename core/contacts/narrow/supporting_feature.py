@@ -1,4 +1,4 @@
-"""The feature that a core shows in a direction, as a convex polygon: what lies flat against another body there."""
+"""Supporting features: the face, edge or corner of a core that is farthest in a direction, as a convex polygon."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MANY = 16
 """Corners of a polygon: few for boxes, lines and triangles, many for the ends of round cores and larger faces."""
 
 _WIDTH = 1e-6
-"""Half the width in metres of the strip that stands for a line."""
+"""Half the width [m] of the strip that stands for a line."""
 
 _ANGLES = 2 * np.pi * np.arange(MANY) / MANY
 _WIDER = np.sqrt(2 * np.pi / (MANY * np.sin(2 * np.pi / MANY)))
@@ -131,7 +131,7 @@ def _box_face(direction: FloatArray, half: FloatArray) -> FloatArray:
 
 
 def _line(middle: FloatArray, along: FloatArray, direction: FloatArray) -> FloatArray:
-    """A narrow strip from ``middle - along`` to ``middle + along`` that faces ``direction``; a dot at the end of one that points there."""
+    """A narrow strip from ``middle - along`` to ``middle + along`` that faces ``direction``; a dot at its end where it points that way."""
     across = np.cross(along, direction)
     length = np.sqrt(dot(across, across))
     pointing = length < 1e-3 * np.sqrt(dot(along, along))
@@ -152,8 +152,8 @@ def _radial(direction: FloatArray) -> FloatArray:
 
 
 def _end(half: FloatArray, height: FloatArray, direction: FloatArray) -> FloatArray:
-    """The disc at a height: a polygon with a corner where the disc reaches farthest along ``direction``, or of the disc's area if it does
-    so all over."""
+    """The disc at a height: a polygon with a corner at the disc's extreme point along ``direction``, or with the disc's area where it is
+    nearly perpendicular to ``direction``."""
     out = _radial(direction)
     tipped = np.hypot(direction[:, 0], direction[:, 1]) * half[:, 0] > PATCH_GAP
     radius = half[:, 0] * np.where(tipped, 1.0, _WIDER)

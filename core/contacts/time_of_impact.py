@@ -1,0 +1,195 @@
+"""Times of impact: when two moving bodies first touch within an interval.
+
+The time is found on the bodies' paths: by conservative advancement (Mirtich 1996) where they move far compared with their thickness, by
+regula falsi on their signed distance otherwise.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import BoolArray, FloatArray, IntArray
+from .impacts import SLOWEST, Hits
+from .motion import Paths
+from .narrow.frames import relative_pose
+from .narrow.narrow_phase import NarrowPhase
+
+_TOUCH = 1e-4
+"""Metres of distance below which two bodies on their paths count as touching."""
+
+_INSTANT = 1e-4
+"""Tolerance of the time of impact [s]."""
+
+_AROUND = 0.05
+"""Metres within which bodies are from each other at their computed time of impact."""
+
+_MOST_STEPS = 40
+
+
+class TimeOfImpact:
+    """Finds when the paths of bodies meet. ``bounds`` (n, 2, 3): of the shapes in local space."""
+
+    def __init__(self, narrow: NarrowPhase, bounds: FloatArray) -> None:
+        self._narrow = narrow
+        self._radius = np.sqrt((np.abs(bounds).max(axis=1) ** 2).sum(axis=1))
+        self._thickness = narrow.thickness
+
+    def may_hit(self, paths: Paths, first: IntArray, second: IntArray, low: FloatArray, high: FloatArray) -> BoolArray:
+        """Which pairs have bounding boxes that overlap while one moves relative to the other; ``low`` and ``high`` (3, n) of the boxes at
+        the start."""
+        turning = np.minimum(np.sqrt((paths.spin**2).sum(axis=0)) * paths.duration, 2.0) * self._radius
+        turning += np.abs(paths.acceleration).sum(axis=0) * (paths.duration**2 / 8)
+        move = paths.displacement()
+        relative = move[:, second] - move[:, first]
+        slack = turning[first] + turning[second]
+        below = low[:, second] + np.minimum(relative, 0.0) - slack <= high[:, first]
+        above = high[:, second] + np.maximum(relative, 0.0) + slack >= low[:, first]
+        return np.asarray((below & above).all(axis=0))
+
+    def hits(self, paths: Paths, pairs: IntArray) -> Hits:
+        """The pairs among ``pairs`` (p, 2) that hit each other on their paths."""
+        if len(pairs) == 0:
+            return Hits.none()
+        a, b = pairs.T
+        relative = paths.velocities(b, paths.duration / 2) - paths.velocities(a, paths.duration / 2)
+        travel = np.sqrt((relative * relative).sum(axis=0)) * paths.duration
+        far = travel > (self._thickness[a] + self._thickness[b]) / 4
+        moving = _MovingPairs(self._narrow, paths, pairs, travel + np.minimum(self._radius[a], self._radius[b]))
+        expected = moving.clearances(np.full(len(pairs), paths.duration))
+        rows = np.flatnonzero(far | (expected <= _TOUCH))
+        if len(rows) == 0:
+            return Hits.none()
+        moving, pairs, far, expected = moving.chosen(rows), pairs[rows], far[rows], expected[rows]
+        a, b = pairs.T
+        start, actual = moving.at_either_end()
+        after = np.where(start <= _TOUCH, 0.0, np.inf)
+        slow = np.flatnonzero(~far & (start > _TOUCH))
+        if len(slow):
+            after[slow] = moving.chosen(slow).first_touch(start[slow], expected[slow])
+        fast = np.flatnonzero(far & (start > _TOUCH))
+        if len(fast):
+            after[fast] = moving.chosen(fast).advanced(self._radius[a[fast]] + self._radius[b[fast]])
+        met = np.flatnonzero(after <= paths.duration)
+        if len(met) == 0:
+            return Hits.none()
+        moving, after = moving.chosen(met), after[met]
+        distance, normal, centre, approach = moving.patches(after)
+        passes = far[met]
+        fast = np.flatnonzero(passes)
+        if len(fast):
+            first, second = self._thickness[a[met[fast]]], self._thickness[b[met[fast]]]
+            within = (first + second) / np.maximum(approach[fast], SLOWEST)
+            passes[fast] = moving.chosen(fast).go_through(after[fast], within, np.minimum(first, second) / 4)
+        velocities = np.stack([paths.velocities(pairs[met, k], after).T for k in (0, 1)], axis=1)
+        return Hits(pairs[met], after, distance, normal, centre, approach, velocities, expected[met], actual[met], passes)
+
+    def final_distances(self, paths: Paths, pairs: IntArray, limit: FloatArray) -> FloatArray:
+        """Signed distances (p,) of ``pairs`` at the end of their paths, exact up to ``limit`` (p,)."""
+        return _MovingPairs(self._narrow, paths, pairs, limit).clearances(np.full(len(pairs), paths.duration))
+
+
+class _MovingPairs:
+    """Pairs of bodies on their paths, each pair at its own time. Distances are exact up to ``limit`` (k,)."""
+
+    def __init__(self, narrow: NarrowPhase, paths: Paths, pairs: IntArray, limit: FloatArray) -> None:
+        self._narrow = narrow
+        self._paths = paths
+        self._pairs = pairs
+        self._limit = limit
+
+    def chosen(self, rows: IntArray | BoolArray) -> _MovingPairs:
+        return _MovingPairs(self._narrow, self._paths, self._pairs[rows], self._limit[rows])
+
+    def _poses(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        both = self._paths.poses(self._pairs.T.reshape(-1), np.concatenate([time, time]))
+        return both[:, : len(time)], both[:, len(time) :]
+
+    def clearances(self, time: FloatArray) -> FloatArray:
+        return self._narrow.clearances(self._pairs, *relative_pose(*self._poses(time)), self._limit)
+
+    def at_either_end(self) -> tuple[FloatArray, FloatArray]:
+        """Signed distances (k,) at the start and in the actual poses at the end."""
+        count = len(self._pairs)
+        a, b = self._pairs.T
+        first, second = (np.concatenate([self._paths.start[:, k], self._paths.end[:, k]], axis=1) for k in (a, b))
+        distance = self._narrow.clearances(np.tile(self._pairs, (2, 1)), *relative_pose(first, second), np.tile(self._limit, 2))
+        return distance[:count], distance[count:]
+
+    def patches(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Distances (k,), normals and centres (k, 3) in the world, and the speed of approach (k,) of the touching material along the
+        normal."""
+        first, second = self._poses(time)
+        found = self._narrow.query(self._pairs, *relative_pose(first, second), np.full(len(time), _AROUND))
+        turn = first[:9].reshape(3, 3, -1)
+        normal = (turn * found.normal).sum(axis=1)
+        centre = (turn * found.centre).sum(axis=1) + first[9:]
+        speeds = []
+        for k, pose in ((0, first), (1, second)):
+            bodies = self._pairs[:, k]
+            arm = centre - pose[9:]
+            speeds.append(self._paths.velocities(bodies, time) + np.cross(self._paths.spin[:, bodies], arm, axis=0))
+        return found.distance, normal.T, centre.T, ((speeds[0] - speeds[1]) * normal).sum(axis=0)
+
+    def first_touch(self, start: FloatArray, end: FloatArray) -> FloatArray:
+        """Times (k,) at which the distance, ``start`` > 0 at first and ``end`` at last, vanishes, by regula falsi (Illinois) from the time
+        at which bodies with constant acceleration would meet."""
+        duration = self._paths.duration
+        low, high = np.zeros(len(start)), np.full(len(start), duration)
+        f_low, f_high = start.copy(), end.copy()
+        bend = self._paths.acceleration[:, self._pairs[:, 1]] - self._paths.acceleration[:, self._pairs[:, 0]]
+        pull = np.sqrt((bend * bend).sum(axis=0))
+        slope = (start - end) / duration - pull * (duration / 2)
+        falling = 2 * start / np.maximum(slope + np.sqrt(np.maximum(slope * slope + 2 * pull * start, 0.0)), 1e-300)
+        time = np.where(slope >= 0, np.clip(falling, 0.0, duration), duration * start / np.maximum(start - end, 1e-300))
+        enough = np.maximum(_TOUCH, (start - end) / duration * _INSTANT)
+        active = np.arange(len(start))
+        side = np.zeros(len(start), dtype=np.int64)
+        for _ in range(_MOST_STEPS):
+            t = time[active]
+            f = self.chosen(active).clearances(t)
+            before = f > 0
+            f_high[active] = np.where(before, np.where(side[active] == 1, f_high[active] / 2, f_high[active]), f)
+            f_low[active] = np.where(before, f, np.where(side[active] == -1, f_low[active] / 2, f_low[active]))
+            low[active], high[active] = np.where(before, t, low[active]), np.where(before, high[active], t)
+            side[active] = np.where(before, 1, -1)
+            active = active[(np.abs(f) > enough[active]) & (high[active] - low[active] > 1e-7)]
+            if len(active) == 0:
+                break
+            a, b, fa, fb = low[active], high[active], f_low[active], f_high[active]
+            time[active] = np.clip((b * fa - a * fb) / np.maximum(fa - fb, 1e-300), a, b)
+        return time
+
+    def advanced(self, radius: FloatArray) -> FloatArray:
+        """Times (k,) of the first touch, infinite where there is none. ``radius`` (k,): sum of the bodies' radii about their origins.
+
+        The distance can't shrink faster than the bodies move along the normal, which bounds the next step.
+        """
+        duration = self._paths.duration
+        a, b = self._pairs.T
+        bend = self._paths.acceleration[:, b] - self._paths.acceleration[:, a]
+        bending = np.sqrt((bend * bend).sum(axis=0))
+        turning = (np.sqrt((self._paths.spin[:, self._pairs.T] ** 2).sum(axis=0)).sum(axis=0)) * radius
+        time = np.zeros(len(self._pairs))
+        result = np.full(len(time), np.inf)
+        active = np.arange(len(time))
+        for _ in range(_MOST_STEPS):
+            if len(active) == 0:
+                break
+            moving, now = self.chosen(active), time[active]
+            first, second = moving._poses(now)
+            distance, normal = self._narrow.directed_clearances(moving._pairs, *relative_pose(first, second), moving._limit)
+            touching = distance <= _TOUCH
+            result[active[touching]] = now[touching]
+            outward = np.einsum("ijp,jp->ip", first[:9].reshape(3, 3, -1), normal)
+            relative = self._paths.velocities(a[active], now) - self._paths.velocities(b[active], now)
+            speed = np.maximum((relative * outward).sum(axis=0), 0.0) + bending[active] * (duration - now) + turning[active]
+            time[active] = now + np.maximum(distance, _TOUCH / 2) / np.maximum(speed, 1e-9)
+            active = active[~touching & (time[active] <= duration)]
+        return result
+
+    def go_through(self, after: FloatArray, within: FloatArray, depth: FloatArray) -> BoolArray:
+        """Which pairs overlap by ``depth`` (k,) somewhere on their paths ``within`` (k,) seconds after the first touch."""
+        deepest = np.full(len(self._pairs), np.inf)
+        for share in (0.2, 0.4, 0.6, 0.8):
+            deepest = np.minimum(deepest, self.clearances(np.minimum(after + share * within, self._paths.duration)))
+        return np.asarray(deepest <= -depth)
