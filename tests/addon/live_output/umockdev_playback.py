@@ -150,7 +150,8 @@ def main():
     time.sleep(0.3)
     states = {key: [output.status.state, output.status.losses, output.status.failed_writes] for key, output in outputs.running().items()}
     running = dict(outputs.running())
-    haptic_tracing.unregister()
+    haptic_tracing.unregister()  # waits for a second, which on a busy machine need not be enough
+    wait_until(lambda: all(output.status.is_over for output in running.values()))
 
     first_played = frames[0][0]
     answer = {"listeners": len(result.listeners), "states": states, "devices": {}}

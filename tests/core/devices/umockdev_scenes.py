@@ -22,6 +22,7 @@ from haptic_tracing.core.devices.output import DeviceOutput
 from haptic_tracing.core.devices.profiles import profile
 from haptic_tracing.core.devices.writer import DeviceWriter
 from kernel_input import Kernel
+from processor_waits import Waits
 from timed_hid import TimedHid, reports_of
 
 RATE = 8000
@@ -146,7 +147,8 @@ ENDINGS = ("SIGKILL", "SIGTERM", "SIGHUP", "SIGSEGV", "SIGSTOP", "exit")
 
 
 def scene_ends(ending, folder, *names):
-    """A program that plays on devices and ends in the middle of it: when, and what was written to each node, with times."""
+    """A program that plays on devices and ends in the middle of it: what was written to each node, with seconds after that, and how long
+    what has to silence the devices had waited for a processor by then."""
     program = f"""
 import sys; sys.path[0] = {HERE!r}
 from umockdev_scenes import *
@@ -166,18 +168,23 @@ for i in range(100):
 """
     child = subprocess.Popen([sys.executable, "-c", program], cwd=HERE, stdout=subprocess.PIPE, text=True)
     child.stdout.readline()
+    (guard,) = children(child.pid)
     time.sleep(0.09)
     if ending != "exit":
         child.send_signal(signal.Signals[ending])
     while state_of(child.pid) not in "TZX":  # a busy machine may let it run on for a while
         pass
     ended = time.perf_counter()
-    time.sleep(0.6)
+    # The guard's thread that watches the program wakes a device's thread; umockdev answers what is no write to a node.
+    chains, waits = [Waits(guard, 2), Waits(os.getppid(), 1)], []
+    while time.perf_counter() < ended + 0.6:
+        time.sleep(0.01)
+        waits.append((time.perf_counter() - ended, sum(chain.until_now() for chain in chains)))
     nodes = sorted(path.name for path in Path(folder).iterdir())
     reports = {node: [(seconds - ended, data.hex()) for seconds, data in reports_of(folder, node)] for node in nodes}
     child.kill()
     child.wait()
-    return reports
+    return {"reports": reports, "waits": waits}
 
 
 def state_of(process):
@@ -189,27 +196,38 @@ def state_of(process):
 
 
 def scene_lock(name, folder):
-    """A program that plays, and holds Python's lock for 300 ms in the middle of it, as a heavy operator does."""
+    """A program that plays, and holds Python's lock for 300 ms in the middle of it, as a heavy operator does.
+
+    told: when the guard had been told of samples, and until when they last. waited: for a processor while the lock was held.
+    """
     import ctypes
 
     output = DeviceOutput(replace(profile(name), slew=10_000.0), hid=TimedHid(folder))
     output.start()
     wait_until(lambda: output.status.state == "open")
     wave = np.tile(0.5 * np.sin(2 * np.pi * 200.0 * np.arange(4000) / RATE), (len(output.profile.actuators), 1))
+    (guard,) = children()
+    told = []
     began = time.perf_counter()
     for i in range(20):
         output.send(wave[:, :320], sent := time.perf_counter())
+        told.append((time.perf_counter() - began, sent + 0.04 - began))
         output.expect(wave[:, 320:], sent)
+        told.append((time.perf_counter() - began, sent + 0.5 - began))
         if i == 10:
+            waits = Waits(guard, 1)
             locked = time.perf_counter()
             ctypes.PyDLL(None).usleep(300_000)
             free = time.perf_counter()
+            waited = waits.until_now()
         time.sleep(0.04)
     ended = time.perf_counter()
     output.stop()
     return {
         "seconds": ended - began,
         "lock": [locked - began, free - began],
+        "told": told,
+        "waited": waited,
         "reports": [(at - began, data.hex()) for at, data in reports_of(folder, "hidraw0")],
     }
 
@@ -241,9 +259,10 @@ def scene_nothing_left(name):
     return {"guards": len(children()), "threads": threading.active_count(), "opened": opened}
 
 
-def children():
-    """The processes that this one has started."""
-    return [int(path.name) for path in Path("/proc").iterdir() if path.name.isdigit() and parent_of(path) == os.getpid()]
+def children(parent=None):
+    """The processes that this one, or another, has started."""
+    parent = parent or os.getpid()
+    return [int(path.name) for path in Path("/proc").iterdir() if path.name.isdigit() and parent_of(path) == parent]
 
 
 def parent_of(process):
