@@ -37,8 +37,10 @@ def _propagate(parser: Parser) -> None:
 
 def _contacts(parser: Parser) -> None:
     parser.add_argument("scene", metavar="SCENE.json", help="haptic scene")
-    parser.add_argument("--tolerance", type=_not_negative, default=0.01, metavar="M", help="greatest signed distance of a contact (0.01 m)")
-    parser.add_argument("--points", action="store_true", help="one contact per point of a patch, with its share, instead of its centre")
+    parser.add_argument(
+        "--tolerance", type=_not_negative, metavar="M", help="greatest signed distance of a contact (the file's, else 0.01 m)"
+    )
+    parser.add_argument("--points", action="store_true", default=None, help="one contact per point of a patch, with its share")
 
 
 def _devices(parser: Parser) -> None:

@@ -31,7 +31,7 @@ def run(args: argparse.Namespace) -> int:
             "depth": float(contacts.depth[i]),
             "distance": float(contacts.distance[i]),
             "weight": float(contacts.weight[i]),
-            **({"share": float(contacts.share[i])} if args.points else {}),
+            **({"share": float(contacts.share[i])} if contacts.share[i] < 1 or args.points else {}),
         }
         for i, (a, b) in enumerate(contacts.pairs.tolist())
     ]

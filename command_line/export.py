@@ -94,7 +94,7 @@ def _still(scene: HapticScene, seconds: float, sample_rate: int) -> Iterator[Fra
     if not scene.contacts:
         names = [item.name for item in scene.objects]
         scene = replace(scene, contacts=contacts_of_scene(scene).to_contacts(names))
-    tracer = Tracer(sample_rate=sample_rate)
+    tracer = Tracer(scene.rules, sample_rate=sample_rate)
     count = max(round(seconds * STILL_RATE), 1)
     for number in range(count + 1):
         yield tracer.step(frame_of(scene, number, number * seconds / count, detect=False))

@@ -21,6 +21,7 @@ from .graph.object_frames import ObjectFrames, local_centres
 from .message import Message
 from .scene.choices import Strategy
 from .scene.functions import ModulationFunction
+from .scene.rules import ImpactTemplates
 from .scene.values import HapticObject, Listener, Settings, Source, Vector
 from .signals import Signal
 
@@ -69,8 +70,8 @@ class CollisionDetector:
     """Detects the collisions of consecutive frames.
 
     ``lazy``: contacts are detected only where a signal of at least the threshold can arrive; gains and impacts are the same.
-    ``impact_sources``: impacts make temporary sources. ``impact_materials``: the material of each object, a key of `IMPACT_MATERIALS`;
-    an impact of two others plays ``impact_signal``. ``transmission``: the function of all detected contacts, None for the identity.
+    ``impact_signal``: played by impacts without templates of their materials. ``transmission``: the function of all detected contacts,
+    None for the identity.
 
     Impacts take two frames that follow each other. The impacts of each frame are remembered, at most `MOST_FRAMES` frames of them, for
     frames with ``recall``: come to by a jump, or detected again after an edit, they have the same impacts as before. So modes, gains,
@@ -79,12 +80,8 @@ class CollisionDetector:
     edits of animation and physics calls.
     """
 
-    def __init__(
-        self, settings: ContactSettings, impact_sources: bool, impact_signal: Signal, transmission: ModulationFunction | None, lazy: bool
-    ) -> None:
+    def __init__(self, settings: ContactSettings, impact_signal: Signal, transmission: ModulationFunction | None, lazy: bool) -> None:
         self.settings = settings
-        self.impact_sources = impact_sources
-        self.impact_materials: Mapping[str, str] = {}
         self.transmission = transmission
         self.lazy = lazy
         self._sources = ImpactSources(impact_signal)
@@ -96,6 +93,11 @@ class CollisionDetector:
         self._remembered: dict[int, FrameImpacts] = {}
         self._rules: tuple[tuple[Body, ...], ContactSettings] | None = None
         self._last: Frame | None = None
+
+    @property
+    def _tracked(self) -> ContactSettings:
+        """What contacts and impacts are found by: the settings without what is made of impacts."""
+        return replace(self.settings, impacts=True, templates=ImpactTemplates.PLAIN)
 
     @property
     def remembers(self) -> bool:
@@ -112,7 +114,7 @@ class CollisionDetector:
         self._remembered = {number: kept}
 
     def _rules_of(self, bodies: tuple[Body, ...]) -> tuple[tuple[Body, ...], ContactSettings]:
-        return bodies, replace(self.settings, patch_points=False)
+        return bodies, replace(self._tracked, patch_points=False)
 
     def forget_impacts(self) -> None:
         """Something that makes impacts has changed."""
@@ -122,12 +124,11 @@ class CollisionDetector:
     def take_over(self, interrupted: CollisionDetector) -> None:
         """Take over the settings and the remembered impacts of a detector that was interrupted, but none of its contacts."""
         self.settings, self.lazy = interrupted.settings, interrupted.lazy
-        self.impact_sources, self.impact_materials = interrupted.impact_sources, interrupted.impact_materials
         self._remembered, self._rules = interrupted._remembered, interrupted._rules
 
     def stands(self, frame: Frame) -> bool:
         """Whether ``frame`` is the one that was detected last, and nothing in it has moved or changed its shape."""
-        if self._last is None or self._tracker is None or frame.transforms is None or self._tracker.settings != self.settings:
+        if self._last is None or self._tracker is None or frame.transforms is None or self._tracker.settings != self._tracked:
             return False
         last = self._last
         alike = (last.number, last.time) == (frame.number, frame.time) and (last.bodies is frame.bodies or last.bodies == frame.bodies)
@@ -158,14 +159,15 @@ class CollisionDetector:
             self._sources.end_before(previous)
         if again or (frame.recall and previous is None):
             self._sources.clear()
-            kept = self._recalled(frame.number, frame.transforms) if self.impact_sources else None
-        recalled = () if kept is None else self._sources.recall(kept, self.impact_materials)
+            kept = self._recalled(frame.number, frame.transforms) if self.settings.impacts else None
+        recalled = () if kept is None else self._sources.recall(kept, self._materials(frame))
         reach = self._reach(frame, frame.transforms) if self.lazy and frame.authored is None else None
         found = tracker.update(frame.time, frame.transforms, reach, continuous=frame.continuous)
         contacts = self._numbered(found, frame.authored)
         broad, total = found.statistics.broad_seconds, perf_counter() - begun
-        impacts = found.impacts if self.impact_sources else ()
-        self._sources.add(impacts, [body.name for body in frame.bodies] if impacts else (), frame.transforms, self.impact_materials)
+        impacts = found.impacts if self.settings.impacts else ()
+        if impacts:
+            self._sources.add(impacts, [body.name for body in frame.bodies], frame.transforms, self._materials(frame))
         if previous is not None and not again:
             self._remember(frame.number, self._sources.kept(previous, frame.transforms))
         self._last = frame
@@ -199,6 +201,12 @@ class CollisionDetector:
             if len(self._remembered) > MOST_FRAMES:
                 del self._remembered[next(iter(self._remembered))]
 
+    def _materials(self, frame: Frame) -> Mapping[str, str]:
+        """Return the impact materials by object, where impacts have templates of these."""
+        if self.settings.templates is not ImpactTemplates.BY_MATERIAL:
+            return {}
+        return {item.name: item.impact_material for item in frame.objects if item.impact_material}
+
     def _follow(self, bodies: tuple[Body, ...], table: ObjectTable) -> ContactTracker:
         """Return a tracker of ``bodies``: the present one while they have the same names and the settings are the same."""
         tracker = self._tracker
@@ -206,8 +214,8 @@ class CollisionDetector:
         if self._rules != rules:
             self.forget_impacts()
             self._rules = rules
-        if tracker is None or tracker.settings != self.settings or not _same_names(tracker.bodies, bodies):
-            tracker = self._tracker = ContactTracker(bodies, self.settings)
+        if tracker is None or tracker.settings != self._tracked or not _same_names(tracker.bodies, bodies):
+            tracker = self._tracker = ContactTracker(bodies, self._tracked)
             self._sources.clear()
         elif tracker.bodies is not bodies and tracker.bodies != bodies:
             tracker.replace_bodies(bodies)
@@ -239,7 +247,7 @@ class CollisionDetector:
         bodies = np.concatenate([np.array([body for body, _ in starts], dtype=np.int64), bodies])
         positions = np.concatenate([np.array([position for _, position in starts], dtype=np.float64).reshape(-1, 3), positions])
         bounds = self._numbering.gain_bounds(frame.settings)
-        return signal_gain_bound(bounds, bodies, positions, frame.settings, self.transmission, self.impact_sources)
+        return signal_gain_bound(bounds, bodies, positions, frame.settings, self.transmission, self.settings.impacts)
 
 
 class _Numbering:

@@ -33,14 +33,13 @@ class Tracer:
     def __init__(
         self,
         contact_settings: ContactSettings | None = None,
-        impact_sources: bool = True,
         impact_signal: Signal = DEFAULT_IMPACT,
         transmission: ModulationFunction | None = None,
         sample_rate: float = SAMPLE_RATE,
         lazy: bool = False,
     ) -> None:
         self.sample_rate = sample_rate
-        self.collisions = CollisionDetector(contact_settings or ContactSettings(), impact_sources, impact_signal, transmission, lazy)
+        self.collisions = CollisionDetector(contact_settings or ContactSettings(), impact_signal, transmission, lazy)
         self._objects: tuple[HapticObject, ...] = ()
         self._table = ObjectTable.of((), 0.0)
         self._propagated: Propagated | None = None

@@ -80,7 +80,7 @@ class Capture:
         if self._recorder is None or self._first is None:
             return Export(name, tracks=tracks)
         first = self._first.need_scene()
-        scene = replace(self._recorder.scene(), settings=first.settings, extras=first.extras)
+        scene = replace(self._recorder.scene(), settings=first.settings, extras=first.extras, rules=first.rules)
         return replace(self._first, name=name, scene=scene, tracks=tracks, recording=self._recorder.recording())
 
     def _results(self) -> Generator[FrameResult, None, None]:

@@ -29,17 +29,8 @@ from .materials import NAMED, written_materials
 
 T = TypeVar("T")
 
-AUTHORED = (
-    "contact_tolerance",
-    "patch_points",
-    "impacts",
-    "minimum_energy",
-    "maximum_energy",
-    "impact_energy",
-    "refractory_time",
-)
-"""Properties of a scene that its settings in the file don't hold; they stand in its extras, under `EXTRAS`."""
 EXTRAS = "blender"
+"""Where the extras of a scene say which frame of Blender's timeline the file is of."""
 MUTED = "muted"
 """True in the extras of a listener that is chosen to be felt nowhere."""
 
@@ -79,6 +70,7 @@ def written_frame(result: FrameResult, reading: Reading, scene: bpy.types.Scene)
         listeners=_by_name(_listener(item, found.get(item.name)) for item in result.listeners),
         settings=reading.settings,
         extras=_extras(scene, result.number),
+        rules=reading.contact_settings,
     )
 
 
@@ -155,15 +147,9 @@ def _contacts(result: FrameResult, kept: FileContacts) -> tuple[Contact, ...]:
 
 
 def _extras(scene: bpy.types.Scene, frame: int) -> dict[str, Any]:
-    """What was imported with the scene, and what its properties say beyond its settings."""
-    authored = {name: getattr(scene.haptics, name) for name in AUTHORED}
+    """What was imported with the scene, and its time."""
     rate = scene.render.fps / scene.render.fps_base
     return {
         **imported_scene(scene.haptics.imported).extras,
-        EXTRAS: {
-            "frame": frame,
-            "frame_start": scene.frame_start,
-            "frame_rate": shortest(rate),
-            **{name: shortest(value) if isinstance(value, float) else value for name, value in authored.items()},
-        },
+        EXTRAS: {"frame": frame, "frame_start": scene.frame_start, "frame_rate": shortest(rate)},
     }

@@ -22,7 +22,7 @@ from .property_writer import write_body, write_listener, write_source
 KEY = "haptic_tracing"
 VERSION = 1
 
-_OF_THE_NODE = {"name", "shape", "pose", "object", "position", "second_position"}
+_OF_THE_NODE = {"name", "shape", "pose", "motion", "object", "position", "second_position"}
 """What the node itself says, or what would be of no use there."""
 
 

@@ -17,15 +17,17 @@ from ...core.formats.scene.recording import pair_of
 from ...core.modalities.modality_scene import ModalityScene
 from ...core.modalities.propagation import Emitter
 from ...core.scene.functions import Identity, ModulationFunction
+from ...core.scene.rules import ContactSettings
 from ...core.scene.values import Contact, HapticObject, Listener, Pose, Settings, Source, Vector
 from ..blender.single_precision import shortest
 from ..properties.actuators import MUTED as ACTUATORS_MUTED
 from ..properties.materials import add_material, own_values
 from ..properties.modalities import SHOWN
 from ..scene_reader.functions import read_function
-from ..scene_reader.imported import file_contacts, near, text_of, text_of_contacts, text_with
+from ..scene_reader.imported import RULES, file_contacts, near, text_of, text_of_contacts, text_with
+from ..scene_reader.settings import TEMPLATES
 from .devices import take_devices
-from .frame_scene import AUTHORED, EXTRAS, MUTED
+from .frame_scene import EXTRAS, MUTED
 from .keyframes import local_place, write_keyframes
 from .materials import NAMED, take_materials
 from .property_writer import write_body, write_listener, write_modality, write_numbers, write_source
@@ -120,6 +122,8 @@ class _Builder:
                 **kept,
                 shape=None if guessed else shape.to_dict(),
                 mass=item.mass,
+                motion=item.motion.value,
+                impact_material=item.impact_material or None,
                 pose={"position": pose.position, "rotation": pose.rotation},
                 extras={key: value for key, value in item.extras.items() if key != NAMED or not material},
             )
@@ -173,13 +177,27 @@ class _Builder:
         known = extras.get(EXTRAS)
         if isinstance(known, dict):
             del extras[EXTRAS]
-            for name in AUTHORED:
-                _assign(haptics, name, known.get(name))
             self._take_time(known)
         tolerance = None if settings.tolerance == Settings().tolerance else settings.tolerance
-        haptics.imported = text_of(numbers=numbers, tolerance=tolerance, extras=extras)
+        haptics.imported = text_of(numbers=numbers | self._take_rules(), tolerance=tolerance, slack=self._slack(), extras=extras)
         for part in self.export.modalities:
             getattr(haptics.modalities, part.modality.name).enabled = part.enabled
+
+    def _take_rules(self) -> dict[str, float]:
+        """What counts as a contact and as an impact. The numbers that are to be kept."""
+        scene, haptics, rules = self.scene, self.scene.haptics, self.haptic.rules
+        haptics.patch_points, haptics.impacts, haptics.impact_energy = rules.patch_points, rules.impacts, rules.energy.value
+        haptics.impact_signal = next(name for name, templates in TEMPLATES.items() if templates is rules.templates)
+        scene.use_gravity = any(rules.gravity)
+        if scene.use_gravity:
+            scene.gravity = rules.gravity
+        if rules.time_scale != (scene.rigidbody_world.time_scale if scene.rigidbody_world is not None else 1.0):
+            self.lose("time scale, which a rigid body world has here", f"{rules.time_scale:g}")
+        return write_numbers(haptics, **{name: getattr(rules, rule) for name, rule in RULES.items()})
+
+    def _slack(self) -> float | None:
+        slack = self.haptic.rules.slack
+        return None if slack == ContactSettings().slack else slack
 
     def _take_time(self, known: Mapping[str, Any]) -> None:
         rate, start, frame = (known.get(key) for key in ("frame_rate", "frame_start", "frame"))

@@ -86,7 +86,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
         soft_max=0.1,
         unit="LENGTH",
         precision=4,
-        update=changed,
+        update=edited("contact_tolerance"),
     )
     patch_points: BoolProperty(
         name="Contact Points",
@@ -112,7 +112,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
         default=5.0,
         min=0.0,
         soft_max=100.0,
-        update=changed,
+        update=edited("minimum_energy"),
     )
     maximum_energy: FloatProperty(
         name="Full Energy (J)",
@@ -120,7 +120,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
         default=100.0,
         min=0.001,
         soft_max=1000.0,
-        update=changed,
+        update=edited("maximum_energy"),
     )
     impact_energy: EnumProperty(
         name="Energy",
@@ -138,7 +138,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
         min=0.0,
         soft_max=2.0,
         precision=3,
-        update=changed,
+        update=edited("refractory_time"),
     )
     show_overlay: BoolProperty(name="Overlay", description="Draw the haptic graph over the 3D viewport", default=True, update=view_changed)
     show_intra: BoolProperty(

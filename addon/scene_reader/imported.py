@@ -20,9 +20,18 @@ from ...core.formats.scene.recording import pair_of
 from ...core.formats.scene.scene_json import FORMAT, SCHEMA, VERSION, scene_from_dict
 from ...core.formats.scene.values_json import item_to_dict
 from ...core.scene.functions import Identity, ModulationFunction, function_from_dict
+from ...core.scene.rules import Motion
 from ...core.scene.values import Contact, Pose, SourceKind, Vector
 from ...core.signals import Signal, signal_from_dict
 from ..blender.single_precision import shortest
+
+RULES = {
+    "contact_tolerance": "tolerance",
+    "minimum_energy": "least_energy",
+    "maximum_energy": "full_energy",
+    "refractory_time": "refractory",
+}
+"""Numbers of `ContactSettings` by the properties of a scene that hold them."""
 
 NEAR = 1e-5
 """What was moved by less (metres, or parts of a rotation) stands where the file put it: Blender rounds to single precision."""
@@ -44,6 +53,8 @@ class ImportedObject:
     numbers: Numbers = field(default_factory=dict)
     emitters: Mapping[str, Vector] = field(default_factory=dict)
     extras: Mapping[str, Any] = field(default_factory=dict)
+    motion: Motion | None = None
+    impact_material: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,9 +82,10 @@ class ImportedListener:
 
 @dataclass(frozen=True, slots=True)
 class ImportedScene:
-    """Of a scene; ``tolerance`` of sums over paths."""
+    """Of a scene; ``tolerance`` of sums over paths, ``slack`` of contacts."""
 
     tolerance: float | None = None
+    slack: float | None = None
     numbers: Numbers = field(default_factory=dict)
     extras: Mapping[str, Any] = field(default_factory=dict)
 
@@ -143,6 +155,8 @@ def imported_object(text: str) -> ImportedObject:
             numbers=_numbers(form),
             emitters={name: _vector(place) for name, place in form.get("emitters", {}).items()},
             extras=form.get("extras", {}),
+            motion=Motion(form["motion"]) if "motion" in form else None,
+            impact_material=form.get("impact_material", ""),
         )
 
 
@@ -174,7 +188,7 @@ def imported_listener(text: str) -> ImportedListener:
 def imported_scene(text: str) -> ImportedScene:
     """Raises ValueError in words where the text is damaged."""
     form = stored(text, "scene")
-    return ImportedScene(_float(form, "tolerance"), _numbers(form), form.get("extras", {}))
+    return ImportedScene(_float(form, "tolerance"), _float(form, "slack"), _numbers(form), form.get("extras", {}))
 
 
 def imported_device(text: str) -> ImportedDevice:
@@ -253,6 +267,8 @@ _STORED: Mapping[str, dict[str, Any]] = {
         numbers=_object(others=_ref("metres"), kappa=_ref("unit"), rho=_ref("unit")),
         emitters=_object(others=_ref("position")),
         extras=_ref("extras"),
+        motion=_ref("object/properties/motion"),
+        impact_material=_ref("object/properties/impact_material"),
     ),
     "source": _object(
         signal=_ref("signal"),
@@ -271,7 +287,12 @@ _STORED: Mapping[str, dict[str, Any]] = {
     ),
     "scene": _object(
         tolerance=_ref("settings/properties/tolerance"),
-        numbers=_object(others=False, **{name: _ref(f"settings/properties/{name}") for name in ("threshold", "epsilon", "localise")}),
+        slack=_ref("rules/properties/slack"),
+        numbers=_object(
+            others=False,
+            **{name: _ref(f"settings/properties/{name}") for name in ("threshold", "epsilon", "localise")},
+            **{name: _ref(f"rules/properties/{rule}") for name, rule in RULES.items()},
+        ),
         extras=_ref("extras"),
     ),
     "device": _object(profile=_ref("name"), extras=_ref("extras")),

@@ -26,6 +26,8 @@ def read_object(obj: Object) -> HapticObject:
         propagation=read_function(haptics),
         mass=shortest(obj.rigid_body.mass) if obj.rigid_body is not None else imported.mass,
         medium=haptics.medium,
+        motion=read_motion(obj, imported.motion),
+        impact_material=read_impact_material(obj) or imported.impact_material,
     )
 
 
@@ -75,9 +77,11 @@ def read_impact_material(obj: Object) -> str | None:
     return None if material is None else impact_material(material.name)
 
 
-def read_motion(obj: Object) -> Motion:
-    """How an object moves: by physics, by animation, or not at all."""
+def read_motion(obj: Object, imported: Motion | None) -> Motion:
+    """How an object moves: by physics, by animation, or not at all; as in the file it came from where it is no rigid body here."""
     body = obj.rigid_body
+    if body is None and imported is not None:
+        return imported
     if body is None or body.kinematic:
         return Motion.KINEMATIC
     return Motion.DYNAMIC if body.type == "ACTIVE" else Motion.STATIC

@@ -25,7 +25,7 @@ from .animated_frequency import AnimatedFrequencies
 from .collision_shapes import collision_shape, mesh_checksum
 from .imported import imported_object, near
 from .imported_contacts import ImportedContacts
-from .objects import read_impact_material, read_listener, read_motion, read_object, read_source
+from .objects import read_listener, read_object, read_source
 from .problem import Problem
 from .reading import Reading
 from .roles import haptic_carrier, is_tagged
@@ -119,7 +119,6 @@ class SceneReader:
             listeners=tuple(item for item in heard if isinstance(item, Listener)),
             settings=read_settings(scene),
             contact_settings=contact_settings,
-            impact_materials=lists.impact_materials,
             problems=tuple(Problem("", problem) for problem in self._imported.problems) + lists.problems,
             settled=self._settled,
             authored=self._imported.authored(lists.homes, self._settled, contact_settings),
@@ -190,7 +189,7 @@ class SceneReader:
             try:
                 shape = self._shape(obj, depsgraph, scale)
                 haptic_object = read_object(obj)
-                body = Body(name=name, shape=shape, mass=haptic_object.mass, motion=read_motion(obj), medium=haptics.medium)
+                body = Body(name=name, shape=shape, mass=haptic_object.mass, motion=haptic_object.motion, medium=haptics.medium)
                 home = imported_object(haptics.imported).pose if _is_as_imported(obj, scale) else None
             except ValueError as error:
                 problems.append(Problem(name, str(error)))
@@ -212,8 +211,7 @@ class SceneReader:
                     problems.append(Problem(name, str(error).replace("mixing_expression", "the mixing formula")))
         animated = compatibility.animated_paths(obj)
         deforming = any(animated != () or modifier.type not in _STEADY for modifier in obj.modifiers)
-        struck = read_impact_material(obj)
-        return Tagged(row, animated, deforming, tuple(scale.tolist()), haptic_object, body, home, source, listener, struck, tuple(problems))
+        return Tagged(row, animated, deforming, tuple(scale.tolist()), haptic_object, body, home, source, listener, tuple(problems))
 
     def _is_animated_now(self, row: int, paths: tuple[str, ...] | None) -> bool:
         """Whether animation has changed any property of the object since it was asked last."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from ...core.arrays import FloatArray
@@ -25,7 +24,6 @@ class Reading:
     listeners: tuple[Listener, ...]
     settings: Settings
     contact_settings: ContactSettings
-    impact_materials: Mapping[str, str]  # what an object feels like when it is hit, where its material says it
     problems: tuple[Problem, ...]
     settled: frozenset[str] = frozenset()
     authored: AuthoredContacts | None = None

@@ -5,18 +5,18 @@ from __future__ import annotations
 from bpy.types import Scene
 
 from ...core.contacts.tracker import ContactSettings
+from ...core.scene.rules import ImpactTemplates
 from ...core.scene.values import Settings
 from ..blender.single_precision import shortest
 from .imported import ImportedScene, exact, imported_scene
 
+TEMPLATES = {"MATERIALS": ImpactTemplates.BY_MATERIAL, "PLAIN": ImpactTemplates.PLAIN}
+"""By the choice of a scene."""
+
 
 def read_settings(scene: Scene) -> Settings:
     """The propagation settings of a scene."""
-    haptics = scene.haptics
-    try:
-        imported = imported_scene(haptics.imported)
-    except ValueError:  # the reader says it
-        imported = ImportedScene()
+    haptics, imported = scene.haptics, _imported(scene)
     return Settings(
         mode=haptics.mode,
         strategy=haptics.strategy,
@@ -30,14 +30,25 @@ def read_settings(scene: Scene) -> Settings:
 
 def read_contact_settings(scene: Scene) -> ContactSettings:
     """What counts as a contact and as an impact in a scene."""
-    haptics = scene.haptics
+    haptics, imported = scene.haptics, _imported(scene)
+    x, y, z = (shortest(g) for g in scene.gravity) if scene.use_gravity else (0.0, 0.0, 0.0)
     return ContactSettings(
-        tolerance=shortest(haptics.contact_tolerance),
-        least_energy=shortest(haptics.minimum_energy),
-        full_energy=max(shortest(haptics.maximum_energy), 1e-3),
+        tolerance=exact(haptics, "contact_tolerance", imported.numbers),
+        least_energy=exact(haptics, "minimum_energy", imported.numbers),
+        full_energy=max(exact(haptics, "maximum_energy", imported.numbers), 1e-3),
         energy=haptics.impact_energy,
-        refractory=shortest(haptics.refractory_time),
+        refractory=exact(haptics, "refractory_time", imported.numbers),
         patch_points=haptics.patch_points,
-        gravity=tuple(scene.gravity) if scene.use_gravity else (0.0, 0.0, 0.0),
-        time_scale=max(scene.rigidbody_world.time_scale, 1e-3) if scene.rigidbody_world is not None else 1.0,
+        gravity=(x, y, z),
+        time_scale=max(shortest(scene.rigidbody_world.time_scale), 1e-3) if scene.rigidbody_world is not None else 1.0,
+        impacts=haptics.impacts,
+        templates=TEMPLATES[haptics.impact_signal],
+        **({} if imported.slack is None else {"slack": imported.slack}),
     )
+
+
+def _imported(scene: Scene) -> ImportedScene:
+    try:
+        return imported_scene(scene.haptics.imported)
+    except ValueError:  # the reader says it
+        return ImportedScene()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +26,6 @@ class Tagged:
     home: Pose | None  # where a file put the body, as it is since
     source: Source | None
     listener: Listener | None
-    impact_material: str | None
     problems: tuple[Problem, ...]
 
 
@@ -46,7 +44,6 @@ class TaggedLists:
     bodies: tuple[Body, ...]
     places: tuple[Source | Listener, ...]
     homes: Homes
-    impact_materials: Mapping[str, str]
     problems: tuple[Problem, ...]
 
     @classmethod
@@ -73,6 +70,5 @@ class TaggedLists:
             bodies=alone,
             places=tuple(item for _, item in places),
             homes=before.homes if before is not None and homed else Homes.of(names, poses),
-            impact_materials={t.object.name: t.impact_material for t in tagged if t.object is not None and t.impact_material is not None},
             problems=tuple(problem for t in tagged for problem in t.problems),
         )

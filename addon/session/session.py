@@ -182,8 +182,6 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     session.reading = reading
     session.tracer.collisions.lazy = live and not others
     session.tracer.collisions.settings = reading.contact_settings
-    session.tracer.collisions.impact_sources = scene.haptics.impacts
-    session.tracer.collisions.impact_materials = reading.impact_materials if scene.haptics.impact_signal == "MATERIALS" else {}
     step, whole = scene.render.fps_base / scene.render.fps, scene.frame_subframe == 0
     follows = session.frame is not None and scene.frame_current == session.frame + 1
     continuous = whole and follows and step == session.frame_seconds

@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
 from ..scene.values import HapticScene, Pose
 from .contact_set import ContactSet
 from .shapes import pose_matrix
-from .tracker import Body, ContactSettings, ContactTracker, Motion
+from .tracker import Body, ContactTracker, Motion
 
 
-def contacts_of_scene(scene: HapticScene, tolerance: float = 0.01, patch_points: bool = False) -> ContactSet:
+def contacts_of_scene(scene: HapticScene, tolerance: float | None = None, patch_points: bool | None = None) -> ContactSet:
     """Contacts between the objects of ``scene`` that have a shape; without a pose they stand at the origin. ``pairs`` are numbers in
-    ``scene.objects``. Two touch when their signed distance, margins included, is at most ``tolerance`` metres.
+    ``scene.objects``. Two touch when their signed distance, margins included, is at most ``tolerance`` metres, by default that of the
+    scene's rules.
 
     Raises ValueError that names the object where a shape can't be used.
     """
     chosen = [number for number, item in enumerate(scene.objects) if item.shape is not None]
     objects = [scene.objects[n] for n in chosen]
     bodies = [Body(item.name, item.shape, item.mass, Motion.KINEMATIC, item.medium) for item in objects]
-    tracker = ContactTracker(bodies, ContactSettings(tolerance=tolerance, patch_points=patch_points))
+    given: dict[str, Any] = {"tolerance": tolerance, "patch_points": patch_points}
+    rules = replace(scene.rules, **{key: value for key, value in given.items() if value is not None})
+    tracker = ContactTracker(bodies, rules)
     transforms = np.array([pose_matrix(item.pose or Pose()) for item in objects], dtype=np.float64).reshape(-1, 4, 4)
     frame = tracker.update(0.0, transforms)
     if frame.warnings:

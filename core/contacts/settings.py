@@ -1,28 +1,14 @@
-"""Bodies as the tracker sees them, and the thresholds of contacts and impacts."""
+"""Bodies as the tracker sees them."""
 
 from __future__ import annotations
 
-import enum
 import math
 from dataclasses import dataclass
 
-from ..scene.values import Vector
+from ..scene.rules import ContactSettings as ContactSettings
+from ..scene.rules import ImpactEnergy as ImpactEnergy
+from ..scene.rules import Motion as Motion
 from .shapes import Shape
-
-
-class Motion(enum.StrEnum):
-    """What moves a body."""
-
-    STATIC = "static"  # nothing
-    KINEMATIC = "kinematic"  # animation
-    DYNAMIC = "dynamic"  # the simulation
-
-
-class ImpactEnergy(enum.StrEnum):
-    """The energy that decides on an impact."""
-
-    KINETIC = "kinetic"  # the paper's: 1/2 m1 v1^2 + 1/2 m2 v2^2
-    NORMAL = "normal"  # 1/2 mu v_n^2: relative motion along the normal, the same in every frame of reference
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,37 +26,3 @@ class Body:
         object.__setattr__(self, "motion", Motion(self.motion))
         if self.mass is not None and not 0 <= self.mass < math.inf:
             raise ValueError(f"mass: must be finite and >= 0 kg, got {self.mass!r}")
-
-
-@dataclass(frozen=True, slots=True)
-class ContactSettings:
-    """``tolerance``: a pair touches at a signed distance of at most so many metres, and goes on up to ``slack`` more.
-    ``patch_points``: one contact per point of a patch, with shares, instead of one at its centre.
-
-    An impact is a begin of contact with at least ``least_energy`` (E_min) joules; ``full_energy`` (E_max) gives amplitude 1; ``energy``
-    says how it is computed. A pair makes no second impact within ``refractory`` seconds. ``gravity`` [m/s^2] accelerates dynamic bodies
-    where too few frames show how they fall; ``time_scale``: simulated seconds per second of the timeline.
-    """
-
-    tolerance: float = 0.01
-    slack: float = 0.005
-    patch_points: bool = False
-    energy: ImpactEnergy = ImpactEnergy.KINETIC
-    least_energy: float = 5.0
-    full_energy: float = 100.0
-    refractory: float = 0.1
-    gravity: Vector = (0.0, 0.0, -9.81)
-    time_scale: float = 1.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "energy", ImpactEnergy(self.energy))
-        for key in ("tolerance", "slack", "least_energy", "refractory"):
-            if not 0 <= getattr(self, key) < math.inf:
-                raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")
-        for key in ("full_energy", "time_scale"):
-            if not 0 < getattr(self, key) < math.inf:
-                raise ValueError(f"{key}: must be finite and > 0, got {getattr(self, key)!r}")
-        gravity = tuple(float(g) for g in self.gravity)
-        if len(gravity) != 3 or not all(math.isfinite(g) for g in gravity):
-            raise ValueError(f"gravity: expected three finite numbers, got {self.gravity!r}")
-        object.__setattr__(self, "gravity", gravity)

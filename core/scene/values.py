@@ -11,12 +11,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from ..signals import Signal
+from ..signals import IMPACT_MATERIALS, Signal
 from .choices import Mode as Mode
 from .choices import SourceKind as SourceKind
 from .choices import Strategy as Strategy
 from .functions import MIXING_VARIABLES, HapticTracing, Identity, ModulationFunction, compile_expression
 from .references import require_known, require_unique
+from .rules import ContactSettings, Motion
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -95,7 +96,8 @@ class Pose:
 
 @dataclass(frozen=True, slots=True)
 class HapticObject:
-    """Transmits haptic data. ``kappa`` and ``rho`` in [0, 1]. Contacts are found from ``shape`` (`core.contacts.shapes`) and ``pose``."""
+    """Transmits haptic data. ``kappa`` and ``rho`` in [0, 1]. Contacts are found from ``shape`` (`core.contacts.shapes`) and ``pose``.
+    ``impact_material``: what it feels like when it is hit, a key of `IMPACT_MATERIALS`, "" where that is unknown."""
 
     name: str
     kappa: float
@@ -106,9 +108,14 @@ class HapticObject:
     mass: float | None = None
     medium: bool = False
     extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    motion: Motion = Motion.DYNAMIC
+    impact_material: str = ""
 
     def __post_init__(self) -> None:
         _name("name", self.name)
+        object.__setattr__(self, "motion", Motion(self.motion))
+        if self.impact_material and self.impact_material not in IMPACT_MATERIALS:
+            raise ValueError(f"impact_material: {self.impact_material!r} is not one of {', '.join(IMPACT_MATERIALS)}")
         _unit_interval("kappa", self.kappa)
         _unit_interval("rho", self.rho)
         if self.mass is not None and not 0 <= self.mass < math.inf:
@@ -221,7 +228,8 @@ class Listener:
 
 @dataclass(frozen=True, slots=True)
 class HapticScene:
-    """Objects, contacts, sources and listeners. Names are unique within their list; every reference resolves."""
+    """Objects, contacts, sources and listeners. Names are unique within their list; every reference resolves. ``rules``: what counts as a
+    contact and as an impact where these are found from shapes and poses."""
 
     objects: tuple[HapticObject, ...] = ()
     contacts: tuple[Contact, ...] = ()
@@ -229,6 +237,7 @@ class HapticScene:
     listeners: tuple[Listener, ...] = ()
     settings: Settings = field(default_factory=Settings)
     extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    rules: ContactSettings = field(default_factory=ContactSettings)
 
     def __post_init__(self) -> None:
         require_unique([item.name for item in self.objects], "object", "objects")

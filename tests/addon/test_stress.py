@@ -6,6 +6,7 @@ python -m pytest tests/addon/test_stress.py --stress-seeds 20 --stress-operation
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -209,7 +210,7 @@ class Stress:
             assert result is None, where
             return
         assert result is not None, where
-        tracer = Tracer(reading.contact_settings, impact_sources=False)
+        tracer = Tracer(replace(reading.contact_settings, impacts=False))
         fresh = tracer.step(session.frame_of(scene, reading, continuous=False))
         assert result.number == fresh.number == scene.frame_current, where
         assert result.objects == fresh.objects, where

@@ -21,8 +21,8 @@ from .poses import POSE_DIGITS, PoseRow, Poses
 
 Pair = tuple[str, str]
 
-DIGITS = 6
-"""Decimals of recorded values that gains depend on (metres: micrometres)."""
+DIGITS = 13
+"""Decimals of recorded values that gains depend on, so that a recording plays as it was traced to 12 digits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +137,7 @@ def _apply(
 
 def traced(scene: HapticScene, recording: Recording, sample_rate: float = SAMPLE_RATE) -> Iterator[FrameResult]:
     """Trace every frame with the recorded contacts; if there are none at all, contacts are found from shapes and poses."""
-    tracer = Tracer(sample_rate=sample_rate)
+    tracer = Tracer(scene.rules, sample_rate=sample_rate)
     detect = not scene.contacts and not any(frame.contacts or frame.parted for frame in recording.frames)
     for number, state in states(scene, recording):
         yield tracer.step(frame_of(state, number, recording.time_of(number), detect))
@@ -148,7 +148,7 @@ def frame_of(scene: HapticScene, number: int, time: float, detect: bool) -> Fram
     frame = Frame(number, time, scene.objects, scene.sources, scene.listeners, scene.settings)
     if detect:
         shaped = [item for item in scene.objects if item.shape is not None]
-        bodies = tuple(Body(item.name, item.shape, item.mass, medium=item.medium) for item in shaped)
+        bodies = tuple(Body(item.name, item.shape, item.mass, item.motion, item.medium) for item in shaped)
         transforms = np.array([pose_matrix(item.pose or Pose()) for item in shaped], dtype=np.float64).reshape(-1, 4, 4)
         return replace(frame, bodies=bodies, transforms=transforms)
     index = {name: i for i, name in enumerate(sorted(item.name for item in scene.objects))}

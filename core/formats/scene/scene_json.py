@@ -10,6 +10,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from ...scene.rules import ContactSettings
 from ...scene.values import HapticScene, Settings
 from ..io.atomic import atomic_file
 from ..io.error import FormatError, errors_in
@@ -22,6 +23,9 @@ FORMAT = "haptic-scene"
 VERSION = "1.1"
 SCHEMA = f"haptic-scene-{VERSION}"
 
+CONVENTION = {"axes": "right-handed, z up", "length": "m", "mass": "kg", "time": "s", "energy": "J", "rotation": "quaternion w, x, y, z"}
+"""Axes and units of every scene file."""
+
 _NEWER = re.compile(r"1\.[0-9]{1,4}")
 
 
@@ -31,6 +35,41 @@ def _from_1_0(document: dict[str, Any]) -> dict[str, Any]:
     if isinstance(settings, dict) and settings.get("strategy", "auto") == "auto":
         settings = {**settings, "strategy": "as_in_the_paper"}
     return {**document, "version": "1.1", "settings": settings}
+
+
+_FORMERLY = {
+    "contact_tolerance": "tolerance",
+    "patch_points": "patch_points",
+    "impacts": "impacts",
+    "minimum_energy": "least_energy",
+    "maximum_energy": "full_energy",
+    "impact_energy": "energy",
+    "refractory_time": "refractory",
+}
+"""Rules by the keys that they had in ``extras.blender``, where only Blender read them."""
+
+
+def _is_valid(rule: str, value: Any) -> bool:
+    """Whether a value from an extra can be that of a rule."""
+    default = getattr(ContactSettings(), rule)
+    if any(isinstance(value, kind) != isinstance(default, kind) for kind in (bool, str)):
+        return False
+    try:
+        ContactSettings(**{rule: value})
+    except (TypeError, ValueError):
+        return False
+    return isinstance(value, str) or abs(value) <= 1e9
+
+
+def _with_rules(document: dict[str, Any]) -> dict[str, Any]:
+    """A document with the rules that Blender used to write into its extras, as far as they are valid."""
+    extras = document.get("extras")
+    known = extras.get("blender") if isinstance(extras, dict) else None
+    if "rules" in document or not isinstance(extras, dict) or not isinstance(known, dict):
+        return document
+    rules = {rule: known[key] for key, rule in _FORMERLY.items() if key in known and _is_valid(rule, known[key])}
+    left = {key: value for key, value in known.items() if key not in _FORMERLY}
+    return {**document, "rules": rules, "extras": {**extras, "blender": left}}
 
 
 MIGRATIONS: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {"1.0": _from_1_0}
@@ -72,6 +111,7 @@ def scene_of(document: Mapping[str, Any], file: str | Path) -> HapticScene:
             listeners=tuple(read_listener(form, ("listeners", i)) for i, form in enumerate(document.get("listeners", []))),
             settings=read_value(Settings, document.get("settings", {}), ("settings",)),
             extras=document.get("extras", {}),
+            rules=read_value(ContactSettings, document.get("rules", {}), ("rules",)),
         )
 
 
@@ -86,6 +126,7 @@ def current_document(document: Any, file: str | Path) -> tuple[dict[str, Any], t
         raise FormatError(file, "/format", f'not a haptic scene: must be "{FORMAT}"')
     while isinstance(version := document.get("version"), str) and version in MIGRATIONS:
         document = MIGRATIONS[version](document)
+    document = _with_rules(document)
     if version != VERSION:
         if not isinstance(version, str) or not _NEWER.fullmatch(version):
             raise FormatError(file, "/version", f'this reads version "{min(MIGRATIONS)}" to "{VERSION}", not {json.dumps(version)[:40]}')
@@ -99,7 +140,8 @@ def scene_to_dict(scene: HapticScene) -> dict[str, Any]:
     settings = {key.name: json_value(getattr(scene.settings, key.name)) for key in fields(Settings)}
     if not scene.settings.localise:
         del settings["localise"]
-    document = {"format": FORMAT, "version": VERSION, "settings": settings, **scene_items(scene)}
+    rules = {key.name: json_value(getattr(scene.rules, key.name)) for key in fields(ContactSettings)}
+    document = {"format": FORMAT, "version": VERSION, "convention": CONVENTION, "settings": settings, "rules": rules, **scene_items(scene)}
     return {**document, "extras": json_value(scene.extras)} if scene.extras else document
 
 

@@ -1,0 +1,125 @@
+"""A sample played in Blender, and by the core from its exported file alone: the same gains, impacts and rules."""
+
+import json
+
+import pytest
+from haptic_tracing.addon.changes.suspension import suspended
+from haptic_tracing.addon.session import session
+from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.core.formats.scene.recording import traced
+from haptic_tracing.core.scene.values import SourceKind
+from haptic_tracing.sample_scenes import build_sample
+from scene_files import exported, imported
+
+LAST = 60
+"""Frame after the first blows of the hammer."""
+
+
+def gains(result):
+    return {
+        (source.name, listener.name): gain
+        for source, row in zip(result.sources, result.gains, strict=True)
+        for listener, gain in zip(result.listeners, row.tolist(), strict=True)
+    }
+
+
+@pytest.fixture
+def hammer(scene):
+    with suspended():
+        built = build_sample("hammer_nail", None)
+    built.frame_end = LAST
+    return built
+
+
+@pytest.fixture
+def written(hammer, tmp_path):
+    """Exports the sample after a change of its properties: the path of the file."""
+
+    def write(**properties):
+        for name, value in properties.items():
+            setattr(hammer.haptics, name, value)
+        exported(tmp_path / "hammer.json", frames="RANGE", frame_start=hammer.frame_start, frame_end=LAST)
+        return tmp_path / "hammer.json"
+
+    return write
+
+
+def in_blender(scene):
+    scene.frame_set(scene.frame_start - 1)
+    for frame in range(scene.frame_start, scene.frame_end + 1):
+        scene.frame_set(frame)
+        yield session.result_of(scene)
+
+
+def without_contacts(path):
+    """The scene and recording of a file from which contacts and impacts are removed: shapes, poses and rules are left."""
+    document = json.loads(path.read_text())
+    document.pop("contacts")
+    document["sources"] = [source for source in document["sources"] if source.get("kind") != "temporary"]
+    for frame in document["frames"]:
+        for key in ("contacts", "parted", "sources", "source_positions"):
+            frame.pop(key, None)
+    path.write_text(json.dumps(document))
+    export = read_export(path)
+    return export.scene, export.recording
+
+
+def impacts_of(results):
+    return [impact for result in results for impact in result.impacts]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("strategy", ["as_in_the_paper", "best_path", "all_paths"])
+def test_the_core_plays_what_blender_plays(hammer, written, strategy):
+    export = read_export(written(strategy=strategy))
+    count = 0
+    for ours, theirs in zip(in_blender(hammer), traced(export.scene, export.recording), strict=True):
+        assert ours.number == theirs.number
+        expected = gains(ours)
+        assert gains(theirs) == pytest.approx(expected, rel=1e-12, abs=1e-15)
+        count += sum(source.kind is SourceKind.TEMPORARY for source in ours.sources)
+    assert count > 0
+
+
+@pytest.mark.slow
+def test_impacts_found_outside_blender_follow_the_rules_of_the_file(hammer, written):
+    path = written()
+    expected = impacts_of(in_blender(hammer))
+    found = impacts_of(traced(*without_contacts(path)))
+    assert len(found) == len(expected) > 1
+    for ours, theirs in zip(expected, found, strict=True):
+        assert theirs.time == pytest.approx(ours.time, abs=1e-3)
+        assert theirs.amplitude == pytest.approx(ours.amplitude, rel=0.01)
+    path = written(minimum_energy=1000.0, maximum_energy=2000.0)
+    scene, recording = without_contacts(path)
+    assert (scene.rules.least_energy, scene.rules.full_energy) == (1000.0, 2000.0)
+    assert impacts_of(traced(scene, recording)) == []
+    path = written(minimum_energy=5.0, impacts=False)
+    assert not any(source.kind is SourceKind.TEMPORARY for result in traced(*without_contacts(path)) for source in result.sources)
+
+
+def test_rules_of_a_file_become_properties_and_stay_to_the_last_digit(scene, tmp_path):
+    """Through Blender, whose properties have single precision."""
+    rules = {
+        "tolerance": 0.012345678901234,
+        "slack": 0.001,
+        "patch_points": True,
+        "energy": "normal",
+        "least_energy": 1 / 3,
+        "full_energy": 70.7,
+        "refractory": 0.123456789,
+        "gravity": [0.0, 0.0, -1.62],
+        "time_scale": 1.0,
+        "impacts": False,
+        "templates": "by_material",
+    }
+    ball = {"name": "ball", "kappa": 0.2, "rho": 0.9, "motion": "dynamic", "impact_material": "rubber", "pose": {"position": [0, 0, 1]}}
+    ball["shape"] = {"type": "sphere", "radius": 0.5}
+    document = {"format": "haptic-scene", "version": "1.1", "objects": [ball], "rules": rules}
+    (tmp_path / "moon.json").write_text(json.dumps(document))
+    imported(tmp_path / "moon.json")
+    again = json.loads(exported(tmp_path / "again.json"))
+    assert again["rules"] == rules
+    (found,) = again["objects"]
+    assert found["impact_material"] == "rubber" and found.get("motion", "dynamic") == "dynamic"
+    assert again["convention"]["axes"] == "right-handed, z up" and "minimum_energy" not in again["extras"]["blender"]
