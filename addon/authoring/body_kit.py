@@ -11,7 +11,7 @@ from mathutils import Matrix, Vector
 from ...core.scene.body import BODY_PART, BodyPart
 from ...core.scene.skeleton import Bone, Place, partner, places
 
-# Where the parts of a standing body are in its bounding box: from the middle to the side (left is +x), from front (-y) to back, height.
+# Positions of the parts of a standing body in its bounding box: from the middle to the side (left is +x), from front (-y) to back, height.
 _PLACES = {
     "head": (0.0, 0.5, 0.93),
     "ear": (0.15, 0.5, 0.93),
@@ -36,7 +36,7 @@ def listeners_on(body: Object) -> dict[str, Object]:
 
 
 def place_on_mesh(body: Object, parts: Sequence[BodyPart], collection: Collection) -> None:
-    """Empties as listeners where a standing body that fills the bounding box of ``body`` has the parts."""
+    """Place empties as listeners at the parts of a standing body that fills the bounding box of ``body``."""
     corners = [Vector(corner) for corner in body.bound_box]
     low = Vector(map(min, zip(*corners, strict=True)))
     high = Vector(map(max, zip(*corners, strict=True)))
@@ -49,12 +49,12 @@ def place_on_mesh(body: Object, parts: Sequence[BodyPart], collection: Collectio
 
 
 def bones_of(armature: Object) -> list[Bone]:
-    """The bones at rest, in the armature's space."""
+    """The bones at rest, in armature space."""
     return [Bone(bone.name, tuple(bone.head_local), tuple(bone.tail_local)) for bone in armature.data.bones]
 
 
 def place_on_bones(armature: Object, parts: Sequence[BodyPart], collection: Collection) -> list[BodyPart]:
-    """Empties as listeners, each parented to the bone of its part. Returns the parts that the armature has no bone for.
+    """Place empties as listeners, each parented to the bone of its part. Returns the parts without a bone.
 
     Raises ValueError in words where it is no armature of a body.
     """
@@ -68,13 +68,13 @@ def place_on_bones(armature: Object, parts: Sequence[BodyPart], collection: Coll
 
 
 def posed(armature: Object, bone: str, rest: Vector) -> Vector:
-    """Where a point of a bone is in the world now; ``rest`` is where it is at rest, in the armature's space."""
+    """The current world position of a point of a bone; ``rest``: its position at rest, in armature space."""
     local = armature.data.bones[bone].matrix_local.inverted() @ rest
     return armature.matrix_world @ armature.pose.bones[bone].matrix @ local
 
 
 def add_listener(part: BodyPart, name: str, collection: Collection) -> Object:
-    """An empty, drawn as the bounding volume of the part, that is a listener."""
+    """Add a listener as an empty, drawn as the bounding volume of the part."""
     empty = bpy.data.objects.new(name, None)
     collection.objects.link(empty)
     empty.empty_display_type = "SPHERE"
@@ -98,14 +98,14 @@ def attach(obj: Object, parent: Object, bone: str, place: Vector) -> None:
 
 
 def armature_of(obj: Object) -> Object | None:
-    """The armature that an object is, or that moves it."""
+    """The object itself where it is an armature, else the armature that deforms it."""
     if obj.type == "ARMATURE":
         return obj
     return obj.find_armature() if obj.type == "MESH" else None
 
 
 def skins(armature: Object) -> list[Object]:
-    """The meshes that an armature moves, the largest first."""
+    """The meshes that an armature deforms, the largest first."""
     moved = [obj for obj in armature.children_recursive if obj.type == "MESH" and obj.find_armature() == armature]
     return sorted(moved, key=lambda obj: -obj.dimensions.length)
 

@@ -1,4 +1,4 @@
-"""Materials put into a scene's library, and objects made of them."""
+"""Materials of a scene's library, and their assignment to objects."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..properties.materials import HapticMaterial, add_material, values_of, writ
 
 
 def preset_values(material: Material) -> dict[str, object]:
-    """The values of a preset as a library holds them."""
+    """The values of a preset, in the form of the library."""
     return {
         "kappa": material.kappa,
         "rho": material.rho,
@@ -26,12 +26,12 @@ def preset_values(material: Material) -> dict[str, object]:
 
 
 def preset_in(scene: Scene, material: Material) -> HapticMaterial:
-    """The material of the scene's library that carries the preset's title; it is put there where there is none."""
+    """The library's material with the preset's title, added where there is none."""
     return scene.haptics.materials.items.get(material.title) or add_material(scene, material.title, preset_values(material))
 
 
 def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
-    """Make objects of a material: they take its values, now and when it changes."""
+    """Assign a material to objects: they take its values, now and when it changes."""
     name, values = item.name, values_of(item)
     for obj in progress(objects):
         write_values(obj, values)
@@ -40,19 +40,19 @@ def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
 
 
 def copy(scene: Scene, item: HapticMaterial) -> HapticMaterial:
-    """A copy in the library, that nothing is made of yet."""
+    """A copy in the library, not assigned to any object."""
     values = {**values_of(item), "wave_speed": item.wave_speed, "use_delay": item.use_delay}
     return add_material(scene, item.name, values)
 
 
 def preset_of(obj: Object) -> Material | None:
-    """The preset that an object's material of the library was made from, by its title."""
+    """The preset from which an object's library material was made, found by its title."""
     title = obj.haptics.material.name.partition(".")[0]
     return next((material for material in MATERIALS.values() if material.title == title), None)
 
 
 def make_physical(objects: Iterable[Object], in_a_building: bool) -> int:
-    """Let objects that are made of a preset spread and damp vibration as measured; how many are."""
+    """Give objects made of a preset the measured physical function. Returns their number."""
     known = 0
     for obj in objects:
         material = preset_of(obj)
@@ -67,7 +67,7 @@ def make_physical(objects: Iterable[Object], in_a_building: bool) -> int:
 
 
 def targets(context: Context, target: str) -> list[Object]:
-    """What "selected", "children" or "collection" means now: objects that vibration can pass through and that can be edited."""
+    """The editable objects with a surface among the "selected" ones, their "children" or those of the "collection"."""
     match target:
         case "CHILDREN":
             found = {child for obj in context.selected_objects for child in (obj, *obj.children_recursive)}
@@ -80,21 +80,21 @@ def targets(context: Context, target: str) -> list[Object]:
 
 
 def guessed(obj: Object) -> Material | None:
-    """The material that an object is probably made of: by the names of its surfaces, its own and its mesh's, its shape and its mass."""
+    """The probable material of an object, by the names of its surfaces, of itself and of its mesh, its shape and its mass."""
     names = [slot.material.name for slot in obj.material_slots if slot.material is not None]
     names += [obj.name] + ([obj.data.name] if obj.data is not None else [])
     body = obj.rigid_body
-    mass = body.mass if body is not None and body.mass != 1.0 else None  # 1 kg is what nobody has set
+    mass = body.mass if body is not None and body.mass != 1.0 else None  # 1 kg is Blender's default
     return guess(names, tuple(obj.dimensions), mass)
 
 
 def is_ground(obj: Object) -> bool:
-    """True for what is so wide and flat that it carries other things."""
+    """True for objects so wide and flat that they probably carry others."""
     return is_wide_and_flat(tuple(obj.dimensions))
 
 
 def apply_guesses(scene: Scene, objects: Sequence[Object]) -> int:
-    """Make objects of what they are probably made of; how many tell it."""
+    """Assign the guessed materials to objects. Returns how many could be guessed."""
     known = 0
     for obj in progress(objects):
         material = guessed(obj)

@@ -1,4 +1,4 @@
-"""What a source probably emits, from what it is called."""
+"""The probable signal of a source, by its name."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class SourceSignal:
     amplitude: float = 1.0
 
 
-# Blows or turns per second as machines have them; chosen within what skin feels.
+# Typical blows or turns per second of machines, within the range that skin feels.
 _SIGNALS = (
     (SourceSignal("PULSE", 25.0), "jackhammer pneumatic breaker presslufthammer"),
     (SourceSignal("PULSE", 45.0), "drill hammerdrill bohrer chisel woodpecker"),
@@ -35,7 +35,7 @@ _WORDS = {word: signal for signal, words in _SIGNALS for word in words.split()}
 
 
 def signal_for(name: str) -> SourceSignal:
-    """The signal of a thing of that name; a sine of 60 Hz where it tells nothing."""
+    """The signal for an object of this name; a sine of 60 Hz for unknown names."""
     for word in reversed(re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])", " ", name))):
         known = _WORDS.get(word.lower()) or _WORDS.get(word.lower().removesuffix("s"))
         if known is not None:

@@ -1,4 +1,4 @@
-"""A bake as it goes: frame after frame, then what is made of the track; a piece at a time, so that Blender stays alive meanwhile."""
+"""One bake in small steps, so that Blender stays responsive: frame after frame, then the track, F-curves and sound strip."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from . import curves, sound, storage
 from .playback import play, wanted_range
 from .track import TrackRecorder, check_size
 
-_TRACING, _WRITING = 0.9, 0.98  # of the progress bar
+_TRACING, _WRITING = 0.9, 0.98  # parts of the progress bar
 
 
 class Baking:
-    """One bake. ``part``: how much is done, 0 to 1; ``words``: what is being done; ``warnings``: what could not be done, in words."""
+    """One bake. ``part``: progress, 0 to 1; ``words``: the current step; ``warnings``: what could not be done."""
 
     def __init__(self, scene: Scene) -> None:
-        """Raises ValueError in words where there is nothing to bake, or too much."""
+        """Raises ValueError, with a message for the user, where there is nothing to bake, or too much."""
         first, last = wanted_range(scene)
         if last < first:
             raise ValueError(f"The frame range {first} to {last} is empty")
@@ -33,17 +33,17 @@ class Baking:
         self._work = self._pieces(scene, first, last)
 
     def advance(self, seconds: float) -> bool:
-        """Go on for about so long. True when everything is done. Raises ValueError in words where a frame can't be traced."""
+        """Work for about this many seconds. Returns True when everything is done. Raises ValueError where a frame can't be traced."""
         end = time.perf_counter() + seconds
         return all(time.perf_counter() < end for _ in self._work)
 
     def finish(self) -> None:
-        """Do all that is left."""
+        """Do all remaining work."""
         for _ in self._work:
             pass
 
     def close(self) -> None:
-        """Stop. The scene's frame is then what it was; before the last frame was traced nothing has changed."""
+        """Stop and restore the scene's frame. Until the last frame is traced the scene is unchanged."""
         self._work.close()
 
     def _pieces(self, scene: Scene, first: int, last: int) -> Generator[None, None, None]:

@@ -1,4 +1,4 @@
-"""Intensity and frequency of a track as F-curves on the listeners, all keys of a curve in one call."""
+"""Intensity and frequency of a track as F-curves on the listeners."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ _LINEAR = 1
 
 
 def write_curves(scene: Scene, track: HapticTrack, index: int) -> bool:
-    """Write the F-curves of listener number ``index``; a frame's key is what is felt up to that frame. False where that can't be done,
-    because the listener is gone or linked from a library."""
+    """Write the F-curves of listener number ``index``; the key of a frame is what is felt up to that frame. False where the listener is
+    gone or linked from a library."""
     obj = _object(scene, track.listeners[index].name)
     if obj is None or not obj.is_editable:
         return False
@@ -30,14 +30,14 @@ def write_curves(scene: Scene, track: HapticTrack, index: int) -> bool:
 
 
 def remove_curves(scene: Scene) -> None:
-    """Take the F-curves of a bake away."""
+    """Remove the F-curves of a bake."""
     for obj in scene.objects:
         if obj.is_editable and obj.animation_data is not None:
             compatibility.remove_fcurves(obj, {INTENSITY, FREQUENCY})
 
 
 def felt(track: HapticTrack, index: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Intensity and frequency (hertz) of a listener at every frame; where nothing is felt the frequency stays where it was."""
+    """Intensity and frequency (hertz) of a listener at every frame; where nothing is felt the frequency keeps its last value."""
     count = track.frame_count
     intensity, frequency = np.zeros(count), np.zeros(count)
     if count > 1 and track.samples.shape[1]:

@@ -1,4 +1,4 @@
-"""A track as sound in the sequencer: the left side of the body left, the right side right, packed into the file."""
+"""A track as a sound strip, packed into the file: the left side of the body on the left channel, the right side on the right."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ _CHUNK = 1 << 18
 
 
 def add_strip(scene: Scene, track: HapticTrack) -> Any:
-    """Add the sound strip, in place of an earlier one, on the lowest channel that is free. Returns the strip.
+    """Add the sound strip on the lowest free channel, in place of an earlier one. Returns the strip.
 
-    Raises ValueError in words where this Blender was built without sound.
+    Raises ValueError where this Blender was built without sound.
     """
     channel = remove_strip(scene)
     editor = scene.sequence_editor or scene.sequence_editor_create()
@@ -42,7 +42,7 @@ def add_strip(scene: Scene, track: HapticTrack) -> Any:
         strip.sound.pack()
     sound = strip.sound
     sound.name = f"{NAME} {scene.name}"
-    sound.filepath = f"//{NAME}.wav"  # it is packed: a name to unpack it to
+    sound.filepath = f"//{NAME}.wav"  # the name to unpack it to
     scene.haptics.bake.sound = sound
     return strip
 
@@ -65,7 +65,7 @@ def remove_strip(scene: Scene) -> int:
 
 
 def write_stereo(track: HapticTrack, path: Path) -> None:
-    """A WAV file of 16 bits: each side the sum of its listeners, the middle of the body on both, as loud as fits."""
+    """Write a 16-bit WAV file: each channel is the sum of the listeners of its side, those in the middle are on both, at full scale."""
     sides = np.array([_sides(item.body_part) for item in track.listeners], dtype=np.float64).reshape(-1, 2)
     weights = sides / np.sqrt(np.maximum((sides**2).sum(axis=0), 1.0))
     pieces = [_mixed(track.samples[:, first : first + _CHUNK], weights) for first in range(0, max(track.samples.shape[1], 1), _CHUNK)]

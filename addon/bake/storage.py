@@ -1,4 +1,4 @@
-"""Where a track is kept: as bytes in a property of a text that belongs to the scene. A text is saved with the file, shared by nothing that
+"""Storage of a track, as bytes in a property of a text datablock of the scene. A text is saved with the file, shared by nothing that
 Blender evaluates, and says to whoever opens it what it is."""
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from .track import HapticTrack, TrackError, track_from_bytes
 
 _DATA, _STAMP = "haptic_track", "haptic_track_stamp"
 
-_read: dict[int, tuple[str, HapticTrack | None, str]] = {}  # by session id of the text: its stamp, the track or why there is none
+_read: dict[int, tuple[str, HapticTrack | None, str]] = {}  # by session id of the text: its stamp, and the track or the error
 
 
 def keep(scene: Scene, track: HapticTrack) -> None:
-    """Keep a track with the scene, in place of an earlier one."""
+    """Store a track with the scene, in place of an earlier one."""
     text = scene.haptics.bake.track
     if text is None or not text.is_editable or _belongs_to_another(text, scene):
         text = bpy.data.texts.new(f"Haptic Track {scene.name}")
@@ -49,7 +49,7 @@ def trouble(scene: Scene) -> str:
 
 
 def stamp(scene: Scene) -> str:
-    """What tells one bake of the scene from the next; "" where there is none."""
+    """Identifier of the scene's bake, different for each; "" where there is none."""
     text = scene.haptics.bake.track
     value = None if text is None else text.get(_STAMP)
     return value if isinstance(value, str) else ""

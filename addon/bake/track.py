@@ -1,7 +1,7 @@
 """The haptic track: what every listener feels in every frame of a range, as plain values that can be kept in a file.
 
 No Blender here. As bytes: `MAGIC`, the version, the length of the header, the header as JSON, then the arrays one after the other, each
-packed by zlib. Whatever comes from a file is checked before it is used.
+packed by zlib. Everything read from a file is checked before it is used.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 MAGIC = b"HAPTRACK"
 VERSION = 1
 FULL_SCALE = 32767
-"""The sample 1.0 as a whole number: steps of 1/32767 are 90 dB below full scale, far below anything that is felt."""
+"""Integer value of the sample 1.0: steps of 1/32767 are 90 dB below full scale, far below the threshold of feeling."""
 MAX_BYTES = 1 << 28
-"""Of samples: 256 MB are 4.6 hours of one listener, 28 minutes of ten."""
+"""Largest size of the samples: 256 MB are 4.6 hours of one listener, 28 minutes of ten."""
 MAX_FRAMES, MAX_LISTENERS, MAX_SOURCES, MAX_HEADER = 1_000_000, 1_000, 100_000, 1 << 26
 
 
 class TrackError(ValueError):
-    """Bytes that are no haptic track, or one of a later version."""
+    """Bytes that are not a haptic track, or one of a later version."""
 
 
 @dataclass(frozen=True, slots=True)
 class TrackListener:
-    """Whose track it is."""
+    """A listener of the track."""
 
     name: str
     body_part: str = ""
@@ -51,7 +51,7 @@ class TrackListener:
 
 @dataclass(frozen=True, slots=True)
 class TrackSource:
-    """Something that was felt; ``second_object`` is the other side of an impact."""
+    """A source that was felt; ``second_object`` is the other object of an impact."""
 
     name: str
     object: str
@@ -63,7 +63,7 @@ class TrackSource:
         return SourceKind.PERSISTENT if self.second_object is None else SourceKind.TEMPORARY
 
 
-# Name, type, and of how many axes: those of the shape in `_shapes`.
+# Name, type and number of axes; `_shapes` has the shapes.
 _ARRAYS = (
     ("samples", "<i2"),
     ("offsets", "<i8"),
@@ -177,12 +177,12 @@ class HapticTrack:
 
     @cached_property
     def _table(self) -> ObjectTable:
-        """One object for each node: nothing is joined to anything, so that nothing is drawn between them."""
+        """A table with one object per node, without connections, so that none are drawn."""
         count = max(len(self.listeners), int(np.diff(self.rows).max(initial=0)))
         return ObjectTable.of([HapticObject(f"{kind} {k}", 0.0, 1.0) for kind in ("Listener", "Source") for k in range(count)], 0.1)
 
     def _alone(self, items: Sequence[Any]) -> list[Any]:
-        """Sources or listeners, each on an object of its own."""
+        """Sources or listeners, each on its own object."""
         return [
             Source(item.name, f"Source {k}", item.position, item.amplitude, item.kind)
             if isinstance(item, Source)
@@ -191,7 +191,7 @@ class HapticTrack:
         ]
 
     def to_bytes(self) -> bytes:
-        """The track for a file."""
+        """The track as bytes."""
         header = {
             "frame_start": self.frame_start,
             "frames": self.frame_count,
@@ -211,7 +211,7 @@ class HapticTrack:
 
 
 def track_from_bytes(data: bytes) -> HapticTrack:
-    """The track in ``data``. Raises TrackError in words."""
+    """The track in ``data``. Raises TrackError."""
     if len(data) < len(MAGIC) + 8 or not data.startswith(MAGIC):
         raise TrackError("this is no haptic track")
     version, length = struct.unpack_from("<II", data, len(MAGIC))
@@ -311,7 +311,7 @@ def _track(header: Mapping[str, Any], data: bytes, place: int) -> HapticTrack:
 
 
 class TrackRecorder:
-    """Collects traced frames into a track. What it keeps of a frame are whole numbers of its samples and a row per source."""
+    """Collects traced frames into a track: of each frame its samples as integers and a row per source."""
 
     def __init__(self) -> None:
         self._first: FrameResult | None = None
@@ -345,7 +345,7 @@ class TrackRecorder:
         self._row_counts.append(len(result.sources))
 
     def track(self, digest: Mapping[str, Any], frame_duration: float) -> HapticTrack:
-        """All that was recorded. Raises ValueError in words where that is nothing."""
+        """The track of all recorded frames. Raises ValueError where there are none."""
         if self._first is None:
             raise ValueError("There is no frame to keep")
         listeners = self._first.listeners
@@ -371,7 +371,7 @@ class TrackRecorder:
 
 
 def check_size(listeners: int, frames: int, frame_duration: float, sample_rate: float) -> None:
-    """Raises ValueError in words where a track would be larger than `MAX_BYTES`."""
+    """Raises ValueError where a track would be larger than `MAX_BYTES`."""
     size = 2 * listeners * frames * frame_duration * sample_rate
     if size > MAX_BYTES or frames > MAX_FRAMES or listeners > MAX_LISTENERS:
         raise ValueError(

@@ -22,7 +22,7 @@ def eevee_engine() -> str:
 
 
 _TRANSFORMS = ("location", "rotation_", "scale", "delta_", "hide_")
-"""How the data paths begin of what is animated most often, and is seen in the matrix."""
+"""Beginnings of data paths of transforms, whose animation shows in the matrix."""
 
 
 def animated_paths(datablock: Any) -> tuple[str, ...] | None:
@@ -50,7 +50,7 @@ def fcurves_of(datablock: Any) -> list[Any]:
 
 
 def remove_fcurves(datablock: Any, data_paths: Collection[str]) -> None:
-    """Take F-curves out of the datablock's action."""
+    """Remove F-curves from the datablock's action."""
     data = datablock.animation_data
     if data is None or data.action is None:
         return

@@ -1,4 +1,4 @@
-"""Work that takes long: in pieces between the events of Blender's window, with a progress bar and cancelled by ESC; or at a stretch."""
+"""Long work, in steps between the events of Blender's window with a progress bar, cancelled by ESC, or all at once without a window."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from bpy.types import Context, Event, Header, Operator, WindowManager
 _rpt = bpy.app.translations.pgettext_rpt
 
 BUDGET = 0.1
-"""Seconds of work between two looks at the window."""
+"""Seconds of work between two rounds of events."""
 
 Report = tuple[set[str], str]
 
@@ -20,7 +20,7 @@ Report = tuple[set[str], str]
 class Job:
     """``work`` yields after every one of ``total`` steps; ``finish`` is called after the last and returns what to report.
 
-    Nothing is written before ``finish``: what is cancelled leaves nothing behind.
+    Nothing is written before ``finish``, so that a cancelled job leaves no files.
     """
 
     def __init__(self, label: str, total: int, work: Iterator[object], finish: Callable[[], list[Report]]) -> None:
@@ -33,7 +33,7 @@ class Job:
         return min(self.done / self.total, 1.0)
 
     def advance(self, seconds: float) -> list[Report] | None:
-        """Work for so long, one step at least. None: there is more to do. Raises what the work raises."""
+        """Work for this many seconds, at least one step. Returns None where there is more to do. Raises what the work raises."""
         until = time.perf_counter() + seconds
         for _ in self._work:
             self.done += 1
@@ -42,7 +42,7 @@ class Job:
         return self._finish()
 
     def cancel(self) -> None:
-        """Give up; the work puts back what it changed."""
+        """Cancel; the work restores what it changed."""
         close = getattr(self._work, "close", None)
         if close is not None:
             close()
@@ -64,7 +64,7 @@ def running() -> Job | None:
 
 
 def run(operator: Operator, context: Context, job: Job) -> set[str]:
-    """Run a job for an operator: in pieces where a person waits at a window, else at a stretch. ValueError and OSError are reported."""
+    """Run a job for an operator: in steps where a user waits at a window, else at once. ValueError and OSError are reported."""
     if operator.options.is_invoke and not bpy.app.background and context.window is not None and job.total > 1:
         if _state.running is not None:
             operator.report({"ERROR"}, _rpt("{} is not done yet").format(_state.running.label))
@@ -89,7 +89,7 @@ def run(operator: Operator, context: Context, job: Job) -> set[str]:
 
 
 def _start() -> None:
-    """Begin the job that waits, in Blender's first window."""
+    """Start the waiting job in Blender's first window."""
     if _state.running is None:
         return
     window = bpy.context.window_manager.windows[0]
@@ -141,7 +141,7 @@ class HAPTIC_OT_run_job(Operator):
         return {"FINISHED"}
 
     def cancel(self, context: Context) -> None:
-        """The end, whatever it is; Blender calls it too, when the window closes."""
+        """End the job, in whatever way; also called by Blender when the window closes."""
         if _state.running is not None:
             _state.running.cancel()
             _state.running = None
@@ -162,7 +162,7 @@ def draw_status(header: Header, context: Context) -> None:
 
 
 def draw_progress(layout: bpy.types.UILayout, job: Job) -> None:
-    """How far it is."""
+    """Draw the progress bar."""
     layout.progress(factor=job.factor, text=f"{job.label}: {job.done} of {job.total} frames")
 
 
@@ -174,7 +174,7 @@ def _redraw(manager: WindowManager) -> None:
 
 
 def stop() -> None:
-    """Give up what runs: the add-on goes."""
+    """Cancel the running job, as the add-on is disabled."""
     if bpy.app.timers.is_registered(_start):
         bpy.app.timers.unregister(_start)
     if _state.running is not None:

@@ -1,4 +1,4 @@
-"""Where operators can run."""
+"""Poll functions of operators."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ SOLID_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
 
 def editable(objects: list[Object]) -> list[Object]:
-    """Those that are not linked from a library."""
+    """The objects that are not linked from a library."""
     return [obj for obj in objects if obj.is_editable]
 
 
 def linked_message(objects: list[Object]) -> str:
-    """What to say where nothing can be edited because all of it is linked from a library; "" where something can."""
+    """The message where nothing can be edited because everything is linked from a library; "" where something can."""
     if not objects or editable(objects):
         return ""
     return "These objects are linked from a library; make them local or override them first"

@@ -1,1 +1,1 @@
-"""What changed, which views have to be drawn again, and when handlers must do nothing."""
+"""Changes of the file, requests to redraw, and suspension of handlers."""

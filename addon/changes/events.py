@@ -1,4 +1,4 @@
-"""Changes that a floor above has to follow at once: whoever makes one calls its event, whoever depends on it subscribes."""
+"""Events: changes that modules above subscribe to and must follow at once."""
 
 from __future__ import annotations
 
@@ -33,6 +33,6 @@ preview_volume_changed = Event()
 track_switched = Event()
 """Playing the baked track was switched on or off, in a scene (bpy.types.Scene)."""
 file_changed = Event()
-"""Another file is loaded, or the add-on is disabled: what was kept of the scenes is void."""
+"""Another file is loaded, or the add-on is disabled: everything cached about scenes is invalid."""
 disabled = Event()
-"""The add-on is disabled: what it holds of Blender is freed."""
+"""The add-on is disabled and frees its resources."""

@@ -12,13 +12,13 @@ SIDEBAR_TAB = "Haptics"
 
 
 def redraw_viewports() -> None:
-    """Have every 3D viewport of every window drawn again."""
+    """Request a redraw of every 3D viewport of every window."""
     for area in _viewports():
         area.tag_redraw()
 
 
 def redraw_sidebars() -> None:
-    """Have the sidebar of every 3D viewport drawn again, and nothing else."""
+    """Request a redraw of the sidebar of every 3D viewport."""
     for area in _viewports():
         for region in area.regions:
             if region.type == "UI":

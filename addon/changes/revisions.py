@@ -1,4 +1,4 @@
-"""Revision numbers: they grow with every change, so that whoever read something can tell whether to read it again."""
+"""Revision numbers, which grow with every change, so that readers can tell whether their copy is current."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ _revisions = _Revisions()
 
 
 def mark_changed() -> None:
-    """Something that an author can change has changed, in some scene."""
+    """Count a change of something authored, in any scene."""
     _revisions.authored += 1
 
 
 def mark_edited() -> None:
-    """Something in Blender was edited; what an author set may or may not depend on it."""
+    """Count an edit in Blender, which may or may not affect something authored."""
     _revisions.edits += 1
 
 
 def mark_actuators() -> None:
-    """Another actuator was chosen for some listener."""
+    """Count a choice of an actuator for a listener."""
     _revisions.actuators += 1
 
 

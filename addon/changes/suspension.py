@@ -1,4 +1,4 @@
-"""Who is in charge of tracing: nobody while the add-on draws or renders, the add-on itself while it steps through the frames of a scene."""
+"""Suspension of handlers while the add-on draws or renders, and while it steps through the frames of a scene itself."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def is_suspended() -> bool:
 
 @contextmanager
 def suspended() -> Iterator[None]:
-    """Handlers do nothing inside; may be nested."""
+    """A context in which handlers do nothing; may be nested."""
     _state.depth += 1
     try:
         yield
@@ -47,7 +47,7 @@ def steps_any() -> bool:
 
 @contextmanager
 def stepped(scene: Scene) -> Iterator[None]:
-    """Every frame that the scene comes to is traced, whatever is chosen for the preview, and edits are not."""
+    """A context in which every frame of the scene is traced, whatever the preview settings, and edits are not."""
     scene_id = scene.session_uid
     _state.stepped.append(scene_id)
     try:

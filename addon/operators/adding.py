@@ -76,7 +76,7 @@ def _cylinder(name: str) -> bpy.types.Mesh:
 
 
 def _link(context: Context, obj: Object) -> None:
-    """Put an object into the active collection, selected and active, and nothing else selected."""
+    """Link an object to the active collection, and make it the active and only selected object."""
     context.collection.objects.link(obj)
     for other in context.selected_objects:
         other.select_set(False)

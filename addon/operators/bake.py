@@ -1,4 +1,4 @@
-"""Operators that bake and take a bake away."""
+"""Operators that bake, and that delete a bake."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from ..changes.redraw import redraw_viewports
 
 _rpt = bpy.app.translations.pgettext_rpt
 
-_PIECE = 0.08  # seconds of baking between two looks at what the user does
+_PIECE = 0.08  # seconds of baking between two rounds of events
 
 _running: list[baking.Baking] = []
 
 
 def running() -> baking.Baking | None:
-    """The bake that is going on."""
+    """The bake in progress, None where there is none."""
     return _running[0] if _running else None
 
 
@@ -67,7 +67,7 @@ class HAPTIC_OT_bake(Operator):
 
     def modal(self, context: Context, event: Event) -> set[str]:
         work = self._baking
-        if work is None or work not in _running:  # the add-on was switched off meanwhile
+        if work is None or work not in _running:  # the add-on was disabled meanwhile
             self._end(context)
             return {"CANCELLED"}
         if event.type == "ESC":
@@ -149,6 +149,6 @@ CLASSES = (HAPTIC_OT_bake, HAPTIC_OT_delete_bake)
 
 
 def stop() -> None:
-    """Cancel a bake that is going on: the add-on is disabled."""
+    """Cancel the bake in progress, as the add-on is disabled."""
     while _running:
         _running.pop().close()

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 TRACK_FORMATS = tuple(name for name in FORMATS if name != "scene")
 SCENE_ENDINGS = (".json.gz", ".json")
 LINE = 34
-"""Characters of a line in the file browser's sidebar."""
+"""Width of the file browser's sidebar in characters."""
 MOST_REPORTED = 12
 
 _RANGE = {
@@ -146,7 +146,7 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
         return frame_scene.written_export(export_name(self.filepath), context.scene, scene, names)
 
     def _writer(self) -> Callable[[Export], list[job.Report]]:
-        """What writes the file once all frames are stepped: this operator is gone by then."""
+        """A function that writes the file once all frames are captured, when this operator no longer exists."""
         path, options = Path(bpy.path.abspath(self.filepath)), self._options()
 
         def write(export: Export) -> list[job.Report]:
@@ -204,7 +204,7 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
             return {"CANCELLED"}
 
     def _writer(self) -> Callable[[Export], list[job.Report]]:
-        """As that of a scene."""
+        """See `HAPTIC_OT_export_scene`."""
         name, folder, options = self.format, Path(bpy.path.abspath(self.filepath)).parent, chosen(self, self.format)
 
         def write(export: Export) -> list[job.Report]:
@@ -215,7 +215,7 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
 
 
 def draw_losses(layout: UILayout, name: str, export: Export, options: dict[str, Any]) -> None:
-    """What a format can't carry, or why it can't be written."""
+    """Draw what a format can't carry, or why it can't be written."""
     try:
         losses = registry.losses(name, export, options)
     except ValueError as error:
@@ -231,7 +231,7 @@ def draw_losses(layout: UILayout, name: str, export: Export, options: dict[str, 
 
 
 def written(files: Collection[Path], losses: Collection[str]) -> list[job.Report]:
-    """What is reported of files that were written, and of what they can't carry."""
+    """The report on written files and on what they can't carry."""
     names = [path.name for path in files]
     shown = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
     reports: list[job.Report] = [({"INFO"}, f"Not in {'these files' if len(names) > 1 else 'this file'}: {loss}") for loss in losses]
@@ -239,7 +239,7 @@ def written(files: Collection[Path], losses: Collection[str]) -> list[job.Report
 
 
 def with_ending(path: str, known: Collection[str], ending: str) -> str:
-    """``path`` with ``ending`` in place of the known one that it has."""
+    """``path`` with its known ending replaced by ``ending``."""
     if not path or path.endswith(("/", "\\")):
         return path
     has = next((suffix for suffix in sorted(known, key=len, reverse=True) if path.lower().endswith(suffix)), "")
@@ -247,7 +247,7 @@ def with_ending(path: str, known: Collection[str], ending: str) -> str:
 
 
 def export_name(path: str) -> str:
-    """What files are called after: the chosen name without its ending."""
+    """The chosen name without its ending, from which file names are made."""
     name = Path(path).name
     for suffix in SCENE_ENDINGS:
         name = name[: -len(suffix)] if name.lower().endswith(suffix) else name

@@ -21,12 +21,12 @@ def option_properties(names: tuple[str, ...]) -> dict[str, Any]:
 
 
 def chosen(operator: Any, name: str) -> dict[str, Value]:
-    """What is chosen for a format."""
+    """The chosen options of a format."""
     return {option.name: _value(option, getattr(operator, _key(name, option))) for option in named(name).options}
 
 
 def draw_options(layout: UILayout, operator: Any, name: str) -> None:
-    """The options of a format, below each other."""
+    """Draw the options of a format in a column."""
     for option in named(name).options:
         layout.prop(operator, _key(name, option))
 

@@ -100,7 +100,7 @@ class HAPTIC_OT_import_signal(Operator):
 
 
 def ask(operator: Operator, context: Context) -> set[str]:
-    """Ask for a file; where one was dropped, for the options alone."""
+    """Open the file browser, or only the options where a file was dropped."""
     manager = context.window_manager
     if operator.properties.is_property_set("filepath"):
         return manager.invoke_props_dialog(operator, title=Path(operator.filepath).name, confirm_text=operator.bl_label)

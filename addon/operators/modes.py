@@ -1,4 +1,4 @@
-"""Operators: one click from one rendering to the other."""
+"""Operators that switch between the haptic modes."""
 
 from __future__ import annotations
 

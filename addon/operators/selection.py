@@ -1,4 +1,4 @@
-"""Operators that go to an object."""
+"""Operators that select an object."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ _rpt = bpy.app.translations.pgettext_rpt
 
 
 def make_haptic(scene: Scene, objects: list[Object], guess: bool = True) -> int:
-    """Let vibration pass through objects; those that were not haptic before are made of what they probably are. How many tell it."""
+    """Make objects haptic, with guessed materials where they were not haptic before. Returns how many materials were guessed."""
     new = [obj for obj in objects if not obj.haptics.enabled]
     for obj in progress(new):
         obj.haptics.enabled = True
@@ -59,7 +59,7 @@ class HAPTIC_OT_make_objects(Operator):
 
 
 def _add_physics(context: Context, objects: list[Object]) -> None:
-    """Rigid bodies for meshes that are none: wide and flat ones hold still, the others fall."""
+    """Add rigid bodies to meshes without one: wide and flat ones are passive, the others active."""
     new = [obj for obj in objects if obj.rigid_body is None and obj.type == "MESH"]
     if not new:
         return
@@ -108,7 +108,7 @@ class HAPTIC_OT_add_source(Operator):
 
 
 def make_source(obj: Object, signal: str) -> None:
-    """Make an object a source of a signal; AUTO: the one that its name tells."""
+    """Make an object a source of a signal; AUTO: the signal that its name suggests."""
     source = obj.haptics.source
     source.enabled = True
     if signal == "AUTO":

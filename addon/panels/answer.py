@@ -1,4 +1,4 @@
-"""The answer at the top of the sidebar: what the chosen listener feels, from where, and why not."""
+"""The summary at the top of the sidebar: what the chosen listener feels, from which source, or why it feels nothing."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def draw_answer(layout: UILayout, context: Context) -> bool:
-    """What the listener that is looked at feels. False where there is no listener to tell of."""
+    """Draw what the watched listener feels. False where there is no listener."""
     scene = context.scene
     if sessions.shown(scene) is None:
         return False
@@ -62,7 +62,7 @@ def _draw_level(layout: UILayout, level: Level) -> None:
 
 
 def _draw_origin(layout: UILayout, path: ListenerPath) -> None:
-    """The source that is felt most, its gain, and the objects between."""
+    """Draw the source that is felt most, its gain, and the objects in between."""
     split = layout.split(factor=0.6)
     title = source_title(path.source, 0.6)
     button = split.operator("haptic.select_object", text=title, icon="OUTLINER_OB_FORCE_FIELD", emboss=False, translate=False)
@@ -73,7 +73,7 @@ def _draw_origin(layout: UILayout, path: ListenerPath) -> None:
 
 
 def _draw_reasons(layout: UILayout, context: Context, name: str) -> None:
-    """The first reason for silence, and what cures it."""
+    """Draw the first reason for silence, and its cure."""
     why = explanation.why_silent(context.scene, name)
     if why.notice:
         draw_sentence(layout, why.notice, "INFO")

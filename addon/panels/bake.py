@@ -46,7 +46,7 @@ class HAPTIC_PT_bake(HapticsPanel, Panel):
 
 
 def _draw_track(layout: UILayout, scene: Scene, track: HapticTrack | None) -> None:
-    """What is baked, whether it still fits, and what to do with it."""
+    """Draw the baked track, whether the scene has changed since, and its options."""
     bake = scene.haptics.bake
     if track is None:
         for line in wrapped(storage.trouble(scene)):

@@ -13,7 +13,7 @@ from .texts import fitted
 
 
 def draw_cure(layout: UILayout, context: Context, reason: Message) -> None:
-    """What removes the reason; nothing where only the designer can know."""
+    """Draw the button or field that removes the reason, where there is one."""
     draw = _CURES.get(reason.cause)
     if draw is not None:
         draw(layout, context, reason)
@@ -73,4 +73,4 @@ _CURES: Mapping[Cause, Callable[[UILayout, Context, Message], None]] = {
     Cause.NO_CONNECTION_ALLOWED: _of_scene("max_connections"),
 }
 _COMPLETE = {Cause.MUTED, Cause.ZERO_AMPLITUDE, Cause.LISTENER_GAIN, Cause.NO_SOURCE, Cause.NOT_RENDERED, Cause.PAUSE}
-"""Causes whose cure is all there is to do: nothing needs to be selected."""
+"""Causes whose cure needs no selection of an object."""

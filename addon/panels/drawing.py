@@ -1,4 +1,4 @@
-"""What several panels draw."""
+"""Parts of several panels."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _SHOWN_PROBLEMS = 5
 
 
 def draw_carrier(layout: UILayout, obj: Object, verb: str) -> None:
-    """The haptic object that a source shakes or a listener feels through, or that there is none."""
+    """Draw the haptic object that a source shakes or a listener feels through, or a warning where there is none."""
     carrier = haptic_carrier(obj)
     if carrier is None:
         warn(layout, "Not on a haptic object:", "make it haptic or parent it to one")
@@ -32,7 +32,7 @@ def draw_carrier(layout: UILayout, obj: Object, verb: str) -> None:
 
 
 def draw_pair(layout: UILayout, name: str, value: str, share: float = 0.6) -> None:
-    """A name in its ``share`` of the width, and its value, at the right."""
+    """Draw a name in its ``share`` of the width, and its value at the right."""
     split = layout.split(factor=share)
     split.label(text=name)
     row = split.row()
@@ -41,14 +41,14 @@ def draw_pair(layout: UILayout, name: str, value: str, share: float = 0.6) -> No
 
 
 def warn(layout: UILayout, *lines: str) -> None:
-    """A warning in several lines."""
+    """Draw a warning in several lines."""
     column = layout.column(align=True)
     for number, line in enumerate(lines):
         column.label(text=line, icon="ERROR" if number == 0 else "BLANK1")
 
 
 def draw_problems(layout: UILayout, context: Context) -> None:
-    """What a designer should mend, with a button to each object."""
+    """Draw the problems of the scene, each with a button that selects its object."""
     problems = sessions.shown_problems(context.scene)
     if not problems:
         return

@@ -1,4 +1,4 @@
-"""Panel "Export": the entries of File > Export and File > Import that are about haptics, where haptics are."""
+"""Panel "Export": the haptic entries of File > Export and File > Import."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where people find it: File > Export, File > Import, collections' exporters, and files dropped into the viewport."""
+"""Entries in File > Export and File > Import, exporters of collections, and files dropped into the viewport."""
 
 from __future__ import annotations
 

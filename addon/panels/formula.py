@@ -1,4 +1,4 @@
-"""A designer's formula in a panel: what is wrong with it, and a mark below the place."""
+"""A designer's formula in a panel, with its faults and a mark below their place."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 @lru_cache(maxsize=256)
 def _checked(source: str, kappa: float, rho: float, epsilon: float) -> Finding | None:
-    """What is wrong with a formula; panels ask at every redraw."""
+    """The fault of a formula, cached as panels ask at every redraw."""
     return functions.check_expression(source, kappa, rho, epsilon)
 
 
 def draw_parameters(layout: UILayout, group: Any, kappa: float, rho: float, epsilon: float) -> None:
-    """The parameters of the chosen function; a formula over the whole width, with what is wrong with it."""
+    """Draw the parameters of the chosen function; a formula over the whole width, with its fault."""
     if group.function == "expression":
         row = layout.row()
         row.use_property_split = False
@@ -37,12 +37,12 @@ def draw_parameters(layout: UILayout, group: Any, kappa: float, rho: float, epsi
 
 
 def draw_formula(layout: UILayout, source: str, kappa: float, rho: float, epsilon: float) -> Finding | None:
-    """Say what is wrong with a formula of a function, or nothing. Returns what was said."""
+    """Draw the fault of a function's formula, where there is one. Returns the fault."""
     return draw_finding(layout, source, _checked(source, kappa, rho, epsilon))
 
 
 def draw_finding(layout: UILayout, source: str, finding: Finding | None) -> Finding | None:
-    """Say what is wrong with a formula; one that is right takes no room. Returns what was said."""
+    """Draw the fault of a formula, where there is one. Returns the fault."""
     if finding is None:
         return None
     box = layout.box()
@@ -59,14 +59,14 @@ def draw_finding(layout: UILayout, source: str, finding: Finding | None) -> Find
 
 
 def spaces_under(shown: str, place: int) -> int:
-    """How many spaces reach to the middle of the character at ``place``, in the proportional font of panels."""
+    """Number of spaces as wide as the text up to the middle of the character at ``place``, in the proportional font of panels."""
     blf.size(0, _font_size())
     space = (_width("x" + " " * _MANY + "x") - _width("xx")) / _MANY
     middle = (_width(shown[:place]) + _width(shown[: place + 1]) - _width("^")) / 2
     return max(round(middle / space), 0) if space > 0 else place
 
 
-_MANY = 40  # widths are in whole pixels: of many spaces together they are exact
+_MANY = 40  # many at once, because widths are whole pixels
 
 
 def _font_size() -> float:

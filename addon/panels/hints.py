@@ -1,4 +1,4 @@
-"""The hint that leads from an empty scene to something felt: the next step, with its button."""
+"""The hint at the next step from an empty scene to a vibration that is felt, with its button."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Hint:
-    """What to do next, in words, and the operators that do it: name and icon."""
+    """The next step in ``words``, and the operators for it: name and icon."""
 
     words: str
     operators: tuple[tuple[str, str], ...] = ()
 
 
 def draw_hint(layout: UILayout, context: Context) -> None:
-    """The next step, its buttons larger than others."""
+    """Draw the next step with large buttons."""
     hint = next_step(context.scene, context.screen is not None and context.screen.is_animation_playing)
     if hint is None:
         return
@@ -39,7 +39,7 @@ def draw_hint(layout: UILayout, context: Context) -> None:
 
 
 def next_step(scene: Scene, is_playing: bool) -> Hint | None:
-    """What to do next on the way to something that is felt; what plays while the timeline plays. None where the answer above says it."""
+    """The next step towards a vibration that is felt, or the sounding sources while the timeline plays; None where the summary tells it."""
     if not scene.haptics.tracing:
         return Hint(iface_("Tracing is switched off"), (("haptic.toggle_tracing", "HIDE_OFF"),))
     traced = sessions.shown(scene)
@@ -55,7 +55,7 @@ def next_step(scene: Scene, is_playing: bool) -> Hint | None:
     if is_playing:
         return Hint(_playing(traced.result.sources))
     if traced.result.sources and not traced.result.gains.any():
-        return None  # the answer says why nothing arrives, and what to do
+        return None  # the summary says why nothing arrives, and what to do
     return Hint(iface_("Press play"), (("screen.animation_play", "PLAY"),))
 
 

@@ -1,4 +1,4 @@
-"""Panel "Live Output": devices, how they do, what listeners are felt through, and what gets lost."""
+"""Panel "Live Output": devices and their state, the actuators of listeners, and losses."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from .drawing import HapticsPanel
 
 
 class HAPTIC_UL_materials(UIList):
-    """The haptic materials of the scene, each with the one number that counts, (1 - κ) ρ."""
+    """The haptic materials of the scene, each with its coefficient (1 - κ) ρ."""
 
     bl_idname = "HAPTIC_UL_materials"
 

@@ -20,7 +20,7 @@ _ORDER = 35
 
 
 def _scene_panel(modality: Modality) -> type[Panel]:
-    """What the listeners feel of a modality, and the switch."""
+    """The panel of a modality in the scene: its switch, and what the listeners feel."""
 
     def draw_header(self: Panel, context: Context) -> None:
         self.layout.prop(getattr(context.scene.haptics.modalities, modality.name), "enabled", text="")
@@ -54,7 +54,7 @@ def _draw_listener(layout: UILayout, felt: Felt, index: int) -> None:
 
 
 def _object_panel(modality: Modality) -> type[Panel]:
-    """How the active object passes a modality on, and whether it is a source of it."""
+    """The panel of a modality for the active object: how it transmits it, and whether it is a source."""
 
     def poll(cls: type[Panel], context: Context) -> bool:
         return context.object is not None and context.object.type != "ARMATURE"

@@ -1,4 +1,4 @@
-"""Panel "Haptic Object": what the active object is made of, and how it passes vibration on."""
+"""Panel "Haptic Object": the material of the active object, and how it transmits vibration."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from ...core.scene.functions import ModulationFunction
 
 _SAME = 0.005
-"""Two values of (1 - κ) ρ that nobody tells apart."""
+"""Difference of (1 - κ) ρ below which two materials feel the same."""
 
 
 def _owner(context: Context, obj: Object) -> Any:
-    """What holds the values of an object: its material in the scene's library, or the object itself."""
+    """The property group with the values of an object: its material in the scene's library, or the object itself."""
     name = obj.haptics.material.name
     return context.scene.haptics.materials.items.get(name) if name else None
 
@@ -92,7 +92,7 @@ def _draw_material(layout: UILayout, context: Context, material: Any) -> None:
 
 
 def advice(context: Context, obj: Object) -> Iterator[tuple[str, ...]]:
-    """What a designer should know about the values of an object, each in lines that fit."""
+    """Remarks on the values of an object, each as lines that fit into the panel."""
     haptics = obj.haptics
     if not haptics.enabled:
         return
@@ -112,7 +112,7 @@ def advice(context: Context, obj: Object) -> Iterator[tuple[str, ...]]:
 
 
 def _twin(context: Context, haptics: Any) -> str | None:
-    """Another material of the library with other κ and ρ that give the same."""
+    """Another material of the library with the same (1 - κ) ρ by other κ and ρ."""
     k = transfer_coefficient(haptics.kappa, haptics.rho)
     for item in context.scene.haptics.materials.items:
         if item.name == haptics.material.name or abs(transfer_coefficient(item.kappa, item.rho) - k) > _SAME:
@@ -162,7 +162,7 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
 
 
 def _curve_key(context: Context) -> tuple[ModulationFunction, float, float, float] | None:
-    """What the curve of the active object's function depends on; None where the function is wrong."""
+    """The values that the curve of the active object's function depends on; None where the function is invalid."""
     haptics = context.object.haptics
     try:
         return functions.read_function(haptics), haptics.kappa, haptics.rho, context.scene.haptics.epsilon

@@ -10,7 +10,7 @@ from ...sample_scenes import SAMPLES
 from ..operators.adding import SOURCE_ITEMS
 from ..properties.scene import MODE_ITEMS
 
-# What works on the selection, on the scene, on materials; an operator that is not there is left out.
+# Operators on the selection, on the scene, on materials; unknown ones are left out.
 _SELECTION = (
     ("haptic.make_objects", "OUTLINER_OB_META"),
     ("haptic.add_source", "OUTLINER_OB_FORCE_FIELD"),
@@ -39,7 +39,7 @@ def _draw(menu: Menu, entries: tuple[tuple[str, str], ...]) -> None:
 
 
 def others() -> list[str]:
-    """The add-on's operators that are in no menu of their own, by label: those of baking, playing and looking."""
+    """The add-on's operators that are in no other menu, by label."""
     listed = {name for entries in (_SELECTION, _MATERIALS, _SCENE) for name, _ in entries} | NEEDS_MORE
     labels = {f"haptic.{name}": getattr(bpy.ops.haptic, name).get_rna_type().name for name in dir(bpy.ops.haptic)}
     return sorted(labels.keys() - listed, key=lambda name: labels[name])
@@ -52,7 +52,7 @@ NEEDS_MORE = {
     "haptic.add_medium",
     "haptic.add_sample",
 }
-"""Operators that need to be told something that a plain entry does not: the other menus and panels offer them."""
+"""Operators that need arguments, which other menus and panels give."""
 
 
 class HAPTIC_MT_object(Menu):

@@ -1,4 +1,4 @@
-"""Panel "Result": what each listener feels, why one feels nothing, the path to it, the modes compared, and what tracing took."""
+"""Panel "Result": what each listener feels or why it feels nothing, the path to it, a comparison of the modes, and tracing times."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _SHOWN_SOURCES = 4
 _PICTURE = 5.0  # lines high
 _NAMES = 0.37  # of the width
 _OBJECTS = 0.48  # of the width
-_ALL_IN_DETAIL = 3  # listeners; of more only the active one shows its sources
+_ALL_IN_DETAIL = 3  # number of listeners above which only the active one shows its sources
 
 
 class HAPTIC_PT_result(HapticsPanel, Panel):
@@ -238,7 +238,7 @@ class HAPTIC_PT_statistics(HapticsPanel, Panel):
 
 
 def _gain_text(gains: FloatArray, index: int) -> str:
-    """The gain of a listener in whole decibels; a dash where nothing reaches it, or where it was no listener yet."""
+    """The gain of a listener in whole decibels; a dash where nothing reaches it, or where it is not in the frame."""
     gain = float(gains[index]) if index < len(gains) else 0.0
     return f"{20 * math.log10(gain):.0f}" if gain > 0 else "\N{EM DASH}"
 

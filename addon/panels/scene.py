@@ -1,4 +1,4 @@
-"""Panel "Haptic Tracing": what is felt, what to do next, what is wrong, and how a scene is traced and shown."""
+"""Panel "Haptic Tracing": what is felt, the next step, problems, and the settings of tracing and display."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Texts that fit into the sidebar, whatever its width and the size of the user interface."""
+"""Texts fitted to the width of the sidebar and the size of the user interface."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ if TYPE_CHECKING:
     from ...core.scene.values import Source
 
 _WIDTH = 200.0
-"""Points of a panel's content where there is no sidebar to ask, and at its default width."""
+"""Width of a panel's content [points] at the default width of the sidebar, and where there is none."""
 _BORDERS = 66.0
-"""Points of the sidebar that are not content: the tabs, the scroll bar, the edges of a box."""
+"""Width of the tabs, the scroll bar and the edges of a box [points]."""
 _ICON = 24.0
 _BUTTON = 16.0  # points that a button needs beside its text
 
 
 def draw_sentence(layout: UILayout, text: str, icon: str = "NONE") -> None:
-    """A sentence over as many lines as it needs."""
+    """Draw a sentence over as many lines as it needs."""
     column = layout.column(align=True)
     column.scale_y = 0.85
     for number, line in enumerate(lines(text[:1].upper() + text[1:], content_width() - (_ICON if icon != "NONE" else 0.0))):

@@ -1,1 +1,1 @@
-"""What is drawn: the haptic graph over the viewport, in pictures and as geometry; meters; pictures in panels."""
+"""Drawing: the haptic graph over the viewport, in pictures and as geometry; meters; pictures in panels."""

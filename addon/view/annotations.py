@@ -1,4 +1,4 @@
-"""Labels and legend of the haptic graph over a viewport. No GPU; text widths come from outside."""
+"""Labels and legend of the haptic graph over a viewport, independent of the GPU; text widths are given."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _GAP = 5.0  # points between a place's symbol and its label
 _MARGIN = 12.0  # points between the legend and the edges
 _SYMBOL_WIDTH, _NAME_GAP, _LEGEND_PADDING = 18.0, 10.0, 10.0  # points
 _LEGEND_HEIGHT, _BAR_HEIGHT, _BAR_BOTTOM = 82.0, 10.0, 24.0  # points
-_SMALL_WIDTH, _SMALL_HEIGHT = 120.0, 58.0  # points: a legend without symbols
+_SMALL_WIDTH, _SMALL_HEIGHT = 120.0, 58.0  # points, of a legend without symbols
 _MOST_STEPS, _MOST_LABELS = 150, 32  # all body parts, and some sources
 LegendSide = Literal["LEFT", "RIGHT", "NONE"]
 NAMES = {Shape.SOURCE: "Source", Shape.IMPACT: "Impact", Shape.LISTENER: "Listener", Shape.CONTACT: "Contact"}
@@ -124,7 +124,7 @@ def _placed_legend(data: RenderData, free: Rectangle, scale: float, measure: Mea
 
 
 def _legend_width(names: Sequence[str], scale: float, measure: Measure) -> float:
-    """Width [pixels] with all symbols, so that the legend stays as it is when there is an impact."""
+    """Width [pixels] with all symbols, so that the legend keeps its width when an impact appears."""
     widths = sum(measure(name, TEXT_SIZE * scale) for name in names)
     return widths + (len(names) * _SYMBOL_WIDTH + (len(names) - 1) * _NAME_GAP + 2 * _LEGEND_PADDING) * scale
 
@@ -162,7 +162,7 @@ def _add_colours(builder: HudBuilder, gains: GainScale, title: str, width: float
     left, bottom, height = _LEGEND_PADDING * scale, _BAR_BOTTOM * scale, _BAR_HEIGHT * scale
     width -= 2 * left
     for part in range(parts):
-        # Each part reaches under the next one, so that no seam shows.
+        # Each part extends under the next one, so that no seam shows.
         low, high = part / parts, min((part + 2) / parts, 1.0)
         first, last = (colour_table()[round(place * (STEPS - 1))] for place in (low, high))
         builder.plate((left + low * width, bottom), (left + high * width, bottom + height), (*first, 1), 0.0, (*last, 1))

@@ -1,4 +1,4 @@
-"""The body as a picture: where each of the 25 parts is on a figure seen from the front and one from behind. No Blender.
+"""The body as a picture: the places of the 25 parts on a figure seen from the front and one from behind.
 
 A figure is 2 units high, its middle at x = 0, its feet at y = 0; the wearer's left is at the right of the figure seen from the front.
 """
@@ -15,7 +15,7 @@ View = Literal["front", "back"]
 
 @dataclass(frozen=True, slots=True)
 class Limb:
-    """A stroke with round ends from ``start`` to ``end``, ``width`` wide; a disc where both are the same. ``part``: the body part."""
+    """A stroke with round ends from ``start`` to ``end``, ``width`` wide, or a disc where both are equal. ``part``: the body part."""
 
     part: str
     start: tuple[float, float]

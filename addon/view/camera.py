@@ -16,5 +16,5 @@ def camera_view(scene: Scene, size: tuple[int, int]) -> tuple[Matrix, Matrix]:
 
 
 def picture_scale(size: tuple[int, int]) -> float:
-    """Pixels per point of a picture: 1 at a height of 700, so that labels can be read where it is shown smaller."""
+    """Pixels per point of a picture: 1 at a height of 700, so that labels stay legible when it is scaled down."""
     return max(0.75, size[1] / 700)

@@ -29,11 +29,11 @@ from .render_data import render_data
 from .solids import Solid, seen_unit, solid_graph
 
 SAMPLES = 20
-GRAPH_SAMPLES = 12  # enough for smooth edges: nothing in it scatters light
+GRAPH_SAMPLES = 12  # enough for smooth edges, as nothing scatters light
 
 
 def rendered_picture(scene: Scene, result: FrameResult, size: tuple[int, int], *, meters: bool = False) -> NDArray[np.uint8]:
-    """Pixels (height, width, 3), top row first. The scene is left as it was."""
+    """Pixels (height, width, 3), top row first. The scene is not changed."""
     data = render_data(result, read_settings(scene), shown_options(scene))
     scale = picture_scale(size)
     view, projection = (np.array(matrix, dtype=np.float64) for matrix in camera_view(scene, size))

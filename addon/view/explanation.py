@@ -1,4 +1,4 @@
-"""Why a listener of the scene feels nothing: the core's reasons, and those that only Blender knows."""
+"""Why a listener of the scene feels nothing: the core's reasons, and those that depend on Blender."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .levels import felt_samples
 @dataclass(frozen=True, slots=True)
 class Explanation:
     """``notice``: a sentence about the scene, "" for none. ``reasons``: the core's; () where the listener feels something.
-    ``is_current``: False while reasons of the frame shown are looked for."""
+    ``is_current``: False while the reasons for the shown frame are computed."""
 
     notice: str = ""
     reasons: tuple[Message, ...] = ()
@@ -39,7 +39,7 @@ class _Question:
 
 
 def _reasons(traced: Traced, question: _Question, before: tuple[Message, ...] | None) -> tuple[Message, ...]:
-    """On the worker: what keeps a listener from feeling anything."""
+    """Computed on the worker: why a listener feels nothing."""
     result, reading = traced.result, traced.reading
     index = [item.name for item in result.listeners].index(question.listener)
     around = None
@@ -53,7 +53,7 @@ _REASONS: Derived[_Question, tuple[Message, ...]] = Derived(_reasons)
 
 
 def why_silent(scene: Scene, listener: str) -> Explanation:
-    """Why a listener feels nothing, as far as it is known, without waiting."""
+    """Why a listener feels nothing, as computed so far, without waiting."""
     traced = sessions.shown(scene)
     if not scene.haptics.tracing and traced is None:
         return Explanation(iface_("Tracing is switched off: tick the box of the panel Haptic Tracing"))

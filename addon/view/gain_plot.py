@@ -14,7 +14,7 @@ from ..session.derived import Background, Latest
 from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
 
 FLOOR = -60.0
-"""Decibels at the bottom of the picture."""
+"""Gain at the bottom of the picture [dB]."""
 
 _MARGIN = 10
 
@@ -80,7 +80,7 @@ def latest_curve(key: tuple[ModulationFunction, float, float, float]) -> Latest[
 
 
 def icon(key: Hashable, curve: Curve, colour: Colour, ink: Colour) -> int:
-    """The number of the icon that shows the curve; ``key`` says what it is drawn from."""
+    """The identifier of the icon with the curve; ``key`` identifies its content."""
     return _picture.icon((key, colour, ink), lambda: picture(curve, colour, ink))
 
 

@@ -23,7 +23,7 @@ from .solids import Solid, extent_unit, flat, seen_unit, solid_graph
 NAME = "Haptic Graph"
 COLOUR_ATTRIBUTE = "Gain"
 _MARK = "haptic_graph"
-_FRONT = 4.0  # times the camera's near end: how far before it the nearest part of a graph in front stands
+_FRONT = 4.0  # distance of the nearest part of a graph in front, in near clipping distances of the camera
 
 
 def graph_in_collection(scene: Scene, result: FrameResult, thickness: float, *, in_front: bool, labels: bool) -> tuple[Object, Collection]:
@@ -83,7 +83,7 @@ def add_graph(collection: Collection, solid: Solid) -> Object:
 
 
 def _bring_to_front(obj: Object, view: FloatArray, projection: FloatArray, clip_start: float) -> None:
-    """Move an object with world coordinates towards the camera without changing what is seen of it: nearer and smaller in perspective."""
+    """Move an object towards the camera and scale it down, so that its image stays the same."""
     values = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
     obj.data.vertices.foreach_get("co", values)
     depth = -(values.reshape(-1, 3) @ view[2, :3] + view[2, 3])
@@ -115,7 +115,7 @@ def _add_annotations(
     orthographic = projection[3, 3] == 1
     depth = 1.0 if orthographic else distance
     shift = -projection[:2, 3] if orthographic else projection[:2, 2]
-    extent = 2 * depth / np.diag(projection)[:2]  # of the plane that the camera sees, in metres
+    extent = 2 * depth / np.diag(projection)[:2]  # visible size of the plane, in metres
     plane = bpy.data.objects.new("Haptic Labels", solid_mesh("Haptic Labels", flat(items, scale)))
     plane.data.materials.append(flat_material())
     plane.parent = camera
@@ -172,7 +172,7 @@ def solid_mesh(name: str, solid: Solid) -> Mesh:
 
 
 def graph_material() -> Material:
-    """Shines in the colours of the mesh, a little darker towards the edges, so that it looks round in any light. Backs are not drawn."""
+    """A material that emits the colours of the mesh, darker towards the edges for a round look in any light. Back faces are not drawn."""
     material = bpy.data.materials.get(NAME)
     if material is not None:
         return material
@@ -200,7 +200,7 @@ def graph_material() -> Material:
 
 
 def flat_material() -> Material:
-    """Shines in the colours of the mesh, with their opacity."""
+    """A material that emits the colours of the mesh, with their opacity."""
     name = "Haptic Labels"
     material = bpy.data.materials.get(name)
     if material is not None:
@@ -221,7 +221,7 @@ def flat_material() -> Material:
 
 
 def text_material() -> Material:
-    """Shines in the object's colour."""
+    """A material that emits the object's colour."""
     name = "Haptic Text"
     material = bpy.data.materials.get(name)
     if material is not None:

@@ -1,4 +1,4 @@
-"""Plates, symbols and texts over a viewport, in its pixels. No GPU; text widths come from outside."""
+"""Plates, symbols and texts over a viewport, in its pixels, independent of the GPU; text widths are given."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Hud:
         return not len(self.lines.width)
 
     def moved(self, right: float, up: float) -> Hud:
-        """The same some pixels further to the right and up."""
+        """The same, moved to the right and up by some pixels."""
         by = np.array([right, up, 0], dtype=np.float32)
         return Hud(
             replace(self.lines, position=self.lines.position + by),
@@ -78,14 +78,14 @@ class HudBuilder:
         self._bounds: list[Rectangle] = []
 
     def panel(self, low: Sequence[float], high: Sequence[float], radius: float) -> None:
-        """A plate under other things, which counts as covered."""
+        """A plate under other elements; its area counts as covered."""
         self.plate(low, high, PLATE, radius)
         self._bounds.append((float(low[0]), float(low[1]), float(high[0]), float(high[1])))
 
     def plate(
         self, low: Sequence[float], high: Sequence[float], colour: Sequence[float], radius: float, right: Sequence[float] | None = None
     ) -> None:
-        """A rectangle; ``radius`` of its corners in points; ``right``: the colour at the right end where it is another."""
+        """A rectangle; ``radius`` of its corners in points; ``right``: the colour at the right end where it differs."""
         self._strokes.append((*low, 0, *high, 0, *colour, *(colour if right is None else right), 2 * radius, Shape.PLATE))
 
     def line(self, start: Sequence[float], end: Sequence[float], colour: Sequence[float], width: float) -> None:

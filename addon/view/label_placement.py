@@ -1,4 +1,4 @@
-"""Label placement: beside their anchors, without overlaps. Pixels, origin at the bottom left. No GPU, no Blender."""
+"""Placement of labels beside their anchors, without overlaps. Coordinates are pixels, origin at the bottom left."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ import numpy as np
 
 from ...core.arrays import BoolArray, FloatArray
 
-# Where a label's centre may be, in halves of its extent plus a reach: right, left, above, below, then the diagonals; near, then farther.
+# Candidate centres of a label, in halves of its extent plus a distance: right, left, above, below, then the diagonals; near, then far.
 _SIDES = np.array([(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)], dtype=np.float64)
-_REACH_OF_SIDE = np.where(np.abs(_SIDES).sum(axis=1, keepdims=True) > 1, 0.5, 1.0)  # a diagonal needs less on either axis
-_REACHES = (1.0, 2.2, 4.0)
-_CROWD = 28  # from so many labels on they stay near: long leaders would cross each other
+_DIAGONAL = np.where(np.abs(_SIDES).sum(axis=1, keepdims=True) > 1, 0.5, 1.0)  # a diagonal needs a smaller offset on either axis
+_DISTANCES = (1.0, 2.2, 4.0)
+_CROWD = 28  # number of labels from which on they stay near: long leaders would cross each other
 _CELL = 12.0  # pixels
-_COST_OF_REACH = 6  # a step farther is worth that many covered pixels of a path
-_COST_OF_CONFUSION = 15  # so is standing nearer to the place of another label than to one's own
+_COST_OF_DISTANCE = 6  # cost of the next distance, in covered pixels of a path
+_COST_OF_CONFUSION = 15  # cost of being nearer to another label's anchor than to its own
 
 
 def project(position: FloatArray, perspective: FloatArray, size: tuple[float, float]) -> FloatArray:
@@ -29,7 +29,7 @@ def project(position: FloatArray, perspective: FloatArray, size: tuple[float, fl
 
 
 def squares_around(anchor: FloatArray, clearance: FloatArray) -> FloatArray:
-    """Squares (n, 4: left, bottom, right, top) around places (n, 2) that reach ``clearance`` (n,) to each side; of visible ones only."""
+    """Squares (n, 4: left, bottom, right, top) around places (n, 2) that extend ``clearance`` (n,) to each side; of visible ones only."""
     return np.column_stack([anchor - clearance[:, None], anchor + clearance[:, None]])[~np.isnan(anchor[:, 0])]
 
 
@@ -44,18 +44,18 @@ def place_labels(
     """Lower left corners (n, 2) of labels of ``extent`` (n, 2) beside ``anchor`` (n, 2), NaN where there is no room.
 
     Labels stay within ``room`` (left, bottom, right, top), keep ``clearance`` (n,) from their place and stay off the rectangles
-    ``occupied`` (m, 4: left, bottom, right, top). The first choose first: near their place, on the side that covers the fewest of the
-    pixels ``paths`` (k, 2), else the right.
+    ``occupied`` (m, 4: left, bottom, right, top). They are placed in their order: near their anchor, on the side that covers the fewest of
+    the pixels ``paths`` (k, 2), by default the right.
     """
     corner = np.full_like(anchor, np.nan)
     if not len(anchor):
         return corner
-    reaches = _REACHES if len(anchor) < _CROWD else _REACHES[:2]
-    reach = np.repeat(reaches, len(_SIDES))[None, :, None] * np.tile(_REACH_OF_SIDE, (len(reaches), 1))[None]
-    side = np.tile(_SIDES, (len(reaches), 1))[None]
+    distances = _DISTANCES if len(anchor) < _CROWD else _DISTANCES[:2]
+    reach = np.repeat(distances, len(_SIDES))[None, :, None] * np.tile(_DIAGONAL, (len(distances), 1))[None]
+    side = np.tile(_SIDES, (len(distances), 1))[None]
     low = anchor[:, None] + side * (extent[:, None] / 2 + clearance[:, None, None] * reach) - extent[:, None] / 2
     high = low + extent[:, None]
-    cost = _covered(low, high, paths, room) + _COST_OF_REACH * np.repeat(np.arange(len(reaches)), len(_SIDES))
+    cost = _covered(low, high, paths, room) + _COST_OF_DISTANCE * np.repeat(np.arange(len(distances)), len(_SIDES))
     cost += _COST_OF_CONFUSION * _nearer_to_another(low, high, anchor)
     free = _free(low, high, room, occupied.reshape(-1, 4))
     placed: list[tuple[float, float, float, float]] = []
@@ -72,8 +72,8 @@ def place_labels(
     return corner
 
 
-# Rectangles ``low`` to ``high`` are (n, s, 2): those of n labels in s places. The last axis is only two long: comparing its parts by
-# themselves is several times faster than `all` over it.
+# Rectangles ``low`` to ``high`` are (n, s, 2): n labels at s candidates. Comparing the two parts of the last axis by themselves is
+# several times faster than `all` over it.
 
 
 def _free(low: FloatArray, high: FloatArray, room: tuple[float, float, float, float], occupied: FloatArray) -> BoolArray:
@@ -88,7 +88,7 @@ def _free(low: FloatArray, high: FloatArray, room: tuple[float, float, float, fl
 
 
 def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray) -> BoolArray:
-    """Which rectangles are nearer to the place of another label than to that of their own."""
+    """Which rectangles are nearer to the anchor of another label than to their own."""
     (x0, y0), (x1, y1), (x, y) = np.moveaxis(low, 2, 0)[..., None], np.moveaxis(high, 2, 0)[..., None], anchor.T
     squared = np.maximum(np.maximum(x0 - x, x - x1), 0) ** 2
     squared += np.maximum(np.maximum(y0 - y, y - y1), 0) ** 2

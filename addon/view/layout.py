@@ -1,4 +1,4 @@
-"""Where things go over a viewport: what the user interface leaves free of it, and the corner of the meters."""
+"""Layout over a viewport: the part that the user interface leaves free, and the corner of the meters."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def redo_panels(context: Context) -> tuple[Rectangle, ...]:
 
 
 def is_main_view(context: Context) -> bool:
-    """False in the three orthographic views of a quad view, where meters and legend would only take room."""
+    """False in the three orthographic views of a quad view, which have neither meters nor legend."""
     space = context.space_data
     return not len(space.region_quadviews) or context.region_data == space.region_3d
 

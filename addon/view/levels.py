@@ -1,7 +1,7 @@
-"""How much each listener feels, as numbers and as words: level, peak and margin.
+"""The strength that each listener feels, as numbers and texts: level, peak and margin.
 
 The *level* is the RMS of what is played at a listener in decibels of full scale. The *margin* is how far it lies above the threshold of
-feeling. The *gain* belongs to a path and is none of them.
+feeling. The *gain* belongs to a path.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from ..session.derived import Derived
 from ..session.sessions import Traced
 
 FLOOR = -60.0
-"""Decibels of full scale at which a meter begins."""
+"""Lower end of a meter [dB of full scale]."""
 PEAK_SECONDS, LEVEL_SECONDS = 0.1, 0.25
-"""Durations over which peak and level are taken."""
+"""Durations over which peak and level are computed [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """What a listener feels, in decibels, minus infinity for silence.
+    """The strength at a listener in decibels, minus infinity for silence.
 
     ``peak`` and ``rms``: of full scale. ``margin``: above the threshold of feeling. ``threshold``: the RMS level at which a vibration of
     this kind would just be felt, None for silence.
@@ -52,7 +52,7 @@ class Level:
 
     @property
     def place(self) -> float:
-        """Where the level is on a meter, 0 to 1."""
+        """Position of the level on a meter, 0 to 1."""
         return place_of(self.rms)
 
     def peak_and_level(self) -> str:
@@ -67,7 +67,7 @@ class Level:
 
 
 def place_of(level: float) -> float:
-    """Where a level in decibels is on a meter, 0 to 1."""
+    """Position of a level in decibels on a meter, 0 to 1."""
     return min(max(1 - level / FLOOR, 0.0), 1.0)
 
 
@@ -98,8 +98,8 @@ def levels(result: FrameResult, samples: FloatArray, peak_seconds: float = PEAK_
 def shown_levels(traced: Traced, is_playing: bool, before: tuple[Level, ...] | None = None) -> tuple[Level, ...]:
     """The levels of a frame: while the timeline plays those of the last quarter second, on a still those of the frame as if it lasted.
 
-    A frame thus reads the same however the timeline came to it. What has been played for less than a quarter second counts as a still;
-    a baked track has its samples and nothing to render a still from.
+    So a frame reads the same however the timeline came to it. Playback of less than a quarter second counts as a still; a baked track has
+    samples only.
     """
     if _shows_still(traced, is_playing):
         return levels(traced.result, still_samples(traced.result, LEVEL_SECONDS), LEVEL_SECONDS)
@@ -107,7 +107,7 @@ def shown_levels(traced: Traced, is_playing: bool, before: tuple[Level, ...] | N
 
 
 def felt_samples(traced: Traced, is_playing: bool) -> FloatArray:
-    """The samples (l, n) of which `shown_levels` gives the levels."""
+    """The samples (l, n) from which `shown_levels` computes the levels."""
     if _shows_still(traced, is_playing):
         return still_samples(traced.result, LEVEL_SECONDS)
     return traced.samples[:, max(traced.samples.shape[1] - round(LEVEL_SECONDS * traced.result.sample_rate), 0) :]

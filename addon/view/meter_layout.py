@@ -1,4 +1,4 @@
-"""Layout of the meters over a viewport: a bar per listener, the scope of one, the body. No GPU."""
+"""Layout of the meters over a viewport: a bar per listener, the scope of one, the body; independent of the GPU."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Scope:
 
 
 def colour_of(level: Level) -> Colour:
-    """By RMS level, grey where nothing is felt."""
+    """Colour by RMS level, grey where nothing is felt."""
     if not level.is_felt:
         return _NOT_FELT
     return (*colour_table()[round(level.place * (len(colour_table()) - 1))].tolist(), 1.0)
@@ -71,9 +71,8 @@ class _Columns:
 
     @classmethod
     def within(cls, across: float, names: float) -> _Columns | None:
-        """What ``across`` points allow where the longest name takes ``names``; None where that is too little.
-
-        Names are shortened before bars become narrow, margins are left out before names are shortened.
+        """Columns in ``across`` points where the longest name takes ``names``; None where there is too little room. Margins are left out
+        first, then names are shortened, then bars become narrow.
         """
         name = min(names + 8.0, NAME_WIDTH)
         if across >= name + 2 * LEAST_BAR_WIDTH + LEVEL_WIDTH + MARGIN_WIDTH:
@@ -85,7 +84,7 @@ class _Columns:
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """What has room: the levels shown, their columns, the scope and the body."""
+    """The elements that fit: the levels shown, their columns, the scope and the body."""
 
     shown: tuple[Level, ...]
     hidden: int  # listeners that are not shown
@@ -112,7 +111,7 @@ def meter_hud(
 ) -> Hud:
     """The meters, their lower left corner at the origin, within ``room`` [pixels]. ``scale``: pixels per point.
 
-    What has no room is left out: the margins, the body, the scope, then listeners, at last everything.
+    Where room is short these are left out: the margins, the body, the scope, then listeners, finally everything.
     """
     names = max((measure(text, TEXT_SIZE * scale) for text in (title, *(level.listener for level in levels))), default=0.0) / scale
     layout = _layout(levels, scope, (room[0] / scale, room[1] / scale), names, body)
@@ -161,13 +160,13 @@ def _fitting(layout: _Layout, larger: _Layout, height: float) -> _Layout:
 
 
 def _strongest(levels: Sequence[Level], most: int) -> tuple[Level, ...]:
-    """The strongest ones, in their order."""
+    """The strongest listeners, in their original order."""
     chosen = sorted(range(len(levels)), key=lambda k: -levels[k].rms)[:most]
     return tuple(levels[k] for k in sorted(chosen))
 
 
 def _add_heads(builder: HudBuilder, corner: tuple[float, float], title: str, columns: _Columns, measure: Measure) -> None:
-    """The title, the scale of the bars, and what the numbers are."""
+    """Add the title, the scale of the bars, and the heads of the columns."""
     scale, size = builder.scale, SMALL_TEXT * builder.scale
     x, base = corner[0], corner[1] - 12 * scale
     builder.text(shortened(title, (columns.name - 6) * scale, TEXT_SIZE * scale, measure), (x, base), INK)
@@ -185,7 +184,7 @@ def _add_heads(builder: HudBuilder, corner: tuple[float, float], title: str, col
 
 
 def _add_row(builder: HudBuilder, corner: tuple[float, float], level: Level, columns: _Columns, measure: Measure) -> None:
-    """Name, bar and values of a listener. The bar is the level, the white mark the peak, the orange one the threshold of feeling."""
+    """Add name, bar and values of a listener. The bar is the level, the white mark the peak, the orange one the threshold of feeling."""
     scale = builder.scale
     x, y = corner
     base = y + 4 * scale

@@ -1,4 +1,4 @@
-"""The scope and the body map as pictures in the panel. No GPU; their numbers and colours are those of the meters in the viewport."""
+"""The scope and the body map as pictures in the panel, with the numbers and colours of the meters in the viewport."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ _scope, _body = Picture(), Picture()
 
 
 def scope_icon(scope: Scope, ink: Colour) -> int:
-    """The number of the icon that shows the scope."""
+    """The identifier of the icon with the scope."""
     return _scope.icon((scope.samples.tobytes(), scope.sample_rate, ink), lambda: scope_picture(scope, ink))
 
 
 def body_icon(levels: Sequence[Level], ink: Colour) -> int:
-    """The number of the icon that shows the body."""
+    """The identifier of the icon with the body."""
     parts = {level.body_part: colour_of(level)[:3] for level in levels if level.body_part}
     return _body.icon((tuple(parts.items()), ink), lambda: body_picture(parts, ink))
 
@@ -69,7 +69,7 @@ def body_picture(parts: Mapping[str, Sequence[float]], ink: Colour) -> Pixels:
 
 @cache
 def _limbs() -> tuple[tuple[str, ...], NDArray[np.intp], FloatArray]:
-    """The body part of each limb; for each pixel the nearest limb, and how far it covers the pixel, 0 to 1."""
+    """The body part of each limb; for each pixel the nearest limb and its coverage of the pixel, 0 to 1."""
     y, x = np.mgrid[0:SIZE, 0:SIZE] + 0.5
     bottom = (SIZE - HEIGHT * _UNIT) / 2
     names, distances = [], []

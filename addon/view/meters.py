@@ -1,4 +1,4 @@
-"""Draws the meters over every 3D viewport: one draw call, rebuilt when another frame is shown."""
+"""The meters over every 3D viewport: one draw call, rebuilt when another frame is shown."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ from .screen import draw_flat, shared_atlas
 from .watched import levels_of, watched
 
 _MARGIN = 12.0  # points to the edges of the free part of the viewport
-_SHARE_ACROSS, _SHARE_UP = 0.25, 0.6  # of the viewport's width, and of the height of its free part
+_SHARE_ACROSS, _SHARE_UP = 0.25, 0.6  # parts of the viewport's width, and of the height of its free part
 _PANEL_SECONDS = 0.1
 
 
 @dataclass(slots=True)
 class _Shown:
-    """The meters of a view as they are on the GPU, and what they were made of."""
+    """The meters of a view on the GPU, and the values they were made from."""
 
     key: Any
     batch: Any
@@ -47,7 +47,7 @@ _redo_panels: dict[int, tuple[tuple[int, ...], ...]] = {}  # places of the panel
 
 
 def scope_of(scene: Scene) -> Scope | None:
-    """The last second of the listener that is looked at; None where there is none, or where it is not to be drawn."""
+    """The last second of the watched listener; None where there is none, or where the scope is switched off."""
     traced, name = sessions.shown(scene), watched(scene)
     if traced is None or not scene.haptics.meters.show_scope or not name:
         return None
@@ -80,7 +80,7 @@ def draw_pixels() -> None:
 
 
 def draw_redo_panel() -> None:
-    """Blender lays the panel Adjust Last Operation out after it has drawn the viewport: let the meters make way for it."""
+    """Draw callback: redraw the viewport when the panel Adjust Last Operation, laid out after it, has moved."""
     area = bpy.context.area
     place = tuple((region.x, region.y, region.width, region.height) for region in area.regions if region.type == "HUD")
     if _redo_panels.get(area.as_pointer()) == place:
@@ -94,7 +94,7 @@ def draw_redo_panel() -> None:
 
 
 def _refresh_panels(context: Context) -> None:
-    """Redraw the sidebar while the timeline plays, which Blender does not; not more often than one can read."""
+    """Redraw the sidebar while the timeline plays, which Blender does not, at a rate that can be read."""
     if context.screen is None or not context.screen.is_animation_playing:
         return
     now = time.perf_counter()
@@ -124,7 +124,7 @@ def _draw_meters(context: Context, scene: Scene) -> None:
 
 
 def _key(context: Context, scene: Scene, scale: float) -> tuple[Any, ...]:
-    """All that the meters of a view depend on."""
+    """The values that the meters of a view depend on."""
     traced, chosen = sessions.shown(scene), scene.haptics.meters
     choices = chosen.corner, chosen.show_scope, chosen.show_body, watched(scene), _title(scene), bpy.app.translations.locale
     return traced and traced.serial, levels_of(scene), _room(context, scene, scale), scale, choices, shared_atlas().generation
@@ -152,13 +152,13 @@ def _placed_meters(context: Context, scene: Scene, scale: float) -> Hud:
 
 
 def occupied(context: Context) -> tuple[Rectangle, ...]:
-    """What the meters cover of the region."""
+    """The rectangles of the region that the meters cover."""
     known = _shown.get(context.region.as_pointer())
     return known.hud.bounds if known is not None and context.scene.haptics.meters.show and is_main_view(context) else ()
 
 
 def forget() -> None:
-    """Drop what is kept between redraws."""
+    """Free everything cached between redraws."""
     _shown.clear()
     _refreshed.clear()
     _redo_panels.clear()

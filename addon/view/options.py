@@ -1,4 +1,4 @@
-"""What a scene chooses to have drawn."""
+"""Drawing options of a scene."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .watched import active_name, watched
 
 
 def options_of(scene: Scene, result: FrameResult) -> Options:
-    """The scene's choices, and which sources and listeners are selected."""
+    """The scene's options, with the selected sources and listeners."""
     haptics = scene.haptics
     return Options(
         show_intra=haptics.show_intra,
@@ -24,7 +24,7 @@ def options_of(scene: Scene, result: FrameResult) -> Options:
 
 
 def _highlight(scene: Scene, result: FrameResult) -> tuple[str, str] | None:
-    """The active object on the paths to the listener that is looked at: the chosen row of the panel Path."""
+    """The watched listener and the active object, the chosen row of the panel Path."""
     listener, active = watched(scene), active_name()
     return (listener, active) if listener and active in result.objects else None
 
@@ -39,6 +39,6 @@ def _is_selected(full_name: str) -> bool:
 
 
 def shown_options(scene: Scene) -> Options:
-    """The scene's choices, with nothing selected: a picture shows everything."""
+    """The scene's options without a selection, for pictures."""
     haptics = scene.haptics
     return Options(haptics.show_intra, haptics.show_best_paths, haptics.show_labels)

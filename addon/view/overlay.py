@@ -1,4 +1,4 @@
-"""Draws the haptic graph over every 3D viewport: draw callbacks, and what they keep between redraws.
+"""The haptic graph over every 3D viewport: draw callbacks, and their state between redraws.
 
 The shapes are made on the worker thread. A redraw with nothing changed compares one signature and issues two draw calls: one for the
 graph, one for labels and legend.
@@ -33,7 +33,7 @@ from .quads import Quads, quads, quads_of
 from .render_data import Options, RenderData, render_data
 from .screen import draw_flat, free_texts, shared_atlas
 
-HIDDEN = 0.15  # opacity of what objects hide, where the graph is not drawn in front
+HIDDEN = 0.15  # opacity of parts hidden by objects, where the graph is not drawn in front
 PULSE_LENGTH = 0.8  # metres between two pulses of the signal flow
 PULSE_SPEED = 1.6  # metres per second of the timeline
 
@@ -43,7 +43,7 @@ _KEPT_VIEWS = 8
 
 @dataclass(frozen=True, slots=True)
 class GraphShapes:
-    """A frame's graph as it is drawn, and what it was made of."""
+    """The drawn graph of a frame, and the values it was made from."""
 
     result: FrameResult
     settings: Settings
@@ -53,7 +53,7 @@ class GraphShapes:
 
     @classmethod
     def of(cls, result: FrameResult, settings: Settings, options: Options, before: GraphShapes | None = None) -> GraphShapes:
-        """The shapes of ``result``; ``before`` where it looks the same: the tracer keeps graph and gains while nothing in them changes."""
+        """The shapes of ``result``, or ``before`` where nothing visible has changed: the tracer reuses an unchanged graph and its gains."""
         if before is not None and (before.settings, before.options) == (settings, options) and _look_alike(before.result, result):
             return before
         data = render_data(result, settings, options)
@@ -86,7 +86,7 @@ _SHAPES: Derived[Options, GraphShapes] = Derived(_shapes, every_frame=True)
 
 
 def drawing_of(scene: Scene) -> Drawing | None:
-    """The last graph that is complete, without waiting; None where there is none."""
+    """The last complete graph, without waiting; None where there is none."""
     traced = sessions.shown(scene)
     latest = None if traced is None else _SHAPES.latest(scene, options_of(scene, traced.result))
     if latest is None:
@@ -142,7 +142,7 @@ def draw_annotations(
     occupied: tuple[Rectangle, ...] = (),
     legend: LegendSide = "RIGHT",
 ) -> None:
-    """Labels and legend, in pixels; within ``free`` and off what is ``occupied``."""
+    """Labels and legend in pixels, within ``free`` and outside ``occupied``."""
     atlas = shared_atlas()
     key = (perspective.tobytes(), size, scale, free, occupied, legend, bpy.app.translations.locale)
     known = drawing.views.get((*key, atlas.generation))
@@ -167,7 +167,7 @@ def draw_view() -> None:
     scene = context.scene
     own = None if scene is None else sessions.known(scene)
     if own is not None:
-        own.draw_milliseconds = 0.0  # this comes first in a redraw
+        own.draw_milliseconds = 0.0  # the first callback of a redraw
     if not _is_shown(context):
         return
     region, view = context.region, context.region_data
@@ -207,7 +207,7 @@ def draw_pixels() -> None:
 
 
 def _legend_side(context: Context) -> LegendSide:
-    """The legend stands on the side where the meters are not."""
+    """The side of the legend, opposite the meters."""
     meters_shown = context.scene.haptics.meters
     if not is_main_view(context):
         return "NONE"
@@ -220,7 +220,7 @@ def seconds_shown(scene: Scene) -> float:
 
 
 def forget() -> None:
-    """Drop what is kept between redraws."""
+    """Free everything cached between redraws."""
     _drawings.clear()
     free_texts()
 

@@ -1,4 +1,4 @@
-"""Pictures in panels: pixels as an icon, drawn anew only where their content has changed."""
+"""Pictures in panels, as icons that are redrawn when their content changes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Pixels = NDArray[np.float32]
 Colour = tuple[float, float, float]
 
 SIZE = 256
-"""Pixels of a picture's sides: panels give icons a square."""
+"""Width and height of a picture in pixels; icons in panels are square."""
 
 
 class Picture:
@@ -28,7 +28,7 @@ class Picture:
         self._shown: Pixels | None = None
 
     def icon(self, key: Hashable, draw: Callable[[], Pixels]) -> int:
-        """The number of the icon that shows the last picture; where ``key`` is another than its own, ``draw`` makes a new one."""
+        """The identifier of the icon with the last picture; where ``key`` has changed, ``draw`` makes a new one."""
         if self._previews is None:
             self._previews = previews.new()
             self._previews.new("picture").image_size = (SIZE, SIZE)
@@ -41,19 +41,19 @@ class Picture:
         return preview.icon_id
 
     def forget(self) -> None:
-        """Free it; it is made again where it is asked for again."""
+        """Free the picture; the next `icon` makes it again."""
         if self._previews is not None:
             previews.remove(self._previews)
             self._previews, self._shown, self._pixels = None, None, Background()
 
 
 def blank() -> Pixels:
-    """A picture with nothing on it."""
+    """An empty picture."""
     return np.zeros((SIZE, SIZE, 4), dtype=np.float32)
 
 
 def tint(pixels: Pixels, colour: Colour, alpha: float | NDArray[Any]) -> None:
-    """Lay a colour over pixels (..., 4), as opaque as ``alpha`` says, a number or (...)."""
+    """Blend a colour over pixels (..., 4) with opacity ``alpha``, a number or (...)."""
     cover = np.broadcast_to(np.asarray(alpha, dtype=np.float32), pixels.shape[:-1])[..., None]
     pixels *= 1 - cover
     pixels += cover * np.array([*colour, 1.0], dtype=np.float32)

@@ -43,18 +43,18 @@ class ListenerPath:
 
 @dataclass(frozen=True, slots=True)
 class _Question:
-    """A listener, and the source that is looked at, "" for the strongest."""
+    """A listener and the watched source, "" for the strongest."""
 
     listener: str
     source: str
 
 
 def listener_path(traced: Traced, question: _Question, before: ListenerPath | None = None) -> ListenerPath | None:
-    """On the worker: how the source that is looked at, or the strongest one, reaches the listener; None where nothing does."""
+    """Computed on the worker: how the watched source, or the strongest one, reaches the listener; None where none does."""
     result = traced.result
     names = [listener.name for listener in result.listeners]
     if question.listener not in names:
-        return None  # it was asked for of the frame before
+        return None  # the question was about the frame before
     column = names.index(question.listener)
     reaching = [row for row in range(len(result.sources)) if result.gains[row, column] > 0]
     if not reaching:
@@ -74,6 +74,6 @@ _PATH: Derived[_Question, ListenerPath | None] = Derived(listener_path, every_fr
 
 
 def path_of(scene: Scene) -> Latest[ListenerPath | None] | None:
-    """The path to the listener that is looked at, from the active object where that is a source; without waiting."""
+    """The path to the watched listener, from the active object where that is a source; without waiting."""
     listener = watched(scene)
     return _PATH.latest(scene, _Question(listener, active_name())) if listener else None

@@ -31,7 +31,7 @@ from .render_data import Options
 from .screen import draw_hud
 
 SMOOTHING = 2
-"""Pictures are drawn this much larger and averaged down, which smooths edges."""
+"""Factor by which pictures are drawn larger and averaged down, for smooth edges."""
 
 
 def draw_picture(scene: Scene, result: FrameResult, path: str | Path, size: tuple[int, int] = (1280, 720), *, meters: bool = False) -> None:
@@ -66,7 +66,7 @@ def starts_gpu() -> bool:
 
 @cache
 def _has_surfaceless_egl() -> bool:
-    """True where EGL can be had without a screen. Blender 5.2 ends with a segmentation fault where it can't."""
+    """True where EGL works without a screen. Elsewhere Blender 5.2 crashes."""
     surfaceless = 0x31DD  # EGL_PLATFORM_SURFACELESS_MESA
     try:
         egl = ctypes.CDLL("libEGL.so.1")
@@ -140,7 +140,7 @@ def _plain_viewport(scene: Scene) -> Iterator[tuple[Any, Any]]:
         space: {"show_gizmo": False},
     }
     system = bpy.context.preferences.system
-    wanted[system] = {"viewport_aa": "OFF"}  # averaging down smooths as well, in a fraction of the time
+    wanted[system] = {"viewport_aa": "OFF"}  # averaging down smooths as well, much faster
     before = {owner: {key: _value(getattr(owner, key)) for key in values} for owner, values in wanted.items()}
     try:
         _set(wanted)

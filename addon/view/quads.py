@@ -1,4 +1,4 @@
-"""Lines and points as quads that the shader turns to the viewer: one vertex array for everything that is drawn.
+"""Lines and points as quads that the shader turns to the viewer, in one vertex array.
 
 Every line or point is four vertices, each with all its attributes and the corner that it stands for. A point is a line without length, so
 that lines of any width, points of any shape and their order take a single draw call.

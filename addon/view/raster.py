@@ -1,4 +1,4 @@
-"""Paints labels and legend into an array of pixels where no GPU can: the shapes of `shader`, texts by the outlines of Blender's font."""
+"""Painting of labels and legend into an array of pixels without a GPU: the shapes of `shader`, texts by the outlines of Blender's font."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .render_data import Shape
 from .solids import layers
 
 _FINE = 4  # each pixel of a text is 4 x 4 samples
-_WEIGHT = 0.75  # thin strokes as strong as Blender's own, which are fitted to the pixels
+_WEIGHT = 0.75  # makes thin strokes as dark as Blender's own, which are hinted
 _STEPS = 4  # lines per piece of a curve
 
 Canvas = FloatArray
@@ -108,7 +108,7 @@ def _fill(
     colour: FloatArray | Callable[[FloatArray, FloatArray], FloatArray],
     opacity: float,
 ) -> None:
-    """Paint where ``distance`` (pixels from an edge, negative inside) says so, within the corners ``low`` and ``high``."""
+    """Paint a shape given by its signed ``distance`` [pixels, negative inside], within the corners ``low`` and ``high``."""
     (left, bottom), (right, top) = np.maximum(np.floor(low), 0).astype(int), np.ceil(high).astype(int)
     part = canvas[bottom:top, left:right]
     y, x = np.mgrid[bottom : bottom + part.shape[0], left : left + part.shape[1]] + 0.5
@@ -185,5 +185,5 @@ def _flattened(points: Any) -> FloatArray:
 
 
 def _font() -> VectorFont:
-    """The font that Blender's user interface is set in."""
+    """The font of Blender's user interface."""
     return bpy.data.fonts.load(str(Path(bpy.utils.resource_path("LOCAL")) / "datafiles" / "fonts" / "Inter.woff2"), check_existing=True)

@@ -1,4 +1,4 @@
-"""What is drawn of a traced frame, as plain arrays: points, lines and labels in world space. No GPU."""
+"""The drawing of a traced frame as plain arrays: points, lines and labels in world space, independent of the GPU."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Drawn = NDArray[np.float32]
 
 
 class Shape(IntEnum):
-    """How a point or line is drawn, see `shader`."""
+    """The form of a point or line, see `shader`."""
 
     LINE = 0
     CONTACT = 1
@@ -47,18 +47,18 @@ HALO = 3.0  # pixels of a halo on either side of a path
 HIGHLIGHT_LINE = 19.0  # pixels, wider than a path with its halo
 
 DIMMED = 0.3
-"""Opacity of contacts that no signal reaches."""
+"""Opacity of contacts without a signal."""
 SILENT = 0.8
-"""Opacity of sources and listeners that are silent: grey, but not to be overlooked."""
+"""Opacity of silent sources and listeners."""
 UNSELECTED = 0.35
-"""Opacity of what has nothing to do with the selection."""
+"""Opacity of elements unrelated to the selection."""
 PARTED = 0.05
-"""Metres from which on an impact is drawn on both of its objects."""
+"""Metres between its two nodes from which on an impact is drawn on both objects."""
 
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """What to draw. ``sources`` and ``listeners``: selected names; where both are empty nothing is dimmed for not being selected.
+    """Drawing options. ``sources`` and ``listeners``: selected names; where both are empty nothing is dimmed.
     ``highlight``: a listener, and the object whose part of the best paths to it stands out."""
 
     show_intra: bool = True
@@ -118,7 +118,7 @@ class RenderData:
 
 
 def render_data(result: FrameResult, settings: Settings, options: Options) -> RenderData:
-    """What to draw of ``result``, which was traced with ``settings``."""
+    """The drawing of ``result``, which was traced with ``settings``."""
     graph = distance_only(result.graph) if settings.mode is Mode.SD else result.graph
     scale = GainScale.of_threshold(settings.threshold)
     spreading = _spread(result, graph, settings, options)
@@ -146,16 +146,16 @@ def _spread(result: FrameResult, graph: HapticGraph, settings: Settings, options
 
 
 def _shown_pairs(result: FrameResult, options: Options) -> BoolArray:
-    """(s, l) True for the pairs whose paths are drawn: all, or those of the selected sources and listeners."""
+    """Pairs (s, l) whose paths are drawn: all, or those of the selected sources and listeners."""
     wanted_sources = np.array([not options.sources or s.name in options.sources for s in result.sources], dtype=np.bool_)
     wanted_listeners = np.array([not options.listeners or li.name in options.listeners for li in result.listeners], dtype=np.bool_)
     return np.outer(wanted_sources, wanted_listeners)
 
 
 def _tree_lines(graph: HapticGraph, spreading: Spread, scale: GainScale, opacity: float) -> Lines:
-    """How the signal spreads: every node joined to the one that its strongest arrival came from, weak ones first."""
+    """Lines from every node to the predecessor of its strongest arrival, weak ones first."""
     ends = np.flatnonzero(spreading.predecessor >= 0)
-    # Where two objects touch in one point there is nothing to draw but the contact itself.
+    # Lines without length need no drawing: the contact itself is drawn.
     ends = ends[(graph.node_position[ends] != graph.node_position[spreading.predecessor[ends]]).any(axis=1)]
     ends = ends[np.argsort(spreading.gain[ends], kind="stable")]
     nodes = np.stack([spreading.predecessor[ends], ends], axis=1)
@@ -182,7 +182,7 @@ def _path_lines(result: FrameResult, graph: HapticGraph, mode: Mode, pairs: Bool
 
 
 def _highlight_lines(result: FrameResult, options: Options) -> Lines:
-    """A light rim under the part of the best paths to a listener that lies in the chosen object, its contact to the next one included."""
+    """A light rim under the part of the best paths to a listener in the chosen object, with its contact to the next one."""
     if options.highlight is None:
         return no_lines()
     listener, name = options.highlight
@@ -207,7 +207,7 @@ def halos(lines: Lines) -> Lines:
 
 
 _LEAST = 1e-300
-"""Gain that stands for none: nothing of it is left after it."""
+"""Gain used in place of 0, whose logarithm is finite."""
 
 
 def path_steps(
@@ -247,13 +247,13 @@ def _starts(counts: IntArray) -> IntArray:
 
 
 def _running_sums(values: FloatArray, counts: IntArray) -> FloatArray:
-    """Cumulative sums of finite values that start anew with every run of ``counts``."""
+    """Cumulative sums of finite values that restart with every run of ``counts``."""
     sums = np.cumsum(values)
     return sums - np.repeat((sums - values)[_starts(counts)], counts)
 
 
 def _points(result: FrameResult, spreading: Spread, scale: GainScale, options: Options, pairs: BoolArray) -> Points:
-    """Contacts, over them listeners, over them sources. Of selected listeners only the contacts on their best paths stand out."""
+    """Points of contacts, listeners and sources, in this order. Contacts off the best paths of selected listeners are dimmed."""
     shown = np.ones(result.graph.node_count, dtype=np.bool_)
     if options.listeners:
         shown[:] = False
@@ -267,7 +267,7 @@ def _points(result: FrameResult, spreading: Spread, scale: GainScale, options: O
 
 
 def _contact_points(graph: HapticGraph, spreading: Spread, scale: GainScale, shown: BoolArray) -> Points:
-    """Each contact once, in the middle between its two nodes, the strongest on top. Smaller where there are many. Those whose nodes are not
+    """One point per contact, midway between its two nodes, the strongest on top, smaller where there are many. Contacts whose nodes are not
     ``shown`` (n,) are dimmed."""
     first = np.flatnonzero(graph.partner > np.arange(graph.node_count))
     second = graph.partner[first]
@@ -290,7 +290,7 @@ def _listener_points(result: FrameResult, scale: GainScale, options: Options) ->
 
 
 def _source_points(result: FrameResult, options: Options) -> Points:
-    """Each source once; an impact on both of its objects where they have parted."""
+    """One point per source; of an impact one on each object where they have parted."""
     graph = result.graph
     places: list[tuple[SourceNodes, FloatArray]] = []
     for source in graph.sources:
@@ -322,13 +322,13 @@ def _point_array(
 
 
 def listener_gains(result: FrameResult, options: Options) -> FloatArray:
-    """(l,) the strongest gain at each listener from any shown source, amplitude included."""
+    """Strongest gain (l,) at each listener from any shown source, amplitude included."""
     wanted = [k for k, source in enumerate(result.sources) if not options.sources or source.name in options.sources]
     return np.asarray(result.gains[wanted].max(axis=0, initial=0.0))
 
 
 def _gain_colour(scale: GainScale, gain: FloatArray) -> FloatArray:
-    """(n, 3): by gain, grey where nothing arrives."""
+    """Colours (n, 3) by gain, grey where nothing arrives."""
     return np.where((gain > 0)[:, None], scale.colour(gain), SILENT_COLOUR)
 
 
@@ -382,5 +382,5 @@ def _lines(position: FloatArray | Drawn, colour: FloatArray, width: FloatArray |
 
 
 def no_lines() -> Lines:
-    """Nothing to draw."""
+    """No lines."""
     return _lines(np.zeros((0, 2, 3)), np.zeros((0, 2, 4)), np.zeros(0), None)

@@ -14,7 +14,7 @@ from .text_atlas import TextAtlas, pixels_to_clip
 
 
 def draw_hud(items: Hud, size: tuple[float, float], scale: float) -> None:
-    """Plates, lines, symbols and texts once, without keeping them."""
+    """Draw plates, lines, symbols and texts once, without caching."""
     texts = shared_atlas().lines(items.texts)
     draw_flat(shader.upload(quads_of((items.lines, texts), items.points)), size, scale)
 

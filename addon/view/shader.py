@@ -1,4 +1,4 @@
-"""The shader of everything that is drawn, and how quads are drawn with it. Made by GPUShaderCreateInfo, for OpenGL, Vulkan and Metal."""
+"""The shader of all drawing, made by GPUShaderCreateInfo for OpenGL, Vulkan and Metal, and draw calls of quads with it."""
 
 from __future__ import annotations
 

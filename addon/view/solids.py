@@ -1,4 +1,4 @@
-"""The drawn graph as triangles in space: tubes, spheres, rings, diamonds and spiked balls, coloured like the overlay. No Blender."""
+"""The drawn graph as triangles: tubes, spheres, rings, diamonds and spiked balls in the colours of the overlay. Independent of Blender."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from .render_data import HALO_COLOUR, Drawn, Lines, Points, RenderData, Shape
 Triangles = IntArray
 WHITE = np.array([0.97, 0.97, 0.97])
 RIM = 2.2
-"""Points of dark rim around lines and symbols."""
+"""Width of the dark rim around lines and symbols [points]."""
 _SIDES = 10
-_FINE_SPHERES = 300  # more contacts than that are coarser
+_FINE_SPHERES = 300  # number of contacts above which they are coarser
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ def solid_graph(data: RenderData, unit: float) -> Solid:
 
 
 def _rim(shell: Solid) -> Solid:
-    """A dark shell turned inside out: the material draws no backs, so that only a rim shows around what is in it."""
+    """A dark shell turned inside out: as back faces are not drawn, only a rim shows around its content."""
     colours = np.broadcast_to([*HALO_COLOUR, 1.0], shell.colours.shape)
     return Solid(shell.vertices, colours, shell.triangles[:, ::-1], shell.smooth)
 
@@ -82,7 +82,7 @@ def seen_unit(data: RenderData, projection: FloatArray, view: FloatArray, height
 
 
 def extent_unit(data: RenderData) -> float:
-    """Metres per point at which the graph looks about as in a viewport that it fills."""
+    """Metres per point at which the graph looks as in a viewport that it fills."""
     position = data.points.position
     diagonal = float(np.linalg.norm(np.ptp(position, axis=0))) if len(position) else 0.0
     return max(diagonal, 0.1) / 900
@@ -100,7 +100,7 @@ def joined(solids: list[Solid]) -> Solid:
 
 
 def tubes(lines: Lines, unit: float) -> Solid:
-    """Lines as open tubes, those without length left out."""
+    """Lines as open tubes, without those of no length."""
     long = (lines.position[:, 0] != lines.position[:, 1]).any(axis=1)
     position = lines.position[long].astype(np.float64)
     radius = lines.width[long] * unit / 2
@@ -122,7 +122,7 @@ def _opaque(colours: FloatArray | Drawn) -> FloatArray:
 
 
 def _perpendicular(along: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two unit vectors (n, 3) across ``along`` (n, 3), none of them 0, and across each other."""
+    """Two unit vectors (n, 3) perpendicular to ``along`` (n, 3), which is not 0, and to each other."""
     along = along / np.linalg.norm(along, axis=1, keepdims=True)
     other = np.where(np.abs(along[:, 2:]) < 0.9, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
     across = np.cross(along, other)
@@ -196,7 +196,7 @@ def flat(items: Hud, scale: float) -> Solid:
 
 
 def layers(shape: Shape, colour: FloatArray) -> tuple[tuple[float, FloatArray, float], ...]:
-    """What a symbol is made of, from the outside in: inset [points], colour, opacity. As in `shader`."""
+    """Layers of a symbol from the outside in: inset [points], colour, opacity, as in `shader`."""
     return {
         Shape.CONTACT: ((0.0, HALO_COLOUR, 0.9), (1.3, colour, 1.0)),
         Shape.SOURCE: ((0.0, HALO_COLOUR, 0.92), (1.5, colour, 1.0), (3.7, HALO_COLOUR, 1.0), (5.4, WHITE, 1.0), (7.0, colour, 1.0)),
@@ -268,7 +268,7 @@ def torus(radius: float, thickness: float) -> tuple[FloatArray, Triangles]:
 
 
 def three_rings(radius: float, thickness: float) -> tuple[FloatArray, Triangles]:
-    """Rings around x, y and z: a circle from wherever one looks."""
+    """Rings around x, y and z, which look like a circle from every direction."""
     vertices, triangles = torus(radius, thickness)
     return (
         np.concatenate([np.roll(vertices, turn, axis=1) for turn in range(3)]),

@@ -1,4 +1,4 @@
-"""A texture atlas of texts, so that all labels take a single draw call and none of Blender's text drawing while nothing changes."""
+"""A texture atlas of texts, so that all labels take a single draw call and Blender draws a text only once."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ABOVE, _BELOW = 1.0, 0.35  # of the size, over and under the baseline
 
 @dataclass(slots=True)
 class TextAtlas:
-    """Texts by their words and size. ``generation`` counts how often it was emptied: batches of another generation are invalid."""
+    """Texts by their words and size. ``generation``: how often it was cleared; batches of another generation are invalid."""
 
     generation: int = 0
     _texture: Any = None
@@ -57,7 +57,7 @@ class TextAtlas:
         )  # fmt: skip
 
     def clear(self) -> None:
-        """Empty it."""
+        """Clear the atlas."""
         self._cells.clear()
         self._pen = (0, 0, 0)
         self.generation += 1

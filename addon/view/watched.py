@@ -1,4 +1,4 @@
-"""The listener that panels, scope and path are about, and the levels of all of them."""
+"""The watched listener, whose level, scope and path are shown, and the levels of all listeners."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from .levels import LEVELS, Level
 
 
 def levels_of(scene: Scene) -> tuple[Level, ...]:
-    """The levels of the last frame that is complete; () where there are none yet."""
+    """The levels of the last complete frame; () where there are none yet."""
     latest = LEVELS.latest(scene, is_playing())
     return () if latest is None else latest.value
 
 
 def watched(scene: Scene) -> str:
-    """The listener that is looked at: the active object, else the last one that was, else the one that feels the most; "" for none."""
+    """The watched listener: the active object, else the last active listener, else the one that feels the most; "" for none."""
     traced, own = sessions.shown(scene), sessions.known(scene)
     if traced is None or own is None:
         return ""
