@@ -88,6 +88,7 @@ def test_registering_frames_and_edits_of_an_untagged_scene_load_no_stage_of_the_
         assert not modules[moment] & set(gateway.MODULES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("step", "stages"), [("tagged", {"tracer", "contacts.tracker"}), ("devices", {"devices.inventory"}), ("exported", {"formats.export"})]
 )

@@ -48,6 +48,7 @@ def test_each_mode_renders_the_same_blow(struck):
     assert session.result_of(struck).gains == pytest.approx(felt, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "look",
     [
@@ -97,6 +98,7 @@ def _key_elsewhere(scene: Any) -> None:
     wrist.rotation_euler.y = 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
     [
@@ -117,6 +119,7 @@ def test_what_makes_impacts_drops_them(struck, change):
     assert impacts(struck) == []
 
 
+@pytest.mark.slow
 def test_playing_on_and_playing_anew_give_what_they_gave_without_looking(struck):
     def rendered(first: int, last: int) -> list[Any]:
         blocks = []

@@ -38,6 +38,7 @@ def run(*arguments):
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow
 def test_bake_equals_the_add_ons_export_to_the_bit(falling, tmp_path):
     done = run("bake", falling / "hammer.blend", "--frames", FRAMES, "--to", "wav,scene", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
@@ -49,6 +50,7 @@ def test_bake_equals_the_add_ons_export_to_the_bit(falling, tmp_path):
     assert len(read_export(tmp_path / "hammer.json").recording.frames) > 1
 
 
+@pytest.mark.slow
 def test_modes_and_settings(falling, tmp_path):
     settings = ["--set", "scene.haptics.threshold=0", "--set", 'objects["Hammer"].haptics.kappa=1']
     done = run("bake", falling / "hammer.blend", "--frames", FRAMES, "--modes", "HT,SD", "--out", tmp_path, *settings)
@@ -57,6 +59,7 @@ def test_modes_and_settings(falling, tmp_path):
     assert (tmp_path / "hammer.HT.wav").read_bytes() != (tmp_path / "hammer.SD.wav").read_bytes()
 
 
+@pytest.mark.slow
 def test_bad_input_is_one_line_and_writes_nothing(falling, tmp_path):
     for arguments, said in (
         (["--modes", "HT,XX"], "--modes: must be some of HT, SD, MD, MN, not XX"),
@@ -91,6 +94,7 @@ def test_settings_that_cannot_be_made(registered, setting, said):
         assign(bpy.context.scene, setting)
 
 
+@pytest.mark.slow
 def test_trace_writes_all_frames_where_asked_and_says_which(falling, tmp_path):
     last = run("trace", falling / "hammer.blend", "--end", "30", "--no-picture", "--out", tmp_path / "last")
     assert f"wrote {tmp_path / 'last' / 'hammer.json'} (frame 30)" in last.stdout
@@ -100,6 +104,7 @@ def test_trace_writes_all_frames_where_asked_and_says_which(falling, tmp_path):
     assert read_export(tmp_path / "whole" / "hammer.json").recording.frames[-1].number <= 30
 
 
+@pytest.mark.slow
 def test_export_of_a_silent_scene_says_why(falling, tmp_path):
     run("trace", falling / "hammer.blend", "--end", "2", "--no-picture", "--out", tmp_path)
     done = run("export", tmp_path / "hammer.json", "--to", "wav", "--out", tmp_path, "--seconds", "0.2")

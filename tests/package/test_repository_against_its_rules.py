@@ -5,6 +5,7 @@ import sys
 from fnmatch import fnmatch
 
 import pytest
+from haptic_tracing.core.message import Cause
 
 PARTS = ("addon", "command_line", "core", "sample_scenes", "study")
 # The places where one machine keeps its own files: home folders, workplaces, Windows profiles.
@@ -70,3 +71,15 @@ def test_what_is_shipped_imports_only_what_is_there_in_blender(root):
         for path in (root / part).rglob("*.py"):
             found += [f"{path.relative_to(root)}:{line}: {name}" for line, name in absolute_imports(path) if name not in allowed]
     assert found == []
+
+
+def test_every_cause_of_a_message_is_used(root):
+    sources = [path for path in (root / "core").rglob("*.py") if path.name not in ("message.py", "sentences.py")]
+    sources += [root / "addon" / "live_output" / "player.py"]
+    used = {
+        node.attr
+        for path in sources
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "Cause"
+    }
+    assert used == {cause.name for cause in Cause}

@@ -8,6 +8,7 @@ TOP_LEVEL = {"blender_manifest.toml", "__init__.py", "LICENSE", "addon", "core",
 WHEEL_PLATFORM = {"linux_x64": "manylinux", "macos_arm64": "macosx", "macos_x64": "macosx", "windows_x64": "win_amd64"}
 
 
+@pytest.mark.slow
 def test_one_zip_per_platform(zips):
     assert sorted(zips) == sorted(PLATFORMS)
 

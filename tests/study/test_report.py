@@ -55,6 +55,7 @@ def test_needs_nothing_beside_it(report):
     assert "Title &amp; more" in text and "Caption &lt;b&gt;" in text and "a &lt; b" in text
 
 
+@pytest.mark.slow
 def test_player_has_the_levels_of_all_frames_modes_and_listeners(report, bake):
     ride = bake(*FRAMES)
     found = json.loads(re.search(r"const ride=(\{.*?\});\n", report.read_text(encoding="utf-8"))[1])

@@ -22,6 +22,7 @@ def test_every_check_that_these_frames_have_data_for_holds(bake, frames):
     assert all(found[name].holds for name in always)
 
 
+@pytest.mark.slow
 def test_each_part_has_data_for_its_own_checks(bake):
     def held(frames):
         return {check.name for check in checks.checks_of(bake(*frames)) if check.holds}

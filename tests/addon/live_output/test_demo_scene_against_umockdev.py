@@ -34,6 +34,7 @@ def test_all_devices_play_the_demo_without_a_failed_write(played):
     assert all(state == ["open", 0, 0] for state in played["states"].values())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DEVICES)
 def test_every_captured_report_is_what_encoding_the_baked_blocks_gives(played, name):
     device = played["devices"][name]

@@ -103,6 +103,7 @@ def test_another_scene_is_silence_and_then_felt_by_itself(sounds, playing, monke
     assert rests, "the jump from one scene to the other is not played"
 
 
+@pytest.mark.slow
 def test_scrubbing_is_a_short_grain_then_silence(plug, connect, felt):
     pad = plug()
     connect()

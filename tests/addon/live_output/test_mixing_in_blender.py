@@ -79,6 +79,7 @@ def first_frame(scene) -> int:
     return sample_index(handlers.frame_seconds(scene), RATE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("formula", "mix"),
     [

@@ -82,6 +82,7 @@ def test_picture_without_a_camera_says_so(scene, bridge, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_viewport_picture_shows_the_nodes_in_their_colours(off_screen, scene, camera, bridge, tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -41,6 +41,7 @@ def directions_around(generator, centre, count):
     return ways / np.linalg.norm(ways, axis=1)[:, None]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("second", SHAPES)
 @pytest.mark.parametrize("first", ["cylinder", "cone", "hull"])
 @settings(max_examples=12, derandomize=True, deadline=None)

@@ -255,6 +255,7 @@ def test_nobody_there_is_said_in_one_line():
             ask(url)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reply", [[], [[{"Error": {"Id": 1, "ErrorMessage": "busy"}}]], ["nonsense"], [[{"ServerInfo": {"Id": 1}}]], [7]])
 def test_a_server_that_is_something_else_is_said(server, reply):
     with pytest.raises(DeviceError, match="Intiface"):
@@ -303,6 +304,7 @@ MALFORMED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("answer", MALFORMED.values(), ids=MALFORMED.keys())
 def test_a_malformed_answer_is_one_message(server, answer):
     made_up = server(kind=Telling, said=[answer])

@@ -107,6 +107,7 @@ def test_a_write_that_blocks_blocks_nobody_else_and_the_device_is_silenced_when_
     assert stuck.written[-2:] == [ZERO, RELEASE] and stuck.closed == 1
 
 
+@pytest.mark.slow
 def test_a_device_that_vanishes_is_searched_and_played_again_when_it_is_back(started):
     pad = FakePad()
     hid = FakeHid(pad)
@@ -169,6 +170,7 @@ def test_eight_devices_at_once_and_all_stop_together(started):
     assert len(set().union(*(pad.writers for pad in pads))) == 8
 
 
+@pytest.mark.slow
 def test_a_thousand_starts_and_stops_leave_nothing_behind():
     pad = FakePad()
     hid = FakeHid(pad)
@@ -270,6 +272,7 @@ class Once:
         return self.encode(drive, transport, sequence)
 
 
+@pytest.mark.slow
 def test_a_device_held_by_another_program_is_named_and_taken_when_it_is_free(started, tmp_path):
     node = tmp_path / "hidraw0"
     node.write_bytes(b"")

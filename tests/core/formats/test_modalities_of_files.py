@@ -54,6 +54,7 @@ warmth = st.builds(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(warmth)
 def test_writing_and_reading_gives_the_same_and_again_the_same_bytes(tmp_path_factory, thermal):

@@ -57,6 +57,7 @@ def test_any_budget_and_tolerance(seed, budget, max_connections, tolerance):
     assert_interval(graph, PathLimits(crossings_of(max_connections), 0.0, tolerance, budget), limited)
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(SEEDS, st.sampled_from([0, 4, 40, 400]), st.sampled_from([1e-3, 1e-2, 0.1]))
 def test_any_budget_above_a_threshold(seed, budget, threshold):

@@ -62,6 +62,7 @@ def test_order_of_input_bit_by_bit(seed, strategy, limits, mode):
             assert paths[0] == paths[1]
 
 
+@pytest.mark.slow
 @settings(max_examples=120, deadline=None, derandomize=True)
 @given(SEEDS, STRATEGIES, LIMITS)
 def test_source_and_listener_exchanged(seed, strategy, limits):

@@ -29,6 +29,7 @@ PLACE = (0.0, 0.0, 0.0)
 both = pytest.mark.parametrize("strategy", WELL_POSED)
 
 
+@pytest.mark.slow
 @both
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(SEEDS)

@@ -46,6 +46,7 @@ def radius(matrix: np.ndarray) -> float:
     return float(np.abs(np.linalg.eigvals(matrix)).max(initial=0.0))
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(SEEDS, st.sampled_from([0, 2, 6]), st.sampled_from([1, 3, 24]))
 def test_radius_of_random_scenes(seed, extra, dense):
@@ -114,6 +115,7 @@ def test_hub_too_large_to_examine():
     assert result.error_bound[0, 0] == math.inf
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(SEEDS, st.booleans())
 def test_sums_over_walks(seed, refined):

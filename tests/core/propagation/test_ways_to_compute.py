@@ -68,6 +68,7 @@ def test_shortest_paths(way):
         check()
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(SEEDS, LIMITS)
 def test_crossed_patches_as_numbers_and_as_bytes(seed, limits):

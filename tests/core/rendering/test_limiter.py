@@ -32,6 +32,7 @@ def inputs(draw: st.DrawFn) -> np.ndarray:
     return base
 
 
+@pytest.mark.slow
 @given(inputs(), st.floats(1e-6, 1e6), st.lists(st.integers(0, 3000), max_size=4).map(sorted))
 @settings(deadline=None, max_examples=300)
 def test_never_above_and_independent_of_blocks(samples: np.ndarray, s_max: float, cuts: list[int]) -> None:

@@ -100,6 +100,7 @@ def test_samples_do_not_depend_on_blocks(signal: Signal, rate: float, onset: flo
     assert np.abs(np.concatenate(blocks) - whole).max(initial=0.0) <= 1e-12 * max(signal.peak, 1.0)
 
 
+@pytest.mark.slow
 @given(signals, rates, numbers(-1.0, 1.0))
 @settings(deadline=None, max_examples=300)
 def test_samples_are_finite_within_the_peak_and_zero_outside(signal: Signal, rate: float, onset: float) -> None:
@@ -110,6 +111,7 @@ def test_samples_are_finite_within_the_peak_and_zero_outside(signal: Signal, rat
     assert not samples[(times < 0) | (times >= signal.duration)].any()
 
 
+@pytest.mark.slow
 @given(signals)
 @settings(deadline=None, max_examples=300)
 def test_json_keeps_every_signal(signal: Signal) -> None:
