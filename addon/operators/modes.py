@@ -39,7 +39,8 @@ class HAPTIC_OT_set_mode(Operator):
         modes = [name for name, *_ in MODE_ITEMS]
         following = modes[(modes.index(haptics.mode) + 1) % len(modes)]
         haptics.mode = following if self.mode == "NEXT" else self.mode
-        session.trace(context.scene, context.evaluated_depsgraph_get())
+        if not haptics.tracing:  # else the edit is traced
+            session.begin(context.scene, context.evaluated_depsgraph_get())
         redraw_viewports()
         return {"FINISHED"}
 

@@ -6,7 +6,7 @@ from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Context, Operator
 
 from ..changes.redraw import redraw_viewports
-from ..session import session
+from ..session import session, sessions, worker
 
 
 class HAPTIC_OT_trace_frame(Operator):
@@ -17,8 +17,8 @@ class HAPTIC_OT_trace_frame(Operator):
 
     def execute(self, context: Context) -> set[str]:
         session.of(context.scene).reader.forget_shapes()
-        result = session.trace(context.scene, context.evaluated_depsgraph_get())
-        if result is None:
+        session.begin(context.scene, context.evaluated_depsgraph_get())
+        if not session.is_busy(context.scene, worker.MOMENT) and session.result_of(context.scene) is None:
             problems = session.problems_of(context.scene)
             nothing = "Nothing is tagged: select objects and press Make Haptic"
             self.report({"WARNING"}, problems[0].message if problems else _rpt(nothing))
@@ -42,4 +42,21 @@ class HAPTIC_OT_toggle_tracing(Operator):
         return {"FINISHED"}
 
 
-CLASSES = (HAPTIC_OT_trace_frame, HAPTIC_OT_toggle_tracing)
+class HAPTIC_OT_cancel_tracing(Operator):
+    """Stop tracing this frame. The next edit or frame is traced as always; switch tracing off to edit without waiting"""
+
+    bl_idname = "haptic.cancel_tracing"
+    bl_label = "Cancel Tracing"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return sessions.is_behind(context.scene)
+
+    def execute(self, context: Context) -> set[str]:
+        session.give_up()
+        redraw_viewports()
+        return {"FINISHED"}
+
+
+CLASSES = (HAPTIC_OT_trace_frame, HAPTIC_OT_cancel_tracing, HAPTIC_OT_toggle_tracing)

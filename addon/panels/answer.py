@@ -22,6 +22,15 @@ if TYPE_CHECKING:
     from ..view.paths import ListenerPath
 
 
+def draw_progress(layout: UILayout, context: Context) -> None:
+    """That a newer frame is being traced, for how long, and how to stop it."""
+    seconds = sessions.seconds_behind(context.scene)
+    if seconds > 0 and not is_playing():
+        row = layout.row(align=True)
+        row.label(text=iface_("Tracing for {:.0f} s...").format(seconds) if seconds >= 1 else "Tracing...", icon="SORTTIME")
+        row.operator("haptic.cancel_tracing", text="", icon="X")
+
+
 def draw_answer(layout: UILayout, context: Context) -> bool:
     """Draw what the watched listener feels. False where there is no listener."""
     scene = context.scene
@@ -33,8 +42,6 @@ def draw_answer(layout: UILayout, context: Context) -> bool:
         return False
     box = layout.box()
     _draw_level(box, level)
-    if sessions.is_behind(scene) and not is_playing():
-        box.label(text="Tracing...", icon="SORTTIME")
     path = paths.path_of(scene)
     if path is not None and path.value is not None and path.value.listener == name:
         _draw_origin(box, path.value)

@@ -43,6 +43,8 @@ def next_step(scene: Scene, is_playing: bool) -> Hint | None:
     if not scene.haptics.tracing:
         return Hint(iface_("Tracing is switched off"), (("haptic.toggle_tracing", "HIDE_OFF"),))
     traced = sessions.shown(scene)
+    if traced is None and sessions.is_behind(scene):
+        return None
     if traced is None or not traced.result.objects:
         if sessions.shown_problems(scene):
             return Hint(iface_("Mend the problem below"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bpy.types import Context, Panel
 
-from .answer import draw_answer
+from .answer import draw_answer, draw_progress
 from .drawing import HapticsPanel, draw_problems
 from .hints import draw_hint
 
@@ -19,6 +19,7 @@ class HAPTIC_PT_scene(HapticsPanel, Panel):
 
     def draw(self, context: Context) -> None:
         layout = self.layout
+        draw_progress(layout, context)
         draw_answer(layout, context)
         draw_hint(layout, context)
         draw_problems(layout, context)

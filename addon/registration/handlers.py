@@ -25,6 +25,9 @@ from ..operators import bake
 from ..scene_reader import roles
 from ..session import session, sessions
 
+_PATIENCE = 1.0
+"""Seconds that a frame waits for the trace of the one before."""
+
 
 @persistent
 def frame_change_pre(*_: Any) -> None:
@@ -42,7 +45,7 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
         session.begin(scene, depsgraph)
         return
     try:
-        if scene.haptics.tracing and not playback.play(scene):
+        if scene.haptics.tracing and not playback.play(scene) and _is_ready(scene):
             live_output.frame_comes(scene)
             session.begin(scene, depsgraph, live=True)
     finally:
@@ -61,7 +64,7 @@ def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
         mark_changed()
     if not scene.haptics.tracing or not _is_concerned(scene) or playback.keep_up(scene):
         return
-    if session.trace(scene, depsgraph, live=True) is not None:
+    if session.follow_edit(scene, depsgraph):
         redraw_viewports()
 
 
@@ -130,6 +133,16 @@ def reread(*_: Any) -> None:
 def _is_concerned(scene: Scene) -> bool:
     """Whether there is anything to trace or play in a scene, or has been in any: then the session knows."""
     return is_loaded(session) or roles.is_any_tagged(scene) or scene.haptics.bake.track is not None
+
+
+def _is_ready(scene: Scene) -> bool:
+    """Whether a frame can be traced. While the timeline plays, the one before is waited for no longer than `_PATIENCE`, and this one left
+    out; else the one before is given up."""
+    if not session.is_busy(scene, _PATIENCE):
+        return True
+    if not is_playing():
+        session.give_up()
+    return not is_playing()
 
 
 def _edited(depsgraph: Depsgraph) -> bool:

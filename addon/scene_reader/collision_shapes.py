@@ -15,14 +15,21 @@ from ...core.contacts.bullet_shapes import DEFAULT_MARGIN, convex_hull_shape, me
 from ...core.contacts.shapes import Compound, ConvexHull, Shape
 from ...core.scene.values import Pose
 
+LARGEST = 1e7
+"""Metres from its origin that an object may extend: beyond, its contacts are no longer computed to a metre."""
+
 
 def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Shape:
     """The shape of ``obj`` with its world scale (3,), negative where mirrored, in the object's rotated frame.
 
-    A rigid body's own shape; else the convex hull of the evaluated mesh. Raises ValueError in words for a designer where there is none.
+    A rigid body's own shape; else the convex hull of the evaluated mesh. Raises ValueError in words for a designer where there is none, or
+    where it extends further than `LARGEST`.
     """
     if np.any(np.abs(scale) < 1e-9):
         raise ValueError(iface_("its scale is 0: give it an extent in every direction"))
+    corners = np.abs(_bounding_box(obj, depsgraph) * scale)
+    if np.any((corners > LARGEST) & np.isfinite(corners)):
+        raise ValueError(iface_("it is larger than 10,000 km: reduce its scale, or mend its mesh"))
     size, mirror = np.abs(scale), np.sign(scale)
     body = obj.rigid_body
     if body is None:

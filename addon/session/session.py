@@ -148,6 +148,31 @@ def _submit(session: Session, begun: _Begun, frame: Frame) -> None:
     worker.submit(_follow, session)
 
 
+def give_up() -> None:
+    """Cancel what is being traced; what is shown stays, and the next edit or frame is traced as always."""
+    shown = [(session, session.shown) for session in sessions.every()]
+    cancel(resume=True)
+    for session, traced in shown:
+        session.interrupted, session.shown = None, traced
+
+
+def is_busy(scene: Scene, seconds: float) -> bool:
+    """Whether the frame that is being traced takes longer than ``seconds`` more, and somebody is waiting."""
+    session = known(scene)
+    return worker.is_interactive() and session is not None and session.begun is not None and not worker.done_within(session.begun, seconds)
+
+
+def follow_edit(scene: Scene, depsgraph: Depsgraph) -> bool:
+    """Trace a scene again after an edit, see `begin`. Waits for a moment only; what an edit has made out of date is given up.
+
+    Returns whether it is traced now; else the viewports are redrawn when it is.
+    """
+    if is_busy(scene, worker.MOMENT):
+        give_up()
+    begin(scene, depsgraph, live=True)
+    return not is_busy(scene, worker.MOMENT)
+
+
 def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult | None:
     """Trace the scene as it stands now. See `begin`."""
     begin(scene, depsgraph, live)

@@ -143,6 +143,12 @@ def is_behind(scene: Scene) -> bool:
     return session is not None and session.begun is not None and (session.shown is None or session.shown.serial != session.serial)
 
 
+def seconds_behind(scene: Scene) -> float:
+    """For how long a newer frame than the one shown has been traced; 0 where there is none."""
+    session = known(scene)
+    return time.monotonic() - session.begun_at if session is not None and is_behind(scene) else 0.0
+
+
 def shown_problems(scene: Scene) -> tuple[Problem, ...]:
     """What a designer should mend, as far as it is known without waiting."""
     session = known(scene)

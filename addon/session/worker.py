@@ -20,12 +20,15 @@ import bpy
 
 from ..blender.playing import is_playing
 from ..blender.progress import show
-from ..changes.redraw import redraw_viewports
+from ..changes.redraw import redraw_sidebars, redraw_viewports
 
 Value = TypeVar("Value")
 
-_MOMENT = 0.1
+MOMENT = 0.1
 """Delay before the progress cursor [s]."""
+
+_PROGRESS_INTERVAL = 0.5
+"""Seconds between two redraws of the sidebars while a job goes on."""
 
 _INTERVAL = 0.02
 """Seconds between two looks at the worker while it has something to do."""
@@ -49,6 +52,7 @@ class _State:
     last: Future[Any] | None = None  # the job that was queued last
     owes_redraw: bool = False  # a job has ended since the last redraw
     redraw_at: float = math.inf  # time.monotonic()
+    progress_at: float = 0.0  # the same, of the last redraw that shows progress
     after_render: Callable[[], None] | None = None
 
 
@@ -111,14 +115,14 @@ def call_after_render(resume: Callable[[], None]) -> None:
 
 
 def result_of(future: Future[Value]) -> Value:
-    """Wait for a result. After `_MOMENT` the mouse pointer shows progress, except while the timeline plays."""
-    if _done_within(future, _MOMENT) or is_playing():
+    """Wait for a result. After `MOMENT` the mouse pointer shows progress, except while the timeline plays."""
+    if done_within(future, MOMENT) or is_playing():
         return future.result()
     manager = bpy.context.window_manager
     manager.progress_begin(0, 1)
     begun = time.perf_counter()
     try:
-        while not _done_within(future, _MOMENT):
+        while not done_within(future, MOMENT):
             passed = time.perf_counter() - begun
             show(passed / (1 + passed))  # how long it takes is not known
     finally:
@@ -126,7 +130,13 @@ def result_of(future: Future[Value]) -> Value:
     return future.result()
 
 
-def _done_within(future: Future[Any], seconds: float) -> bool:
+def is_interactive() -> bool:
+    """Whether somebody waits for Blender; scripts in the background wait for results."""
+    return not bpy.app.background
+
+
+def done_within(future: Future[Any], seconds: float) -> bool:
+    """Wait for a job, but no longer than so many seconds; whether it has ended."""
     return bool(wait((future,), seconds).done)
 
 
@@ -164,4 +174,7 @@ def _look() -> float | None:
     if _state.owes_redraw and not any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows):
         _state.owes_redraw = False
         redraw_viewports()
+    elif not is_idle and time.monotonic() > _state.progress_at + _PROGRESS_INTERVAL:
+        _state.progress_at = time.monotonic()
+        redraw_sidebars()
     return None if is_idle and not _state.owes_redraw and _state.redraw_at == math.inf else _INTERVAL

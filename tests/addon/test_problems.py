@@ -122,3 +122,24 @@ def test_an_exporter_with_nothing_to_export_says_so(tmp_path):
     with pytest.raises(RuntimeError, match="Nothing is tagged"):
         bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "empty.json"))
     assert not (tmp_path / "empty.json").exists()
+
+
+@pytest.mark.parametrize("body", [None, "BOX", "SPHERE", "CONVEX_HULL", "MESH"])
+def test_an_object_without_bounds_stops_only_itself_and_is_named(add_box, add_empty, traced, scene, body):
+    first, second = (add_box(name, (x, 0, 0), (1, 1, 1)) for name, x in (("first", 0), ("second", 1)))
+    huge = add_box("huge", (0.5, 0, 0), (1, 1, 1), None if body is None else "PASSIVE")
+    if body is not None:
+        huge.rigid_body.collision_shape = body
+    add_empty("shaker", (0, 0, 0), first).haptics.source.enabled = True
+    add_empty("skin", (0, 0, 0), second).haptics.listener.enabled = True
+    huge.haptics.enabled = False
+    before = traced().gains
+    huge.haptics.enabled = True
+    for scale, corner in ((1e30, 1.0), (1.0, 1e30)):
+        huge.scale, huge.data.vertices[7].co.x = (scale, scale, scale), corner
+        huge.data.update()
+        bpy.context.view_layer.update()
+        result = traced()
+        assert result.gains == pytest.approx(before)
+        assert result.objects == ("first", "second")
+        assert [(item.object, "10,000 km" in item.message) for item in session.problems_of(scene)] == [("huge", True)]

@@ -84,3 +84,8 @@ def test_answer_hint_path_and_corners(play):
 def test_looking_does_not_change_what_is_felt(play):
     seen = played_through(play(SCENARIOS / "same_blow.py"))
     assert all(seen.values()), seen
+
+
+def test_heavy_colliders(play):
+    seen = played_through(play(SCENARIOS / "heavy.py"))
+    assert all(seen.values()), seen
