@@ -1,4 +1,4 @@
-"""Colliders of 100,000 vertices take long to trace: meanwhile edits go on, the panel shows and cancels it, and another file opens at once."""
+"""Colliders of 100,000 vertices take long to trace: edits go on, the panel shows and cancels it, and another file opens at once."""
 
 import time
 
