@@ -38,9 +38,7 @@ class HAPTIC_OT_add_source_object(Operator):
 
     kind: EnumProperty(name="Signal", description="What the source emits", items=SOURCE_ITEMS)
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_object_mode(cls, context)
+    poll = classmethod(poll_object_mode)
 
     def execute(self, context: Context) -> set[str]:
         _, title, _, frequency, _ = next(source for source in _SOURCES if source[0] == self.kind)
@@ -100,9 +98,7 @@ class HAPTIC_OT_add_medium(Operator):
         ),
     )
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_object_mode(cls, context)
+    poll = classmethod(poll_object_mode)
 
     def execute(self, context: Context) -> set[str]:
         material = MATERIALS[self.medium]
@@ -134,9 +130,7 @@ class HAPTIC_OT_add_sample(Operator):
 
     sample: EnumProperty(name="Sample", description="The scene to build", items=SAMPLE_ITEMS)
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_object_mode(cls, context)
+    poll = classmethod(poll_object_mode)
 
     @classmethod
     def description(cls, context: Context, properties: Any) -> str:

@@ -31,9 +31,7 @@ class HAPTIC_OT_add_default_listeners(Operator):
         ),
     )
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_active(cls, context)
+    poll = classmethod(poll_active)
 
     def execute(self, context: Context) -> set[str]:
         context.view_layer.update()
@@ -91,9 +89,7 @@ class HAPTIC_OT_mirror_listeners(Operator):
     bl_label = "Mirror Listeners"
     bl_options = UNDO
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_selected(cls, context)
+    poll = classmethod(poll_selected)
 
     def execute(self, context: Context) -> set[str]:
         context.view_layer.update()

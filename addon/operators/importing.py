@@ -32,9 +32,7 @@ class HAPTIC_OT_import_scene(Operator):
         name="Settings", description="Take over the settings of the file, its frame rate and its frames", default=True
     )
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_object_mode(cls, context)
+    poll = classmethod(poll_object_mode)
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         return ask(self, context)
@@ -66,9 +64,7 @@ class HAPTIC_OT_import_signal(Operator):
     channel: IntProperty(name="Channel", description="Which one of the file's vibrations", default=1, min=1, soft_max=32)
     loop: BoolProperty(name="Loop", description="Play it again and again; otherwise once, at the scene's beginning", default=True)
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_active(cls, context)
+    poll = classmethod(poll_active)
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         return ask(self, context)

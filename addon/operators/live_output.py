@@ -83,10 +83,7 @@ class HAPTIC_OT_copy_udev_rule(Operator):
 
 
 def _choices(self: Operator, context: Context | None) -> list[tuple[str, str, str, str, int]]:
-    _items[:] = [
-        (_AUTOMATIC, "Automatic", "The actuators at its body part", "AUTO", 0),
-        (_NONE, "None", "It is not felt", "CANCEL", 1),
-    ]
+    _items[:] = [(_AUTOMATIC, "Automatic", "The actuators at its body part", "AUTO", 0), (_NONE, "None", "It is not felt", "CANCEL", 1)]
     for key, output in outputs.running().items():
         for actuator in output.profile.actuators:
             parts = ", ".join(actuator.body_parts) or "anywhere"

@@ -39,9 +39,7 @@ class HAPTIC_OT_apply_material(Operator):
     )
     target: EnumProperty(name="Apply To", description="What the material is applied to", items=TARGET_ITEMS)
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_selected(cls, context)
+    poll = classmethod(poll_selected)
 
     @classmethod
     def description(cls, context: Context, properties: Any) -> str:
@@ -78,9 +76,7 @@ class HAPTIC_OT_guess_material(Operator):
     bl_label = "Guess Material"
     bl_options = UNDO
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_selected(cls, context)
+    poll = classmethod(poll_selected)
 
     def execute(self, context: Context) -> set[str]:
         objects = [obj for obj in context.selected_objects if obj.type in SOLID_TYPES and obj.is_editable]
@@ -98,14 +94,10 @@ class HAPTIC_OT_physical_materials(Operator):
     bl_options = UNDO
 
     in_a_building: BoolProperty(
-        name="In a Building",
-        description="Walls and floors in place, whose joints and edges take 2 dB per metre",
-        default=False,
+        name="In a Building", description="Walls and floors in place, whose joints and edges take 2 dB per metre", default=False
     )
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_object_mode(cls, context)
+    poll = classmethod(poll_object_mode)
 
     def execute(self, context: Context) -> set[str]:
         objects = [obj for obj in context.scene.objects if obj.haptics.enabled and obj.is_editable]
@@ -122,9 +114,7 @@ class HAPTIC_OT_new_material(Operator):
     bl_label = "New Material"
     bl_options = UNDO
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_active(cls, context)
+    poll = classmethod(poll_active)
 
     def execute(self, context: Context) -> set[str]:
         obj = context.object
@@ -177,9 +167,7 @@ class HAPTIC_OT_unlink_material(Operator):
     bl_label = "Own Values"
     bl_options = UNDO
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_active(cls, context)
+    poll = classmethod(poll_active)
 
     def execute(self, context: Context) -> set[str]:
         context.object.haptics.material.name = ""

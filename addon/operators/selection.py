@@ -21,9 +21,7 @@ class HAPTIC_OT_select_object(Operator):
     name: StringProperty(name="Object", description="Name of the object", options={"SKIP_SAVE"})
     extend: BoolProperty(name="Extend", description="Keep what is selected", default=False, options={"SKIP_SAVE"})
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_object_mode(cls, context)
+    poll = classmethod(poll_object_mode)
 
     def execute(self, context: Context) -> set[str]:
         found: Any = next((obj for obj in context.view_layer.objects if obj.name_full == self.name), None)

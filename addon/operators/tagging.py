@@ -40,9 +40,7 @@ class HAPTIC_OT_make_objects(Operator):
         default=False,
     )
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_selected(cls, context)
+    poll = classmethod(poll_selected)
 
     def execute(self, context: Context) -> set[str]:
         chosen = context.selected_objects
@@ -91,9 +89,7 @@ class HAPTIC_OT_add_source(Operator):
         default="AUTO",
     )
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_active(cls, context)
+    poll = classmethod(poll_active)
 
     def execute(self, context: Context) -> set[str]:
         obj = context.object
@@ -125,9 +121,7 @@ class HAPTIC_OT_add_listener(Operator):
     bl_label = "Add Listener"
     bl_options = UNDO
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_selected(cls, context)
+    poll = classmethod(poll_selected)
 
     def execute(self, context: Context) -> set[str]:
         chosen = context.selected_objects
@@ -154,9 +148,7 @@ class HAPTIC_OT_clear(Operator):
     bl_label = "Clear Haptics"
     bl_options = UNDO
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_selected(cls, context)
+    poll = classmethod(poll_selected)
 
     def execute(self, context: Context) -> set[str]:
         own = editable(context.selected_objects)

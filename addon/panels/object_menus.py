@@ -26,11 +26,7 @@ _MATERIALS = (
     ("haptic.remove_material", "REMOVE"),
     ("haptic.unlink_material", "UNLINKED"),
 )
-_SCENE = (
-    ("haptic.trace_frame", "FILE_REFRESH"),
-    ("haptic.toggle_tracing", "HIDE_OFF"),
-    ("haptic.graph_to_geometry", "MESH_DATA"),
-)
+_SCENE = (("haptic.trace_frame", "FILE_REFRESH"), ("haptic.toggle_tracing", "HIDE_OFF"), ("haptic.graph_to_geometry", "MESH_DATA"))
 
 
 def _draw(menu: Menu, entries: tuple[tuple[str, str], ...]) -> None:
@@ -45,13 +41,7 @@ def others() -> list[str]:
     return sorted(labels.keys() - listed, key=lambda name: labels[name])
 
 
-NEEDS_MORE = {
-    "haptic.apply_material",
-    "haptic.select_object",
-    "haptic.add_source_object",
-    "haptic.add_medium",
-    "haptic.add_sample",
-}
+NEEDS_MORE = {"haptic.apply_material", "haptic.select_object", "haptic.add_source_object", "haptic.add_medium", "haptic.add_sample"}
 """Operators that need arguments, which other menus and panels give."""
 
 

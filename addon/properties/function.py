@@ -73,13 +73,7 @@ class FunctionParameters:
         update=edited("range"),
     )
     constant: FloatProperty(
-        name="Gain",
-        description="The gain over any distance",
-        default=0.5,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        update=edited("constant"),
+        name="Gain", description="The gain over any distance", default=0.5, min=0.0, max=1.0, subtype="FACTOR", update=edited("constant")
     )
     expression: StringProperty(
         name="Expression",

@@ -84,13 +84,7 @@ class HapticLiveOutputProperties(PropertyGroup):
         default=False,
     )
     preview_volume: FloatProperty(
-        name="Volume",
-        description="How loud listeners are heard",
-        default=0.5,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        update=_volume_changed,
+        name="Volume", description="How loud listeners are heard", default=0.5, min=0.0, max=1.0, subtype="FACTOR", update=_volume_changed
     )
 
 

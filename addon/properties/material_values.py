@@ -56,10 +56,7 @@ def wave_speed(**more: Any) -> Any:
 def use_bands(**more: Any) -> Any:
     """Whether frequency bands are attenuated differently."""
     return BoolProperty(
-        name="Frequency Bands",
-        description="High frequencies fade faster than low ones, as the values per band say",
-        default=False,
-        **more,
+        name="Frequency Bands", description="High frequencies fade faster than low ones, as the values per band say", default=False, **more
     )
 
 

@@ -122,10 +122,7 @@ class HapticObjectMaterial(PropertyGroup):
     """What an object is made of, and the values that only materials have."""
 
     name: StringProperty(
-        name="Material",
-        description="The material of the scene's library that this object is made of",
-        options=set(),
-        update=_chosen,
+        name="Material", description="The material of the scene's library that this object is made of", options=set(), update=_chosen
     )
     use_bands: material_values.use_bands(update=edited("use_bands"))
     band_decays: material_values.band_decays(update=edited("band_decays"))

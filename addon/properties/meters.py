@@ -12,10 +12,7 @@ class HapticMetersProperties(PropertyGroup):
     """The meters of a scene."""
 
     show: BoolProperty(
-        name="Meters",
-        description="Draw meters over the 3D viewport: how much each listener feels",
-        default=True,
-        update=view_changed,
+        name="Meters", description="Draw meters over the 3D viewport: how much each listener feels", default=True, update=view_changed
     )
     show_scope: BoolProperty(
         name="Scope",

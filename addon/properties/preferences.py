@@ -12,11 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 from ..blender.extension import ROOT
 from .callbacks import view_changed
 
-GAIN_UNIT_ITEMS = (
-    ("BOTH", "Factor and Decibel", "0.50  -6 dB"),
-    ("FACTOR", "Factor", "0.50"),
-    ("DECIBEL", "Decibel", "-6 dB"),
-)
+GAIN_UNIT_ITEMS = (("BOTH", "Factor and Decibel", "0.50  -6 dB"), ("FACTOR", "Factor", "0.50"), ("DECIBEL", "Decibel", "-6 dB"))
 
 
 class PreferenceProperties:
@@ -59,12 +55,7 @@ class PreferenceProperties:
 
 
 _DEFAULTS = SimpleNamespace(
-    gain_unit="BOTH",
-    curve_colour=(1.0, 0.62, 0.2),
-    overlay_size=1.0,
-    default_device="",
-    keep_awake=False,
-    haptic_players=False,
+    gain_unit="BOTH", curve_colour=(1.0, 0.62, 0.2), overlay_size=1.0, default_device="", keep_awake=False, haptic_players=False
 )
 
 

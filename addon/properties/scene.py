@@ -23,12 +23,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
     tracing: BoolProperty(
         name="Trace", description="Trace haptics at every frame while the timeline plays or objects move", default=True, update=changed
     )
-    mode: EnumProperty(
-        name="Mode",
-        description="The rendering",
-        items=MODE_ITEMS,
-        update=changed,
-    )
+    mode: EnumProperty(name="Mode", description="The rendering", items=MODE_ITEMS, update=changed)
     localise: FloatProperty(
         name="Localise",
         description="Blends from what touching objects carry everywhere (0) to only the listener nearest to each source (1). "
@@ -172,9 +167,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
         update=changed,
     )
     kept_impacts: StringProperty(
-        name="Kept Impacts",
-        description="The impacts of the frame in which the file was saved",
-        options={"HIDDEN"},
+        name="Kept Impacts", description="The impacts of the frame in which the file was saved", options={"HIDDEN"}
     )
 
 

@@ -19,29 +19,11 @@ from ..operators import (
     tagging,
     tracing,
 )
-from ..panels import (
-    bake as bake_panel,
-)
-from ..panels import (
-    export,
-    file_menus,
-    listener,
-    object,
-    object_menus,
-    preferences,
-    result,
-    scene,
-    source,
-)
-from ..panels import (
-    live_output as live_output_panels,
-)
-from ..panels import (
-    materials as materials_panels,
-)
-from ..panels import (
-    modalities as modalities_panels,
-)
+from ..panels import bake as bake_panel
+from ..panels import export, file_menus, listener, object, object_menus, preferences, result, scene, source
+from ..panels import live_output as live_output_panels
+from ..panels import materials as materials_panels
+from ..panels import modalities as modalities_panels
 
 CLASSES = (
     *preferences.CLASSES,

@@ -300,11 +300,7 @@ def _lengths(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
 
 
 def build_graph(
-    table: ObjectTable,
-    contacts: ContactSet,
-    sources: Sequence[Source],
-    listeners: Sequence[Listener],
-    frames: ObjectFrames | None = None,
+    table: ObjectTable, contacts: ContactSet, sources: Sequence[Source], listeners: Sequence[Listener], frames: ObjectFrames | None = None
 ) -> HapticGraph:
     """The haptic graph of one frame. ``contacts`` and ``frames`` number objects as ``table`` does; frames may be unknown.
 

@@ -15,10 +15,4 @@ from .vibrotactile import VIBROTACTILE
 MODALITIES: Mapping[str, Modality] = MappingProxyType({modality.name: modality for modality in (VIBROTACTILE, THERMAL)})
 """The modalities by name."""
 
-__all__ = [
-    "MODALITIES",
-    "THERMAL",
-    "VIBROTACTILE",
-    "Modality",
-    "Quantity",
-]
+__all__ = ["MODALITIES", "THERMAL", "VIBROTACTILE", "Modality", "Quantity"]

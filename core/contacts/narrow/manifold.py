@@ -84,10 +84,7 @@ def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patche
     size = np.maximum(np.abs(a).max(axis=(1, 2)), np.abs(b).max(axis=(1, 2)))
     slack = 1e-9 * size[:, None]
     # Boundary of the first inside the second, and of the second strictly inside the first: a shared edge counts once.
-    pieces = [
-        _clipped(a, np.roll(a, -1, axis=1), _moved(_lines(b), slack)),
-        _clipped(b, np.roll(b, -1, axis=1), _moved(_lines(a), -slack)),
-    ]
+    pieces = [_clipped(a, np.roll(a, -1, axis=1), _moved(_lines(b), slack)), _clipped(b, np.roll(b, -1, axis=1), _moved(_lines(a), -slack))]
     start, end, used = (np.concatenate([piece[k] for piece in pieces], axis=1) for k in range(3))
     # Leave out where the gap is larger; the cut closes the outline from where it goes out to where it comes in.
     from_gap, to_gap = (level[:, None] + np.einsum("nki,ni->nk", ends, slope) for ends in (start, end))

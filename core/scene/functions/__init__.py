@@ -6,17 +6,7 @@ function of their contact. A function returns the gain of a signal over a distan
 
 from .checking import Finding, check_expression, excerpt
 from .expression import MIXING_VARIABLES, compile_expression
-from .modulation import (
-    Conduction,
-    Constant,
-    Exponential,
-    Expression,
-    HapticTracing,
-    Identity,
-    Linear,
-    ModulationFunction,
-    Spectrum,
-)
+from .modulation import Conduction, Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction, Spectrum
 from .physical import Physical, Wave
 from .registry import FUNCTIONS, function_from_dict
 

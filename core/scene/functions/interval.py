@@ -25,8 +25,7 @@ ENTIRE = Interval(-math.inf, math.inf)
 def outward(low: float, high: float) -> Interval:
     """The interval widened for rounding; an end that is not a number becomes infinite."""
     return Interval(
-        -math.inf if math.isnan(low) else math.nextafter(low, -math.inf),
-        math.inf if math.isnan(high) else math.nextafter(high, math.inf),
+        -math.inf if math.isnan(low) else math.nextafter(low, -math.inf), math.inf if math.isnan(high) else math.nextafter(high, math.inf)
     )
 
 

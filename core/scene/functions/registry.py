@@ -32,8 +32,6 @@ def function_from_dict(form: Mapping[str, Any], functions: Mapping[str, type[Mod
         elif key not in ("function", *_SPECTRUM_KEYS):
             raise ValueError(f"{key}: unknown parameter of function {name!r}")
     spectrum = Spectrum(
-        band_gains=tuple(form.get("band_gains", ())),
-        band_decays=tuple(form.get("band_decays", ())),
-        wave_speed=form.get("wave_speed", 0.0),
+        band_gains=tuple(form.get("band_gains", ())), band_decays=tuple(form.get("band_decays", ())), wave_speed=form.get("wave_speed", 0.0)
     )
     return cls(spectrum=spectrum, **arguments)
