@@ -34,6 +34,7 @@ class HAPTIC_OT_connect_device(Operator):
     bl_idname = "haptic.connect_device"
     bl_label = "Connect"
     bl_description = "Let listeners be felt through this device while the timeline plays"
+    bl_options = {"INTERNAL"}
 
     device: StringProperty(name="Device", description="Which one; empty for the default device of the preferences")
 
@@ -57,6 +58,7 @@ class HAPTIC_OT_disconnect_device(Operator):
     bl_idname = "haptic.disconnect_device"
     bl_label = "Disconnect"
     bl_description = "Silence the device and let go of it"
+    bl_options = {"INTERNAL"}
 
     device: StringProperty()
 
@@ -69,6 +71,7 @@ class HAPTIC_OT_copy_udev_rule(Operator):
     bl_idname = "haptic.copy_udev_rule"
     bl_label = "Copy udev Rule"
     bl_description = "Copy the line that lets you use this device; the panel says where to put it"
+    bl_options = {"INTERNAL"}
 
     device: StringProperty()
 
@@ -96,7 +99,7 @@ class HAPTIC_OT_choose_actuator(Operator):
     bl_idname = "haptic.choose_actuator"
     bl_label = "Actuator"
     bl_description = "What this listener is felt through; choose several, one after the other"
-    bl_options = UNDO
+    bl_options = {*UNDO, "INTERNAL"}
 
     listener: StringProperty()
     place: EnumProperty(items=_choices)

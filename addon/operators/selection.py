@@ -16,7 +16,7 @@ class HAPTIC_OT_select_object(Operator):
 
     bl_idname = "haptic.select_object"
     bl_label = "Select Object"
-    bl_options = UNDO
+    bl_options = {*UNDO, "INTERNAL"}
 
     name: StringProperty(name="Object", description="Name of the object", options={"SKIP_SAVE"})
     extend: BoolProperty(name="Extend", description="Keep what is selected", default=False, options={"SKIP_SAVE"})

@@ -58,6 +58,8 @@ class HAPTIC_PT_object(HapticsPanel, Panel):
         column = layout.column(align=True)
         column.prop(material or haptics, "kappa")
         column.prop(material or haptics, "rho")
+        if material is not None:  # the library's values are shared and can't be keyed
+            layout.operator("haptic.unlink_material", text="Make Own, to Key It", icon="UNLINKED")
         layout.prop(haptics, "function")
         draw_parameters(layout, haptics, haptics.kappa, haptics.rho, context.scene.haptics.epsilon)
         _draw_wave_speed(layout, haptics, material)
@@ -82,9 +84,12 @@ def _draw_material(layout: UILayout, context: Context, material: Any) -> None:
     chosen = context.object.haptics.material
     row = layout.row(align=True)
     row.use_property_split = False
-    row.prop_search(chosen, "name", context.scene.haptics.materials, "items", text="", icon="MATERIAL")
-    row.menu("HAPTIC_MT_materials", text="", icon="DOWNARROW_HLT")
-    if chosen.name:
+    if not chosen.name and not context.scene.haptics.materials.items:
+        row.menu("HAPTIC_MT_materials", text="Choose Material", icon="MATERIAL")
+    else:
+        row.prop_search(chosen, "name", context.scene.haptics.materials, "items", text="", icon="MATERIAL")
+        row.menu("HAPTIC_MT_materials", text="", icon="DOWNARROW_HLT")
+    if chosen.name and material is None:
         row.operator("haptic.unlink_material", text="", icon="UNLINKED")
     if chosen.name and material is None:
         warn(layout, "Not in this scene's library:", "it has the values it came with")

@@ -49,7 +49,7 @@ class HapticFeltProperties(PropertyGroup):
         soft_max=1.0,
     )
     frequency: FloatProperty(
-        name="Frequency",
+        name="Frequency (Hz)",
         description="Vibrations per second that this listener feels, in hertz. Written as an F-curve by Bake",
         default=0.0,
         min=0.0,

@@ -55,7 +55,7 @@ class FunctionParameters:
     """Mixin: the parameters of the functions that have some."""
 
     alpha: FloatProperty(
-        name="Alpha",
+        name="Alpha (1/m)",
         description="Attenuation per metre; 0.2 is the paper's distance-only function",
         default=0.2,
         min=0.0,

@@ -62,7 +62,7 @@ class HapticDeviceProperties(PropertyGroup):
         update=_device_changed,
     )
     offset: FloatProperty(
-        name="Latency Offset",
+        name="Latency Offset (ms)",
         description="Holds touch back, in milliseconds, where the picture is slow; below 0 brings it forward",
         default=0.0,
         min=-50.0,

@@ -15,8 +15,8 @@ def kappa(**more: Any) -> Any:
     """The property κ; ``more``: its callback and options."""
     return FloatProperty(
         name="Kappa (κ)",
-        description="The paper's transmissibility. As its function is published, only (1 - κ) ρ counts: a higher κ passes on less, "
-        "but over a longer distance; 1 passes on nothing",
+        description="A higher κ passes on less, but over a longer distance; 1 passes on nothing. The paper's transmissibility: as its "
+        "function is published, only (1 - κ) ρ counts",
         default=0.1,
         min=0.0,
         max=1.0,
@@ -30,7 +30,7 @@ def rho(**more: Any) -> Any:
     """The property ρ."""
     return FloatProperty(
         name="Rho (ρ)",
-        description="The paper's density coefficient. A higher ρ passes on more but fades faster with distance; 0 passes on nothing",
+        description="A higher ρ passes on more but fades faster with distance; 0 passes on nothing. The paper's density coefficient",
         default=0.9,
         min=0.0,
         max=1.0,

@@ -101,7 +101,7 @@ class HapticMaterial(PropertyGroup):
     use_bands: material_values.use_bands(options=set(), update=_material_changed)
     band_decays: material_values.band_decays(options=set(), update=_material_changed)
     conductivity: FloatProperty(
-        name="Conductivity",
+        name="Conductivity (W/(m·K))",
         description="How well heat is conducted, in W/(m·K): steel 50, stone 2.8, wood 0.15",
         default=1.0,
         min=0.01,

@@ -18,10 +18,10 @@ SHOWN: tuple[Modality, ...] = tuple(modality for modality in MODALITIES.values()
 
 def _property(quantity: Quantity, name: str) -> Any:
     """The property ``name`` that holds a quantity."""
-    unit = "" if quantity.unit in ("", "m") else f", in {quantity.unit}"
+    unit = "" if quantity.unit in ("", "m") else quantity.unit
     return FloatProperty(
-        name=quantity.title,
-        description=f"{quantity.description}{unit}",
+        name=f"{quantity.title} ({unit})" if unit else quantity.title,
+        description=f"{quantity.description}, in {unit}" if unit else quantity.description,
         default=quantity.default,
         min=quantity.low,
         max=quantity.high,

@@ -65,8 +65,8 @@ class HapticSceneProperties(Imported, PropertyGroup):
         update=edited("threshold"),
     )
     epsilon: FloatProperty(
-        name="Epsilon (ε)",
-        description="Least attenuation per metre of the haptic tracing function",
+        name="Epsilon (ε, 1/m)",
+        description="How much vibration fades per metre at least, also where a material would carry it any distance. The paper's ε",
         default=0.1,
         min=0.0,
         soft_max=1.0,

@@ -33,7 +33,7 @@ class HapticSourceProperties(Imported, PropertyGroup):
     )
     signal: EnumProperty(name="Signal", description="What the source emits", items=SIGNAL_ITEMS, default="SINE", update=changed)
     frequency: FloatProperty(
-        name="Frequency",
+        name="Frequency (Hz)",
         description="Vibrations or blows per second, in hertz; the skin feels 20 to 1000 Hz, best around 250 Hz",
         default=60.0,
         min=0.1,

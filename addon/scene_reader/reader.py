@@ -80,6 +80,7 @@ class SceneReader:
         self._placed: list[Source | Listener] = []
         self._settled: frozenset[str] = frozenset()
         self._imported = ImportedContacts()
+        self._instance_problems: tuple[Problem, ...] = ()
 
     def forget(self) -> None:
         """Something an author can change has changed: read everything at the next call."""
@@ -119,7 +120,7 @@ class SceneReader:
             listeners=tuple(item for item in heard if isinstance(item, Listener)),
             settings=read_settings(scene),
             contact_settings=contact_settings,
-            problems=tuple(Problem("", problem) for problem in self._imported.problems) + lists.problems,
+            problems=(*(Problem("", problem) for problem in self._imported.problems), *self._instance_problems, *lists.problems),
             settled=self._settled,
             authored=self._imported.authored(lists.homes, self._settled, contact_settings),
         )
@@ -132,6 +133,7 @@ class SceneReader:
         scales = dict(zip(tagged, rigid_transforms(raw[np.array(list(tagged), dtype=np.int64)])[1], strict=True))
         self._tagged = {row: self._read_object(row, obj, depsgraph, scales[row]) for row, obj in progress(tuple(tagged.items()))}
         self._lists = None
+        self._instance_problems = _instance_problems(depsgraph)
 
     def _read_changed(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> TaggedLists:
         """Read again what is animated, what was scaled and whose mesh changed, and where everything is now."""
@@ -198,7 +200,7 @@ class SceneReader:
             if not getattr(haptics, role).enabled:
                 continue
             if carrier is None:
-                problems.append(Problem(name, _without_carrier(role)))
+                problems.append(_without_carrier(obj, role))
             elif carrier == obj and haptic_object is None:
                 continue  # the object's own problem says it
             else:
@@ -270,8 +272,28 @@ def _is_as_imported(obj: Object, scale: FloatArray) -> bool:
     return obj.rigid_body is None and all(abs(side - 1) < 2e-5 for side in scale.tolist())
 
 
-def _without_carrier(role: str) -> str:
-    """What to do about a source or listener that is on no haptic object."""
+def _without_carrier(obj: Object, role: str) -> Problem:
+    """What to do about a source or listener that is on no haptic object; the same for all on one armature."""
+    above: Object | None = obj
+    while above is not None and above.type != "ARMATURE":
+        above = above.parent
+    if above is not None:
+        words = iface_(
+            "its listeners and sources are on no haptic object: choose its Body in the panel Haptic Object, and make that haptic"
+        )
+        return Problem(above.name_full, words)
     if role == "source":
-        return iface_("This source is on no haptic object: make it haptic, or parent it to a haptic object")
-    return iface_("This listener is on no haptic object: make it haptic, or parent it to a haptic object")
+        return Problem(obj.name_full, iface_("This source is on no haptic object: make it haptic, or parent it to a haptic object"))
+    return Problem(obj.name_full, iface_("This listener is on no haptic object: make it haptic, or parent it to a haptic object"))
+
+
+def _instance_problems(depsgraph: Depsgraph) -> tuple[Problem, ...]:
+    """That haptic objects inside collection instances don't count, and what to do."""
+    words = iface_("the haptic objects of its collection don't count here: Object > Apply > Make Instances Real")
+    return tuple(
+        Problem(obj.name_full, words)
+        for obj in depsgraph.view_layer.objects
+        if obj.instance_type == "COLLECTION"
+        and obj.instance_collection is not None
+        and any(map(is_tagged, obj.instance_collection.all_objects))
+    )

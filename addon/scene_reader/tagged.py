@@ -70,5 +70,5 @@ class TaggedLists:
             bodies=alone,
             places=tuple(item for _, item in places),
             homes=before.homes if before is not None and homed else Homes.of(names, poses),
-            problems=tuple(problem for t in tagged for problem in t.problems),
+            problems=tuple(dict.fromkeys(problem for t in tagged for problem in t.problems)),
         )

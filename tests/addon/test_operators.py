@@ -87,3 +87,11 @@ def test_trace_frame_says_when_nothing_is_tagged(add_box):
     assert bpy.ops.haptic.trace_frame() == {"CANCELLED"}
     add_box("box", (0, 0, 0), (1, 1, 1))
     assert bpy.ops.haptic.trace_frame() == {"FINISHED"}
+
+
+@pytest.mark.parametrize(
+    "name", ["select_object", "connect_device", "disconnect_device", "copy_udev_rule", "choose_actuator", "cancel_tracing"]
+)
+def test_search_finds_no_operator_that_only_its_button_can_use(name):
+    operator = getattr(bpy.types, f"HAPTIC_OT_{name}")
+    assert "INTERNAL" in operator.bl_options

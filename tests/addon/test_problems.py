@@ -143,3 +143,28 @@ def test_an_object_without_bounds_stops_only_itself_and_is_named(add_box, add_em
         assert result.gains == pytest.approx(before)
         assert result.objects == ("first", "second")
         assert [(item.object, "10,000 km" in item.message) for item in session.problems_of(scene)] == [("huge", True)]
+
+
+def test_listeners_of_an_armature_without_a_body_are_one_problem(sound, scene, add_empty, traced):
+    rig = bpy.data.objects.new("rig", bpy.data.armatures.new("rig"))
+    scene.collection.objects.link(rig)
+    for number in range(10):
+        add_empty(f"place {number}", (0, 0, number), rig).haptics.listener.enabled = True
+    _goes_on(traced())
+    (problem,) = session.problems_of(scene)
+    assert problem.object == "rig" and "choose its Body" in problem.message
+
+
+def test_a_collection_instance_with_haptic_objects_is_named(sound, scene, add_box, add_empty, traced):
+    collection, box = bpy.data.collections.new("crates"), add_box("crate", (0, 0, 0), (1, 1, 1))
+    scene.collection.objects.unlink(box)
+    collection.objects.link(box)
+    instance = add_empty("crates here")
+    instance.instance_type, instance.instance_collection = "COLLECTION", collection
+    _goes_on(traced())
+    (problem,) = session.problems_of(scene)
+    assert problem.object == "crates here" and "Make Instances Real" in problem.message
+    box.haptics.enabled = False
+    bpy.context.view_layer.update()
+    traced()
+    assert session.problems_of(scene) == ()

@@ -16,10 +16,13 @@ def json_pointer(parts: Iterable[str | int]) -> str:
 
 
 class FormatError(ValueError):
-    """``FILE: /json/pointer: reason``. ``pointer`` is a JSON pointer, or a place such as ``byte 12`` in a file that is not JSON."""
+    """``FILE: /json/pointer: reason``, without the pointer where it is the whole document.
+
+    ``pointer`` is a JSON pointer, or a place such as ``byte 12`` in a file that is not JSON.
+    """
 
     def __init__(self, file: str | Path, pointer: str, reason: str) -> None:
-        text = f"{file}: {pointer}: {reason}"
+        text = f"{file}: {reason}" if pointer == "/" else f"{file}: {pointer}: {reason}"
         super().__init__("".join(c if c.isprintable() else repr(c)[1:-1] for c in text))
         self.file = str(file)
         self.pointer = pointer

@@ -172,7 +172,7 @@ def test_a_zip_bomb_is_not_unpacked(tmp_path):
         for _ in range(40):
             file.write(b" " * (16 << 20))
     assert path.stat().st_size < 1 << 20
-    with pytest.raises(FormatError, match=r"bomb\.json\.gz: /: larger than 256 MiB"):
+    with pytest.raises(FormatError, match=r"bomb\.json\.gz: larger than 256 MiB"):
         read_scene(path)
 
 
