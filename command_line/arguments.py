@@ -119,6 +119,9 @@ def _study(parser: Parser) -> None:
     parser.add_argument("--out", default="out/study", type=Path, metavar="FOLDER", help="where the results are written (out/study)")
     parser.add_argument("--frames", type=_frame_range, metavar="FIRST:LAST", help="only these frames, counted from 1 (all 3,600)")
     parser.add_argument("--pictures", type=int, default=3, metavar="N", help="pictures of the ride in each section (3)")
+    parser.add_argument(
+        "--sensitivity", action="store_true", help="render with other values and strategies as well, and say what still holds"
+    )
     parser.add_argument("--no-tracks", action="store_true", help="write no WAV files")
 
 

@@ -15,6 +15,7 @@ from ..study import baking, plots
 from ..study.checks import Check, checks_of
 from ..study.rendition import Ride
 from ..study.report import write_numbers, write_report
+from ..study.sensitivity import variations
 from .trace import start_blender
 
 NAME = "mine_ride"
@@ -31,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
     args.out.mkdir(parents=True, exist_ok=True)
     notes = []
     with tqdm(total=last - first + 1, desc="Tracing", unit="frame") as bar:
-        ride = baking.bake_ride(scene, first, last, lambda frame: bar.update())
+        ride, varied = baking.bake_ride(scene, first, last, lambda frame: bar.update(), variations() if args.sensitivity else ())
     checks = checks_of(ride)
     pictures = {}
     if args.pictures > 0 and starts_gpu():
@@ -46,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
     written = [] if args.no_tracks else _write_tracks(args.out, ride)
     written += [args.out / "study.json", args.out / "report.html"]
     write_numbers(written[-2], ride, checks)
-    write_report(written[-1], ride, checks, figures, pictures, notes)
+    write_report(written[-1], ride, checks, figures, pictures, notes, varied)
     print_checks(checks)
     for note in notes:
         print(note)

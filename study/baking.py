@@ -26,6 +26,7 @@ from ..core.scene.values import Mode, Settings, Source
 from ..core.signals import DEFAULT_IMPACT, Signal
 from ..sample_scenes.mine_ride import SECTIONS
 from .rendition import MODES, Rendition, Ride, Sounding
+from .sensitivity import Variation, VariedGraph
 
 RUN_UP = 8
 """Frames traced before one that is drawn."""
@@ -59,13 +60,38 @@ class ModeRendering:
         )
 
 
+class _Varied:
+    """The ride's HT rendering under a variation."""
+
+    def __init__(self, variation: Variation) -> None:
+        self.variation = variation
+        self._graphs = VariedGraph(variation)
+        self._rendering = ModeRendering(Mode.HT)
+        self._levels = _Levels()
+        self._soundings: list[Sounding] = []
+
+    def add(self, results: dict[Mode, FrameResult], settings: Settings) -> None:
+        """Add a frame, given its results in all modes."""
+        traced = results[Mode.HT]
+        result = self._rendering.of(replace(traced, graph=self._graphs.of(traced.graph)), self.variation.settings(settings))
+        self._levels.add(result)
+        self._soundings += _soundings({**results, Mode.HT: result})
+
+    def ride(self, own: Ride) -> Ride:
+        """``own`` with the levels and gains of this rendering; its tracks stay those of the ride itself."""
+        rms, peak = self._levels.arrays()
+        rendition = replace(own.renditions[Mode.HT], rms=rms, peak=peak)
+        return replace(own, renditions={**own.renditions, Mode.HT: rendition}, soundings=tuple(self._soundings))
+
+
 def bake_ride(
     scene: Scene,
     first: int,
     last: int,
     progress: Callable[[int], None] = lambda frame: None,
-) -> Ride:
-    """Trace the frames ``first`` to ``last`` of the mine ride and render each in `MODES`.
+    variations: Sequence[Variation] = (),
+) -> tuple[Ride, tuple[tuple[Variation, Ride], ...]]:
+    """Trace the frames ``first`` to ``last`` of the mine ride and render each in `MODES`, and in HT under each variation.
 
     ``progress`` is called with the number of every frame. Raises ValueError where a frame can't be traced.
     """
@@ -73,6 +99,7 @@ def bake_ride(
     scene.rigidbody_world.enabled = False  # everything moves by keys: there is nothing to simulate
     renderings = {mode: ModeRendering(mode) for mode in MODES[1:]}
     recorders = {mode: _ModeRecorder() for mode in MODES}
+    varied = [_Varied(variation) for variation in variations]
     soundings: list[Sounding] = []
     frames: list[int] = []
     positions = np.zeros((0, 3))
@@ -86,12 +113,14 @@ def bake_ride(
             for mode, result in results.items():
                 recorders[mode].add(result)
             soundings += _soundings(results)
+            for one in varied:
+                one.add(results, reading.settings)
             if not frames:
                 listeners = tuple(item.body_part or item.name for item in traced.listeners)
                 positions = np.array([item.position for item in traced.listeners], dtype=np.float64).reshape(-1, 3)
             frames.append(traced.number)
             progress(traced.number)
-    return Ride(
+    ride = Ride(
         frames=np.array(frames, dtype=np.int64),
         frame_rate=scene.render.fps / scene.render.fps_base,
         listeners=listeners,
@@ -103,8 +132,9 @@ def bake_ride(
             for section in SECTIONS
             if section.first <= last and section.last >= first
         ),
-        largest_difference={mode: recorder.largest_difference for mode, recorder in recorders.items()},
+        largest_difference={mode: recorder.levels.largest_difference for mode, recorder in recorders.items()},
     )
+    return ride, tuple((one.variation, one.ride(ride)) for one in varied)
 
 
 def lively_frames(ride: Ride, count: int) -> list[int]:
@@ -133,17 +163,15 @@ def draw_frames(scene: Scene, frames: Sequence[int], size: tuple[int, int] = (48
     return pictures
 
 
-class _ModeRecorder:
-    """Collects the levels and samples of one mode."""
+class _Levels:
+    """Collects the levels of frames. ``largest_difference``: between two listeners' samples at any time."""
 
     def __init__(self) -> None:
-        self._tracks = TrackRecorder()
         self._rms: list[FloatArray] = []
         self._peak: list[FloatArray] = []
         self.largest_difference = 0.0
 
     def add(self, result: FrameResult) -> None:
-        self._tracks.add(result)
         block = result.block if result.block is not None else np.zeros((len(result.listeners), 0))
         if block.shape[1]:
             self._rms.append(np.sqrt((block**2).mean(axis=1)))
@@ -153,8 +181,24 @@ class _ModeRecorder:
             self._rms.append(np.zeros(len(block)))
             self._peak.append(np.zeros(len(block)))
 
+    def arrays(self) -> tuple[FloatArray, FloatArray]:
+        """RMS and peak (f, l)."""
+        return np.array(self._rms), np.array(self._peak)
+
+
+class _ModeRecorder:
+    """Collects the levels and samples of one mode."""
+
+    def __init__(self) -> None:
+        self._tracks = TrackRecorder()
+        self.levels = _Levels()
+
+    def add(self, result: FrameResult) -> None:
+        self._tracks.add(result)
+        self.levels.add(result)
+
     def rendition(self, mode: Mode) -> Rendition:
-        return Rendition(mode, np.array(self._rms), np.array(self._peak), self._tracks.tracks())
+        return Rendition(mode, *self.levels.arrays(), self._tracks.tracks())
 
 
 def _soundings(results: dict[Mode, FrameResult]) -> list[Sounding]:

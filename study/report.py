@@ -13,9 +13,10 @@ import numpy as np
 
 from ..core.formats.io.atomic import write_bytes
 from .body_map import body_map, shade_numbers, shades
-from .checks import Check
+from .checks import FINDINGS, LIMITS, Check, measured_checks
 from .measures import active_count, dynamic_range, patterns, spatial_spread, variety
 from .rendition import MODES, TITLES, Ride
+from .sensitivity import TUNED, Variation
 
 MEASURES = ("active", "most active", "spread [m]", "range [dB]", "variety [bits]", "patterns [bits]")
 
@@ -51,7 +52,10 @@ def write_numbers(path: Path, ride: Ride, checks: Sequence[Check]) -> None:
         "frames": [int(ride.frames[0]), int(ride.frames[-1])],
         "frame_rate": ride.frame_rate,
         "listeners": list(ride.listeners),
-        "checks": [{"name": c.name, "statement": c.statement, "measured": c.measured, "holds": c.holds} for c in checks],
+        "checks": [
+            {"name": c.name, "by_definition": c.by_definition, "statement": c.statement, "measured": c.measured, "holds": c.holds}
+            for c in checks
+        ],
         "measures": measures_of(ride),
         "impacts": [
             {
@@ -74,16 +78,26 @@ def write_report(
     figures: Sequence[tuple[str, str, bytes]],
     pictures: Mapping[int, bytes],
     notes: Sequence[str] = (),
+    varied: Sequence[tuple[Variation, Ride]] = (),
 ) -> None:
-    """Write the report. ``figures``: title, caption and PNG; ``pictures``: PNG by frame; ``notes``: what is missing, and why."""
+    """Write the report. ``figures``: title, caption and PNG; ``pictures``: PNG by frame; ``notes``: what is missing, and why; ``varied``:
+    the ride under variations."""
     body = [
         "<h1>The study's ride, rendered in four ways</h1>",
         f"<p>Frames {ride.frames[0]} to {ride.frames[-1]} of the mine ride ({len(ride.frames) / ride.frame_rate:.1f} s). "
         "Contacts, impacts and sources are the same in all four; what differs is how they reach the ten actuators.</p>",
         f"<dl class=modes>{''.join(f'<dt>{mode}</dt><dd>{escape(TITLES[mode])}</dd>' for mode in MODES)}</dl>",
         *(f"<p class=note>{escape(note)}</p>" for note in notes),
-        "<h2>What the paper says of them, by number</h2>",
-        _checks_table(checks),
+        "<h2>By definition: the modes do what they should</h2>",
+        _checks_table([check for check in checks if check.by_definition]),
+        "<h2>By measurement: what differs between them</h2>",
+        _checks_table([check for check in checks if not check.by_definition]),
+        "<h2>Not reproducible here: what people said</h2>",
+        "<p>The paper's results are ratings by 40 people. No rendering can compute them; they stand here as published.</p>",
+        _pairs_table(("", "The paper"), FINDINGS),
+        "<h2>Limits</h2>",
+        f"<ul>{''.join(f'<li>{escape(limit)}</li>' for limit in LIMITS)}</ul>",
+        *_sensitivity(ride, varied),
         "<h2>The ride</h2>",
         _player(ride, pictures),
         "<h2>Moments</h2>",
@@ -105,6 +119,45 @@ def _checks_table(checks: Sequence[Check]) -> str:
     sign = {True: "<td class=yes>holds", False: "<td class=no>does not hold", None: "<td>no data"}
     rows = (f"<tr>{sign[c.holds]}<td><b>{escape(c.name)}</b><td>{escape(c.statement)}<td>{escape(c.measured)}</tr>" for c in checks)
     return f"<table><tr><th><th><th>Statement<th>Measured</tr>{''.join(rows)}</table>"
+
+
+def _pairs_table(heads: tuple[str, str], rows: Sequence[tuple[str, str]]) -> str:
+    lines = (f"<tr><td><b>{escape(one)}</b><td>{escape(other)}</tr>" for one, other in rows)
+    return f"<table><tr><th>{escape(heads[0])}<th>{escape(heads[1])}</tr>{''.join(lines)}</table>"
+
+
+def _sensitivity(ride: Ride, varied: Sequence[tuple[Variation, Ride]]) -> list[str]:
+    """The tuned values with their reasons, the checks by measurement under each variation, and levels by strategy."""
+    if not varied:
+        return []
+    names = [check.name for check in measured_checks(ride)]
+    sign = {True: "<td class=yes>yes", False: "<td class=no>no", None: "<td>-"}
+    lines = []
+    for one, label, other in [("as it is", "", ride), *((variation.name, variation.label, changed) for variation, changed in varied)]:
+        cells = "".join(sign[check.holds] for check in measured_checks(other))
+        lines.append(f"<tr><td>{escape(one)}<td>{escape(label)}{cells}</tr>")
+    heads = "".join(f"<th>{escape(name)}" for name in names)
+    chosen = [(f"{tuned.name}: {tuned.decay:g}/m", tuned.reason) for tuned in TUNED]
+    return [
+        "<h2>Sensitivity</h2>",
+        "<p>Decays that were tuned for this ride, and what each was chosen for:</p>",
+        _pairs_table(("Value", "Reason"), chosen),
+        "<p>Which checks by measurement hold with half or double of one, with the paper's function in its place, and by strategy:</p>",
+        f"<table class=numbers><tr><th>Varied<th>To{heads}</tr>{''.join(lines)}</table>",
+        "<p>Levels at the listeners over the whole range in decibels of full scale:</p>",
+        _levels_table(ride, varied),
+    ]
+
+
+def _levels_table(ride: Ride, varied: Sequence[tuple[Variation, Ride]]) -> str:
+    rows = [("as in the paper", ride), *((variation.label, other) for variation, other in varied if variation.strategy is not None)]
+    lines = []
+    for label, other in rows:
+        with np.errstate(divide="ignore"):
+            levels = 10 * np.log10((other.renditions[MODES[0]].rms ** 2).mean(axis=0))
+        lines.append(f"<tr><td>{escape(label)}{''.join(f'<td>{level:.1f}' for level in levels)}</tr>")
+    heads = "".join(f"<th>{escape(name)}" for name in ride.listeners)
+    return f"<table class=numbers><tr><th>Strategy{heads}</tr>{''.join(lines)}</table>"
 
 
 def _measures_table(ride: Ride) -> str:

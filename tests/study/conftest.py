@@ -39,7 +39,7 @@ def bake(mine_ride: Any) -> Callable[[int, int], Any]:
 
     def baked(first: int, last: int) -> Any:
         if (first, last) not in done:
-            done[first, last] = bake_ride(mine_ride, first, last)
+            done[first, last], _ = bake_ride(mine_ride, first, last)
         return done[first, last]
 
     return baked

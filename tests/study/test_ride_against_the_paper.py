@@ -17,7 +17,8 @@ WALLS = (wall_frame(2) - 20, wall_frame(6) + 20)  # the last of stone, all of wo
 @pytest.mark.parametrize("frames", [STALACTITES, BRIDGE, SHOCK_WAVE, WALLS], ids=["stalactites", "bridge", "shock wave", "walls"])
 def test_every_check_that_these_frames_have_data_for_holds(bake, frames):
     found = {check.name: check for check in checks.checks_of(bake(*frames))}
-    assert [check.measured for check in found.values() if check.holds is False] == []
+    of_sections = {name for name in found if name.endswith((": a pattern", ": more range"))}  # shown whatever they say
+    assert [check.measured for name, check in found.items() if check.holds is False and name not in of_sections] == []
     always = ("SD: one at a time", "SD: the nearest", "MN: all alike", "MD: by distance only")
     assert all(found[name].holds for name in always)
 
