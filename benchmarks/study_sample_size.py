@@ -26,10 +26,10 @@ def ratings(generator: np.random.Generator, people: int, spacing: float) -> np.n
     return np.clip(np.rint(means + level + generator.normal(0, 1.2, (people, CONDITIONS))), 1, STEPS)
 
 
-def concordance(spacing: float) -> float:
-    """Kendall's W of very many people."""
+def excess(spacing: float, effect: float) -> float:
+    """By how much Kendall's W of very many people is above ``effect``."""
     many = ratings(np.random.default_rng(1), 20_000, spacing)
-    return float(friedmanchisquare(*many.T).statistic / (len(many) * (CONDITIONS - 1)))
+    return float(friedmanchisquare(*many.T).statistic / (len(many) * (CONDITIONS - 1))) - effect
 
 
 def power(people: int, spacing: float) -> tuple[float, float]:
@@ -47,7 +47,7 @@ def power(people: int, spacing: float) -> tuple[float, float]:
 def main() -> None:
     for name, statistic in PUBLISHED.items():
         effect = statistic / (PEOPLE * (CONDITIONS - 1))
-        spacing = brentq(lambda s: concordance(s) - effect, 0.0, 2.0, xtol=1e-3)
+        spacing = brentq(excess, 0.0, 2.0, args=(effect,), xtol=1e-3)
         print(f"{name}: W = {effect:.3f}, neighbouring conditions {spacing:.2f} steps apart")
         for people in (12, 16, 20, 24, 32, 40, 60, 80):
             f, w = power(people, spacing)
