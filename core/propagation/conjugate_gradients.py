@@ -11,7 +11,7 @@ neither on the other columns, nor on earlier frames, nor on the number of thread
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +27,7 @@ FIRST_CHECK, CHECKED = 9, 3
 SMALLEST = 1e-300
 """Added to what is divided by: a column that is solved exactly then stays as it is."""
 
-EPSILON = 16 * float(np.finfo(np.float64).eps)
+EPSILON = 64 * float(np.finfo(np.float64).eps)
 """Relative rounding error of one row of a product."""
 
 
@@ -40,6 +40,7 @@ class PowerBalance:
         leak: (k, n) couplings to what is held at energy 0.
         row, column: (c,) subsystems of each coupling, both directions present, sorted by row.
         coupling: (k, c) C >= 0.
+        blocks: couplings (k, r, r) among all of r subsystems that follow each other, and the first of these; 0 in the diagonal.
     """
 
     damping: FloatArray
@@ -47,6 +48,16 @@ class PowerBalance:
     row: IntArray
     column: IntArray
     coupling: FloatArray
+    blocks: Sequence[tuple[int, FloatArray]] = ()
+
+    def diagonal(self) -> FloatArray:
+        """(k, n) what a subsystem loses by each unit of its energy."""
+        count = self.damping.shape[1]
+        coupled = [np.bincount(self.row, weights=coupling, minlength=count) for coupling in self.coupling]
+        diagonal = self.damping + self.leak + np.array(coupled).reshape(self.damping.shape)
+        for begin, block in self.blocks:
+            diagonal[:, begin : begin + block.shape[1]] += block.sum(axis=2)
+        return np.asarray(diagonal)
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,8 +148,8 @@ class _Matrix:
         place = np.arange(entries) + balance.row + 1  # a row's couplings come after its diagonal and those of the rows before
         column = np.empty(entries + count, dtype=np.int64)
         column[first], column[place] = np.arange(count), balance.column
-        coupled = [np.bincount(balance.row, weights=coupling, minlength=count) for coupling in balance.coupling]
-        diagonal = balance.damping + balance.leak + np.array(coupled).reshape(systems, count)
+        diagonal = balance.diagonal()
+        self._blocks = balance.blocks
         self._system_values = np.empty((systems, entries + count))
         self._system_values[:, first], self._system_values[:, place] = diagonal, -balance.coupling
         self._system = np.arange(systems).repeat(columns)
@@ -151,7 +162,8 @@ class _Matrix:
 
     def keep(self, blocks: IntArray) -> None:
         """From now on multiply the vectors of these blocks."""
-        self._values = self._system_values[self._system[blocks]].reshape(-1)
+        self._kept = self._system[blocks].tolist()
+        self._values = self._system_values[self._kept].reshape(-1)
         self._terms = np.empty_like(self._values)
 
     def times(self, vectors: FloatArray) -> FloatArray:
@@ -161,4 +173,9 @@ class _Matrix:
             return vectors.copy()
         vectors.reshape(-1).take(self._columns[:size], out=self._terms, mode="clip")
         self._terms *= self._values
-        return np.add.reduceat(self._terms, self._firsts[: vectors.size]).reshape(vectors.shape)
+        result = np.add.reduceat(self._terms, self._firsts[: vectors.size]).reshape(vectors.shape)
+        for begin, block in self._blocks:
+            part = slice(begin, begin + block.shape[1])
+            for number, system in enumerate(self._kept):  # no BLAS, and one by one: the same bits for any threads and other columns
+                result[number, part] -= np.einsum("ij,j->i", block[system], vectors[number, part])
+        return np.asarray(result)

@@ -42,6 +42,9 @@ UNDERFLOW = 1e-280
 TINIEST = 1e-140
 """Least bound on the error of an amplitude that is not known to be 0."""
 
+DENSE = 40
+"""Objects with at least this many regions have their couplings as a matrix."""
+
 STRAIGHTEST = 4
 """Power of the energy that arrives by which the regions about a source or listener share it: the nearest has most of it."""
 
@@ -144,8 +147,7 @@ class _Assembly:
         self._passes = through > 0
         self._decay = 1.0 / np.where(self._passes, through, 1.0)
         self._balance = self._equations()
-        coupled = [np.bincount(self._balance.row, weights=c, minlength=len(self._parts.mass)) for c in self._balance.coupling]
-        self._total = self._balance.damping + self._balance.leak + np.array(coupled)
+        self._total = self._balance.diagonal()
         self._ends = self._attached(here), self._attached(there)
 
     def _squares(self, index: IntArray, distance: FloatArray) -> FloatArray:
@@ -169,7 +171,7 @@ class _Assembly:
         """Dampings and couplings. A subsystem that lets nothing through takes up energy and has none."""
         parts = self._parts
         one, other, value = self._contact_couplings()
-        within, among, through = self._region_couplings()
+        within, among, through, dense = self._region_couplings()
         row = np.concatenate([one, other, within])
         column = np.concatenate([other, one, among])
         coupling = np.concatenate([value, value, through], axis=1)
@@ -182,8 +184,14 @@ class _Assembly:
         region, _, value, _ = self._border_part
         if len(region):
             leak += np.array([np.bincount(region, weights=v, minlength=count) for v in value])
+        leak = leak.reshape(self._lanes, count)
         coupling[blocked | ~self._passes[:, row]] = 0.0
-        return PowerBalance(parts.mass * self._decay, leak.reshape(self._lanes, count), row, column, coupling)
+        for begin, block in dense:
+            part = slice(begin, begin + block.shape[1])
+            passes = self._passes[:, part]
+            leak[:, part] += (block * ~passes[:, None]).sum(axis=2)
+            block *= passes[:, None] & passes[:, :, None]
+        return PowerBalance(parts.mass * self._decay, leak, row, column, coupling, dense)
 
     def _contact_couplings(self) -> tuple[IntArray, IntArray, FloatArray]:
         """Couplings by contacts: subsystems on either side, and values (lanes, c)."""
@@ -213,21 +221,28 @@ class _Assembly:
         beyond = graph.node_object[self._border[~inside]][which]
         return parts.region[place], beyond, self._contact_squares(nodes)[:, which] * parts.weight[place], parts.weight[place]
 
-    def _region_couplings(self) -> tuple[IntArray, IntArray, FloatArray]:
-        """Couplings between the regions of an object, both directions."""
+    def _region_couplings(self) -> tuple[IntArray, IntArray, FloatArray, list[tuple[int, FloatArray]]]:
+        """Couplings between the regions of an object, both directions; of objects with many regions as blocks of `PowerBalance`."""
         parts = self._parts
-        new = np.diff(parts.of_object, prepend=-1) != 0
-        begin = np.flatnonzero(new)
+        loss = parts.mass * self._decay
+        begin = np.flatnonzero(np.diff(parts.of_object, prepend=-1))
         size = np.diff(np.append(begin, len(parts.of_object)))
-        several = size > 1
-        begin, size = begin[several], size[several]
+        blocks = []
+        for first, count in zip(begin[size >= DENSE].tolist(), size[size >= DENSE].tolist(), strict=True):
+            part = slice(first, first + count)
+            apart = distances(parts.centre[part, None], parts.centre[part])
+            value = self._squares(parts.of_object[part].repeat(count), apart.reshape(-1)).reshape(-1, count, count)
+            value *= (loss[:, part, None] * loss[:, None, part]) * ~np.eye(count, dtype=np.bool_)
+            blocks.append((first, value))
+        few = (size > 1) & (size < DENSE)
+        begin, size = begin[few], size[few]
         rows = np.arange(size.sum()) + (begin - size.cumsum() + size).repeat(size)
         each = size.repeat(size)
         a = rows.repeat(each)
         b = np.arange(len(a)) + (begin.repeat(size) - each.cumsum() + each).repeat(each)
         a, b = a[a != b], b[a != b]
         value = self._squares(parts.of_object[a], distances(parts.centre[a], parts.centre[b]))
-        return a, b, value * (parts.mass * self._decay)[:, a] * (parts.mass * self._decay)[:, b]
+        return a, b, value * loss[:, a] * loss[:, b], blocks
 
     def _attached(self, ends: _Ends) -> _Attachments:
         """The ends and the subsystems of their objects: nearest ones, by the energy that gets there, have the largest shares."""

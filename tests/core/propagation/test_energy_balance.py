@@ -79,9 +79,10 @@ def test_parts_that_do_not_touch_and_objects_that_block():
 
 @pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True)
-@given(SEEDS, st.floats(0.3, 20), st.booleans())
-def test_within_its_bound_of_the_definition(seed, size, shaped):
-    """The documented equations once more in plain loops, with large objects in regions; 0 exactly where nothing arrives."""
+@given(SEEDS, st.floats(0.3, 20), st.booleans(), st.sampled_from([2, energy_balance.DENSE]))
+def test_within_its_bound_of_the_definition(seed, size, shaped, dense):
+    """The documented equations once more in plain loops, with large objects in regions, whose couplings are a matrix from ``dense`` of them
+    on; 0 exactly where nothing arrives."""
     scene = connected_scene(seed, (*METRIC, *OTHER), size=size, refined=True, extra=4)
     if shaped:
         random = np.random.default_rng(seed)
@@ -89,7 +90,9 @@ def test_within_its_bound_of_the_definition(seed, size, shaped):
         objects = tuple(dataclasses.replace(item, shape=Box(tuple(random.uniform(0.1, size, 3))), pose=pose) for item in scene.objects)
         scene = dataclasses.replace(scene, objects=objects)
     graph = graph_of_scene(scene)
-    result = propagate(graph, CHOSEN)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(energy_balance, "DENSE", dense)
+        result = propagate(graph, CHOSEN)
     for column in range(len(graph.listeners)):
         exact = energy_gain(graph, 0, column)
         found, error = result.gain[0, column], result.error_bound[0, column]
@@ -99,19 +102,24 @@ def test_within_its_bound_of_the_definition(seed, size, shaped):
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)
-@given(SEEDS, st.integers(1, 60), st.floats(0.5, 1000), st.sampled_from([1e-2, 1e-6, 1e-12]))
-def test_conjugate_gradients_within_their_bound(seed, count, strongest, wanted):
-    """Against LAPACK: certified errors, energy conserved but for what leaks, no energy above what is put in, reciprocity."""
+@given(SEEDS, st.integers(1, 60), st.floats(0.5, 1000), st.sampled_from([1e-2, 1e-6, 1e-12]), st.booleans())
+def test_conjugate_gradients_within_their_bound(seed, count, strongest, wanted, dense):
+    """Against LAPACK: certified errors, energy conserved but for what leaks, no energy above what is put in, reciprocity; also where the
+    couplings among the middle half are given as a matrix."""
     random = np.random.default_rng(seed)
     matrix = np.triu(random.uniform(0, strongest, (count, count)) * (random.uniform(size=(count, count)) < 0.3), 1)
     matrix = matrix + matrix.T
-    row, column = np.nonzero(matrix)
+    part = slice(count // 4, count // 4 + count // 2) if dense else slice(0, 0)
+    sparse = matrix.copy()
+    sparse[part, part] = 0.0
+    blocks = [(part.start, np.stack([matrix[part, part], 0.5 * matrix[part, part]]))] if dense else []
+    row, column = np.nonzero(sparse)
     damping, leak = random.uniform(1, 5, (2, count)), random.uniform(0, 1, (2, count)) * (random.uniform(size=count) < 0.2)
     coupling = np.stack([matrix[row, column], 0.5 * matrix[row, column]])
     power = np.broadcast_to(np.eye(count)[None], (2, count, count)).copy()
-    found = solve(PowerBalance(damping, leak, row, column, coupling), power, lambda energy: np.full(energy.shape[:2], wanted))
-    for system, part in enumerate((1.0, 0.5)):
-        full = np.diag(damping[system] + leak[system] + part * matrix.sum(axis=1)) - part * matrix
+    found = solve(PowerBalance(damping, leak, row, column, coupling, blocks), power, lambda energy: np.full(energy.shape[:2], wanted))
+    for system, factor in enumerate((1.0, 0.5)):
+        full = np.diag(damping[system] + leak[system] + factor * matrix.sum(axis=1)) - factor * matrix
         exact = np.linalg.solve(full, power[system])
         doubt = found.doubt[system]
         assert np.all(np.abs(found.energy[system] - exact) <= doubt[:, None] + 1e-14)
@@ -129,7 +137,8 @@ def test_columns_do_not_depend_on_each_other():
     column = random.integers(0, count, 900)
     both = np.unique(np.concatenate([np.column_stack([row, column]), np.column_stack([column, row])]), axis=0)
     both = both[both[:, 0] != both[:, 1]]
-    balance = PowerBalance(np.ones((1, count)), np.zeros((1, count)), both[:, 0], both[:, 1], np.full((1, len(both)), 0.7))
+    block = 0.01 * (np.ones((1, 60, 60)) - np.eye(60))
+    balance = PowerBalance(np.ones((1, count)), np.zeros((1, count)), both[:, 0], both[:, 1], np.full((1, len(both)), 0.7), [(30, block)])
     power = np.zeros((1, 3, count))
     power[0, [0, 1, 2], [5, 50, 150]] = 1.0
     goals = np.array([1e-3, 1e-13, 1e-7])
