@@ -241,6 +241,8 @@ class Mesh(Shape):
         triangles = np.array(self.triangles)
         if triangles.size == 0:
             raise ValueError("triangles: there are none")
+        if triangles.dtype.kind == "f" and (triangles == np.rint(triangles)).all():  # 3.0 is an integer in JSON Schema
+            triangles = triangles.astype(np.int64)
         if triangles.ndim != 2 or triangles.shape[1] != 3 or triangles.dtype.kind not in "iu":
             raise ValueError("triangles: expected a list of three indices each")
         if len(triangles) > MAX_TRIANGLES:

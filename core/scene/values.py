@@ -24,8 +24,9 @@ Quaternion = tuple[float, float, float, float]
 
 
 def _finite_vector(key: str, value: Iterable[float], length: int = 3) -> tuple[float, ...]:
-    vector = tuple(float(v) for v in value)
-    if len(vector) != length or not all(math.isfinite(v) for v in vector):
+    vector = tuple(map(float, value))
+    # The sum is finite only where all terms are, and large terms that overflow it are rare.
+    if len(vector) != length or not (math.isfinite(sum(vector)) or all(map(math.isfinite, vector))):
         raise ValueError(f"{key}: expected {length} finite numbers, got {vector!r}")
     return vector
 
@@ -68,8 +69,10 @@ class Settings:
     def __post_init__(self) -> None:
         object.__setattr__(self, "mode", Mode(self.mode))
         object.__setattr__(self, "strategy", Strategy(self.strategy))
-        if self.max_connections is not None and self.max_connections < 0:
-            raise ValueError(f"max_connections: must be 0 or more, or None, got {self.max_connections!r}")
+        if self.max_connections is not None:
+            if self.max_connections < 0:
+                raise ValueError(f"max_connections: must be 0 or more, or None, got {self.max_connections!r}")
+            object.__setattr__(self, "max_connections", int(self.max_connections))
         for key in ("threshold", "localise"):
             _unit_interval(key, getattr(self, key))
         for key in ("epsilon", "tolerance"):
@@ -122,6 +125,9 @@ class HapticObject:
             raise ValueError(f"mass: must be finite and >= 0 kg, got {self.mass!r}")
 
 
+_IDENTITY = Identity()  # one for all contacts: recordings have hundreds of thousands
+
+
 @dataclass(frozen=True, slots=True)
 class Contact:
     """Two touching objects: one contact node on each, ``positions[k]`` on ``objects[k]`` (world, metres).
@@ -132,7 +138,7 @@ class Contact:
 
     objects: tuple[str, str]
     positions: tuple[Vector, Vector]
-    transmission: ModulationFunction = field(default_factory=Identity)
+    transmission: ModulationFunction = _IDENTITY
     area: float = 0.0
     normal: Vector = (0.0, 0.0, 1.0)
     depth: float = 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from numbers import Integral, Real
+from typing import cast
 
 MAX_PEAK = 1e6
 """Largest amplitude that a signal may reach."""
@@ -30,9 +31,10 @@ def checked_number(name: str, value: object, low: float, high: float) -> float:
 
 def checked_integer(name: str, value: object, low: int, high: int) -> int:
     """Return `value` as an int within [low, high]. Raise ValueError that names `name` otherwise."""
-    if isinstance(value, bool) or not isinstance(value, Integral):
+    whole = value.is_integer() if isinstance(value, float) else isinstance(value, Integral) and not isinstance(value, bool)
+    if not whole:
         raise ValueError(f"{name}: must be a whole number, not {type(value).__name__}")
-    number = int(value)
+    number = int(cast(float, value))
     if not low <= number <= high:
         raise ValueError(f"{name}: must be from {low} to {high}")
     return number

@@ -91,9 +91,30 @@ def _validator(schema: str) -> Callable[[Any], Any]:
     import fastjsonschema
 
     # The schemas use only keywords with the same meaning in draft 2020-12 and in draft 7, which the validator implements.
-    definition = load_schema(schema) | {"$schema": "http://json-schema.org/draft-07/schema#"}
+    definition = _with_inlined_leaves(load_schema(schema)) | {"$schema": "http://json-schema.org/draft-07/schema#"}
     validator: Callable[[Any], Any] = fastjsonschema.compile(definition, use_default=False)
     return validator
+
+
+def _with_inlined_leaves(definition: dict[str, Any]) -> dict[str, Any]:
+    """The schema with the definitions of numbers, texts and arrays of these in place of references to them.
+
+    The validator calls a function and formats a name for every reference, which is most of its time.
+    """
+    defined: dict[str, Any] = definition.get("$defs", {})
+
+    def inlined(value: Any) -> Any:
+        if isinstance(value, list):
+            return [inlined(item) for item in value]
+        if not isinstance(value, dict):
+            return value
+        target = defined.get(str(value.get("$ref", "")).removeprefix("#/$defs/"))
+        if target is not None and target.get("type") not in (None, "object") and "#/$defs/json" not in json.dumps(target):
+            return inlined(target)
+        return {key: inlined(member) for key, member in value.items()}
+
+    inline: dict[str, Any] = inlined(definition)
+    return inline
 
 
 def _readings(value: Any, name: str, parts: Place) -> Iterator[tuple[Place, Any]]:

@@ -49,7 +49,7 @@ def recording_from_dict(document: Mapping[str, Any], scene: HapticScene, file: s
         recorded = tuple(_moved(reader.frame(form, ("frames", i)), moving, ("frames", i)) for i, form in enumerate(frames))
         if moving:
             raise PlacedError(("motions",), f"frame {min(moving)} is not among the frames")
-        return Recording(float(document["frame_rate"]), document.get("frame_start", recorded[0].number), recorded)
+        return Recording(float(document["frame_rate"]), int(document.get("frame_start", recorded[0].number)), recorded)
 
 
 def _moved(frame: RecordedFrame, moving: dict[int, Poses], place: Place) -> RecordedFrame:

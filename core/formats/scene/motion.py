@@ -76,13 +76,14 @@ def unpacked(forms: Sequence[Mapping[str, Any]], objects: set[str]) -> dict[int,
     """The poses of validated motions by frame. Raises PlacedError."""
     total = 0
     tables = []
-    for i, form in enumerate(forms):
+    counts = [int(form["count"]) for form in forms]  # 3.0 is an integer in JSON Schema
+    for i, (form, count) in enumerate(zip(forms, counts, strict=True)):
         require_known(form["object"], objects, "object", ("motions", i, "object"))
-        total += form["count"]
+        total += count
         if total > MOST:
             raise PlacedError(("motions", i, "count"), f"more than {MOST} poses")
         try:
-            table = decoded(form["poses"], form["count"])
+            table = decoded(form["poses"], count)
         except ValueError as error:
             raise PlacedError(("motions", i, "poses"), str(error)) from None
         if (np.abs(table) > _FARTHEST).any():
@@ -93,8 +94,7 @@ def unpacked(forms: Sequence[Mapping[str, Any]], objects: set[str]) -> dict[int,
     if not tables:
         return {}
     names = [form["object"] for form in forms]
-    counts = [form["count"] for form in forms]
-    times = np.concatenate([np.arange(form["frame"], form["frame"] + form["count"]) for form in forms])
+    times = np.concatenate([int(form["frame"]) + np.arange(count) for form, count in zip(forms, counts, strict=True)])
     motions = np.repeat(np.arange(len(forms)), counts)
     ticks = np.concatenate(tables)
     order = np.argsort(times, kind="stable")

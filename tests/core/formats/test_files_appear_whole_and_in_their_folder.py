@@ -149,6 +149,40 @@ def test_a_crash_while_writing_leaves_what_was_there(tmp_path):
     assert all(other.name.startswith(".") and other.suffix == ".part" for other in tmp_path.iterdir() if other != path)
 
 
+HELD = """
+import os, signal, sys, time
+from pathlib import Path
+from haptic_tracing.core.formats.io.atomic import atomic_file
+from haptic_tracing.core.formats.io.staging import staging
+
+folder = Path(sys.argv[1])
+with staging(folder) as place, atomic_file(folder / "scene.json") as file:
+    (place.folder / "half.wav").write_bytes(bytes(10))
+    file.write(b"half")
+    print("written", flush=True)
+    sys.stdin.read()
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="Windows has no such signal")
+def test_what_a_killed_export_left_goes_with_the_next_one(tmp_path):
+    """What another process is still writing stays."""
+    child = subprocess.Popen([sys.executable, "-c", HELD, str(tmp_path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    with child:
+        assert child.stdout.readline() == b"written\n"
+        (tmp_path / "mine.part").write_text("no name of ours")
+        unfinished = {path for path in tmp_path.iterdir() if path.name.startswith(".")}
+        assert len(unfinished) == 2
+        registry.write("scene", Export("first", HapticScene()), tmp_path)
+        assert unfinished < set(tmp_path.iterdir())
+        child.stdin.close()
+        child.wait(timeout=60)
+    assert child.returncode == -signal.SIGKILL and unfinished < set(tmp_path.iterdir())
+    registry.write("scene", Export("second", HapticScene()), tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["first.json", "mine.part", "second.json"]
+
+
 def test_a_folder_in_the_way(tmp_path):
     (tmp_path / "scene.json").mkdir()
     with pytest.raises(OSError):
