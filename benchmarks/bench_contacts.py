@@ -1,12 +1,12 @@
-"""Contact detection without Blender: agreement with Bullet per pair of shapes, and what bodies cost that fall and settle.
+"""Contact detection without Blender: agreement with Bullet per pair of shapes, and time per update while bodies fall and settle.
 
     python -m benchmarks.bench_contacts [--bodies 100 1000 3000] [--frames 120] [--pairs 200]
 
-Needs PyBullet. First table: random pairs of shapes near touching; how often contact is decided otherwise than by Bullet though the
-distance is not within 1 mm of the tolerance, errors of distances and of points. Second: bodies simulated by PyBullet at 24 frames a
+Needs PyBullet. First table: random pairs of shapes near touching: how often the decision on contact differs from Bullet's where the
+distance is not within 1 mm of the tolerance, and errors of distances and points. Second: bodies simulated by PyBullet at 24 frames a
 second; median and worst milliseconds of one update of the tracker (CPU time of its thread), median contacts, queries made and avoided per
-frame, microseconds per query, impacts in all. `near one source` is the same with the contacts alone that a signal from one body can reach,
-`one source, still` with all bodies at rest, and `one moves` with all at rest but one.
+frame, microseconds per query, impacts in all. `near one source` computes only the contacts that a signal from one body can reach, `one
+source, still` with all bodies at rest, and `one moves` with all at rest but one.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How near each device comes to the signal itself: ST-SIM (spectral and temporal similarity of 8 kHz vibration, 1 is equal), as a table.
+"""Similarity of each device's output to the signal: ST-SIM (spectral and temporal similarity of 8 kHz vibration, 1 is equal), as a table.
 
     python -m benchmarks.bench_devices
 
@@ -40,7 +40,7 @@ SIGNALS: dict[str, Signal] = {
 
 @dataclass(slots=True)
 class Written:
-    """What a device was told: when, and what."""
+    """The reports to a device with their times."""
 
     times: list[float]
     drives: list[Tones | NDArray[np.int8]]
@@ -78,7 +78,7 @@ def driven(profile: Profile, signal: FloatArray) -> Written:
 
 
 def played(profile: Profile, written: Written) -> FloatArray:
-    """What the first actuator does, as samples from the start of the signal on."""
+    """The motion of the first actuator, as samples from the start of the signal on."""
     family, actuator = profile.family, profile.actuators[0]
     samples = np.zeros(round(SECONDS * RATE))
     if isinstance(family, StreamFamily):

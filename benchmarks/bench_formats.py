@@ -1,4 +1,4 @@
-"""What writing 150 s x 10 listeners costs in every format: seconds, memory, bytes, and how alike it is when it is read back.
+"""Cost of writing 150 s x 10 listeners in every format: seconds, memory, bytes, and similarity when read back.
 
     python -m benchmarks.bench_formats [--seconds 150] [--listeners 10] [--formats wav hjif ...]
 

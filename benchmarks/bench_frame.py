@@ -1,4 +1,4 @@
-"""What tracing adds to Blender's own frame while rigid bodies fall and settle, or lie still.
+"""Time that tracing adds to Blender's own frame while rigid bodies fall and settle, or lie still.
 
     python -m benchmarks.bench_frame [--bodies 100 1000 3000] [--settled 10000] [--frames 200] [--passes 3]
                                      [--shape BOX] [--strategy auto] [--impacts]
@@ -61,7 +61,7 @@ class Row:
 
 
 class _Blender:
-    """A Blender in a process of its own that plays ``frames`` of a scene in turns."""
+    """A Blender in its own process that plays ``frames`` of a scene in turns."""
 
     def __init__(self, tracing: bool, frames: int, *scene: object) -> None:
         context = multiprocessing.get_context("spawn")
@@ -75,7 +75,7 @@ class _Blender:
         return self._connection.recv()
 
     def end(self) -> Traced | None:
-        """What it traced, if it did."""
+        """End the process and return what it traced."""
         self._connection.send(())
         traced = self._connection.recv()
         self._process.join()

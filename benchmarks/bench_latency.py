@@ -1,4 +1,4 @@
-"""From the entry of the frame handler to the report written, while bodies simulate.
+"""Latency from the entry of the frame handler to the written report, while bodies simulate.
 
     python -m benchmarks.bench_latency [--bodies 1000] [--frames 240]
 

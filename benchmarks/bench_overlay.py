@@ -1,4 +1,4 @@
-"""What a redraw of the 3D viewport costs on the processor while the haptic graph and the meters are drawn over it.
+"""CPU time of a redraw of the 3D viewport with the haptic graph and the meters over it.
 
     python -m benchmarks.bench_overlay [--nodes 5000] [--listeners 10 100] [--redraws 200]
 
@@ -120,7 +120,7 @@ def viewport(scene: bpy.types.Scene) -> Iterator[Callable[[float], None]]:
 
 
 def timed(function: Callable[..., Any], spent: list[float]) -> Callable[..., Any]:
-    """The function, which adds what it takes [s] to the last of ``spent``."""
+    """The function, wrapped to add its duration [s] to the last of ``spent``."""
 
     def call(*values: Any, **named: Any) -> Any:
         started = time.thread_time()
@@ -189,7 +189,7 @@ def rows(nodes: int, listeners: int, redraws: int) -> Iterator[Row]:
 
 
 def quads_drawn(nodes: int, listeners: int) -> str:
-    """How much the GPU is given, in words."""
+    """The amount of geometry drawn, as text."""
     from haptic_tracing.addon.view.quads import quads
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)

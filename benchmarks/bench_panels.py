@@ -1,4 +1,4 @@
-"""What a redraw of the panel Result costs while a lattice of boxes is traced, and how long the worker thread computes what it shows.
+"""Duration of a redraw of the panel Result while a lattice of boxes is traced, and of the worker's computations for it.
 
     python -m benchmarks.bench_panels [--edges 3 4 5] [--frames 5]
 

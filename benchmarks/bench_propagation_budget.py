@@ -1,4 +1,4 @@
-"""How far the default budget gets with the sum over all paths, without any limit and wanted to 1 %.
+"""Certified error of the sum over all paths within the default budget, without limits and with a tolerance of 1 %.
 
     python -m benchmarks.bench_propagation_budget
 
@@ -64,7 +64,7 @@ def measure(family: Family) -> Row:
 
 
 def said(error: float) -> str:
-    """The certified error in words."""
+    """The certified error as text."""
     if error == 0:
         return "exact"
     return f"{100 * error:.2g} %" if error < 10 else "no useful bound"

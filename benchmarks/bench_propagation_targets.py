@@ -1,4 +1,4 @@
-"""What propagation is to reach, each as a ratio in one run where a peer exists.
+"""Targets of propagation, as ratios within one run where a peer exists.
 
     python -m benchmarks.bench_propagation_targets [--demo]
 
@@ -33,12 +33,12 @@ LIMITED = Settings(strategy=Strategy.BEST_PATH)
 BEST = Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0.0)
 EXACT = Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0, tolerance=0.0)
 ENOUGH = 0.05
-"""Enumeration that takes fewer seconds needs no help."""
+"""Seconds of enumeration below which a scene is left out."""
 
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """One row: what was wanted, what was measured, and whether that is enough."""
+    """One row: the target, the measurement, and whether it is met."""
 
     what: str
     wanted: str

@@ -1,4 +1,4 @@
-"""What baking the mine ride with tracing costs beside stepping the same frames without.
+"""Cost of baking the mine ride with tracing, relative to stepping the same frames without.
 
     python -m benchmarks.bench_study [--frames 3600]
 

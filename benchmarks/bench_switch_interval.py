@@ -1,9 +1,9 @@
-"""How long Blender's own Python waits for the GIL while contacts are found on the worker thread, by Python's switch interval.
+"""Time that Blender's main thread waits for the GIL while contacts are computed on the worker thread, by Python's switch interval.
 
     python -m benchmarks.bench_switch_interval [--bodies 250] [--seconds 6]
 
-The main thread does what draw callbacks do: after every pause of 2 ms it takes the GIL. Shown is by how much that comes late. The worker
-updates the contacts of bodies that all move. The two intervals, Python's own of 5 ms and that of `worker.SWITCH_INTERVAL`, take turns, so
+The main thread acquires the GIL after every pause of 2 ms, as draw callbacks do; the table has the delays. The worker updates the contacts
+of bodies that all move. The two intervals, Python's own of 5 ms and that of `worker.SWITCH_INTERVAL`, take turns, so
 that both meet the same load.
 """
 

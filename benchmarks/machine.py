@@ -1,4 +1,4 @@
-"""What the numbers were measured on, without saying whose it is."""
+"""Processor, system and versions of a measurement, without names of the machine."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def machine() -> dict[str, str | int]:
 
 
 def described() -> str:
-    """One line of it."""
+    """The description as one line."""
     known = machine()
     packages = ", ".join(f"{name} {known[name]}" for name in PACKAGES)
     return f"{known['processor']}, {known['cores']} cores, {known['system']}; Python {known['python']}, {packages}"

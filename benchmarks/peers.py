@@ -16,7 +16,7 @@ from haptic_tracing.core.graph.haptic_graph import HapticGraph
 from .families import Family
 
 FREE = 1e-300
-"""Cost of a connection that costs nothing: a sparse matrix takes 0 for no connection."""
+"""Cost that stands for 0, which in a sparse matrix means no connection."""
 
 
 def explicit_connections(graph: HapticGraph) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,4 +1,4 @@
-"""A device that takes reports at once, for the guard process, which writes down when it does what."""
+"""A device that accepts reports at once, and logs the times of the guard process's steps."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class TimedPad:
 
 
 def _note_decisions(note: Callable[..., None]) -> None:
-    """Write down what the device's pace decides. Called once, inside the guard."""
+    """Log the decisions of the device's pace. Called once, inside the guard."""
     accept, unless_known = RumblePacing.accept, RumblePacing._unless_known
 
     def timed_accept(self: RumblePacing, block: Any, sent: float) -> None:
@@ -73,7 +73,7 @@ def _note_decisions(note: Callable[..., None]) -> None:
 
 
 def events(log: str) -> dict[str, list[list[float]]]:
-    """What was written down, by name: [seconds, ...]."""
+    """The logged times by event: [seconds, ...]."""
     found: dict[str, list[list[float]]] = {"accept": [], "written": [], "unchanged": []}
     for line in Path(log).read_text(encoding="utf-8").splitlines():
         name, *values = json.loads(line)

@@ -1,4 +1,4 @@
-"""What something costs: seconds of the processor at best, bytes at most."""
+"""Best CPU time and peak memory of a function."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def best_run(run: Callable[[], Result], runs: int = 5, patience: float = math.in
 
 
 def peak(run: Callable[[], object]) -> int:
-    """Bytes allocated at most."""
+    """Peak of allocated bytes."""
     tracemalloc.start()
     run()
     _, most = tracemalloc.get_traced_memory()

@@ -1,6 +1,6 @@
 """Scenes that show what haptic tracing can do, each built from nothing by a script.
 
-A sample is a module with ``build(scene)``, which fills an empty scene, the same way each time.
+A sample is a module with ``build(scene)``, which fills an empty scene deterministically.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ BARREL = (
     *((0.272, 0.85), (0.285, 0.86), (0.285, 0.885), (0.25, 0.885), (0.25, 0.87), (0.0, 0.87)),
 )
 AIR_FADES = 0.12  # per metre
-AIR_ABOVE_GROUND = 0.014  # more than a contact's tolerance
+AIR_ABOVE_GROUND = 0.014  # larger than the tolerance of contacts
 SPEED_OF_SOUND = 343.0
 
 

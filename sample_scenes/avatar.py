@@ -42,7 +42,7 @@ MASS = {
     "Foot": 1.1,
 }
 
-# How far apart, in metres, neighbouring parts overlap at a joint, so that they surely touch.
+# Overlap of neighbouring parts at a joint [m], so that they surely touch.
 OVERLAP = 0.004
 
 ANKLE_HEIGHT = FOOT_HEIGHT + ANKLE_RADIUS - OVERLAP - SUNK

@@ -1,4 +1,4 @@
-"""What is seen of an explosion: fire, smoke, a flash, a ring of dust. Nothing haptic."""
+"""The visible part of an explosion: fire, smoke, a flash, a ring of dust. Nothing here is haptic."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ Point = tuple[float, float, float]
 SHARP_ANGLE = math.radians(38.0)
 
 SUNK = 0.002
-"""How deep things stand in what carries them, so that they surely touch."""
+"""Overlap of objects with their supports [m], so that they surely touch."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class Geometry:
         return Geometry(self.vertices + other.vertices, self.faces + moved, self.paints + other.paints)
 
     def transformed(self, matrix: Matrix) -> Geometry:
-        """Every vertex through ``matrix``."""
+        """All vertices transformed by ``matrix``."""
         return replace(self, vertices=tuple(tuple(matrix @ Vector(vertex)) for vertex in self.vertices))
 
     def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Geometry:

@@ -1,4 +1,4 @@
-"""Puts things into a scene: objects, rigid bodies, haptic sources and listeners."""
+"""Functions that add objects, rigid bodies, haptic sources and listeners to a scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frequencies that an F-curve animates, as automations over the scene's time: read frame by frame, phase would jump at every frame."""
+"""Animated frequencies as automations over the scene's time; read frame by frame, their phase would jump at every frame."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _MOST_FRAMES = 100_000
 
 
 class AnimatedFrequencies:
-    """The automations of a scene's sources, evaluated anew where their keyframes, or the scene's frames, have changed."""
+    """The automations of a scene's sources, recomputed when their keyframes or the scene's frames have changed."""
 
     def __init__(self) -> None:
         self._known: dict[int, tuple[Any, Automation]] = {}  # by session id of the object
 
     def clear(self) -> None:
-        """Anything about the curves may have changed."""
+        """Drop all automations, as curves may have changed."""
         self._known.clear()
 
     def automation(self, obj: Object, scene: Scene) -> Automation | None:
@@ -40,7 +40,7 @@ class AnimatedFrequencies:
 
 
 def _description(curve: Any, scene: Scene) -> tuple[Any, ...]:
-    """What the automation of a curve depends on."""
+    """The values that the automation of a curve depends on."""
     points = curve.keyframe_points
     values = np.empty((3, 2 * len(points)), dtype=np.float32)
     for row, name in zip(values, ("co", "handle_left", "handle_right"), strict=True):

@@ -1,4 +1,4 @@
-"""The collision shape of a Blender object, as Bullet would get it, as a value of the core."""
+"""The collision shape of a Blender object, as Blender passes it to Bullet, as a value of the core."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ...core.contacts.shapes import Compound, ConvexHull, Shape
 from ...core.scene.values import Pose
 
 LARGEST = 1e7
-"""Metres from its origin that an object may extend: beyond, its contacts are no longer computed to a metre."""
+"""Largest extent of an object from its origin [m]; beyond it contacts are not precise to a metre."""
 
 
 def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Shape:
     """The shape of ``obj`` with its world scale (3,), negative where mirrored, in the object's rotated frame.
 
-    A rigid body's own shape; else the convex hull of the evaluated mesh. Raises ValueError in words for a designer where there is none, or
+    A rigid body's own shape; else the convex hull of the evaluated mesh. Raises ValueError where there is none, or
     where it extends further than `LARGEST`.
     """
     if np.any(np.abs(scale) < 1e-9):
@@ -49,7 +49,7 @@ def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Sha
 
 
 def mesh_checksum(obj: Object, depsgraph: Depsgraph) -> object:
-    """Check sum of the geometry that the shape of ``obj`` is built from; one that equals no other where parts of a compound count."""
+    """Checksum of the geometry that the shape of ``obj`` is built from; never equal to another for compounds."""
     body = obj.rigid_body
     kind, source = ("CONVEX_HULL", "FINAL") if body is None else (body.collision_shape, body.mesh_source)
     match kind:
@@ -70,7 +70,7 @@ def _hull(vertices: bytes, size: tuple[float, ...], margin: float, use_margin: b
 
 
 def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:
-    """The children's shapes where they stand relative to their parent."""
+    """The children's shapes, placed relative to their parent."""
     children = []
     inverse = obj.matrix_world.inverted_safe()
     for child in obj.children:

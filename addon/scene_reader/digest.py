@@ -58,7 +58,7 @@ def digest_of(scene: Scene) -> Digest:
 
 
 def motion_of(scene: Scene) -> str:
-    """A check sum of what makes the impacts of a scene, whatever its haptic settings and the current frame.
+    """A checksum of what makes the impacts of a scene, whatever its haptic settings and the current frame.
 
     That is physics, and of everything haptic and of what may move it shape, transforms, animation, rigid body, parent, constraints and
     modifiers.

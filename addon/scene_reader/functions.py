@@ -13,7 +13,7 @@ from .imported import imported_object
 
 def read_function(haptics: Any) -> ModulationFunction:
     """The propagation function of an object's properties: the imported one until a property of it is edited, and in frames where none is
-    animated to another value. Raises ValueError in words."""
+    animated to another value. Raises ValueError."""
     imported = imported_object(haptics.imported).function
     if imported is None:
         return function_of_properties(haptics)
@@ -24,7 +24,7 @@ def read_function(haptics: Any) -> ModulationFunction:
 
 
 def stands_for(function: ModulationFunction, imported: ModulationFunction) -> bool:
-    """Whether properties that make ``function`` were set to ``imported``: they are rounded and have no gains of bands."""
+    """Whether the ``function`` of rounded properties, without band gains, stands for the ``imported`` one."""
     numbers = {f.name: getattr(imported, f.name) for f in fields(imported) if f.init}
     floats = {name: shortest(value) for name, value in numbers.items() if isinstance(value, float)}
     wave_speed, decays = imported.spectrum.wave_speed, imported.spectrum.band_decays
@@ -36,7 +36,7 @@ def stands_for(function: ModulationFunction, imported: ModulationFunction) -> bo
 
 
 def function_of_properties(haptics: Any) -> ModulationFunction:
-    """The propagation function that an object's properties make. Raises ValueError in words."""
+    """The propagation function that an object's properties make. Raises ValueError."""
     parameters = {key: _typed(getattr(haptics, name)) for key, name in PARAMETERS.get(haptics.function, {}).items()}
     if haptics.wave_speed > 0:
         parameters["wave_speed"] = shortest(haptics.wave_speed)

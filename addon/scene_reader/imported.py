@@ -1,4 +1,4 @@
-"""What an imported file says that Blender's own properties can't: kept as JSON in the .blend beside them.
+"""Values of an imported file that Blender's properties can't hold, stored as JSON beside them in the .blend.
 
 The text may come from a stranger's .blend file: `_stored` checks all of it, by the definitions that scene files are checked by.
 """
@@ -34,10 +34,11 @@ RULES = {
 """Numbers of `ContactSettings` by the properties of a scene that hold them."""
 
 NEAR = 1e-5
-"""What was moved by less (metres, or parts of a rotation) stands where the file put it: Blender rounds to single precision."""
+"""Difference in metres, or in elements of a rotation, below which an object is where the file put it: Blender rounds to single
+precision."""
 
 Numbers = Mapping[str, float]
-"""By property: what the file says to more digits than single precision has."""
+"""Numbers of the file in double precision, by property."""
 Pair = tuple[str, str]
 
 
@@ -110,7 +111,7 @@ class FileContacts:
 
 
 def text_of(**parts: Any) -> str:
-    """The text that keeps ``parts``, "" where there is nothing to keep."""
+    """The text that stores ``parts``, "" where there are none."""
     used = {key: value for key, value in parts.items() if value not in (None, {}, [])}
     return json.dumps(used, ensure_ascii=False, allow_nan=False, separators=(",", ":")) if used else ""
 
@@ -143,7 +144,7 @@ def text_with(text: str, emitters: Mapping[str, Vector], numbers: Numbers) -> st
 
 @lru_cache(maxsize=4096)
 def imported_object(text: str) -> ImportedObject:
-    """Raises ValueError in words where the text is damaged."""
+    """Raises ValueError where the text is damaged."""
     form = stored(text, "object")
     with _damaged():
         shape, pose, function = (form.get(key) for key in ("shape", "pose", "function"))
@@ -162,7 +163,7 @@ def imported_object(text: str) -> ImportedObject:
 
 @lru_cache(maxsize=4096)
 def imported_source(text: str) -> ImportedSource:
-    """Raises ValueError in words where the text is damaged."""
+    """Raises ValueError where the text is damaged."""
     form = stored(text, "source")
     with _damaged():
         return ImportedSource(
@@ -179,27 +180,27 @@ def imported_source(text: str) -> ImportedSource:
 
 @lru_cache(maxsize=4096)
 def imported_listener(text: str) -> ImportedListener:
-    """Raises ValueError in words where the text is damaged."""
+    """Raises ValueError where the text is damaged."""
     form = stored(text, "listener")
     return ImportedListener(_place(form, "position"), _numbers(form), form.get("extras", {}))
 
 
 @lru_cache(maxsize=8)
 def imported_scene(text: str) -> ImportedScene:
-    """Raises ValueError in words where the text is damaged."""
+    """Raises ValueError where the text is damaged."""
     form = stored(text, "scene")
     return ImportedScene(_float(form, "tolerance"), _float(form, "slack"), _numbers(form), form.get("extras", {}))
 
 
 def imported_device(text: str) -> ImportedDevice:
-    """Raises ValueError in words where the text is damaged."""
+    """Raises ValueError where the text is damaged."""
     form = stored(text, "device")
     return ImportedDevice(form.get("profile"), form.get("extras", {}))
 
 
 @lru_cache(maxsize=8)
 def file_contacts(text: str) -> FileContacts:
-    """Raises ValueError in words where the text is damaged."""
+    """Raises ValueError where the text is damaged."""
     form = stored(text, "contacts")
     if not form:
         return FileContacts()
@@ -217,7 +218,7 @@ def file_contacts(text: str) -> FileContacts:
 
 
 def near(kept: Vector, position: Vector) -> bool:
-    """Whether a place is the kept one, but for rounding."""
+    """Whether a position equals the stored one up to rounding."""
     return math.dist(kept, position) <= NEAR * max(1.0, *map(abs, kept))
 
 
@@ -334,7 +335,7 @@ def _validator(kind: str) -> Callable[[Any], Any]:
 
 
 def stored(text: str, kind: str) -> dict[str, Any]:
-    """The document that a property stores; an empty one for no text. Raises ValueError in words where it is not what is stored there."""
+    """The document that a property stores; an empty one for no text. Raises ValueError where it is not what is stored there."""
     if not text:
         return {}
     import fastjsonschema
@@ -352,7 +353,7 @@ def stored(text: str, kind: str) -> dict[str, Any]:
 
 @contextmanager
 def _damaged() -> Iterator[None]:
-    """Turn what is wrong with a stored document into words for its owner."""
+    """Turn the error of a stored document into a message that names its owner."""
     try:
         yield
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""Where an imported file put bodies, and the contacts that it has between them."""
+"""Poses of bodies in an imported file, and the contacts between them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .imported import NEAR, FileContacts, file_contacts, imported_scene
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Homes:
-    """Where a file put bodies: ``transforms`` (n, 4, 4), infinite where it did not, and by how much these may differ."""
+    """Poses of bodies in a file: ``transforms`` (n, 4, 4), infinite where it has none, and their tolerance."""
 
     names: tuple[str, ...]
     poses: tuple[Pose | None, ...]
@@ -37,7 +37,7 @@ class Homes:
         return cls(names, poses, transforms, limits)
 
     def settle(self, transforms: FloatArray) -> frozenset[str]:
-        """The bodies that stand there; their ``transforms`` become those of the file, which are not rounded."""
+        """The bodies that are in these poses; their ``transforms`` are replaced by the unrounded ones of the file."""
         if not np.isfinite(self.transforms[:, 3, 3]).any():
             return frozenset()
         at_home = np.all(np.abs(transforms - self.transforms) <= self.limits, axis=(1, 2))
@@ -46,7 +46,7 @@ class Homes:
 
 
 class ImportedContacts:
-    """The contacts that a scene was imported with. ``problems``: what is wrong with them, in words."""
+    """The contacts that a scene was imported with. ``problems``: their faults as messages."""
 
     def __init__(self) -> None:
         self.problems: tuple[str, ...] = ()
@@ -54,7 +54,7 @@ class ImportedContacts:
         self._authored: tuple[tuple[FileContacts, Homes, frozenset[str]], AuthoredContacts] | None = None
 
     def read(self, scene: Scene) -> None:
-        """Read again what was imported with the scene."""
+        """Read the stored contacts of the scene again."""
         try:
             imported_scene(scene.haptics.imported)
             self._kept, self.problems = file_contacts(scene.haptics.imported_contacts), ()

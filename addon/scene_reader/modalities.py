@@ -1,4 +1,4 @@
-"""What a Blender scene has for a modality beside vibration, in the values of the core."""
+"""A Blender scene's values of a modality other than vibration, as values of the core."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .roles import haptic_carrier
 
 
 def read_modality(modality: Modality, scene: Scene, names: set[str]) -> ModalityScene:
-    """Of the haptic objects ``names`` of a scene. Raises ValueError in words where what was imported is damaged."""
+    """Of the haptic objects ``names`` of a scene. Raises ValueError where what was imported is damaged."""
     values, forms, emitters = {}, {}, []
     for obj in scene.objects:
         group = getattr(obj.haptics.modalities, modality.name)

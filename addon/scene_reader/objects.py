@@ -16,7 +16,7 @@ from .signals import decaying, read_signal
 
 
 def read_object(obj: Object) -> HapticObject:
-    """The haptic object of a Blender object. Raises ValueError in words where its function is wrong."""
+    """The haptic object of a Blender object. Raises ValueError where its function is wrong."""
     haptics = obj.haptics
     imported = imported_object(haptics.imported)
     return HapticObject(
@@ -72,7 +72,7 @@ def read_listener(obj: Object, carrier: str) -> Listener:
 
 
 def read_impact_material(obj: Object) -> str | None:
-    """What an object feels like when it is hit, by the name of its haptic material; None where it has none that is known."""
+    """The impact material of an object, by the name of its haptic material; None where that is unknown."""
     material = named_in(obj.haptics.material.name)
     return None if material is None else impact_material(material.name)
 

@@ -1,4 +1,4 @@
-"""Something that is wrong with a scene."""
+"""Problems of a scene."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Something a designer should mend: the object's name ("" for the scene) and what to do, in the words of the panel."""
+    """A problem that a designer should mend: the object's name ("" for the scene) and a message in the words of the panel."""
 
     object: str
     message: str

@@ -1,7 +1,7 @@
 """Reads a Blender scene into the values of the core.
 
-What an author changes is read when it changes; what moves is read at every frame, all matrices in one call. No bpy object is kept between
-calls: only session ids, row numbers and plain values.
+Authored values are read when they change, transforms at every frame, all matrices in one call. No bpy object is kept between calls: only
+session ids, row numbers and plain values.
 """
 
 from __future__ import annotations
@@ -64,12 +64,12 @@ _UNMOVED = np.float32(1e-6)
 
 
 class SceneReader:
-    """Reads one scene, again and again."""
+    """Reads one scene at every frame."""
 
     def __init__(self) -> None:
         self._session_ids: NDArray[np.int32] | None = None
         self._tagged: dict[int, Tagged] = {}  # by row
-        self._shapes: dict[int, tuple[Any, Any, Any]] = {}  # by session id: what it was built from, its mesh's check sum, and the shape
+        self._shapes: dict[int, tuple[Any, Any, Any]] = {}  # by session id: what it was built from, its mesh's checksum, and the shape
         self._doubtful: set[int] = set()  # session ids of objects whose geometry may have changed
         self._frequencies = AnimatedFrequencies()
         self._animated: dict[int, tuple[Any, ...]] = {}  # by row: what its animated properties were last
@@ -83,7 +83,7 @@ class SceneReader:
         self._instance_problems: tuple[Problem, ...] = ()
 
     def forget(self) -> None:
-        """Something an author can change has changed: read everything at the next call."""
+        """Read everything at the next call, as something authored has changed."""
         self._session_ids = None
 
     def forget_shapes(self) -> None:
@@ -92,7 +92,7 @@ class SceneReader:
         self._session_ids = None
 
     def doubt_shapes(self, session_ids: Iterable[int] | None = None) -> None:
-        """The geometry of these objects (None: of all) may have changed: compare it at the next call."""
+        """Compare the geometry of these objects (None: of all) at the next call, as it may have changed."""
         self._doubtful.update(self._shapes if session_ids is None else session_ids)
 
     @property
@@ -136,7 +136,7 @@ class SceneReader:
         self._instance_problems = _instance_problems(depsgraph)
 
     def _read_changed(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> TaggedLists:
-        """Read again what is animated, what was scaled and whose mesh changed, and where everything is now."""
+        """Read animated values, changed scales and meshes, and all transforms."""
         lists = self._lists or TaggedLists.of(self._tagged)
         raw_tagged = raw.take(lists.rows, axis=0)
         animated = {row for row, paths in lists.animated if self._is_animated_now(row, paths)}
@@ -268,12 +268,12 @@ def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:
 
 
 def _is_as_imported(obj: Object, scale: FloatArray) -> bool:
-    """False where what an author did since comes before the shape and the pose that a file gave an object."""
+    """False where an author has since replaced the shape or the pose that a file gave an object."""
     return obj.rigid_body is None and all(abs(side - 1) < 2e-5 for side in scale.tolist())
 
 
 def _without_carrier(obj: Object, role: str) -> Problem:
-    """What to do about a source or listener that is on no haptic object; the same for all on one armature."""
+    """The problem of a source or listener that is on no haptic object; the same for all on one armature."""
     above: Object | None = obj
     while above is not None and above.type != "ARMATURE":
         above = above.parent
@@ -288,7 +288,7 @@ def _without_carrier(obj: Object, role: str) -> Problem:
 
 
 def _instance_problems(depsgraph: Depsgraph) -> tuple[Problem, ...]:
-    """That haptic objects inside collection instances don't count, and what to do."""
+    """The problem of haptic objects inside collection instances, which are ignored."""
     words = iface_("the haptic objects of its collection don't count here: Object > Apply > Make Instances Real")
     return tuple(
         Problem(obj.name_full, words)

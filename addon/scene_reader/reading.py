@@ -1,4 +1,4 @@
-"""What the reader gives: one frame of a scene in the values of the core."""
+"""The result of the reader: one frame of a scene in values of the core."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The haptic roles of objects. Needs nothing of the core: panels and handlers ask for them in every scene."""
+"""The haptic roles of objects, independent of the core, as panels and handlers need them in every scene."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from bpy.types import Object, Scene
 from ..changes import revisions
 
 _MOST_SCENES = 64
-"""Scenes that are remembered as untagged."""
+"""Number of scenes stored as untagged."""
 
 
 def is_tagged(obj: Object) -> bool:

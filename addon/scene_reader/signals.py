@@ -14,7 +14,7 @@ from ..blender.single_precision import shortest
 
 
 def read_signal(properties: Any, frequency: Automation | None = None) -> Signal:
-    """The signal of a source's properties, at an animated ``frequency`` where there is one. Raises ValueError in words where its file
+    """The signal of a source's properties, at an animated ``frequency`` where there is one. Raises ValueError where its file
     can't be read."""
     hertz = shortest(properties.frequency) if frequency is None else frequency
     match properties.signal:
