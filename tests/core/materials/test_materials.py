@@ -67,7 +67,8 @@ def test_bands_fall_with_frequency():
         ("Oak Bench.001", "hardwood"), ("rusty_metal_2", "steel"), ("WoodenCrate", "softwood"), ("Steinmauer", None), ("Stein", "stone"),
         ("Ground", "soil"), ("Cube", None), ("Airplane", None), ("Metallic", "steel"), ("GLASS", "glass"), ("Character_Body", "flesh"),
         ("", None),
-        ("Floor", "concrete"), ("Wooden Floor", "softwood"), ("Floorboards", "softwood"), ("Fußboden", "concrete"), ("Forest Ground", "soil"),
+        ("Floor", "concrete"), ("Wooden Floor", "softwood"), ("Floorboards", "softwood"), ("Fußboden", "concrete"),
+        ("Forest Ground", "soil"),
         ("Glass Table", "glass"), ("Oak Plank", "hardwood"), ("Anvil", "steel"), ("Rocky cliff", "stone"), ("tiles.012", "ceramic"),
     ],
 )  # fmt: skip
