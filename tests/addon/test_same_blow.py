@@ -64,7 +64,7 @@ def test_each_mode_renders_the_same_blow(struck):
         lambda scene: (scene.frame_set(5), scene.frame_set(FRAME)),
     ],
 )
-def test_what_does_not_make_impacts_keeps_them(struck, look):
+def test_edits_that_do_not_affect_impacts_keep_them(struck, look):
     blow = impacts(struck)
     look(struck)
     bpy.context.view_layer.update()
@@ -112,7 +112,7 @@ def _key_elsewhere(scene: Any) -> None:
         _key_elsewhere,
     ],
 )
-def test_what_makes_impacts_drops_them(struck, change):
+def test_edits_that_affect_impacts_drop_them(struck, change):
     change(struck)
     bpy.context.view_layer.update()
     struck.frame_set(FRAME)

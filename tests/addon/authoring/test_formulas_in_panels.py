@@ -32,7 +32,7 @@ def _said(source):
     return finding, layout.labels
 
 
-def test_a_right_formula_takes_no_room():
+def test_a_valid_formula_takes_no_room():
     assert _said("x * exp(-d)") == (None, [])
 
 

@@ -167,7 +167,7 @@ def test_the_middle_of_the_body_is_on_both_sides_and_nothing_clips(shaken, tmp_p
     assert np.corrcoef(channels[:, 0], both)[0, 1] > 0.999
 
 
-def test_what_can_not_be_baked_is_said_in_words(shaken):
+def test_what_can_not_be_baked_is_a_message(shaken):
     bake = shaken.haptics.bake
     bake.use_range, bake.frame_start, bake.frame_end = True, 9, 4
     with pytest.raises(RuntimeError, match="frame range 9 to 4 is empty"):
@@ -221,7 +221,7 @@ def test_scenes_that_share_a_track_part_when_one_is_baked_again(shaken):
     assert storage.track_of(shaken).frame_end == 5
 
 
-def test_what_is_no_track_is_not_played_but_named(shaken):
+def test_damaged_tracks_are_not_played_but_named(shaken):
     text = bpy.data.texts.new("mine")
     shaken.haptics.bake.track = text
     assert "bake again" in storage.trouble(shaken)

@@ -58,7 +58,7 @@ def test_values_are_there_as_text():
     )
 
 
-def test_what_has_no_room_is_left_out_in_order():
+def test_elements_without_room_are_left_out_in_order():
     full = meter_hud(LEVELS, SCOPE, (1200, 600), 1.0, text_width)
     narrow = meter_hud(LEVELS, SCOPE, (250, 600), 1.0, text_width)
     narrower = meter_hud(LEVELS, SCOPE, (180, 600), 1.0, text_width)

@@ -56,7 +56,7 @@ def test_frames_in_which_nothing_changes_share_a_drawing(uploads, bridge, show):
     assert len(uploads) == 1
 
 
-def test_whatever_changes_is_drawn_anew(uploads, bridge, show):
+def test_every_change_is_drawn(uploads, bridge, show):
     again = dataclasses.replace(bridge, graph=dataclasses.replace(bridge.graph))
     louder = dataclasses.replace(BRIDGE.settings, threshold=0.1)
     chosen = Options(listeners=frozenset({"driver"}))

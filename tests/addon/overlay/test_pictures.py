@@ -128,7 +128,7 @@ def test_wall_hides_the_graph_unless_it_is_drawn_in_front(off_screen, scene, cam
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
-def test_what_lies_on_a_surface_is_seen_whole(off_screen, scene, camera, bridge, kind):
+def test_lines_on_a_surface_are_not_hidden_by_it(off_screen, scene, camera, bridge, kind):
     """The surface passes through the nodes; only what comes towards the viewer wins everywhere."""
     camera.data.type, camera.data.ortho_scale = kind, 5.0
     mesh = bpy.data.meshes.new("sheet")

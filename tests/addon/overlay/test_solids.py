@@ -25,7 +25,7 @@ FORMS = {
 
 
 @pytest.mark.parametrize(("form", "characteristic"), FORMS.values(), ids=FORMS)
-def test_forms_are_closed_and_face_outwards(form, characteristic):
+def test_solids_are_closed_and_face_outwards(form, characteristic):
     vertices, triangles = form
     edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     directed = set(map(tuple, edges.tolist()))

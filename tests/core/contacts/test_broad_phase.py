@@ -27,7 +27,7 @@ def brute_force(bounds, moved=None):
     size=st.sampled_from([0.0, 0.3, 3.0]),
     share=st.sampled_from([None, 0.0, 0.1, 0.9]),
 )
-def test_all_with_all(chunk, seed, count, spread, size, share):
+def test_pairs_are_those_of_comparing_all_with_all(chunk, seed, count, spread, size, share):
     generator = np.random.default_rng(seed)
     low = np.round(generator.uniform(-spread, spread, (count, 3)), 1)
     extent = np.round(generator.uniform(0, size, (count, 3)), 1)

@@ -64,7 +64,7 @@ def test_points_have_shares(scene_file, capsys):
     assert sum(contact["area"] for contact in contacts) == pytest.approx(2.0)
 
 
-def test_what_is_found_is_a_scene_again(scene_file, capsys, tmp_path):
+def test_output_is_a_scene_file(scene_file, capsys, tmp_path):
     path = scene_file()
     main(["contacts", str(path)])
     contacts = json.loads(capsys.readouterr().out)["contacts"]

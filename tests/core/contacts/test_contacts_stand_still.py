@@ -111,7 +111,7 @@ def test_weight_multiplies_what_a_contact_passes_on():
     assert gains == {1.0: 0.5, 0.25: 0.125}
 
 
-def test_a_trembling_pile_is_traced_as_if_anew():
+def test_a_trembling_pile_is_traced_like_a_fresh_one():
     generator = np.random.default_rng(3)
     bodies = [Body(f"b{k}", Box(tuple(BRICK)), 1.0) for k in range(6)]
     places = np.array([(0.3 * k, 0.0, 0.5 * k) for k in range(6)])

@@ -244,7 +244,7 @@ def test_frames_left_out_do_not_matter():
     assert impacts[0].time == pytest.approx(math.sqrt(4 / G), abs=0.002)
 
 
-def test_no_impacts_of_what_goes_along():
+def test_bodies_that_move_together_make_no_impact():
     """A crate on a lorry at 20 m/s, rattling by a tenth of a millimetre, and the lorry on the road: nothing begins."""
     generator = np.random.default_rng(1)
     bodies = [
@@ -377,7 +377,7 @@ def test_the_harder_blow_of_the_other_end_of_a_rod_counts(rate, tilt, drop):
     ],
 )
 @pytest.mark.parametrize("speed", [1.0, 4.0, 13.0])
-def test_rolling_is_no_blow(shape, speed):
+def test_rolling_makes_no_impact(shape, speed):
     tracker = ContactTracker(
         [Body("ground", Box((100, 100, 1)), motion="static"), Body("wheel", shape, 50.0)], ContactSettings(least_energy=0.5)
     )

@@ -47,7 +47,7 @@ def distinct(shapes: list[Shape], rotation: np.ndarray, offset: np.ndarray, repe
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name_a", "name_b"), bullet_pairs.PAIRS)
-def test_of_contacts(name_a: str, name_b: str) -> None:
+def test_contacts_do_not_depend_on_places_in_memory(name_a: str, name_b: str) -> None:
     with np.load(Path(__file__).parent / "bullet_pairs.npz") as answers:
         matrices = bullet_pairs.matrices(answers[f"{name_a} {name_b} poses"][:40])
     poses = [np.concatenate([m[:, :3, :3].reshape(-1, 9).T, m[:, :3, 3].T]) for m in (matrices[:, 0], matrices[:, 1])]
@@ -57,7 +57,7 @@ def test_of_contacts(name_a: str, name_b: str) -> None:
 
 
 @pytest.mark.slow
-def test_of_limbs_that_bend() -> None:
+def test_hulls_do_not_depend_on_places_in_memory() -> None:
     angle = 0.1 * np.arange(20)
     one, none = np.ones(20), np.zeros(20)
     rotation = np.array([[one, none, none], [none, np.cos(angle), -np.sin(angle)], [none, np.sin(angle), np.cos(angle)]])

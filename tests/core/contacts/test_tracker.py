@@ -65,7 +65,7 @@ def rows(contacts):
 @pytest.mark.slow
 @settings(max_examples=25, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6))
-def test_what_is_kept_is_what_would_be_found(seed):
+def test_reused_contacts_equal_fresh_ones(seed):
     bodies, sequence = crowd(seed)
     rules = ContactSettings(slack=0.0, least_energy=1e9)
     tracker = ContactTracker(bodies, rules)
@@ -85,7 +85,7 @@ def test_what_is_kept_is_what_would_be_found(seed):
         before = one.keys()
 
 
-def test_nothing_is_asked_where_nothing_moves():
+def test_no_queries_where_nothing_moves():
     bodies, sequence = crowd(3, still=1.0)
     tracker = ContactTracker(bodies)
     first = tracker.update(0.0, sequence[0])
@@ -112,7 +112,7 @@ def test_bodies_that_move_together_keep_their_contacts():
     assert queries <= 3
 
 
-def test_contacts_end_at_the_tolerance_and_meetings_beyond_the_slack():
+def test_contacts_end_at_the_tolerance_and_pairs_part_beyond_the_slack():
     """A contact depends on the poses alone; that a pair has begun or ceased to touch, on its past, so that it stays so."""
     tracker = ContactTracker([GROUND, Body("ball", Sphere(0.5))], ContactSettings(tolerance=0.01, slack=0.005))
     gaps = [0.02, 0.012, 0.009, 0.012, 0.0149, 0.016, 0.012, 0.0101, 0.0099]
@@ -158,7 +158,7 @@ def brute_force_gains(reach, pairs, positions, count):
 @pytest.mark.slow
 @settings(max_examples=25, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), threshold=st.sampled_from([0.5, 0.1, 0.01, 0.0]))
-def test_what_signals_can_reach_is_all_found(seed, threshold):
+def test_all_contacts_that_signals_can_reach_are_found(seed, threshold):
     """Contacts that a signal gets to above the threshold are the same as when everything is resolved, frame by frame."""
     bodies, sequence = crowd(seed, frames=6)
     generator = np.random.default_rng(seed)
@@ -231,7 +231,7 @@ def test_impacts_do_not_depend_on_what_is_wanted(seed, rate, energy):
                 assert impact.objects in found
 
 
-def test_far_contacts_are_left_alone():
+def test_far_contacts_are_not_computed():
     """A row of stacks with a source at one end: the far ones cost no query."""
     places = [(0, 0, -0.5)] + [(2.0 * k, 0, 0.5 + level) for k in range(-4, 5) for level in range(3)]
     bodies = [GROUND, *(Body(f"b{k}", Box((1, 1, 1))) for k in range(len(places) - 1))]

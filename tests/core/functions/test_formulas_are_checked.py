@@ -61,7 +61,7 @@ def test_contact_values_are_zero_inside_an_object():
 @pytest.mark.parametrize(
     "source", ["9**9**9**9", "(" * 400 + "1" + ")" * 400, "-" * 450 + "1", "1" + "0" * 450, "x" * (MAX_LENGTH + 1), "e**e**e**e**e**d"]
 )
-def test_monsters_are_answered_at_once(source):
+def test_huge_formulas_are_answered_at_once(source):
     assert _check(source) is not None or _check(source) is None
 
 

@@ -58,7 +58,7 @@ def test_dropped_frames_do_not_shift_what_is_felt():
 
 
 @pytest.mark.parametrize("limiter", [False, True])
-def test_what_would_follow_is_what_comes_while_nothing_changes_and_looking_at_it_changes_nothing(limiter):
+def test_the_predicted_block_is_the_next_one_while_nothing_changes_and_leaves_playback_alone(limiter):
     results = traced(range(24), impact=0.5, limiter=limiter)
     expected = np.concatenate(played(results[1:], 0), axis=1)
     playback = Playback()
@@ -76,7 +76,7 @@ def test_what_would_follow_is_what_comes_while_nothing_changes_and_looking_at_it
     assert np.concatenate(samples, axis=1).tobytes() == expected.tobytes()
 
 
-def test_what_goes_ahead_from_the_very_start_is_the_tone_from_its_beginning():
+def test_a_block_ahead_of_tracing_from_the_start_begins_the_tone():
     """The source begins with the frame at which playback starts: it is no late beginner in the second block."""
     results = traced(range(6))
     playback = Playback()
@@ -138,7 +138,7 @@ def test_a_blow_from_before_its_correction_begins_with_the_correction():
     assert abs(blow[0]) < 0.15 and np.abs(blow[:60]).max() > 0.4, "from its beginning, not from its middle"
 
 
-def test_what_goes_ahead_of_tracing_is_felt_in_time_and_misses_no_impact():
+def test_blocks_ahead_of_tracing_are_in_time_and_miss_no_impact():
     """Frames 10 to 14 are played with what the frame before says: the tone goes on, the blow comes with the block after its frame's."""
     results = traced(range(12)) + traced(range(30), impact=11.5 / FPS)[12:]
     playback = Playback()

@@ -261,7 +261,7 @@ class Counted(Sine):
         return Sine.sample(self, start, count, sample_rate, onset)
 
 
-def test_what_nobody_hears_costs_nothing() -> None:
+def test_inaudible_voices_are_not_rendered() -> None:
     Counted.counts.clear()
     silent = [Voice("silent", Counted(50.0), np.zeros(1)), Voice("later", Counted(50.0), np.ones(1), onset=5.0)]
     over = Voice("over", Counted(50.0) * Constant(1.0, 0.1), np.ones(1))

@@ -35,7 +35,7 @@ def placed(seed: int, tilt: float, square: bool):
 
 @settings(max_examples=40, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), tilt=st.sampled_from([0.0, 1e-9, 3e-9, 1e-8, 1e-6, 1e-3, 0.05, 2.0]), square=st.booleans())
-def test_same_contacts(seed, tilt, square):
+def test_both_methods_find_the_same_contacts(seed, tilt, square):
     rotation, offset = placed(seed, tilt, square)
     half = [np.repeat(np.array(size)[:, None] / 2, COUNT, axis=1) for size in SIZES]
     reach = np.full(COUNT, 0.01)
