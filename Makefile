@@ -78,6 +78,7 @@ samples: packages-for-demo .venv/complete
 
 docs: .venv-docs/complete
 	.venv-docs/bin/python docs/pictures/draw_floors.py
+	.venv-docs/bin/python docs/write_schema_page.py
 	.venv-docs/bin/python -m sphinx --quiet --fail-on-warning -b html docs out/docs
 	@echo "wrote out/docs/index.html"
 
