@@ -168,7 +168,7 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=200)
     parser.add_argument("--passes", type=int, default=PASSES)
     parser.add_argument("--shape", default="BOX")
-    parser.add_argument("--strategy", choices=("auto", "best_path", "all_paths", "energy_balance"), default="auto")
+    parser.add_argument("--strategy", choices=("auto", "as_in_the_paper", "best_path", "all_paths", "energy_balance"), default="auto")
     parser.add_argument("--impacts", action="store_true")
     options = parser.parse_args()
     run(tuple(options.bodies), options.settled, options.frames, options.passes, options.shape, options.strategy, options.impacts)

@@ -2,8 +2,8 @@
 
     python -m benchmarks.bench_propagation_budget
 
-The certified error is the largest of any listener, relative to what was summed. Beside it, the same scene with the default limits, which
-are part of what is asked for and make the sum another, exact one; and the energies.
+The certified error is the largest of any listener, relative to what was summed. Beside it, the same scene with the default limits, where it
+includes all that they leave out; and the energies.
 """
 
 from __future__ import annotations

@@ -27,6 +27,9 @@ FARTHEST = 2.0**40
 HIGHEST = 1e140
 """Distances above this are cut to this: their squares have to be numbers."""
 
+LIGHTEST = 1e-100
+"""Least mass of a region: its reciprocal has to be a number."""
+
 BISECTIONS = 60
 """Steps to the length over which a function of several terms damps."""
 
@@ -76,7 +79,7 @@ def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
     centre, distance, largest = _extents(*entity, len(of_object))
     strongest = np.zeros(len(used))
     np.maximum.at(strongest, slot, whole)
-    mass = np.where(divided, np.minimum(largest / strongest[used.searchsorted(of_object)], 1.0), 1.0)
+    mass = np.where(divided, np.clip(largest / strongest[used.searchsorted(of_object)], LIGHTEST, 1.0), 1.0)
     return Subsystems(of_object, centre, distance, mass, nodes[which], region, weight)
 
 

@@ -285,6 +285,21 @@ def test_gains_too_small_for_their_squares():
     assert 0 < result.error_bound[0, 0] < 1e-6
 
 
+@pytest.mark.parametrize("weight", [1e-30, 1e-200, 1e-310])
+def test_contact_that_hardly_touches(weight):
+    """Alone in its region of a large object its mass has no finite reciprocal: nothing overflows, and it is as if it were gone."""
+    objects = (HapticObject("ground", 0, 1, Exponential(alpha=2.0)), *(HapticObject(name, 0.1, 0.9) for name in "ab"))
+    near = Contact(("a", "ground"), (ORIGIN, ORIGIN))
+    far = Contact(("b", "ground"), ((3.0, 0, 0), (3.0, 0, 0)), weight=weight)
+    listener = (Listener("l", "ground", (0.2, 0, 0)), Listener("m", "b", (3.0, 0, 1.0)))
+    both, one = (
+        propagate(graph_of_scene(HapticScene(objects, contacts, (Source("s", "a"),), listener)), CHOSEN)
+        for contacts in ((near, far), (near,))
+    )
+    assert np.all(np.abs(both.gain - one.gain) <= both.error_bound + one.error_bound + 1e-12)
+    assert both.error_bound[0, 1] > 0
+
+
 def test_iterations_are_few():
     """A limit of them that is too low shows in the bound."""
     graph = graph_of_scene(connected_scene(3, METRIC[:2], extra=6, most_objects=12))
