@@ -8,7 +8,7 @@ from typing import Any
 import bmesh
 import bpy
 from bpy.props import EnumProperty
-from bpy.types import Context, Object, Operator
+from bpy.types import Context, Object, Operator, Scene
 from mathutils import Matrix, Vector
 
 from ...core.scene.materials import MATERIALS
@@ -146,9 +146,19 @@ class HAPTIC_OT_add_sample(Operator):
         finally:
             if window is not None:
                 window.cursor_set("DEFAULT")
+        _frame(context, scene)
         message = _rpt("{} built in {:.1f} seconds: press play. Your own scene is in the scene menu at the top right")
         self.report({"INFO"}, message.format(scene.name, time.perf_counter() - started))
         return {"FINISHED"}
+
+
+def _frame(context: Context, scene: Scene) -> None:
+    """Have the 3D viewports of the window look through the camera of a scene."""
+    for area in context.window.screen.areas if context.window is not None and scene.camera is not None else ():
+        if area.type == "VIEW_3D":
+            view = area.spaces.active
+            view.use_local_camera = False
+            view.region_3d.view_perspective = "CAMERA"
 
 
 CLASSES = (HAPTIC_OT_add_source_object, HAPTIC_OT_add_medium, HAPTIC_OT_add_sample)

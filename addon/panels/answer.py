@@ -66,6 +66,7 @@ def _draw_level(layout: UILayout, level: Level) -> None:
         layout.label(text="Feels nothing", icon="ERROR")
     else:
         layout.label(text=iface_("Too weak to be felt: margin {}").format(level.margin_text()), icon="ERROR", translate=False)
+        layout.operator("haptic.make_felt", icon="SORT_DESC").listener = level.listener
 
 
 def _draw_origin(layout: UILayout, path: ListenerPath) -> None:

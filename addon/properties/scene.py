@@ -102,7 +102,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
         ),
     )
     minimum_energy: FloatProperty(
-        name="Minimum Energy (J)",
+        name="Least Energy (J)",
         description="Collisions weaker than this, in joules, make no source; 5 J is a light contact",
         default=5.0,
         min=0.0,
@@ -127,7 +127,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
         ),
     )
     refractory_time: FloatProperty(
-        name="Refractory Time (s)",
+        name="Refractory (s)",
         description="After an impact the same two objects make no other for so many seconds, however they bounce",
         default=0.1,
         min=0.0,

@@ -383,7 +383,7 @@ MESSAGES: dict[str, str] = {
     "Plain": "Schlicht",
     "A short knock of 150 Hz, whatever meets": "Ein kurzes Klopfen mit 150 Hz, was auch immer sich trifft",
     "Collisions make temporary sources that play the impact signal once": "Zusammenstöße machen kurze Quellen, die das Aufprallsignal einmal abspielen",
-    "Minimum Energy (J)": "Mindestenergie (J)",
+    "Least Energy (J)": "Mindestenergie (J)",
     "Collisions weaker than this, in joules, make no source; 5 J is a light contact": "Schwächere Zusammenstöße, in Joule, machen keine Quelle; 5 J sind eine leichte Berührung",
     "Contact Points": "Kontaktpunkte",
     "Signals pass at each corner of where two objects lie on each other, instead of in its middle; the sum stays the same": "Signale gehen "
@@ -395,7 +395,7 @@ MESSAGES: dict[str, str] = {
     "Of the Blow": "Des Schlags",
     "What comes together at the contact: the same however fast both travel side by side": "Was am Kontakt zusammenkommt: gleich viel, "
     "wie schnell auch beide nebeneinander fahren",
-    "Refractory Time (s)": "Refraktärzeit (s)",
+    "Refractory (s)": "Refraktärzeit (s)",
     "After an impact the same two objects make no other for so many seconds, however they bounce": "Nach einem Aufprall machen dieselben "
     "beiden Objekte so viele Sekunden lang keinen weiteren, wie sie auch springen",
     "Full Energy (J)": "Volle Energie (J)",
@@ -711,6 +711,13 @@ MESSAGES: dict[str, str] = {
     "its listeners and sources are on no haptic object: choose its Body in the panel Haptic Object, and make that haptic": "Seine Empfänger und Quellen sind auf keinem haptischen Objekt: im Bereich „Haptisches Objekt“ seinen Körper wählen und diesen haptisch machen",
     "the haptic objects of its collection don't count here: Object > Apply > Make Instances Real": "Die haptischen Objekte seiner Sammlung zählen hier nicht: Objekt > Anwenden > Instanzen real machen",
     "Choose Material": "Material wählen",
+    "Make It Felt": "Fühlbar machen",
+    "Raise the gain of this listener until it is felt, and where that is not enough the amplitude of the source it feels most": "Den Pegel dieses Empfängers anheben, bis er fühlbar ist, und wo das nicht reicht die Amplitude der Quelle, die er am stärksten fühlt",
+    "Margin (dB)": "Abstand (dB)",
+    "How far above the threshold of feeling": "Wie weit über der Fühlschwelle",
+    "Nothing reaches '{}'; the reason is in Why Is It Silent?": "Nichts erreicht „{}“; der Grund steht in „Warum ist es still?“",
+    "'{}' has a margin of {:.0f} dB now; more needs other materials, a nearer source or another frequency": "„{}“ hat jetzt einen Abstand von {:.0f} dB; mehr braucht andere Materialien, eine nähere Quelle oder eine andere Frequenz",
+    "'{}' is felt with a margin of {:.0f} dB": "„{}“ ist mit einem Abstand von {:.0f} dB fühlbar",
     "Make Own, to Key It": "Zu eigenen machen, um sie zu animieren",
     "its mesh has no faces": "Sein Netz hat keine Flächen",
     "its signal is a WAV file, but none is chosen": "Sein Signal ist eine WAV-Datei, aber keine ist gewählt",

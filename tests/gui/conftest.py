@@ -73,7 +73,7 @@ def play(folder, environment, installed):
     def play(scenario: Path) -> tuple[dict, str]:
         stage = folder / scenario.stem
         stage.mkdir()
-        for source in (HERE / "window.py", HERE.parent / "package" / "registered.py", scenario):
+        for source in (HERE / "window.py", HERE.parent / "package" / "registered.py", ROOT / "docs" / "tutorial.md", scenario):
             shutil.copy(source, stage)
         _, window = commands()
         command = [*window, "--enable-event-simulate", "--python", str(stage / "window.py"), "--", str(stage / scenario.name), str(stage)]

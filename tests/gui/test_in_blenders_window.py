@@ -89,3 +89,13 @@ def test_looking_does_not_change_what_is_felt(play):
 def test_heavy_colliders(play):
     seen = played_through(play(SCENARIOS / "heavy.py"))
     assert all(seen.values()), seen
+
+
+def test_tutorial(play):
+    seen = played_through(play(SCENARIOS / "tutorial.py"))
+    assert all(seen.values()), seen
+
+
+def test_samples(play):
+    seen = played_through(play(SCENARIOS / "samples.py"))
+    assert all(seen.values()), seen

@@ -51,6 +51,17 @@ def steps(window):
     window.seen["after a step back and forth"] = scene.frame_current == frame and blow() == struck
     yield from window.screenshot("back-again")
 
+    # What is too weak is made felt by a click, and undone.
+    listener = scene.objects["hand.L"].haptics.listener
+    yield from window.click_button("haptic.make_felt")
+    yield 1.0
+    levels = {level.listener: level for level in window.module("addon.view.watched").levels_of(scene)}
+    window.seen["made felt"] = listener.gain > 1 and abs(levels["hand.L"].margin - 6) < 0.5 and blow() == struck
+    yield from window.screenshot("felt")
+    yield from window.undo()
+    scene = bpy.context.scene
+    window.seen["and undone"] = scene.objects["hand.L"].haptics.listener.gain == 1
+
     # The file opens as it was left.
     path = str(window.folder / "struck.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
