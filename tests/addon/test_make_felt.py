@@ -72,7 +72,7 @@ def test_what_is_felt_enough_stays_as_it_is(weak, scene):
 
 
 def test_nothing_is_raised_where_nothing_arrives(weak, scene):
-    source, carrier = weak
+    _, carrier = weak
     carrier.location.x = 5.0
     bpy.context.view_layer.update()
     assert make_felt("carrier") == {"CANCELLED"}
