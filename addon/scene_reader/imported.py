@@ -315,10 +315,10 @@ _STORED: Mapping[str, dict[str, Any]] = {
                 time=_ref("seconds"),
                 positions=_list(_ref("position"), 2),
                 normal=_ref("position"),
-                energy={"type": "number", "minimum": 0},
+                energy={"type": "number", "minimum": 0, "maximum": 1e30},
                 amplitude=_ref("unit"),
                 local=_list(_ref("position"), 2),
-                poses=_list(_list({"type": "number"}, 12), 2),
+                poses=_list(_list({"type": "number", "minimum": -1e9, "maximum": 1e9}, 12), 2),
             )
         ),
     ),

@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import sys
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Protocol
 
-from .families.family import AnyFamily, HidDevice, Interface, is_gamepad
+from .families.family import BUS_USB, AnyFamily, HidDevice, Interface, is_gamepad
 from .families.registry import families_of
 from .report import Transport
 
@@ -48,6 +49,48 @@ def hid_module() -> HidModule:
         raise DeviceError(f"the Python module {name} is not that of the package hidapi: another package of the same name is installed")
     found: HidModule = module
     return found
+
+
+class StandInDevice(ABC):
+    """Something else in the place of hidapi's device: it takes reports in its own way and answers nothing."""
+
+    def __init__(self) -> None:
+        self._error = ""
+
+    @abstractmethod
+    def open_path(self, path: bytes) -> None: ...
+
+    @abstractmethod
+    def take(self, data: bytes) -> None:
+        """Raises OSError where the report does not arrive."""
+
+    @abstractmethod
+    def close(self) -> None: ...
+
+    def write(self, data: bytes) -> int:
+        try:
+            self.take(data)
+        except OSError as error:
+            self._error = str(error)
+            return -1
+        return len(data)
+
+    send_feature_report = write
+
+    def get_feature_report(self, report: int, length: int) -> list[int]:
+        return []
+
+    def read(self, length: int, timeout_ms: int) -> list[int]:
+        return []
+
+    def error(self) -> str:
+        return self._error
+
+
+def stand_in_entry(path: str, title: str = "", serial: str = "", bus: int = BUS_USB, number: int = 0) -> dict[str, Any]:
+    """An entry of hidapi's ``enumerate`` for a `StandInDevice`. number: of the USB interface."""
+    names = {"path": path.encode(), "serial_number": serial, "product_string": title, "bus_type": bus, "interface_number": number}
+    return names | dict.fromkeys(("vendor_id", "product_id", "usage_page", "usage"), 0)
 
 
 @dataclass(frozen=True, slots=True)

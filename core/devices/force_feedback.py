@@ -15,9 +15,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .families.family import BUS_BLUETOOTH, BUS_USB, HidDevice, Interface, RumbleFamily
+from .connection import StandInDevice, stand_in_entry
+from .families.family import BUS_BLUETOOTH, BUS_USB, HidDevice, RumbleFamily, any_interface
 from .profiles import Actuator, Calibration, Channel, Profile
-from .report import Report, Tones, Transport, levels, unsigned16
+from .report import Report, Tones, Transport, unsigned16
 
 _SYSTEM = Path("/sys/class/input")
 _RUMBLE_BIT = 0x50
@@ -85,36 +86,31 @@ class ForceFeedbackModule:
         """The one device, while it is there."""
         if not os.access(self.node.path, os.F_OK):
             return []
-        node, bus = self.node, BUS_BLUETOOTH if self.node.transport == "bt" else BUS_USB
-        names = {"path": node.path.encode(), "serial_number": node.serial, "product_string": node.title, "bus_type": bus}
-        return [{**names, "vendor_id": 0, "product_id": 0, "usage_page": 0, "usage": 0, "interface_number": -1}]
+        bus = BUS_BLUETOOTH if self.node.transport == "bt" else BUS_USB
+        return [stand_in_entry(self.node.path, self.node.title, self.node.serial, bus, -1)]
 
     def device(self) -> HidDevice:
         """A device that is not open yet."""
         return _EventDevice()
 
 
-class _EventDevice:
-    """An event device in the place of hidapi's device. A report is the strength of the strong and the weak motor."""
+class _EventDevice(StandInDevice):
+    """An event device. A report is the strength of the strong and the weak motor."""
 
     def __init__(self) -> None:
-        self._file, self._effect, self._error = -1, -1, ""
+        super().__init__()
+        self._file = self._effect = -1
 
     def open_path(self, path: bytes) -> None:
         self._file = os.open(path, os.O_RDWR | os.O_CLOEXEC)
         self._effect = -1
 
-    def write(self, data: bytes) -> int:
+    def take(self, data: bytes) -> None:
         strong, weak = struct.unpack("<HH", data)
-        try:
-            if strong or weak:
-                self._upload(strong, weak)
-            if self._effect >= 0:
-                os.write(self._file, _EVENT.pack(0, 0, _EV_FF, self._effect, 1 if strong or weak else 0))
-        except OSError as error:
-            self._error = str(error)
-            return -1
-        return len(data)
+        if strong or weak:
+            self._upload(strong, weak)
+        if self._effect >= 0:
+            os.write(self._file, _EVENT.pack(0, 0, _EV_FF, self._effect, 1 if strong or weak else 0))
 
     def _upload(self, strong: int, weak: int) -> None:
         import fcntl
@@ -122,17 +118,6 @@ class _EventDevice:
         effect = bytearray(_EFFECT.pack(_RUMBLE_BIT, self._effect, 0, 0, 0, _LENGTH, 0, strong, weak).ljust(_EFFECT_SIZE, b"\0"))
         fcntl.ioctl(self._file, _UPLOAD, effect)
         self._effect = _EFFECT.unpack_from(effect)[1]
-
-    send_feature_report = write
-
-    def get_feature_report(self, report: int, length: int) -> list[int]:
-        return []
-
-    def read(self, length: int, timeout_ms: int) -> list[int]:
-        return []
-
-    def error(self) -> str:
-        return self._error
 
     def close(self) -> None:
         """Close the device: the kernel erases its effects."""
@@ -146,23 +131,15 @@ def _encode(drive: Tones, transport: Transport, sequence: int) -> Report:
     return Report(struct.pack("<HH", left, right))
 
 
-def _anything(interface: Interface) -> bool:
-    return True
-
-
 FORCE_FEEDBACK = RumbleFamily(
     name="force-feedback",
     title="Gamepad (kernel)",
     ids=frozenset({(0, 0)}),
     transports=("usb", "bt"),
-    channels=("left", "right"),
     minimum_interval={"usb": 0.010, "bt": 0.050},
     refresh_interval=0.250,
-    ends_by_itself=True,
-    after_kill="stops at once: the kernel erases the effects of a program that ends",
-    picks=_anything,
+    picks=any_interface,
     encode=_encode,
-    rumble=levels,
 )
 
 

@@ -14,10 +14,11 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from importlib import import_module
 from time import monotonic
-from typing import Any, NoReturn
+from typing import Any
 from urllib.parse import urlsplit
 
-from .connection import DeviceError
+from .checked_json import parse_json
+from .connection import DeviceError, StandInDevice, stand_in_entry
 from .families.family import HidDevice
 
 ANSWER_WITHIN = 2.0
@@ -130,7 +131,7 @@ class Connection:
             try:
                 self._socket.send(json.dumps([message]))
                 for _ in range(_LONGEST_TALK):
-                    for kind, content in _messages(self._socket.recv(timeout=max(end - monotonic(), 0.0))):
+                    for kind, content in messages_of(self._socket.recv(timeout=max(end - monotonic(), 0.0))):
                         if kind == "Error":
                             raise DeviceError(f"Intiface: {str(content.get('ErrorMessage', 'error'))[:200]}")
                         if kind == wanted:
@@ -163,19 +164,12 @@ class Connection:
             self._resources.close()
 
 
-def _messages(text: str | bytes) -> list[tuple[str, dict[str, Any]]]:
+def messages_of(text: str | bytes) -> list[tuple[str, dict[str, Any]]]:
     """The messages of a Buttplug packet, with their kinds. Raises ValueError."""
-    try:
-        packet = json.loads(text, parse_constant=_refuse_constant)
-    except RecursionError:
-        raise ValueError("it is nested too deeply") from None
+    packet = parse_json(text)
     if not isinstance(packet, list) or not all(isinstance(message, dict) for message in packet):
         raise ValueError("it is no list of messages")
     return [(kind, content) for message in packet for kind, content in message.items() if isinstance(content, dict)]
-
-
-def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is not a number of JSON")
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,47 +221,29 @@ class PlayerModule:
 
     def enumerate(self, vendor_id: int = 0, product_id: int = 0) -> Iterable[Mapping[str, Any]]:
         """The one device; whether it is there shows when it is opened."""
-        path = f"{self.player.url} {self.device_name}".encode()
-        names = {"path": path, "serial_number": "", "product_string": "", "bus_type": 1}
-        return [{**names, "vendor_id": 0, "product_id": 0, "usage_page": 0, "usage": 0, "interface_number": 0}]
+        return [stand_in_entry(f"{self.player.url} {self.device_name}")]
 
     def device(self) -> HidDevice:
         """A device that is not open yet."""
         return _PlayerDevice(self.player)
 
 
-class _PlayerDevice:
-    """A device of a player in the place of hidapi's."""
+class _PlayerDevice(StandInDevice):
+    """A device of a player."""
 
     def __init__(self, player: Player) -> None:
-        self._player, self._error = player, ""
+        super().__init__()
+        self._player = player
         self._connection: Connection | None = None
 
     def open_path(self, path: bytes) -> None:
         self._connection = self._player.open()
 
-    def write(self, data: bytes) -> int:
-        assert self._connection is not None
-        try:
-            if self._connection.broken and self._player.last in data:
-                self.close()
-                self._connection = self._player.open()
-            self._connection.send(data.decode())
-        except OSError as error:
-            self._error = str(error)
-            return -1
-        return len(data)
-
-    send_feature_report = write
-
-    def get_feature_report(self, report: int, length: int) -> list[int]:
-        return []
-
-    def read(self, length: int, timeout_ms: int) -> list[int]:
-        return []
-
-    def error(self) -> str:
-        return self._error
+    def take(self, data: bytes) -> None:
+        if self._connection is None or (self._connection.broken and self._player.last in data):
+            self.close()
+            self._connection = self._player.open()
+        self._connection.send(data.decode())
 
     def close(self) -> None:
         if self._connection is not None:

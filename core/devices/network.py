@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
+from .checked_json import schema_fault
 from .connection import DeviceError
-from .families.family import RESEND, Interface, RumbleFamily
+from .families.family import RESEND, RumbleFamily, any_interface
 from .loopback import Connection, Player, PlayerModule
 from .profiles import Actuator, Calibration, Channel, Profile
 from .report import Report, Tones, Transport
@@ -57,9 +58,7 @@ _PLACES: tuple[tuple[str, str, tuple[int, ...], tuple[str, ...]], ...] = (
 def bhaptics(url: str = BHAPTICS) -> tuple[Profile, PlayerModule]:
     """bHaptics Player: every place that it has dots for is an actuator. Raises DeviceError where it does not run."""
     Connection(url).close()
-    family = _family(
-        "bhaptics", "bHaptics Player", [name for name, *_ in _PLACES], _encode_bhaptics, _release_bhaptics, refresh=0.06, ends=True
-    )
+    family = _family("bhaptics", "bHaptics Player", [name for name, *_ in _PLACES], _encode_bhaptics, _release_bhaptics, refresh=0.06)
     parts = {name: parts for name, _, _, parts in _PLACES}
     return _profile(family, parts), PlayerModule(Player(url, _no_greeting, b"turnOffAll"), family.name)
 
@@ -92,72 +91,37 @@ def intiface(url: str = INTIFACE) -> tuple[tuple[Profile, PlayerModule], ...]:
     player = Player(url, _greet, b"StopDeviceCmd")
     connection = player.open()
     try:
-        listed = _checked(connection.ask({"RequestDeviceList": {"Id": 2}}, "DeviceList"), "DeviceList")
+        listed = connection.ask({"RequestDeviceList": {"Id": 2}}, "DeviceList")
     finally:
         player.close(connection)
-    return tuple(_intiface_device(player, device) for device in listed["Devices"] if _motors(device))
+    return devices_of(player, listed)
+
+
+def devices_of(player: Player, listed: dict[str, Any]) -> tuple[tuple[Profile, PlayerModule], ...]:
+    """The devices with motors in Intiface's DeviceList. Raises DeviceError where it is malformed."""
+    devices = _checked(listed, "DeviceList")["Devices"]
+    return tuple(_intiface_device(player, device) for device in devices if _motors(device))
 
 
 def _greet(connection: Connection) -> None:
     """Introduce the program, and keep the connection alive as the server wants it. Raises DeviceError."""
     greeting = {"RequestServerInfo": {"Id": 1, "ClientName": "Haptic Tracing", "MessageVersion": 3}}
-    milliseconds = _checked(connection.ask(greeting, "ServerInfo"), "ServerInfo").get("MaxPingTime") or 0
-    if milliseconds:
-        connection.ping_every(max(milliseconds, _SHORTEST_PING) / 1000 / _PINGS_IN_TIME, _PING)
+    seconds = ping_seconds(connection.ask(greeting, "ServerInfo"))
+    if seconds is not None:
+        connection.ping_every(seconds, _PING)
 
 
-# What is used of Buttplug's messages, and no more of it than a real server says.
-_SCHEMAS: Mapping[str, dict[str, Any]] = {
-    "ServerInfo": {"type": "object", "properties": {"MaxPingTime": {"type": ["number", "null"], "minimum": 0, "maximum": 3_600_000}}},
-    "DeviceList": {
-        "type": "object",
-        "required": ["Devices"],
-        "properties": {
-            "Devices": {
-                "type": "array",
-                "maxItems": 64,
-                "items": {
-                    "type": "object",
-                    "required": ["DeviceIndex", "DeviceName", "DeviceMessages"],
-                    "properties": {
-                        "DeviceIndex": {"type": "integer", "minimum": 0, "maximum": 4_294_967_295},
-                        "DeviceName": {"type": "string", "maxLength": 200},
-                        "DeviceMessageTimingGap": {"type": ["number", "null"], "minimum": 0, "maximum": 10_000},
-                        "DeviceMessages": {
-                            "type": "object",
-                            "properties": {
-                                "ScalarCmd": {
-                                    "type": "array",
-                                    "maxItems": 64,
-                                    "items": {"type": "object", "properties": {"ActuatorType": {"type": "string"}}},
-                                }
-                            },
-                        },
-                    },
-                },
-            }
-        },
-    },
-}
-
-
-@cache
-def _validator(kind: str) -> Callable[[Any], Any]:
-    import fastjsonschema
-
-    validate: Callable[[Any], Any] = fastjsonschema.compile(_SCHEMAS[kind])
-    return validate
+def ping_seconds(info: dict[str, Any]) -> float | None:
+    """Seconds between two pings that Intiface's ServerInfo asks for; None for no pings. Raises DeviceError where it is malformed."""
+    milliseconds = _checked(info, "ServerInfo").get("MaxPingTime") or 0
+    return max(milliseconds, _SHORTEST_PING) / 1000 / _PINGS_IN_TIME if milliseconds else None
 
 
 def _checked(content: dict[str, Any], kind: str) -> dict[str, Any]:
-    """A message of Intiface as its protocol wants it. Raises DeviceError that names what is not."""
-    import fastjsonschema
-
-    try:
-        _validator(kind)(content)
-    except fastjsonschema.JsonSchemaValueException as error:
-        place = "/".join(map(str, error.path[1:])) or kind
-        raise DeviceError(f"Intiface: {place} {error.message.removeprefix(error.name or '').strip()}") from None
+    """A message of Intiface as ``intiface.schema.json`` defines it. Raises DeviceError with the place of a fault."""
+    fault = schema_fault(content, "intiface", kind)
+    if fault is not None:
+        raise DeviceError(f"Intiface: {fault[0] or kind} {fault[1]}")
     return content
 
 
@@ -187,10 +151,6 @@ def _release_intiface(index: int, transport: Transport, sequence: int) -> tuple[
     return (Report(json.dumps([{"StopDeviceCmd": {"Id": 3 + sequence, "DeviceIndex": index}}]).encode()),)
 
 
-def _anything(interface: Interface) -> bool:
-    return True
-
-
 def _alike(count: int, left: float, right: float) -> Tones:
     """A classic pair on motors without sides."""
     return Tones((left,) * count, (0.0,) * count)
@@ -205,7 +165,6 @@ def _family(
     *,
     interval: float = _INTERVAL,
     refresh: float = RESEND,
-    ends: bool = False,
 ) -> RumbleFamily:
     return RumbleFamily(
         name=name,
@@ -214,10 +173,8 @@ def _family(
         transports=("usb",),
         channels=tuple(channels),
         minimum_interval={"usb": interval, "bt": interval},
-        ends_by_itself=ends,
-        after_kill="stops within 0.1 s" if ends else "goes on until Intiface notices that the connection is gone",
         refresh_interval=refresh,
-        picks=_anything,
+        picks=any_interface,
         release=release,
         encode=encode,
         rumble=partial(_alike, len(channels)),

@@ -2,84 +2,34 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Callable
 
 import numpy as np
 
 from ..arrays import FloatArray
 from .actuation import SampleActuation, ToneActuation
-from .families.family import RumbleFamily, StreamFamily
+from .families.family import AnyFamily, RumbleFamily, StreamFamily
 from .limits import DriveLimits, SampleLimits
 from .profiles import Adjustment, Profile
 from .report import Report, Tones, Transport
 
 WATCHDOG = 0.500
-"""Seconds without a fresh block after which a device is silenced: longer than an operator of Blender keeps its frames waiting now and then,
-during which what was sent ahead is played."""
+"""Seconds without a fresh block after which a device is silenced. Operators of Blender may delay frames by up to that; the samples that
+were sent ahead are played meanwhile."""
 
-# A stream starts so much later than its block, besides one report, that a frame may be late without a gap; and a block that comes
-# earlier than that cuts off what is left of the one before.
 _MARGIN = 0.010
-# A stream that is later than this starts afresh instead of catching up.
+"""Seconds that a stream starts after its block, besides one report: a frame may be that late without a gap. A block that comes earlier than
+that cuts off the rest of the one before."""
 _LATE = 0.050
-# Samples over which a stream goes from its last value to what follows, where that is not its continuation.
+"""A stream that is later than this [s] starts afresh instead of catching up."""
 _SEAM = 8
-
-
-class Pacing(Protocol):
-    """Decides, at any time, what to write next."""
-
-    interval: float
-    """Least seconds between two reports."""
-    lead: float
-    """Seconds by which a block waits for its turn, besides the delay asked for."""
-
-    def accept(self, block: FloatArray, sent: float) -> None:
-        """A fresh block of (actuators, n) samples, whose first is to be felt at ``sent``."""
-
-    def expect(self, ahead: FloatArray, sent: float) -> None:
-        """The (actuators, m) samples that would follow the block of ``sent``, played only if no other block comes in time."""
-
-    def adjust(self, adjustment: Adjustment) -> None:
-        """Follow the user's settings from now on."""
-
-    def silence(self) -> None:
-        """Forget everything that is not written yet, and go to zero."""
-
-    def next_report(self, now: float) -> Report | None:
-        """The report to write at ``now``, or None. What is returned counts as written."""
-
-    def written(self, now: float) -> None:
-        """The report given out last has been written, which took until ``now``."""
-
-    def failed(self) -> None:
-        """The report given out last did not arrive."""
-
-    def wake(self, now: float) -> float | None:
-        """When to ask again unless a block comes before; None if nothing will happen by itself."""
-
-    def ending(self, farewell: bool) -> tuple[Report, ...]:
-        """The reports that stop the device, to be written one ``interval`` apart: zero, release, and ``farewell`` before it is closed."""
-
-    def restart(self) -> None:
-        """The device was stopped and is to play again: what was driven still counts for the limits."""
-
-
-def _limits(profile: Profile, channels: Sequence[str], interval: float) -> DriveLimits:
-    ceilings = {channel.name: actuator.safe_maximum for actuator in profile.actuators for channel in actuator.channels}
-    return DriveLimits(
-        np.array([ceilings.get(channel, 1.0) for channel in channels]),
-        profile.slew,
-        profile.sustained_maximum,
-        profile.sustained_seconds,
-        interval,
-    )
+"""Samples in which a stream goes from its last value to one that does not continue it."""
 
 
 class Ahead:
-    """Samples that follow a block where no other block comes in time; true while there are any.
+    """Samples to be played after a block if no other block comes in time; true while there are any.
 
     start: when the first of them is due, in seconds. begun: some of them were taken.
     """
@@ -101,18 +51,152 @@ class Ahead:
         return taken
 
     def after(self, time: float) -> Ahead:
-        """What is left from ``time`` on: it does until newer samples come."""
+        """The samples from ``time`` on, used until newer ones come."""
         if self.samples is None:
             return self
         skipped = max(round((time - self.start) * self.rate), 0)
         return Ahead(self.samples[:, skipped:], self.rate, max(time, self.start))
 
 
-class RumblePacing:
+class SampleQueue:
+    """Samples (channels, n) in the order in which they are due, continued by the samples sent ahead.
+
+    ahead: samples of the source, (actuators, m). dry: the queue ran out at the last `take`. last: the last sample taken.
+    """
+
+    def __init__(self, channels: int, hop: int, process: Callable[[FloatArray], FloatArray]) -> None:
+        """process: makes samples of the queue of at most ``hop`` samples sent ahead."""
+        self.samples, self.last = np.zeros((channels, 0)), np.zeros((channels, 1))
+        self.ahead, self.dry = Ahead(), False
+        self._hop, self._process = hop, process
+
+    def __len__(self) -> int:
+        return self.samples.shape[1]
+
+    def append(self, samples: FloatArray) -> None:
+        self.samples = np.concatenate([self.samples, samples], axis=1)
+
+    def clear(self) -> None:
+        """Drop everything, the samples sent ahead as well."""
+        self.samples, self.ahead = self.samples[:, :0], Ahead()
+
+    def fill(self, count: int) -> None:
+        """Lengthen the queue to ``count`` samples as far as the samples sent ahead reach."""
+        while self.ahead and len(self) < count:
+            self.append(self._process(self.ahead.pop(self._hop)))
+
+    def take(self, count: int) -> FloatArray:
+        """The next ``count`` samples, silence where there are no more, without a jump at the seam."""
+        self.fill(count)
+        taken, self.samples = self.samples[:, :count], self.samples[:, count:]
+        played = np.pad(taken, ((0, 0), (0, count - taken.shape[1])))
+        self.dry = taken.shape[1] < count
+        if self.dry:
+            join(played, taken.shape[1], taken[:, -1:] if taken.shape[1] else self.last)
+        self.last = played[:, -1:]
+        return played
+
+
+def join(samples: FloatArray, start: int, last: FloatArray) -> None:
+    """Let the samples from ``start`` on begin at the value ``last``, in place."""
+    seam = samples[:, start : start + _SEAM]
+    seam += (last - seam) * (1.0 - (np.arange(seam.shape[1]) + 1.0) / _SEAM)
+
+
+class Pacing(ABC):
+    """Decides, at any time, what to write next.
+
+    interval: least seconds between two reports. lead: seconds by which a block waits for its turn, besides the delay asked for.
+    """
+
+    _family: AnyFamily
+    _actuation: ToneActuation | SampleActuation
+
+    def __init__(self, profile: Profile, transport: Transport, adjustment: Adjustment, sequence: int, period: float) -> None:
+        """sequence: number of the first report. period: seconds for which a command lasts."""
+        self.interval, self.lead = profile.interval(transport), 0.0
+        self._transport, self._sequence = transport, sequence
+        ceilings = {channel.name: actuator.safe_maximum for actuator in profile.actuators for channel in actuator.channels}
+        self._limits = DriveLimits(
+            np.array([ceilings.get(channel, 1.0) for channel in self._family.channels]),
+            profile.slew,
+            profile.sustained_maximum,
+            profile.sustained_seconds,
+            period,
+        )
+        self.adjust(adjustment)
+        self._end = self._fresh = self._wrote = -np.inf
+        self._begin()
+
+    def _begin(self) -> None:
+        self._startup = deque(self._family.startup(self._transport, self._sequence))
+        self._starting = False
+
+    def adjust(self, adjustment: Adjustment) -> None:
+        """Follow the user's settings from now on."""
+        self._delay = adjustment.delay
+        self._actuation.calibrate(adjustment.calibrations)
+        self._limits.scale_ceilings(adjustment.ceiling)
+
+    @abstractmethod
+    def accept(self, block: FloatArray, sent: float) -> None:
+        """Play a fresh block of (actuators, n) samples, whose first is to be felt at ``sent``."""
+
+    def expect(self, ahead: FloatArray, sent: float) -> None:
+        """Play the (actuators, m) samples after the block of ``sent`` if no other block comes in time."""
+        if sent == self._fresh:
+            self._continue(Ahead(ahead, self._actuation.rate, self._end))
+
+    @abstractmethod
+    def _continue(self, ahead: Ahead) -> None: ...
+
+    def silence(self) -> None:
+        """Forget everything that is not written yet, and go to zero."""
+        self._actuation.reset()
+        self._fresh = -np.inf
+
+    @abstractmethod
+    def next_report(self, now: float) -> Report | None:
+        """The report to write at ``now``, or None. A report that is returned counts as written."""
+
+    def written(self, now: float) -> None:
+        """The last report has been written, which took until ``now``."""
+        self._wrote = now
+
+    def failed(self) -> None:
+        """The last report did not arrive: after one of the start-up, that begins again."""
+        if self._starting:
+            self._begin()
+
+    @abstractmethod
+    def wake(self, now: float) -> float | None:
+        """When to ask again unless a block comes before; None if nothing will happen by itself."""
+
+    @abstractmethod
+    def _zero(self) -> Report: ...
+
+    def ending(self, farewell: bool) -> tuple[Report, ...]:
+        """The reports that stop the device, to be written one ``interval`` apart: zero, release, and ``farewell`` before it is closed."""
+        reports = [self._zero(), *self._family.release(self._transport, self._sequence + 1)]
+        if farewell:
+            reports += self._family.farewell(self._transport, self._sequence + len(reports))
+        self._sequence += len(reports)
+        return tuple(reports)
+
+    def restart(self) -> None:
+        """Play again on a device that was stopped; the limits remember what was driven before."""
+        self.silence()
+        self._begin()
+
+
+class RumblePacing(Pacing):
     """Pace of a device that is commanded by amplitude.
 
     Between two commands the largest amplitude of each channel counts, so that a slow device does not miss a short impact.
     """
+
+    _family: RumbleFamily
+    _actuation: ToneActuation
 
     def __init__(
         self,
@@ -123,30 +207,19 @@ class RumblePacing:
         adjustment: Adjustment,
         sequence: int = 0,
     ) -> None:
-        self._family, self._transport, self._actuation = family, transport, actuation
-        self.interval, self.lead = profile.interval(transport), 0.0
-        self._limits = _limits(profile, family.channels, self.interval)
-        self.adjust(adjustment)
-        self._startup = deque(family.startup(transport, sequence))
-        self._starting = False
-        self._sequence = sequence
+        self._family, self._actuation = family, actuation
+        super().__init__(profile, transport, adjustment, sequence, profile.interval(transport))
         self._steps: deque[tuple[float, Tones]] = deque()
         self._ahead = Ahead()
-        self._end = -np.inf
-        self._rest = family.silence()
+        self._rest = self._current = family.silence()
         self._silent = family.encode(self._rest, transport, 0).data
-        self._current = self._rest
-        # What the device does when it is opened is not known (a program may have been killed): it starts with zero.
-        self._written = b""
-        self._zeros_left = family.zero_repeats
-        self._fresh = -np.inf
+        self._tell_anew()
         self._looked = -np.inf
-        self._wrote = -np.inf
 
-    def adjust(self, adjustment: Adjustment) -> None:
-        self._delay = adjustment.delay
-        self._actuation.calibrate(adjustment.calibrations)
-        self._limits.scale_ceilings(adjustment.ceiling)
+    def _tell_anew(self) -> None:
+        """Assume nothing of what the device does: it may still do what a program that was killed told it."""
+        self._known = b""
+        self._zeros_left = self._family.zero_repeats
 
     def accept(self, block: FloatArray, sent: float) -> None:
         start = sent + self._delay
@@ -155,23 +228,21 @@ class RumblePacing:
         self._ahead = self._ahead.after(self._end)
         self._fresh = sent
 
-    def expect(self, ahead: FloatArray, sent: float) -> None:
-        if sent == self._fresh:
-            self._ahead = Ahead(ahead, self._actuation.rate, self._end)
+    def _continue(self, ahead: Ahead) -> None:
+        self._ahead = ahead
 
     def silence(self) -> None:
-        self._actuation.reset()
+        super().silence()
         self._steps.clear()
         self._ahead = Ahead()
         self._current = self._rest
-        self._fresh = -np.inf
 
     def next_report(self, now: float) -> Report | None:
         if now < self._wrote + self.interval:
             return None
         self._starting = bool(self._startup)
         if self._starting:
-            return self._write(self._startup.popleft(), now)
+            return self._count(self._startup.popleft(), now)
         if now - self._fresh > WATCHDOG + self._delay:
             self.silence()
         wanted = self._due(now)
@@ -181,40 +252,27 @@ class RumblePacing:
         drive = Tones(tuple(amplitudes.tolist()), wanted.frequencies) if amplitudes.any() else self._rest
         return self._unless_known(drive, now)
 
-    def written(self, now: float) -> None:
-        self._wrote = now
-
     def failed(self) -> None:
-        self._written = b""
-        self._zeros_left = self._family.zero_repeats
-        if self._starting:
-            self._startup = deque(self._family.startup(self._transport, self._sequence))
+        super().failed()
+        self._tell_anew()
 
     def wake(self, now: float) -> float | None:
         if self._startup or self._steps or self._ahead or self._zeros_left or self._current.amplitudes != self._rest.amplitudes:
             look = max(self._wrote, self._looked) + self.interval
-            if self._written != self._silent:
+            if self._known != self._silent:
                 return max(min(look, self._wrote + self._family.refresh_interval), self._wrote + self.interval)
             return look
         return None
 
-    def ending(self, farewell: bool) -> tuple[Report, ...]:
-        zero = self._family.encode(self._rest, self._transport, self._sequence)
-        reports = [zero, *self._family.release(self._transport, self._sequence + 1)]
-        if farewell:
-            reports += self._family.farewell(self._transport, self._sequence + len(reports))
-        self._sequence += len(reports)
-        return tuple(reports)
-
     def restart(self) -> None:
-        self.silence()
-        self._startup = deque(self._family.startup(self._transport, self._sequence))
-        # Whatever happened since the release, the device is told anew.
-        self._written = b""
-        self._zeros_left = self._family.zero_repeats
+        super().restart()
+        self._tell_anew()
+
+    def _zero(self) -> Report:
+        return self._family.encode(self._rest, self._transport, self._sequence)
 
     def _due(self, now: float) -> Tones:
-        """The strongest of what was due since the last look, channel by channel; what is due last stays."""
+        """The strongest of the steps due since the last call, channel by channel; the last of them stays in force."""
         while self._ahead and self._ahead.start <= now:
             start = self._ahead.start
             chunk = self._ahead.pop(self._actuation.hop)
@@ -239,20 +297,26 @@ class RumblePacing:
                 return None
             self._zeros_left -= 1
         else:
-            if data == self._written and now - self._wrote < self._family.refresh_interval:
+            if data == self._known and now - self._wrote < self._family.refresh_interval:
                 return None
             self._zeros_left = self._family.zero_repeats
-        self._written = data
-        return self._write(self._family.encode(drive, self._transport, self._sequence), now)
+        self._known = data
+        return self._count(self._family.encode(drive, self._transport, self._sequence), now)
 
-    def _write(self, report: Report, now: float) -> Report:
+    def _count(self, report: Report, now: float) -> Report:
         self._sequence += 1
         self._wrote = now
         return report
 
 
-class StreamPacing:
-    """Pace of a device that takes samples: one report after the other, each when the one before it has been played."""
+class StreamPacing(Pacing):
+    """Pace of a device that takes samples: one report after the other, each when the one before it has been played.
+
+    Samples are due at their own time, however long writing takes.
+    """
+
+    _family: StreamFamily
+    _actuation: SampleActuation
 
     def __init__(
         self,
@@ -263,62 +327,48 @@ class StreamPacing:
         adjustment: Adjustment,
         sequence: int = 0,
     ) -> None:
-        self._family, self._transport, self._actuation = family, transport, actuation
-        self.interval, self.lead = profile.interval(transport), family.period + _MARGIN
-        self._limits = _limits(profile, family.channels, family.period)
-        self.adjust(adjustment)
-        self._startup = deque(family.startup(transport, sequence))
-        self._starting = False
-        self._queue = np.zeros((len(family.channels), 0))
-        self._end = -np.inf
-        self._ahead = Ahead()
+        self._family, self._actuation = family, actuation
+        super().__init__(profile, transport, adjustment, sequence, family.period)
+        self.lead = family.period + _MARGIN
+        self._queue = SampleQueue(len(family.channels), actuation.hop, actuation.process)
         self._samples = SampleLimits(self._limits, len(family.channels))
-        self._sequence = sequence
         self._due: float | None = None
-        self._seam = False
-        self._last = np.zeros((len(family.channels), 1))
-        self._fresh = -np.inf
-
-    def adjust(self, adjustment: Adjustment) -> None:
-        self._delay = adjustment.delay
-        self._actuation.calibrate(adjustment.calibrations)
-        self._limits.scale_ceilings(adjustment.ceiling)
 
     def accept(self, block: FloatArray, sent: float) -> None:
-        if self._ahead.begun:  # then the block waits for its turn as long as any other
-            self._fill(round(self.lead * self._family.rate))
-        still_due = self._queue[:, : self._place(sent)]
-        dry = self._seam and not still_due.shape[1]
-        seam = dry or still_due.shape[1] < self._queue.shape[1] or self._ahead.begun
+        queue = self._queue
+        begun = queue.ahead.begun
+        if begun:  # then the block waits for its turn as long as any other
+            queue.fill(round(self.lead * self._family.rate))
+        place = self._place(sent)
+        is_cut, queue.samples = place < len(queue), queue.samples[:, :place]
+        dry = queue.dry and not len(queue)
+        seam = dry or is_cut or begun
         if seam:
             self._actuation.reset()
         samples = self._actuation.process(block)
         if seam:
-            join(samples, 0, still_due[:, -1:] if still_due.shape[1] else self._last)
+            join(samples, 0, queue.samples[:, -1:] if len(queue) else queue.last)
         if dry or self._due is None:
             self._due = max(sent + self._delay + self.lead, self._due or -np.inf)
-        self._queue = np.concatenate([still_due, samples], axis=1)
+        queue.append(samples)
         self._end = sent + block.shape[1] / self._actuation.rate
-        self._ahead = self._ahead.after(self._end)
+        queue.ahead = queue.ahead.after(self._end)
         self._fresh = sent
 
     def _place(self, sent: float) -> int:
-        """Where in the queue a block begins: in its time, or after what is queued where that differs by less than a frame may be early."""
+        """Index in the queue where a block begins: at its time, or at the end if that differs by less than a frame may be early."""
         if self._due is None:
-            return self._queue.shape[1]
+            return len(self._queue)
         place = max(round((sent + self._delay + self.lead - self._due) * self._family.rate), 0)
-        return place if self._queue.shape[1] - place > _MARGIN * self._family.rate else self._queue.shape[1]
+        return place if len(self._queue) - place > _MARGIN * self._family.rate else len(self._queue)
 
-    def expect(self, ahead: FloatArray, sent: float) -> None:
-        if sent == self._fresh:
-            self._ahead = Ahead(ahead, self._actuation.rate, self._end)
+    def _continue(self, ahead: Ahead) -> None:
+        self._queue.ahead = ahead
 
     def silence(self) -> None:
-        self._actuation.reset()
-        self._queue = self._queue[:, :0]
-        self._ahead = Ahead()
-        self._seam = True
-        self._fresh = -np.inf
+        super().silence()
+        self._queue.clear()
+        self._queue.dry = True
 
     def next_report(self, now: float) -> Report | None:
         if self._due is None or now < self._due:
@@ -334,61 +384,26 @@ class StreamPacing:
         self._due = (now if now - self._due > _LATE else self._due) + self._family.period
         return self._packet()
 
-    def written(self, now: float) -> None:
-        """Samples are due at their own time, however long writing takes."""
-
     def failed(self) -> None:
-        self._seam = True
-        if self._starting:
-            self._startup = deque(self._family.startup(self._transport, self._sequence))
+        super().failed()
+        self._queue.dry = True
 
     def wake(self, now: float) -> float | None:
         return self._due
 
-    def ending(self, farewell: bool) -> tuple[Report, ...]:
-        zero = np.zeros((len(self._family.channels), self._family.frames), dtype=np.int8)
-        reports = [self._family.encode(zero, self._sequence), *self._family.release(self._transport, self._sequence + 1)]
-        if farewell:
-            reports += self._family.farewell(self._transport, self._sequence + len(reports))
-        self._sequence += len(reports)
-        return tuple(reports)
-
     def restart(self) -> None:
-        self.silence()
-        self._startup = deque(self._family.startup(self._transport, self._sequence))
+        super().restart()
         self._due = None
 
+    def _zero(self) -> Report:
+        zero = np.zeros((len(self._family.channels), self._family.frames), dtype=np.int8)
+        return self._family.encode(zero, self._sequence)
+
     def _packet(self) -> Report:
-        samples = self._samples.limited(self._next_frames(), self._family.period)
+        samples = self._samples.limited(self._queue.take(self._family.frames), self._family.period)
         report = self._family.encode(np.round(127.0 * samples).astype(np.int8), self._sequence)
         self._sequence += 1
         return report
-
-    def _next_frames(self) -> FloatArray:
-        """The next frames of the queue, then silence, without a jump at seams. (channels, frames)."""
-        frames = self._family.frames
-        self._fill(frames)
-        taken, self._queue = self._queue[:, :frames], self._queue[:, frames:]
-        dry = frames - taken.shape[1]
-        played = np.zeros((taken.shape[0], frames))
-        played[:, : taken.shape[1]] = taken
-        if dry:
-            join(played, taken.shape[1], taken[:, -1:] if taken.shape[1] else self._last)
-        self._seam = dry > 0
-        self._last = played[:, -1:]
-        return played
-
-    def _fill(self, frames: int) -> None:
-        """Lengthen the queue to ``frames`` by what was sent ahead, as far as that goes."""
-        while self._ahead and self._queue.shape[1] < frames:
-            chunk = self._actuation.process(self._ahead.pop(self._actuation.hop))
-            self._queue = np.concatenate([self._queue, chunk], axis=1)
-
-
-def join(samples: FloatArray, start: int, last: FloatArray) -> None:
-    """Let the samples from ``start`` on begin at the value ``last``, in place."""
-    seam = samples[:, start : start + _SEAM]
-    seam += (last - seam) * (1.0 - (np.arange(seam.shape[1]) + 1.0) / _SEAM)
 
 
 def pacing_of(

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
-from typing import Any, Literal, NoReturn
+from typing import Any, Literal
 
 from ..scene.body import BODY_PART
+from .checked_json import parse_json, schema_fault
 from .families.family import AnyFamily, RumbleFamily
 from .families.registry import FAMILIES
 from .report import Transport
@@ -19,7 +18,6 @@ Kind = Literal["VCM", "LRA", "ERM", "PCM"]
 BUILT_IN = Path(__file__).parent / "profiles"
 EARLIEST = -0.050
 """Least delay in seconds: a frame's block is worth no more."""
-_SCHEMA = Path(__file__).parent / "device.schema.json"
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,33 +126,15 @@ class Profile:
         return not isinstance(self.family, RumbleFamily) or self.family.has_tones
 
 
-@cache
-def _validator() -> Callable[[Any], Any]:
-    import fastjsonschema
-
-    validate: Callable[[Any], Any] = fastjsonschema.compile(json.loads(_SCHEMA.read_text(encoding="utf-8")))
-    return validate
-
-
-def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is not a number of JSON")
-
-
 def parse_profile(text: str, families: Mapping[str, AnyFamily] = FAMILIES) -> Profile:
     """A profile from its JSON text. Raises ValueError with the JSON pointer and what is wrong there, in one line."""
-    import fastjsonschema
-
     try:
-        document = json.loads(text, parse_constant=_refuse_constant)
-    except RecursionError:
-        raise ValueError("/: is nested too deeply") from None
+        document = parse_json(text)
     except ValueError as error:
-        raise ValueError(f"/: is not JSON: {error}") from None
-    try:
-        _validator()(document)
-    except fastjsonschema.JsonSchemaValueException as error:
-        place = "/" + "/".join(str(step) for step in error.path[1:])
-        raise ValueError(f"{place}: {error.message.removeprefix(error.name or '').strip()}") from None
+        raise ValueError(f"/: {error}") from None
+    fault = schema_fault(document, "device")
+    if fault is not None:
+        raise ValueError(f"/{fault[0]}: {fault[1]}")
     family = families.get(document["family"])
     if family is None:
         raise ValueError(f"/family: {document['family']!r} is unknown: use one of {', '.join(families)}")

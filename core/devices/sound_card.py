@@ -24,7 +24,7 @@ from ..arrays import FloatArray
 from .actuation import HOP, checked_block
 from .connection import DeviceError
 from .limits import DriveLimits, SampleLimits
-from .pacing import Ahead, join
+from .pacing import Ahead, SampleQueue, join
 from .profiles import Actuator, Adjustment, Calibration, Channel
 from .resampling import Resampler
 from .status import State, Status
@@ -116,16 +116,14 @@ class SoundCardWriter:
         self._rows = len(card.actuators)
         self._places = [int(actuator.channels[0].name) for actuator in card.actuators]
         self._resampler = Resampler(self._rows, rate, card.rate)
-        self._rate, self._hop = rate, round(HOP * rate)
+        self._rate = rate
         ceilings = np.array([actuator.safe_maximum for actuator in card.actuators])
         self._drive = DriveLimits(ceilings, _SLEW, _SUSTAINED, _SUSTAINED_SECONDS, 1.0 / 24.0)
         self._limits = SampleLimits(self._drive, self._rows)
         self._lock = threading.Lock()
         # Guarded by _lock:
-        self._queue = np.zeros((self._rows, 0))
-        self._ahead = Ahead()
-        self._last = np.zeros((self._rows, 1))
-        self._dry = True
+        self._queue = SampleQueue(self._rows, round(HOP * rate), self._resampled)
+        self._queue.dry = True
         self._sent: float | None = None
         self._end = 0.0
         self._stop = threading.Event()
@@ -160,25 +158,24 @@ class SoundCardWriter:
         if self._state != "open":
             self._dropped += 1
             return sent
-        rate = self.profile.rate
+        rate, queue = self.profile.rate, self._queue
         with self._lock:
-            if self._ahead.begun:  # then the block waits for its turn as long as any other
-                self._fill(round(_MARGIN * rate))
-            seam = self._ahead.begun and self._queue.shape[1] > 0
+            begun = queue.ahead.begun
+            if begun:  # then the block waits for its turn as long as any other
+                queue.fill(round(_MARGIN * rate))
+            seam = begun and len(queue) > 0
             samples = self._resampled(checked)
-            if self._queue.shape[1] > _EARLY * rate:
-                self._queue = self._queue[:, : round(_MARGIN * rate)]
+            if len(queue) > _EARLY * rate:
+                queue.samples = queue.samples[:, : round(_MARGIN * rate)]
                 seam = True
             if seam:
-                join(samples, 0, self._queue[:, -1:])
-            if self._dry:
-                lead = np.zeros((self._rows, round(max(_MARGIN + self._adjustment.delay, 0.0) * rate)))
-                self._queue = np.concatenate([self._queue, lead], axis=1)
-            self._delays.append(self._queue.shape[1] / rate)
-            self._queue = np.concatenate([self._queue, samples], axis=1)
+                join(samples, 0, queue.samples[:, -1:])
+            if queue.dry:
+                queue.append(np.zeros((self._rows, round(max(_MARGIN + self._adjustment.delay, 0.0) * rate))))
+            self._delays.append(len(queue) / rate)
+            queue.append(samples)
             self._sent, self._end = sent, sent + block_seconds
-            self._ahead = self._ahead.after(self._end)
-            self._dry = False
+            queue.ahead, queue.dry = queue.ahead.after(self._end), False
         self._blocks += 1
         return sent
 
@@ -187,13 +184,12 @@ class SoundCardWriter:
         expected = checked_block(np.asarray(ahead), self._rows)
         with self._lock:
             if sent == self._sent:
-                self._ahead = Ahead(expected, self._rate, self._end)
+                self._queue.ahead = Ahead(expected, self._rate, self._end)
 
     def silence(self) -> None:
         """Go to zero at once, and forget what was sent so far."""
         with self._lock:
-            self._queue = self._queue[:, :0]
-            self._ahead = Ahead()
+            self._queue.clear()
             self._sent = None
             self._resampler.reset()
 
@@ -234,20 +230,10 @@ class SoundCardWriter:
         """The next samples, (n, channels): what lies ready, then silence, without a jump."""
         out[:] = 0.0
         with self._lock:
-            self._fill(len(out))
-            taken = self._queue[:, : len(out)]
-            self._queue = self._queue[:, len(out) :]
-            played = np.pad(taken, ((0, 0), (0, len(out) - taken.shape[1])))
-            if taken.shape[1] < len(out):
-                self._dry = True
-                join(played, taken.shape[1], taken[:, -1:] if taken.shape[1] else self._last)
-            self._last = played[:, -1:]
+            was_dry = self._queue.dry
+            played = self._queue.take(len(out))
+            self._queue.dry = self._queue.dry or was_dry  # until the next block
         out[:, self._places] = np.clip(played, -1.0, 1.0).T
-
-    def _fill(self, count: int) -> None:
-        """Lengthen the queue to ``count`` by what was sent ahead, as far as that goes."""
-        while self._ahead and self._queue.shape[1] < count:
-            self._queue = np.concatenate([self._queue, self._resampled(self._ahead.pop(self._hop))], axis=1)
 
     def _resampled(self, samples: FloatArray) -> FloatArray:
         """Samples at the card's rate, as the user wants them and within the limits."""

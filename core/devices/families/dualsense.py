@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ..report import Report, Tones, Transport, levels, unsigned8, with_crc
+from ..report import Report, Tones, Transport, unsigned8, with_crc
 from .family import HidDevice, Interface, RumbleFamily
 
 SONY = 0x054C
@@ -65,13 +65,9 @@ DUALSENSE = RumbleFamily(
     title="DualSense",
     ids=frozenset({(SONY, PRODUCT), (SONY, EDGE)}),
     transports=("usb", "bt"),
-    channels=("left", "right"),
     minimum_interval={"usb": 0.010, "bt": 0.010},
-    ends_by_itself=False,
-    after_kill="goes on at the last level until another program writes to it, it is unplugged, or it is switched off (hold the PS button)",
     release=release,
     encode=_encode,
-    rumble=levels,
     prepare=_prepare,
 )
 

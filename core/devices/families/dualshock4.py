@@ -5,7 +5,7 @@ Layout: Linux ``hid-playstation.c`` and SDL's PS4 driver. Only Sony's own number
 
 from __future__ import annotations
 
-from ..report import Report, Tones, Transport, levels, unsigned8, with_crc
+from ..report import Report, Tones, Transport, unsigned8, with_crc
 from .family import RumbleFamily
 
 _MOTORS = 0x01
@@ -35,10 +35,6 @@ DUALSHOCK4 = RumbleFamily(
     title="DualShock 4",
     ids=frozenset({(0x054C, 0x05C4), (0x054C, 0x09CC), (0x054C, 0x0BA0)}),
     transports=("usb", "bt"),
-    channels=("left", "right"),
     minimum_interval={"usb": 0.010, "bt": 0.010},
-    ends_by_itself=False,
-    after_kill="goes on at the last level until another program writes to it, it is unplugged, or it is switched off (hold the PS button)",
     encode=_encode,
-    rumble=levels,
 )

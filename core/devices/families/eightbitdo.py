@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from ..report import Report, Tones, Transport, levels, unsigned8
+from ..report import Report, Tones, Transport, unsigned8
 from .family import HidDevice, Interface, RumbleFamily
 
 _ULTIMATE_2_WIRELESS, _ULTIMATE_3 = 0x6012, 0x202F
@@ -55,11 +55,7 @@ EIGHTBITDO = RumbleFamily(
     title="8BitDo controller",
     ids=frozenset((0x2DC8, product) for product in _PADS),
     transports=("usb", "bt"),
-    channels=("left", "right"),
     minimum_interval={"usb": 0.020, "bt": 0.020},
-    ends_by_itself=False,
-    after_kill="goes on at the last level until it is unplugged or switched off",
     prepare=_prepare,
     encode=_encode,
-    rumble=levels,
 )

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..report import Report, Tones, Transport
+from ..report import Report, Tones, Transport, levels
 
 BUS_USB = 1
 BUS_BLUETOOTH = 2
@@ -71,6 +71,11 @@ def is_gamepad(interface: Interface) -> bool:
     return interface.usage_page == 0x01 and interface.usage in (0x04, 0x05)
 
 
+def any_interface(interface: Interface) -> bool:
+    """For devices that are found by other means than their HID interface."""
+    return True
+
+
 def is_vendor_defined(interface: Interface) -> bool:
     """A top-level collection on a vendor's own usage page."""
     return interface.usage_page >= 0xFF00
@@ -113,8 +118,6 @@ class Family:
     channels: names of what a drive has one value for, in order.
     minimum_interval: least seconds from the end of one report to the next, per transport.
     refresh_interval: seconds after which an unchanged non-zero drive is sent again.
-    ends_by_itself: the device stops without further reports.
-    after_kill: what it does when nothing is left that could silence it, for people.
     picks: whether an interface is the one to open.
     probe_input: of several such interfaces, the right one is that which emits input within 16 ms.
     prepare: sets up a device once after it was opened; called in the writer's thread.
@@ -128,10 +131,8 @@ class Family:
     title: str
     ids: frozenset[tuple[int, int]]
     transports: tuple[Transport, ...]
-    channels: tuple[str, ...]
     minimum_interval: Mapping[Transport, float]
-    ends_by_itself: bool
-    after_kill: str
+    channels: tuple[str, ...] = ("left", "right")
     refresh_interval: float = RESEND
     picks: Callable[[Interface], bool] = is_gamepad
     probe_input: bool = False
@@ -157,7 +158,7 @@ class RumbleFamily(Family):
     """
 
     encode: Callable[[Tones, Transport, int], Report]
-    rumble: Callable[[float, float], Tones]
+    rumble: Callable[[float, float], Tones] = levels
     has_tones: bool = False
 
     def silence(self) -> Tones:

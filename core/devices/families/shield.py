@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..report import Report, Tones, Transport, levels, unsigned8, unsigned16
+from ..report import Report, Tones, Transport, unsigned8, unsigned16
 from .family import RumbleFamily
 
 NVIDIA = 0x0955
@@ -23,14 +23,10 @@ SHIELD_2017 = RumbleFamily(
     title="SHIELD Controller (2017)",
     ids=frozenset({(NVIDIA, 0x7214)}),
     transports=("usb", "bt"),
-    channels=("left", "right"),
     # The pad acknowledges each command before it takes the next; this leaves it time without waiting for the answer.
     minimum_interval={"usb": 0.100, "bt": 0.100},
     refresh_interval=0.500,
-    ends_by_itself=True,
-    after_kill="should stop by itself: its drivers have to refresh it every 0.5 s (not tried)",
     encode=_encode_2017,
-    rumble=levels,
 )
 
 SHIELD_2015 = RumbleFamily(
@@ -38,10 +34,6 @@ SHIELD_2015 = RumbleFamily(
     title="SHIELD Controller (2015)",
     ids=frozenset({(NVIDIA, 0x7210)}),
     transports=("usb",),
-    channels=("left", "right"),
     minimum_interval={"usb": 0.020},
-    ends_by_itself=False,
-    after_kill="goes on at the last level until it is unplugged or switched off",
     encode=_encode_2015,
-    rumble=levels,
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..report import Report, Tones, Transport, levels, unsigned8
+from ..report import Report, Tones, Transport, unsigned8
 from .family import HidDevice, Interface, RumbleFamily, answer_of
 
 _COMMAND, _ANSWER = 0x03, 0x02
@@ -40,11 +40,7 @@ SINPUT = RumbleFamily(
     title="SInput controller",
     ids=frozenset({*((0x2E8A, product) for product in (0x10C6, 0x10DF, 0x10DD, 0x10E0, 0x10E5)), (0x38D2, 0x1014)}),
     transports=("usb", "bt"),
-    channels=("left", "right"),
     minimum_interval={"usb": 0.020, "bt": 0.020},
-    ends_by_itself=False,
-    after_kill="goes on at the last level until it is unplugged or switched off",
     prepare=_prepare,
     encode=_encode,
-    rumble=levels,
 )

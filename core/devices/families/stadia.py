@@ -5,7 +5,7 @@ Over Bluetooth on Windows the report is not in the pad's descriptor and writes f
 
 from __future__ import annotations
 
-from ..report import Report, Tones, Transport, levels, unsigned16
+from ..report import Report, Tones, Transport, unsigned16
 from .family import RumbleFamily
 
 
@@ -19,10 +19,6 @@ STADIA = RumbleFamily(
     title="Stadia Controller",
     ids=frozenset({(0x18D1, 0x9400)}),
     transports=("usb", "bt"),
-    channels=("left", "right"),
     minimum_interval={"usb": 0.010, "bt": 0.020},
-    ends_by_itself=False,
-    after_kill="goes on at the last level until it is unplugged or switched off",
     encode=_encode,
-    rumble=levels,
 )

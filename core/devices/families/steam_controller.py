@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..report import Report, Tones, Transport, levels, unsigned16
+from ..report import Report, Tones, Transport, unsigned16
 from .family import Interface, RumbleFamily, StreamFamily, is_vendor_defined
 from .steam_deck import VALVE
 
@@ -52,15 +52,11 @@ STEAM_CONTROLLER = RumbleFamily(
     title="Steam Controller (2026)",
     ids=frozenset((VALVE, product) for product in (WIRED, BLE, *DONGLES)),
     transports=("usb", "bt"),
-    channels=("left", "right"),
     minimum_interval={"usb": 0.010, "bt": 0.020},
     refresh_interval=0.040,
-    ends_by_itself=True,
-    after_kill="stops by itself after about 50 ms",
     picks=_carries_a_controller,
     probe_input=True,
     encode=_encode_rumble,
-    rumble=levels,
 )
 
 STEAM_CONTROLLER_PCM = StreamFamily(
@@ -68,10 +64,7 @@ STEAM_CONTROLLER_PCM = StreamFamily(
     title="Steam Controller (2026, samples)",
     ids=frozenset((VALVE, product) for product in (WIRED, *DONGLES)),
     transports=("usb",),
-    channels=("left", "right"),
     minimum_interval={"usb": FRAMES / RATE},
-    ends_by_itself=True,
-    after_kill="falls silent: it has no samples left after 4 ms",
     picks=_carries_a_controller,
     probe_input=True,
     startup=_start_stream,

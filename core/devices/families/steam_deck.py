@@ -5,7 +5,7 @@ Steam itself writes to them: drive them only while Steam is closed.
 
 from __future__ import annotations
 
-from ..report import Report, Tones, Transport, levels, unsigned16
+from ..report import Report, Tones, Transport, unsigned16
 from .family import Interface, RumbleFamily
 
 VALVE = 0x28DE
@@ -31,12 +31,8 @@ STEAM_DECK = RumbleFamily(
     title="Steam Deck",
     ids=frozenset({(VALVE, 0x1205)}),
     transports=("usb",),
-    channels=("left", "right"),
     minimum_interval={"usb": 0.010},
-    ends_by_itself=False,
-    after_kill="goes on at the last level until Steam or another program writes to it, or the Deck sleeps",
     picks=_not_keyboard_or_mouse,
     probe_input=True,
     encode=_encode,
-    rumble=levels,
 )

@@ -127,8 +127,6 @@ def _family(name: str, title: str, products: tuple[int, ...], picks: Callable[[I
         # Faster than 30 ms SDL saw controllers switch off; over Bluetooth the kernel keeps 60 ms.
         minimum_interval={"usb": 0.030, "bt": 0.060},
         refresh_interval=0.050,
-        ends_by_itself=True,
-        after_kill="stops by itself when it is no longer refreshed",
         picks=picks,
         prepare=_prepare,
         farewell=_farewell,

@@ -6,7 +6,7 @@ pads are not HID devices and can't be reached this way.
 
 from __future__ import annotations
 
-from ..report import Report, Tones, Transport, levels, percent
+from ..report import Report, Tones, Transport, percent
 from .family import RumbleFamily
 
 MICROSOFT = 0x045E
@@ -41,14 +41,10 @@ XBOX = RumbleFamily(
     title="Xbox Wireless Controller (Bluetooth)",
     ids=frozenset((MICROSOFT, product) for product in (0x02E0, 0x02FD, 0x0B20, 0x0B05, 0x0B22, 0x0B13)),
     transports=("bt",),
-    channels=("left", "right"),
     # Faster than 50 ms the firmware of BLE pads is known to crash.
     minimum_interval={"bt": 0.050},
     refresh_interval=0.100,
-    ends_by_itself=True,
-    after_kill="stops by itself after at most 0.25 s",
     encode=_encode,
-    rumble=levels,
 )
 
 LUNA = RumbleFamily(
@@ -56,10 +52,6 @@ LUNA = RumbleFamily(
     title="Luna Controller (Bluetooth)",
     ids=frozenset({(0x0171, 0x0419)}),
     transports=("bt",),
-    channels=("left", "right"),
     minimum_interval={"bt": 0.050},
-    ends_by_itself=False,
-    after_kill="goes on at the last level for up to ten minutes, or until it is switched off",
     encode=lasting,
-    rumble=levels,
 )

@@ -30,6 +30,7 @@ class Kernel:
 
     def __init__(self, number=0):
         self.effects, self.events = {}, []  # (strong, weak, milliseconds) by id; (seconds, id, value)
+        self.loudest = 0, 0  # strengths of the strongest effect that was started
         path = Path(os.environ["UMOCKDEV_DIR"], "ioctl", "dev", "input", f"event{number}")
         path.parent.mkdir(parents=True, exist_ok=True)
         path.unlink(missing_ok=True)
@@ -84,6 +85,8 @@ class Kernel:
         _, _, kind, code, value = struct.unpack("=qqHHi", received(connection, count))
         assert kind == 0x15
         self.events.append((time.perf_counter(), code, value))
+        if value:
+            self.loudest = max(self.loudest, self.effects[code][:2])
         return count
 
 

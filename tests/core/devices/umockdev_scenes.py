@@ -352,9 +352,7 @@ time.sleep(60.0)
 """
     child = subprocess.Popen([sys.executable, "-c", program], cwd=HERE, stdout=subprocess.PIPE, text=True)
     assert child.stdout.readline() == "plays\n"
-    loudest = kernel.strength
     if ending == "kill":
-        loudest = kernel.strength
         child.kill()
     begun = time.perf_counter()
     wait_until(lambda: kernel.strength == (0, 0), 5.0)
@@ -364,7 +362,7 @@ time.sleep(60.0)
     child.kill()
     child.wait()
     keys = [[device.key, device.title, device.kind, device.permission] for device in found.devices]
-    return {"found": keys, "strangers": found.strangers, "loudest": loudest, "silent": silent, "effects": len(effects)}
+    return {"found": keys, "strangers": found.strangers, "loudest": kernel.loudest, "silent": silent, "effects": len(effects)}
 
 
 if __name__ == "__main__":

@@ -1,0 +1,96 @@
+"""Random inputs for everything that reads: `make fuzz`.
+
+    python tests/addon/fuzzing [--inputs 1000000] [--seed 0] [--only TARGET ...]
+
+Inputs are numbered: the same seed and number give the same input. They are tried in processes of 20,000, one after the other. What raises
+an error that a reader should not raise, takes more than 10 s of the processor, needs more than 4 GB, or ends the process, is printed with
+its number and written to ``out/crashers``, from where it is taken over into the corpus once it is mended.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import random
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+import warnings
+from pathlib import Path
+
+os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
+
+from inputs import changed, targets
+
+BATCH = 20_000
+SECONDS, BYTES = 10.0, 4 << 30
+FOUND = Path("out") / "crashers"
+
+
+class Hang(BaseException):
+    """No error that a reader could take for one of its own."""
+
+
+def hang(*_: object) -> None:
+    raise Hang(f"more than {SECONDS:g} s of the processor")
+
+
+def batch(seed: int, first: int, count: int, only: list[str], place: Path) -> int:
+    """Try inputs; returns how many got through. ``place``: a file that says which one is being tried."""
+    known = {name: target for name, target in targets().items() if not only or name in only}
+    names, crashes = sorted(known), 0
+    warnings.simplefilter("error", RuntimeWarning)
+    signal.signal(signal.SIGVTALRM, hang)
+    resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))
+    with tempfile.TemporaryDirectory() as folder, place.open("w") as now:
+        for number in range(first, first + count):
+            generator = random.Random(f"{seed} {number}")
+            name = generator.choice(names)
+            content = changed(known[name].seeds, generator)
+            now.seek(0)
+            now.write(f"{number:12} {name}\n")
+            now.flush()
+            signal.setitimer(signal.ITIMER_VIRTUAL, SECONDS)
+            try:
+                known[name].run(content, Path(folder))
+            except (Exception, Hang):
+                crashes += 1
+                FOUND.mkdir(parents=True, exist_ok=True)
+                (FOUND / f"{name}.{number}").write_bytes(content)
+                print(f"input {number}, {name}: {content[:200]!r}\n{traceback.format_exc(limit=-4)}", flush=True)
+            finally:
+                signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+    return crashes
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--inputs", type=int, default=1_000_000)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--only", nargs="*", default=[], metavar="TARGET")
+    parser.add_argument("--first", type=int, default=0, help="number of the first input")
+    parser.add_argument("--place", type=Path, help=argparse.SUPPRESS)  # in a process of a batch
+    options = parser.parse_args()
+    if options.place is not None:
+        return min(batch(options.seed, options.first, options.inputs, options.only, options.place), 100)
+    crashes, begun, end = 0, time.monotonic(), options.first + options.inputs
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder) / "now"
+        for first in range(options.first, end, BATCH):
+            numbers = ["--first", str(first), "--inputs", str(min(BATCH, end - first))]
+            command = [sys.executable, __file__, *numbers, "--seed", str(options.seed), "--place", str(place), "--only", *options.only]
+            code = subprocess.run(command).returncode
+            crashes += abs(code)
+            if code < 0 or code > 100:
+                print(f"the process ended with {code} at input {place.read_text().strip()}", flush=True)
+            done = min(first + BATCH, end) - options.first
+            print(f"{done} inputs, {crashes} got through, {time.monotonic() - begun:.0f} s", flush=True)
+    return 1 if crashes else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

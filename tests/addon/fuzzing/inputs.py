@@ -1,0 +1,255 @@
+"""What strangers may feed the product with, and how such inputs are changed at random: files, formulas, texts stored in a .blend, messages.
+
+A target takes bytes and raises what it did not expect: `Refused` errors are the one clear message that a bad input may give.
+"""
+
+from __future__ import annotations
+
+import copy
+import gzip
+import json
+import math
+import random
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from haptic_tracing.addon.properties.actuators import choice_of, places_of
+from haptic_tracing.addon.scene_reader import imported, kept_impacts
+from haptic_tracing.core.devices import network
+from haptic_tracing.core.devices.connection import DeviceError
+from haptic_tracing.core.devices.loopback import Player, messages_of
+from haptic_tracing.core.devices.profiles import BUILT_IN, parse_profile
+from haptic_tracing.core.formats import haptic_scene, registry
+from haptic_tracing.core.formats.io.error import FormatError
+from haptic_tracing.core.scene.functions.checking import check_expression
+from haptic_tracing.core.scene.functions.modulation import Expression
+
+CORPUS = Path(__file__).parents[2] / "core" / "formats" / "corpus"
+CRASHERS = Path(__file__).with_name("crashers")
+"""Inputs that once got through, as ``TARGET.NUMBER``; those for readers of files are in the corpus of the formats."""
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """seeds: good and bad inputs to begin with. run: takes an input and a folder to write to."""
+
+    seeds: tuple[bytes, ...]
+    run: Callable[[bytes, Path], None]
+
+
+def read_file(name: str, content: bytes, folder: Path) -> None:
+    path = folder / name
+    path.write_bytes(content)
+    try:
+        result: Any = haptic_scene.read_export(path) if name.endswith((".json", ".json.gz")) else registry.read(path)
+    except FormatError as error:
+        text = str(error)
+        assert text.startswith(f"{path}: ") and text.isprintable() and len(text) < 1000, text
+        return
+    for channel in getattr(result, "channels", ()):
+        assert np.isfinite(channel.duration)
+        assert channel.samples is None or np.isfinite(channel.samples).all()
+
+
+def read_formula(content: bytes, folder: Path) -> None:
+    text = content.decode("utf-8", "surrogateescape")
+    check_expression(text, 0.1, 0.9, 0.1, on_contact=True)
+    try:
+        function = Expression(expression=text)
+        low, high = function.bounds(10.0, 0.1, 0.9, 0.1)
+        gains = function.gain(np.linspace(0.0, 10.0, 7), 0.1, 0.9, 0.1)
+    except ValueError:
+        return
+    assert np.isfinite(gains).all() and not math.isnan(low) and gains.max() <= high * (1 + 1e-9) + 1e-12, (gains, high)
+
+
+def read_stored(reader: Callable[[str], Any], content: bytes, folder: Path) -> None:
+    try:
+        reader(content.decode("utf-8", "surrogatepass" if b"\xed" in content else "replace"))
+    except UnicodeDecodeError:
+        return  # no text: Blender has no such property
+    except ValueError as error:
+        assert len(str(error)) < 1000, error
+
+
+def read_choice(text: str) -> None:
+    places = places_of(text)
+    assert places is None or places_of(choice_of(places)) == places or not places
+
+
+def read_profile(content: bytes, folder: Path) -> None:
+    try:
+        parse_profile(content.decode("utf-8", "replace"))
+    except ValueError as error:
+        assert str(error).startswith("/"), error
+
+
+def read_message(content: bytes, folder: Path) -> None:
+    """What Intiface says, as far as it becomes devices and orders to them."""
+    try:
+        for kind, message in messages_of(content):
+            if kind == "ServerInfo":
+                seconds = network.ping_seconds(message)
+                assert seconds is None or 0.003 < seconds <= 1200.0
+            if kind == "DeviceList":
+                for profile, _ in network.devices_of(Player(network.INTIFACE, print, b""), message):
+                    profile.family.encode(profile.family.silence(), "usb", 0)
+                    assert 0.0 < profile.interval("usb") <= 10.0
+    except (ValueError, DeviceError) as error:
+        assert len(str(error)) < 1000, error
+
+
+STORED: Mapping[str, tuple[Callable[[str], Any], tuple[dict[str, Any], ...]]] = {
+    "object": (
+        imported.imported_object,
+        (
+            {"mass": 1.5, "numbers": {"kappa": 0.1}, "extras": {"a": [1]}, "emitters": {"thermal": [0, 0, 1]}},
+            {
+                "shape": {"type": "compound", "children": [{"type": "box", "size": [1, 1, 1]}, {"type": "sphere", "radius": 1}]},
+                "pose": {"position": [0, 0, 0], "rotation": [1, 0, 0, 0]},
+            },
+            {"function": {"function": "expression", "expression": "exp(-d)"}},
+        ),
+    ),
+    "source": (imported.imported_source, ({"signal": {"signal": "sine", "frequency": 60}, "onset": 0.5, "position": [0, 0, 0]},)),
+    "listener": (imported.imported_listener, ({"position": [0, 1, 2], "numbers": {"gain": 0.1}},)),
+    "scene": (imported.imported_scene, ({"tolerance": 1e-3, "numbers": {"epsilon": 0.1}},)),
+    "device": (imported.imported_device, ({"profile": "dualsense", "extras": {}},)),
+    "contacts": (
+        imported.file_contacts,
+        (
+            {
+                "contacts": [{"objects": ["a", "b"], "positions": [[0, 0, 0], [0, 0, 0]], "normal": [0, 0, 1]}],
+                "tolerance": 0.005,
+                "patch_points": False,
+            },
+        ),
+    ),
+    "impacts": (
+        partial(kept_impacts.impacts_from_text, frame=3, names=("a", "b"), motion="m"),
+        (
+            {
+                "frame": 3,
+                "motion": "m",
+                "start": 0.1,
+                "impacts": [
+                    {
+                        "objects": ["a", "b"], "time": 0.1, "positions": [[0, 0, 0], [0, 0, 0]], "normal": [0, 0, 1], "energy": 1,
+                        "amplitude": 0.5, "local": [[0, 0, 0], [0, 0, 0]], "poses": [[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]] * 2,
+                    }
+                ],
+            },
+        ),
+    ),
+}  # fmt: skip
+FORMULAS = ("x * exp(-0.2 * d)", "exp(-(1 - kappa) * rho * d)", "min(1, area / (1 + d ** 2)) if d > 1 else 0.5", "abs(cos(angle)) * depth")
+MESSAGES = (
+    [{"ServerInfo": {"Id": 1, "MaxPingTime": 0}}],
+    [{"DeviceList": {"Id": 2, "Devices": [{"DeviceIndex": 0, "DeviceName": "Cushion", "DeviceMessageTimingGap": 100,
+      "DeviceMessages": {"ScalarCmd": [{"StepCount": 20, "ActuatorType": "Vibrate"}]}}]}}],
+    [{"Error": {"Id": 1, "ErrorMessage": "no"}}],
+)  # fmt: skip
+
+
+def _texts(*documents: Any) -> tuple[bytes, ...]:
+    return tuple(json.dumps(document).encode() for document in documents)
+
+
+def targets() -> dict[str, Target]:
+    """All targets by name."""
+    endings = (".json", ".json.gz", *registry.READERS)
+    files = [path for path in sorted(CORPUS.iterdir()) if path.name.endswith(endings) and ".wav." not in path.name]
+    found = {
+        f"file{ending}": Target(tuple(path.read_bytes() for path in files if path.name.endswith(ending)), partial(read_file, f"x{ending}"))
+        for ending in endings
+    }
+    found |= {f"stored-{kind}": Target(_texts(*seeds), partial(read_stored, reader)) for kind, (reader, seeds) in STORED.items()}
+    found["formula"] = Target(tuple(text.encode() for text in FORMULAS), read_formula)
+    found["choice"] = Target((b"dualsense/left*0.5;switch-pro/right", b"-", b""), partial(read_stored, read_choice))
+    found["profile"] = Target(tuple(path.read_bytes() for path in sorted(BUILT_IN.glob("*.json"))), read_profile)
+    found["message"] = Target(_texts(*MESSAGES), read_message)
+    return found
+
+
+_STRANGE = (None, True, -1, 0, 1e308, -1e-308, 10**400, "", "a" * 3000, "\ud800", "\u202e\0", [], {}, [[]], math.nan, math.inf, 2**63, "x")
+_TOKENS = (
+    *(b"0", b"-", b"e9", b"1e999", b"[" * 50, b"{", b'"', b",", b"\xff", b"\0" * 4),
+    *(b"**", b"(", b"9" * 40, b"NaN", b"\xed\xa0\x80", b"d", b"/"),
+)
+
+
+def changed(seeds: tuple[bytes, ...], generator: random.Random) -> bytes:
+    """One of the seeds, changed at one to four places: as a document where it is one, else as bytes."""
+    content = generator.choice(seeds)
+    packed = content[:2] == b"\x1f\x8b" and generator.random() < 0.8
+    if packed:
+        try:
+            content = gzip.decompress(content)
+        except (OSError, EOFError):
+            packed = False
+    document = _parsed(content) if generator.random() < 0.6 else None
+    for _ in range(generator.randint(1, 4)):
+        if isinstance(document, dict | list):
+            _change_document(document, generator)
+        else:
+            content = _change_bytes(content, seeds, generator)
+    if isinstance(document, dict | list):
+        content = json.dumps(document).encode()
+    return gzip.compress(content, 1, mtime=0) if packed else content
+
+
+def _parsed(content: bytes) -> Any:
+    try:
+        return json.loads(content)
+    except (ValueError, RecursionError):
+        return None
+
+
+def _change_document(document: Any, generator: random.Random) -> None:
+    """Replace, remove or copy a value somewhere in the document, the deeper the rarer."""
+    holder = document
+    while True:
+        keys = list(holder) if isinstance(holder, dict) else list(range(len(holder)))
+        if not keys:
+            return
+        key = generator.choice(keys)
+        inside = holder[key]
+        if not isinstance(inside, dict | list) or not inside or generator.random() < 0.15:
+            break
+        holder = inside
+    match generator.randrange(5):
+        case 0:
+            del holder[key]
+        case 1 if isinstance(holder, dict):
+            holder[generator.choice(("kind", "name", "extras", "a\nb", key + "s"))] = inside
+        case 1:
+            holder.insert(generator.randint(0, len(holder)), inside)
+        case 2 if isinstance(inside, float) or (isinstance(inside, int) and abs(inside) < 2**63):
+            holder[key] = inside * generator.choice((-1, 0, 1e-9, 1e9, 1e300, 0.5))
+        case 3 if isinstance(holder, list):
+            holder.extend([inside] * generator.choice((1, 100)))
+        case _:
+            holder[key] = copy.deepcopy(generator.choice(_STRANGE))
+
+
+def _change_bytes(content: bytes, seeds: tuple[bytes, ...], generator: random.Random) -> bytes:
+    place = generator.randint(0, len(content))
+    before, after = content[:place], content[place:]
+    match generator.randrange(6):
+        case 0:
+            return before + bytes([generator.randrange(256)]) + after[1:]
+        case 1:
+            return before + after[generator.randint(1, 20) :]
+        case 2:
+            return before + generator.choice(_TOKENS) + after
+        case 3:
+            return before + after[:30] + after
+        case 4:
+            other = generator.choice(seeds)
+            return before + other[generator.randint(0, len(other)) :]
+        case _:
+            return before + bytes(generator.choice((0, 255, 0x7F, 0x80)) for _ in range(4)) + after[4:]
