@@ -52,8 +52,9 @@ def core_contacts(rows: CorePairs, normal: FloatArray, distance: FloatArray, pat
     """Contacts of cores, with normals from the first body of the pair to the second."""
     points = None
     if corners:
-        points = [c[u] if u.any() else m[None] for c, u, m in zip(patch.corners, patch.used, patch.centre, strict=True)]
-    outward = np.where(rows.flipped[:, None], -normal, normal)
+        every = zip(patch.corners.transpose(2, 1, 0), patch.used.T, patch.centre.T, strict=True)
+        points = [c[u] if u.any() else m[None] for c, u, m in every]
+    outward = np.where(rows.flipped, -normal, normal)
     return CoreContacts(rows.owner, distance, outward, patch.centre, patch.area, np.where(patch.wide, patch.area, 0.0), points)
 
 
@@ -61,16 +62,16 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
     """One patch per pair of bodies from those of its cores and triangles, weighted by their areas and by how near they are beside the
     nearest one."""
     count = len(distance)
-    normal = np.tile([0.0, 0.0, 1.0], (count, 1))
-    centre, area = np.zeros((count, 3)), np.zeros(count)
+    normal = np.tile([[0.0], [0.0], [1.0]], count)
+    centre, area = np.zeros((3, count)), np.zeros(count)
     if not found:
-        return PairPatches(distance, normal.T, centre.T, area, tuple(np.zeros((0, 3)) for _ in range(count)) if corners else ())
+        return PairPatches(distance, normal, centre, area, tuple(np.zeros((0, 3)) for _ in range(count)) if corners else ())
     owner, each, normals, centres, weights, areas = (
-        np.concatenate([getattr(f, name) for f in found]) for name in ("owner", "distance", "normal", "centre", "weight", "area")
+        np.concatenate([getattr(f, name) for f in found], axis=-1) for name in ("owner", "distance", "normal", "centre", "weight", "area")
     )
     if len(np.unique(owner)) == len(owner):
         distance[owner] = np.minimum(distance[owner], each)
-        normal[owner], centre[owner], area[owner] = normals, centres, areas
+        normal[:, owner], centre[:, owner], area[owner] = normals, centres, areas
         kept = np.ones(len(owner), dtype=np.bool_)
     else:
         np.minimum.at(distance, owner, each)
@@ -79,27 +80,29 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
         near = np.square(np.clip(2.0 - 2.0 * above / within, 0.0, 1.0))
         weights = near * (weights + _POINT_AREA)
         kept = weights > 0
-        total = np.zeros(count)
-        np.add.at(total, owner, weights)
+        total = np.bincount(owner, weights, count)
         total = np.where(total > 0, total, 1.0)
-        np.add.at(centre, owner, centres * weights[:, None])
-        centre /= total[:, None]
-        np.add.at(area, owner, near * areas)
-        mean = np.zeros((count, 3))
-        np.add.at(mean, owner, normals * weights[:, None])
+        centre = _sums(owner, centres * weights, count) / total
+        area = _sums(owner, (near * areas)[None], count)[0]
+        mean = _sums(owner, normals * weights, count)
         length = np.sqrt(dot(mean, mean))
         # Where normals cancel, as those of a body in a narrow gap, use that of the nearest contact.
         order = np.argsort(-above, kind="stable")
-        normal[owner[order]] = normals[order]
+        normal[:, owner[order]] = normals[:, order]
         whole = length > 0.1 * total
-        normal[whole] = mean[whole] / length[whole, None]
+        normal[:, whole] = mean[:, whole] / length[whole]
     if not corners:
-        return PairPatches(distance, normal.T, centre.T, area)
+        return PairPatches(distance, normal, centre, area)
     points: list[list[FloatArray]] = [[] for _ in range(count)]
     flat_points = [c for f in found for c in (f.corners or [])]
     for k in np.flatnonzero(kept).tolist():
         points[owner[k]].append(flat_points[k])
-    return PairPatches(distance, normal.T, centre.T, area, tuple(_outline(p, normal[k]) for k, p in enumerate(points)))
+    return PairPatches(distance, normal, centre, area, tuple(_outline(p, normal[:, k]) for k, p in enumerate(points)))
+
+
+def _sums(owner: IntArray, values: FloatArray, count: int) -> FloatArray:
+    """Sums (k, count) of ``values`` (k, n) by their ``owner`` (n,)."""
+    return np.stack([np.bincount(owner, row, count) for row in values])
 
 
 def _outline(points: list[FloatArray], normal: FloatArray) -> FloatArray:
@@ -107,7 +110,7 @@ def _outline(points: list[FloatArray], normal: FloatArray) -> FloatArray:
     if not points:
         return np.zeros((0, 3))
     every = np.concatenate(points)
-    u, v = (axis[0] for axis in contact_plane(normal[None]))
+    u, v = (axis[:, 0] for axis in contact_plane(normal[:, None]))
     flat = np.stack([every @ u, every @ v], axis=1)
     _, first = np.unique(np.round(flat, 5), axis=0, return_index=True)
     chosen = np.sort(first)

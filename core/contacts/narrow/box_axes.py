@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from .frames import COLUMN, pick
 
 FACE_PREFERENCE = 1e-6
 """Metres by which an axis of two edges must be better than that of a face to be chosen."""
@@ -30,7 +31,6 @@ FIRST_EDGE_AXIS = 6
 
 NEXT = np.array([1, 2, 0])
 AFTER = np.array([2, 0, 1])
-COLUMN = np.arange(3)[:, None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,12 +63,6 @@ def best_axes(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half
     distance = pick(separation, axis)
     distance += np.where(axis < FIRST_EDGE_AXIS, 0.0, FACE_PREFERENCE)
     return BestAxes(distance, axis)
-
-
-def pick(values: FloatArray, index: IntArray) -> FloatArray:
-    """``values[index[..., p], p]`` of arrays (k, p)."""
-    count = values.shape[1]
-    return np.asarray(values.reshape(-1).take(index * count + np.arange(count)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from .body_patches import PairPatches
 from .box_axes import best_axes
 from .boxes import box_contacts, corner_contacts
 from .cores import CoreTable, Kind
-from .frames import product
+from .frames import COLUMN, product, relative, turned, turned_back
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,12 +35,12 @@ class BoxPairs:
         self.is_box: BoolArray = (np.diff(table.start) == 1) & (table.kind[first] == Kind.BOX)
         self._all = bool(self.is_box.all())
         self._placed = table.placed
-        # Per body, for those that are boxes, pairs last.
-        self._half, self._sharp_half = table.half[first].T.copy(), table.sharp_half[first].T.copy()
+        # By body, for those that are boxes.
+        self._half, self._sharp_half = table.half[:, first], table.sharp_half[:, first]
         self._radius, self._sharp_radius = table.radius[first], table.sharp_radius[first]
         self._authored = table.is_box[first]
-        self._turn, self._shift = table.rotation[first].transpose(1, 2, 0).copy(), table.offset[first].T.copy()
-        self._outline = table.outline[first].T.copy()
+        self._turn, self._shift = table.rotation[..., first], table.offset[:, first]
+        self._outline = table.outline[:, first]
 
     def chosen(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> Boxes | None:
         """Those of the pairs that are of two single boxes."""
@@ -54,9 +54,8 @@ class BoxPairs:
             first, second, rotation, offset = first[rows], second[rows], rotation[..., rows], offset[:, rows]
         if self._placed:
             shift, turn_a, turn_b = self._shift[:, second], self._turn[..., first], self._turn[..., second]
-            offset = offset + np.einsum("ijp,jp->ip", rotation, shift) - self._shift[:, first]
-            offset = np.einsum("ijp,ip->jp", turn_a, offset)
-            rotation = product(turn_a.transpose(1, 0, 2), product(rotation, turn_b))
+            offset = turned_back(turn_a, offset + turned(rotation, shift) - self._shift[:, first])
+            rotation = relative(turn_a, product(rotation, turn_b))
         sharp = self._authored[first] & self._authored[second]
         some, every = bool(sharp.any()), bool(sharp.all())
         size = []
@@ -101,8 +100,8 @@ class BoxPairs:
             centre = centre + normal * ((boxes.radius_a - boxes.radius_b) / 2)
         if self._placed:
             turn = self._turn[..., first]
-            normal = np.einsum("ijp,jp->ip", turn, normal)
-            centre = np.einsum("ijp,jp->ip", turn, centre) + self._shift[:, first]
+            normal = turned(turn, normal)
+            centre = turned(turn, centre) + self._shift[:, first]
         result.distance[rows] = found.distance - radius
         result.normal[:, rows], result.centre[:, rows], result.area[rows] = normal, centre, area
         others = np.ones(len(pairs), dtype=np.bool_)
@@ -113,8 +112,8 @@ class BoxPairs:
         """Area (k,) of the smaller of the two faces divided by that of its core, so that rounded edges within a box do not reduce the
         area."""
         ratios, areas = [], []
-        for body, half, way in ((first, boxes.half_a, normal), (second, boxes.half_b, np.einsum("ijp,ip->jp", boxes.rotation, normal))):
-            across = np.arange(3)[:, None] != np.abs(way).argmax(axis=0)
+        for body, half, way in ((first, boxes.half_a, normal), (second, boxes.half_b, turned_back(boxes.rotation, normal))):
+            across = np.abs(way).argmax(axis=0) != COLUMN
             areas.append(np.where(across, half, 1.0).prod(axis=0))
             ratios.append(np.where(across, self._outline[:, body] / np.maximum(half, 1e-9), 1.0).prod(axis=0))
         flatness: FloatArray = np.where(areas[0] <= areas[1], ratios[0], ratios[1])

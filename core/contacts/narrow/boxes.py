@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
-from .box_axes import AFTER, COLUMN, FIRST_EDGE_AXIS, NEXT, best_axes, edge_points, pick
+from .box_axes import AFTER, FIRST_EDGE_AXIS, NEXT, best_axes, edge_points
+from .frames import COLUMN, pick
 from .manifold import PATCH_GAP, patch_gap
 from .parallelogram import overlap
 

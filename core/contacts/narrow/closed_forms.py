@@ -1,7 +1,8 @@
 """Distances between simple cores in closed form, many pairs at a time.
 
-All functions take arrays with one row per pair, in world space and metres, and return ``Separation``. Points, segments and triangles have
-no inside; a point in a box, cylinder or cone has a negative distance, down to its nearest face.
+Arrays have the pairs along their last axis: points (3, n), rotations (3, 3, n), triangles (3, 3, n) by coordinate and corner. All is in
+world space and metres. Points, segments and triangles have no inside; a point in a box, cylinder or cone has a negative distance, down to
+its nearest face.
 """
 
 from __future__ import annotations
@@ -11,12 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
-from .frames import dot, turned, turned_back
+from .frames import COLUMN, cross, dot, pick, turned, turned_back
+
+_UP = np.array([[0.0], [0.0], [1.0]])
 
 
 @dataclass(frozen=True, slots=True)
 class Separation:
-    """Signed ``distance`` (n,), unit ``normal`` (n, 3) from first to second, nearest points ``first`` and ``second`` (n, 3) on the
+    """Signed ``distance`` (n,), unit ``normal`` (3, n) from first to second, nearest points ``first`` and ``second`` (3, n) on the
     cores."""
 
     distance: FloatArray
@@ -24,39 +27,29 @@ class Separation:
     first: FloatArray
     second: FloatArray
 
-    def swapped(self) -> Separation:
-        """The same with the two sides exchanged."""
-        return Separation(self.distance, -self.normal, self.second, self.first)
 
-
-def between(first: FloatArray, second: FloatArray, otherwise: FloatArray | None = None) -> Separation:
-    """From nearest points. Where they coincide the normal is ``otherwise`` (default: up)."""
+def between(first: FloatArray, second: FloatArray, otherwise: FloatArray = _UP) -> Separation:
+    """The separation of nearest points. Where they coincide the normal is ``otherwise``."""
     way = second - first
     distance = np.sqrt(dot(way, way))
     apart = distance > 1e-12
-    normal = way / np.where(apart, distance, 1.0)[:, None]
+    normal = way / np.where(apart, distance, 1.0)
     if not apart.all():
-        fallback = np.broadcast_to(np.array([0.0, 0.0, 1.0]), way.shape) if otherwise is None else otherwise
-        normal = np.where(apart[:, None], normal, fallback)
+        normal = np.where(apart, normal, otherwise)
     return Separation(distance, normal, first, second)
 
 
 def point_to_box(point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray) -> Separation:
-    """Points (n, 3) and boxes."""
+    """Points (3, n) and boxes of half extents (3, n)."""
     local = turned_back(rotation, point - centre)
-    nearest = np.clip(local, -half, half)
-    outside = between(local, nearest)
+    outside = between(local, np.clip(local, -half, half))
     room = half - np.abs(local)
-    axis = room.argmin(axis=1)
-    row = np.arange(len(local))
-    depth = room[row, axis]
-    inside = np.all(room > 0, axis=1)
-    side = np.where(local[row, axis] < 0, -1.0, 1.0)
-    out = np.zeros_like(local)
-    out[row, axis] = side
-    face = local.copy()
-    face[row, axis] = side * half[row, axis]
-    return _placed(outside, inside, -depth, -out, local, face, rotation, centre)
+    axis = room.argmin(axis=0)
+    inside = np.all(room > 0, axis=0)
+    side = np.where(pick(local, axis) < 0, -1.0, 1.0)
+    facing = axis == COLUMN
+    face = np.where(facing, side * half, local)
+    return _placed(outside, inside, -pick(room, axis), np.where(facing, -side, 0.0), local, face, rotation, centre)
 
 
 def _placed(
@@ -70,48 +63,42 @@ def _placed(
     centre: FloatArray,
 ) -> Separation:
     """World separation from local ones, those ``inside`` replaced."""
-    mask = inside[:, None]
     return Separation(
         np.where(inside, depth, outside.distance),
-        turned(rotation, np.where(mask, normal, outside.normal)),
-        turned(rotation, np.where(mask, first, outside.first)) + centre,
-        turned(rotation, np.where(mask, second, outside.second)) + centre,
+        turned(rotation, np.where(inside, normal, outside.normal)),
+        turned(rotation, np.where(inside, first, outside.first)) + centre,
+        turned(rotation, np.where(inside, second, outside.second)) + centre,
     )
 
 
 def _radial(local: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Distance from the local z axis and the unit direction away from it (x on the axis)."""
-    radius = np.hypot(local[:, 0], local[:, 1])
+    radius = np.hypot(local[0], local[1])
     off = radius > 1e-12
-    direction = np.zeros_like(local)
-    direction[:, 0] = np.where(off, local[:, 0] / np.where(off, radius, 1.0), 1.0)
-    direction[:, 1] = np.where(off, local[:, 1] / np.where(off, radius, 1.0), 0.0)
+    divisor = np.where(off, radius, 1.0)
+    direction = np.stack([np.where(off, local[0] / divisor, 1.0), np.where(off, local[1] / divisor, 0.0), np.zeros_like(radius)])
     return radius, direction
 
 
 def point_to_cylinder(point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray) -> Separation:
-    """Points and cylinders along local z; ``half`` (n, 3) is (radius, radius, half height)."""
+    """Points and cylinders along local z; ``half`` (3, n) is (radius, radius, half height)."""
     local = turned_back(rotation, point - centre)
     radius, direction = _radial(local)
-    up = np.array([0.0, 0.0, 1.0])
-    nearest = direction * np.minimum(radius, half[:, 0])[:, None] + up * np.clip(local[:, 2], -half[:, 2], half[:, 2])[:, None]
+    nearest = direction * np.minimum(radius, half[0]) + _UP * np.clip(local[2], -half[2], half[2])
     outside = between(local, nearest)
-    to_side = half[:, 0] - radius
-    to_end = half[:, 2] - np.abs(local[:, 2])
+    to_side = half[0] - radius
+    to_end = half[2] - np.abs(local[2])
     inside = (to_side > 0) & (to_end > 0)
-    by_side = to_side <= to_end
-    end = np.where(local[:, 2] < 0, -1.0, 1.0)
-    out = np.where(by_side[:, None], direction, up * end[:, None])
+    out = np.where(to_side <= to_end, direction, _UP * np.where(local[2] < 0, -1.0, 1.0))
     depth = np.minimum(to_side, to_end)
-    return _placed(outside, inside, -depth, -out, local, local + out * depth[:, None], rotation, centre)
+    return _placed(outside, inside, -depth, -out, local, local + out * depth, rotation, centre)
 
 
 def point_to_cone(point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray) -> Separation:
-    """Points and cones along local z, base at -half height; ``half`` (n, 3) is (radius of the base, the same, half height)."""
+    """Points and cones along local z, base at -half height; ``half`` (3, n) is (radius of the base, the same, half height)."""
     local = turned_back(rotation, point - centre)
     radius, direction = _radial(local)
-    z, base, height = local[:, 2], half[:, 0], half[:, 2]
-    up = np.array([0.0, 0.0, 1.0])
+    z, base, height = local[2], half[0], half[2]
     # In the half plane (distance from the axis, z): the slant from the rim (base, -height) to the tip (0, height).
     slant = np.hypot(base, 2 * height)
     along = np.clip(((radius - base) * -base + (z + height) * 2 * height) / slant**2, 0.0, 1.0)
@@ -122,17 +109,16 @@ def point_to_cone(point: FloatArray, rotation: FloatArray, centre: FloatArray, h
     to_slant = np.hypot(radius - slant_radius, z - slant_z)
     inside = (above_slant < 0) & (z > -height)
     by_floor = to_floor < to_slant
-    nearest = direction * np.where(by_floor, floor_radius, slant_radius)[:, None] + up * np.where(by_floor, -height, slant_z)[:, None]
+    nearest = direction * np.where(by_floor, floor_radius, slant_radius) + _UP * np.where(by_floor, -height, slant_z)
     outside = between(local, nearest)
     return _placed(outside, inside, -outside.distance, -outside.normal, local, nearest, rotation, centre)
 
 
 def nearest_on_segment(point: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
-    """Point (n, 3) of each segment nearest to each point."""
+    """Point (3, n) of each segment nearest to each point."""
     way = end - start
     squared = dot(way, way)
-    t = np.clip(dot(point - start, way) / np.where(squared > 0, squared, 1.0), 0.0, 1.0)
-    return np.asarray(start + way * t[:, None])
+    return start + way * np.clip(dot(point - start, way) / np.where(squared > 0, squared, 1.0), 0.0, 1.0)
 
 
 def segment_to_segment(a0: FloatArray, a1: FloatArray, b0: FloatArray, b1: FloatArray) -> Separation:
@@ -146,63 +132,60 @@ def segment_to_segment(a0: FloatArray, a1: FloatArray, b0: FloatArray, b1: Float
     t = np.clip((uv * s + vw) / vv1, 0.0, 1.0)
     s = np.clip((uv * t - uw) / uu1, 0.0, 1.0)
     t = np.clip((uv * s + vw) / vv1, 0.0, 1.0)
-    first, second = a0 + u * s[:, None], b0 + v * t[:, None]
-    return between(first, second, _perpendicular(np.cross(u, v), u))
+    return between(a0 + u * s, b0 + v * t, _perpendicular(cross(u, v), u))
 
 
 def _perpendicular(vector: FloatArray, along: FloatArray) -> FloatArray:
-    """Unit vectors of ``vector`` (n, 3), or any unit vector square to ``along`` where it vanishes."""
-    length = np.sqrt(dot(vector, vector))
-    extent = np.sqrt(dot(along, along))[:, None]
-    other = np.cross(along, np.where(np.abs(along[:, :1]) < 0.7 * extent, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]))
+    """Unit vectors of ``vector`` (3, n), or any unit vector perpendicular to ``along`` where it vanishes."""
+    length, extent = np.sqrt(dot(vector, vector)), np.sqrt(dot(along, along))
+    other = cross(along, np.where(np.abs(along[0]) < 0.7 * extent, [[1.0], [0.0], [0.0]], [[0.0], [1.0], [0.0]]))
     size = np.sqrt(dot(other, other))
-    other = np.where(size[:, None] > 0, other / np.where(size > 0, size, 1.0)[:, None], np.array([0.0, 0.0, 1.0]))
+    other = np.where(size > 0, other / np.where(size > 0, size, 1.0), _UP)
     good = length > 1e-9 * np.maximum(1e-300, dot(along, along))
-    return np.where(good[:, None], vector / np.where(good, length, 1.0)[:, None], other)
+    return np.where(good, vector / np.where(good, length, 1.0), other)
 
 
 def segment_to_box(start: FloatArray, end: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray) -> Separation:
     """Segments and boxes; a segment that passes through the box has distance 0.
 
     The squared distance to a box is convex and piecewise quadratic along the segment, its pieces ending where the segment crosses a plane
-    of a face: its derivative, piecewise linear, is taken there and its zero found in between.
+    of a face. Its derivative, piecewise linear, is evaluated there and its zero found in between.
     """
     a = turned_back(rotation, start - centre)
     way = turned_back(rotation, end - centre) - a
     moving = np.abs(way) > 1e-300
     divisor = np.where(moving, way, 1.0)
-    crossings = np.concatenate([(side * half - a) / divisor for side in (-1.0, 1.0)], axis=1)
-    crossings = np.where(np.concatenate([moving, moving], axis=1), np.clip(crossings, 0.0, 1.0), 0.0)
-    times = np.sort(np.concatenate([np.zeros((len(a), 1)), crossings, np.ones((len(a), 1))], axis=1), axis=1)
-    points = a[:, None, :] + way[:, None, :] * times[:, :, None]
-    excess = points - np.clip(points, -half[:, None, :], half[:, None, :])
-    slope = np.einsum("nkj,nj->nk", excess, way)
+    crossings = np.concatenate([np.where(moving, np.clip((side * half - a) / divisor, 0.0, 1.0), 0.0) for side in (-1.0, 1.0)])
+    count = a.shape[1]
+    times = np.sort(np.concatenate([np.zeros((1, count)), crossings, np.ones((1, count))]), axis=0)
+    points = a[:, None] + way[:, None] * times
+    excess = points - np.clip(points, -half[:, None], half[:, None])
+    slope = np.einsum("ikn,in->kn", excess, way)
     # The first piece at whose end the derivative is no longer negative holds the minimum.
-    row = np.arange(len(a))
-    late = np.argmax(slope >= 0, axis=1)
-    late = np.where((slope >= 0).any(axis=1), late, times.shape[1] - 1)
+    late = np.argmax(slope >= 0, axis=0)
+    late = np.where((slope >= 0).any(axis=0), late, len(times) - 1)
     early = np.maximum(late - 1, 0)
-    low, high = slope[row, early], slope[row, late]
+    low, high = pick(slope, early), pick(slope, late)
     falling = high - low
     share = np.where(falling > 0, -low / np.where(falling > 0, falling, 1.0), 1.0)
-    t = times[row, early] + np.clip(share, 0.0, 1.0) * (times[row, late] - times[row, early])
-    first = a + way * t[:, None]
-    second = np.clip(first, -half, half)
-    local = between(first, second)
-    return Separation(local.distance, turned(rotation, local.normal), turned(rotation, first) + centre, turned(rotation, second) + centre)
+    begin = pick(times, early)
+    first = a + way * (begin + np.clip(share, 0.0, 1.0) * (pick(times, late) - begin))
+    local = between(first, np.clip(first, -half, half))
+    return Separation(
+        local.distance, turned(rotation, local.normal), turned(rotation, first) + centre, turned(rotation, local.second) + centre
+    )
 
 
 def nearest_on_triangle(point: FloatArray, corners: FloatArray) -> FloatArray:
-    """Point (n, 3) of each triangle (n, 3, 3) nearest to each point."""
+    """Point (3, n) of each triangle (3, 3, n) nearest to each point."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    normal = np.cross(b - a, c - a)
+    normal = cross(b - a, c - a)
     squared = dot(normal, normal)
     solid = squared > 0
-    height = dot(point - a, normal) / np.where(solid, squared, 1.0)
-    foot = point - normal * height[:, None]
+    foot = point - normal * (dot(point - a, normal) / np.where(solid, squared, 1.0))
     inside = solid.copy()
     for start, end in ((a, b), (b, c), (c, a)):
-        inside &= dot(np.cross(end - start, foot - start), normal) >= 0
+        inside &= dot(cross(end - start, foot - start), normal) >= 0
     best = foot
     least = np.where(inside, 0.0, np.inf)
     for start, end in ((a, b), (b, c), (c, a)):
@@ -210,41 +193,41 @@ def nearest_on_triangle(point: FloatArray, corners: FloatArray) -> FloatArray:
         away = candidate - point
         distance = np.where(inside, np.inf, dot(away, away))
         closer = distance < least
-        best = np.where(closer[:, None], candidate, best)
+        best = np.where(closer, candidate, best)
         least = np.where(closer, distance, least)
     return best
 
 
 def point_to_triangle(point: FloatArray, corners: FloatArray) -> Separation:
-    """Points and triangles (n, 3, 3)."""
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return between(point, nearest_on_triangle(point, corners), -_perpendicular(normal, corners[:, 1] - corners[:, 0]))
+    """Points and triangles (3, 3, n)."""
+    edge = corners[:, 1] - corners[:, 0]
+    normal = cross(edge, corners[:, 2] - corners[:, 0])
+    return between(point, nearest_on_triangle(point, corners), -_perpendicular(normal, edge))
 
 
 def segment_to_triangle(start: FloatArray, end: FloatArray, corners: FloatArray) -> Separation:
-    """Segments and triangles (n, 3, 3). A segment through the triangle is as deep as the shortest way out: back over the triangle's plane,
+    """Segments and triangles (3, 3, n). A segment through the triangle is as deep as the shortest way out: back over the triangle's plane,
     or sideways over one of its edges (the faces of the prism that is their Minkowski difference)."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     edges = [segment_to_segment(start, end, p, q) for p, q in ((a, b), (b, c), (c, a))]
     best = between(start, nearest_on_triangle(start, corners))
     for other in (between(end, nearest_on_triangle(end, corners)), *edges):
         best = _merged(best, other, other.distance < best.distance - 1e-12)
-    normal = _perpendicular(np.cross(b - a, c - a), b - a)
+    normal = _perpendicular(cross(b - a, c - a), b - a)
     h0, h1 = dot(start - a, normal), dot(end - a, normal)
     span = h0 - h1
-    t = h0 / np.where(np.abs(span) > 0, span, 1.0)
-    crossing = start + (end - start) * t[:, None]
+    crossing = start + (end - start) * (h0 / np.where(np.abs(span) > 0, span, 1.0))
     through = h0 * h1 < 0
     for p, q in ((a, b), (b, c), (c, a)):
-        through &= dot(np.cross(q - p, crossing - p), normal) > 0
+        through &= dot(cross(q - p, crossing - p), normal) > 0
     if not through.any():
         return best
     shorter_start = np.abs(h0) < np.abs(h1)
     depth = np.minimum(np.abs(h0), np.abs(h1))
-    deep = np.where(shorter_start[:, None], start, end)
-    # The normal points from the segment to the triangle: the way the short part has gone.
-    inward = normal * np.sign(np.where(shorter_start, h0, h1))[:, None]
-    inside = Separation(-depth, inward, deep, deep - inward * depth[:, None])
+    deep = np.where(shorter_start, start, end)
+    # The normal points from the segment to the triangle, from which the short part has come.
+    inward = normal * np.sign(np.where(shorter_start, h0, h1))
+    inside = Separation(-depth, inward, deep, deep - inward * depth)
     for edge in edges:
         sideways = Separation(-edge.distance, -edge.normal, edge.first, edge.second)
         inside = _merged(inside, sideways, sideways.distance > inside.distance)
@@ -252,11 +235,10 @@ def segment_to_triangle(start: FloatArray, end: FloatArray, corners: FloatArray)
 
 
 def _merged(first: Separation, second: Separation, chosen: BoolArray) -> Separation:
-    """``second`` in the rows that are ``chosen`` (n,), ``first`` in the others."""
-    rows = chosen[:, None]
+    """``second`` in the pairs that are ``chosen`` (n,), ``first`` in the others."""
     return Separation(
         np.where(chosen, second.distance, first.distance),
-        np.where(rows, second.normal, first.normal),
-        np.where(rows, second.first, first.first),
-        np.where(rows, second.second, first.second),
+        np.where(chosen, second.normal, first.normal),
+        np.where(chosen, second.first, first.first),
+        np.where(chosen, second.second, first.second),
     )

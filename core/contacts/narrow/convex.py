@@ -15,8 +15,7 @@ from ..hull import Hull
 from ..motion import rotations
 from .closed_forms import Separation
 from .cores import Core, CoreTable, Kind
-from .frames import dot
-from .penetration import Farthest, penetration
+from .penetration import Farthest, penetration, row_dots
 
 _POINT_RADIUS = 1e-9
 """Radius [m] of the spheres and capsules that stand for points and segments, which FCL lacks."""
@@ -55,7 +54,7 @@ class Convex:
 
     def support(self, directions: FloatArray) -> FloatArray:
         """Greatest heights (m,) of the body along unit ``directions`` (m, 3)."""
-        return dot(directions, self.farthest(directions))
+        return row_dots(directions, self.farthest(directions))
 
 
 class ConvexDistances:
@@ -139,7 +138,7 @@ def _farthest_of_cone(half: FloatArray, directions: FloatArray) -> FloatArray:
     points[:, :2] = _on_circle(half[0], directions)
     points[:, 2] = -half[2]
     tip = np.array([0.0, 0.0, half[2]])
-    return np.where((directions @ tip >= dot(directions, points))[:, None], tip, points)
+    return np.where((directions @ tip >= row_dots(directions, points))[:, None], tip, points)
 
 
 def _on_circle(radius: float, directions: FloatArray) -> FloatArray:
@@ -164,11 +163,12 @@ _FARTHEST: dict[Kind, Callable[[FloatArray, FloatArray], FloatArray]] = {
 def separations(
     first: Sequence[Convex], second: Sequence[Convex], rotation: FloatArray, offset: FloatArray, depths: bool = True
 ) -> Separation:
-    """Separations of pairs of bodies in the frame of the first, the second placed by ``rotation`` (n, 3, 3) and ``offset`` (n, 3). Without
+    """Separations of pairs of bodies in the frame of the first, the second placed by ``rotation`` (3, 3, n) and ``offset`` (3, n). Without
     ``depths``, bodies that overlap have distance 0."""
     import fcl
 
     request = fcl.DistanceRequest(enable_nearest_points=True)
+    rotation, offset = np.ascontiguousarray(rotation.transpose(2, 0, 1)), np.ascontiguousarray(offset.T)
     count = len(first)
     distance = np.empty(count)
     nearest = np.empty((count, 2, 3))
@@ -198,7 +198,7 @@ def separations(
         normal[curved] = (nearest[curved, 1] - nearest[curved, 0]) / np.where(length > 0, length, 1.0)[:, None]
         for k in curved[length - between > _CONFIRMED].tolist():
             distance[k], normal[k], nearest[k] = _confirmed(first[k], second[k], rotation[k], offset[k], nearest[k])
-    return Separation(distance, normal, nearest[:, 0].copy(), nearest[:, 1].copy())
+    return Separation(distance, normal.T.copy(), nearest[:, 0].T.copy(), nearest[:, 1].T.copy())
 
 
 def _supports(bodies: Sequence[Convex], directions: FloatArray) -> FloatArray:

@@ -20,7 +20,7 @@ from .closed_forms import (
 from .convex import Convex, ConvexDistances, Size, separations
 from .core_pairs import CorePairing, CorePairs
 from .cores import CoreTable, Kind
-from .frames import turned, turned_back
+from .frames import relative, turned, turned_back
 from .separating_axes import AxisSeparation, box_to_box, box_to_triangle
 
 _CLOSED_FORMS = {
@@ -53,10 +53,10 @@ class CoreDistances:
         """Separations of the cores of one group. Without ``depths``, some that overlap may be said to be 0 apart."""
         count = len(rows)
         if count == 0:
-            empty = np.zeros((0, 3))
+            empty = np.zeros((3, 0))
             return AxisSeparation(Separation(np.zeros(0), empty, empty, empty), np.ones(0, dtype=np.bool_))
         table = self._table
-        half_a, half_b = table.half[rows.first], table.half[rows.second]
+        half_a, half_b = table.half[:, rows.first], table.half[:, rows.second]
         kinds = Kind(int(table.kind[rows.first[0]])), Kind(int(table.kind[rows.second[0]]))
         match kinds:
             case (Kind.POINT, Kind.POINT):
@@ -77,8 +77,8 @@ class CoreDistances:
                 return _segment_and_box(rows, half_a, half_b)
             case (Kind.BOX, Kind.BOX):
                 sharp = self._sharp(rows)
-                half_a = np.where(sharp[:, None], table.sharp_half[rows.first], half_a)
-                half_b = np.where(sharp[:, None], table.sharp_half[rows.second], half_b)
+                half_a = np.where(sharp, table.sharp_half[:, rows.first], half_a)
+                half_b = np.where(sharp, table.sharp_half[:, rows.second], half_b)
                 rows.radius_a = np.where(sharp, table.sharp_radius[rows.first], rows.radius_a)
                 rows.radius_b = np.where(sharp, table.sharp_radius[rows.second], rows.radius_b)
                 return box_to_box(rows.rotation_a, rows.centre_a, half_a, rows.rotation_b, rows.centre_b, half_b)
@@ -93,27 +93,26 @@ class CoreDistances:
             if kind is Kind.POINT:
                 return exact(point_to_triangle(rows.centre_a, corners))
             if kind is Kind.SEGMENT:
-                return exact(segment_to_triangle(*_ends(rows.rotation_a, rows.centre_a, self._table.half[rows.first]), corners))
-            return box_to_triangle(rows.rotation_a, rows.centre_a, self._table.thick_half[rows.first], corners)
+                return exact(segment_to_triangle(*_ends(rows.rotation_a, rows.centre_a, self._table.half[:, rows.first]), corners))
+            return box_to_triangle(rows.rotation_a, rows.centre_a, self._table.thick_half[:, rows.first], corners)
         return exact(self.by_fcl(rows))
 
     def near_by_fcl(self, rows: CorePairs, limit: FloatArray) -> Separation:
         """`by_fcl` of the rows whose bounding boxes are within ``limit`` of each other; lower bounds for the others."""
         table = self._table
-        centre_a = rows.centre_a + turned(rows.rotation_a, table.bound_centre[rows.first])
-        centre_b = rows.centre_b + turned(rows.rotation_b, table.bound_centre[rows.second])
-        turn = np.einsum("nki,nkj->ijn", rows.rotation_a, rows.rotation_b)
-        offset = turned_back(rows.rotation_a, centre_b - centre_a).T
-        bound = best_axes(turn, offset, table.bound_half[rows.first].T, table.bound_half[rows.second].T).distance
+        centre_a = rows.centre_a + turned(rows.rotation_a, table.bound_centre[:, rows.first])
+        centre_b = rows.centre_b + turned(rows.rotation_b, table.bound_centre[:, rows.second])
+        turn, offset = relative(rows.rotation_a, rows.rotation_b), turned_back(rows.rotation_a, centre_b - centre_a)
+        bound = best_axes(turn, offset, table.bound_half[:, rows.first], table.bound_half[:, rows.second]).distance
         near = bound <= rows.radius_a + rows.radius_b + limit[rows.owner]
         if near.all():
             return self.by_fcl(rows)
-        result = Separation(bound, np.tile([0.0, 0.0, 1.0], (len(rows), 1)), centre_a, centre_b)
+        result = Separation(bound, np.tile([[0.0], [0.0], [1.0]], len(rows)), centre_a, centre_b)
         chosen = np.flatnonzero(near)
         if len(chosen):
             found = self.by_fcl(rows.chosen(chosen))
             for name in ("distance", "normal", "first", "second"):
-                getattr(result, name)[chosen] = getattr(found, name)
+                getattr(result, name)[..., chosen] = getattr(found, name)
         return result
 
     def _sharp(self, rows: CorePairs) -> BoolArray:
@@ -133,7 +132,7 @@ class CoreDistances:
         for k in np.flatnonzero(self._sharp(rows)).tolist():
             first[k] = self._convex.core(int(rows.first[k]), Size.SHARP)
             second[k] = self._convex.core(int(rows.second[k]), Size.SHARP)
-        turn = np.matmul(rows.rotation_a.transpose(0, 2, 1), rows.rotation_b)
+        turn = relative(rows.rotation_a, rows.rotation_b)
         found = separations(first, second, turn, turned_back(rows.rotation_a, rows.centre_b - rows.centre_a), depths)
         ends = (turned(rows.rotation_a, end) + rows.centre_a for end in (found.first, found.second))
         return Separation(found.distance, turned(rows.rotation_a, found.normal), *ends)
@@ -148,8 +147,8 @@ def exact(separation: Separation) -> AxisSeparation:
 
 
 def _ends(rotation: FloatArray, centre: FloatArray, half: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Both ends (n, 3) of segments along local z."""
-    along = rotation[:, :, 2] * half[:, 2:]
+    """Both ends (3, n) of segments along local z."""
+    along = rotation[:, 2] * half[2]
     return centre - along, centre + along
 
 
@@ -160,7 +159,7 @@ def _segment_and_box(rows: CorePairs, half_a: FloatArray, half_b: FloatArray) ->
     through = np.flatnonzero(separation.distance < 1e-9)
     if len(through):
         sides = (rows.rotation_a, rows.centre_a, half_a, rows.rotation_b, rows.centre_b, half_b)
-        deep = box_to_box(*(side[through] for side in sides)).separation
+        deep = box_to_box(*(side[..., through] for side in sides)).separation
         for name in ("distance", "normal", "first", "second"):
-            getattr(separation, name)[through] = getattr(deep, name)
+            getattr(separation, name)[..., through] = getattr(deep, name)
     return exact(separation)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
 from .cores import CoreTable, Kind
-from .frames import identity_and_relative, turned, turned_back
+from .frames import product, relative, turned, turned_back
 from .mesh_index import MeshIndex
 
 BEYOND = 1e-9
@@ -44,7 +44,7 @@ class CorePairs:
     def chosen(self, rows: IntArray | BoolArray) -> CorePairs:
         """Some of the rows."""
         values: list[Any] = [getattr(self, f.name) for f in fields(self)]
-        picked: list[Any] = [None if value is None else value[rows] for value in values]
+        picked: list[Any] = [None if value is None else value[..., rows] for value in values]
         return CorePairs(*picked)
 
 
@@ -58,15 +58,14 @@ class CorePairing:
     def groups(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> Iterator[CorePairs]:
         """All pairs of cores of ``pairs`` of bodies, placed as in `NarrowPhase`, in groups of the same kinds, the simpler kind first. Only
         the triangles of a mesh within ``limit`` (p,) metres are included."""
-        a, b = identity_and_relative(rotation, offset)
         table = self._table
         owner, first, second = _products(table.start, pairs)
         flipped = table.kind[first] > table.kind[second]
         first, second = np.where(flipped, second, first), np.where(flipped, first, second)
-        matrix_a = np.where(flipped[:, None, None], b[owner], a[owner])
-        matrix_b = np.where(flipped[:, None, None], a[owner], b[owner])
-        rotation_a, centre_a = self._world(first, matrix_a)
-        rotation_b, centre_b = self._world(second, matrix_b)
+        # The first body of a pair is at the origin.
+        turn, place, upright = rotation[..., owner], offset[:, owner], np.eye(3)[:, :, None]
+        rotation_a, centre_a = self._world(first, np.where(flipped, turn, upright), np.where(flipped, place, 0.0))
+        rotation_b, centre_b = self._world(second, np.where(flipped, upright, turn), np.where(flipped, 0.0, place))
         kinds = table.kind[first] * len(Kind) + table.kind[second]
         radius_a, radius_b = table.radius[first], table.radius[second]
         everything = CorePairs(owner, flipped, first, second, rotation_a, centre_a, rotation_b, centre_b, radius_a, radius_b)
@@ -80,11 +79,11 @@ class CorePairing:
             else:
                 yield rows
 
-    def _world(self, core: IntArray, matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
-        rotation, centre = matrix[:, :3, :3], matrix[:, :3, 3]
+    def _world(self, core: IntArray, rotation: FloatArray, centre: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Poses of cores of bodies in these poses."""
         if not self._table.placed:
             return rotation, centre
-        return rotation @ self._table.rotation[core], centre + turned(rotation, self._table.offset[core])
+        return product(rotation, self._table.rotation[..., core]), centre + turned(rotation, self._table.offset[:, core])
 
     def mesh(self, core: int) -> MeshIndex:
         """The index of the triangles of a core that is a mesh, made on first use."""
@@ -102,11 +101,11 @@ class CorePairing:
             rows.radius_a = table.thick_radius[rows.first]
         if kind is Kind.POINT:
             rows.radius_b = np.array([table.cores[core].mesh_radius_to_points for core in rows.second.tolist()])
-        relative = np.einsum("nji,njk->nik", rows.rotation_b, rows.rotation_a)
-        middle = turned_back(rows.rotation_b, rows.centre_a + turned(rows.rotation_a, table.bound_centre[rows.first]) - rows.centre_b)
-        half = np.einsum("nij,nj->ni", np.abs(relative), table.bound_half[rows.first])
-        half += (rows.radius_a + rows.radius_b + np.maximum(limit[rows.owner], 0.0))[:, None]
-        bounds = np.stack([middle - half, middle + half], axis=1)
+        turn = relative(rows.rotation_b, rows.rotation_a)
+        middle = turned_back(rows.rotation_b, rows.centre_a + turned(rows.rotation_a, table.bound_centre[:, rows.first]) - rows.centre_b)
+        half = turned(np.abs(turn), table.bound_half[:, rows.first])
+        half += rows.radius_a + rows.radius_b + np.maximum(limit[rows.owner], 0.0)
+        bounds = np.stack([middle - half, middle + half]).transpose(2, 0, 1)
         row, triangle = [], []
         for core in np.unique(rows.second).tolist():
             mine = np.flatnonzero(rows.second == core)
@@ -124,8 +123,9 @@ class CorePairing:
             row = rows.chosen(np.array([k]))
             first, second = self.mesh(int(row.first[0])), self.mesh(int(row.second[0]))
             grown = float(row.radius_a[0] + row.radius_b[0] + max(limit[row.owner[0]], 0.0))
-            turn, shift = row.rotation_b[0].T @ row.rotation_a[0], row.rotation_b[0].T @ (row.centre_a[0] - row.centre_b[0])
-            middle, half = table.bound_centre[row.second[0]], table.bound_half[row.second[0]] + grown
+            back_b = row.rotation_b[..., 0].T
+            turn, shift = back_b @ row.rotation_a[..., 0], back_b @ (row.centre_a[:, 0] - row.centre_b[:, 0])
+            middle, half = table.bound_centre[:, row.second[0]], table.bound_half[:, row.second[0]] + grown
             back = turn.T @ (middle - shift)
             extent = np.abs(turn.T) @ half
             _, near = first.near(np.array([[back - extent, back + extent]]))
@@ -137,18 +137,20 @@ class CorePairing:
             yield expanded
 
     def corners(self, mesh: IntArray, triangle: IntArray, rotation: FloatArray, centre: FloatArray) -> FloatArray:
-        """World corners (n, 3, 3) of triangles of meshes."""
-        local = np.empty((len(mesh), 3, 3))
+        """World corners (3, 3, n), by coordinate and corner, of triangles of meshes."""
+        local = np.empty((3, 3, len(mesh)))
         for core in np.unique(mesh).tolist():
             mine = mesh == core
-            local[mine] = self.mesh(core).corners[triangle[mine]]
-        return turned(rotation[:, None], local) + centre[:, None]
+            local[..., mine] = self.mesh(core).corners[triangle[mine]].transpose(2, 1, 0)
+        return turned(rotation, local) + centre[:, None]
 
 
 def joined(groups: list[CorePairs]) -> CorePairs:
     """Groups without triangles as one."""
     names = [f.name for f in fields(CorePairs) if not f.name.startswith("triangle")]
-    return groups[0] if len(groups) == 1 else CorePairs(*(np.concatenate([getattr(rows, name) for rows in groups]) for name in names))
+    return (
+        groups[0] if len(groups) == 1 else CorePairs(*(np.concatenate([getattr(rows, name) for rows in groups], axis=-1) for name in names))
+    )
 
 
 def _products(start: IntArray, pairs: IntArray) -> tuple[IntArray, IntArray, IntArray]:
@@ -166,5 +168,5 @@ def bounded(rows: CorePairs, gap: FloatArray, limit: FloatArray) -> FloatArray:
 
 
 def chosen_of(values: Any, rows: Any) -> Any:
-    """Rows of a dataclass of arrays."""
-    return type(values)(*(getattr(values, f.name)[rows] for f in fields(values)))
+    """Some of the pairs of a dataclass of arrays."""
+    return type(values)(*(getattr(values, f.name)[..., rows] for f in fields(values)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -31,11 +32,11 @@ class CorePatches:
     def patches(self, rows: CorePairs, separation: Separation) -> Patches:
         """Patches of rows of one group, their centres and corners in the world."""
         normal = separation.normal
-        middle = (separation.first + normal * rows.radius_a[:, None] + separation.second - normal * rows.radius_b[:, None]) / 2
+        middle = (separation.first + normal * rows.radius_a + separation.second - normal * rows.radius_b) / 2
         count = len(rows)
         if self._table.kind[rows.first[0]] == Kind.POINT:
             none = np.zeros(count, dtype=np.bool_)
-            return Patches(middle, np.zeros(count), none, np.zeros(count), middle[:, None], none[:, None], none)
+            return Patches(middle, np.zeros(count), none, np.zeros(count), middle[:, None], none[None], none)
         first, many_a, wide_a = self._polygons(rows.first, rows.triangle_a, rows.rotation_a, rows.centre_a, normal)
         second, many_b, wide_b = self._polygons(rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b, -normal)
         first -= middle[:, None]
@@ -44,7 +45,7 @@ class CorePatches:
         for corners_a, corners_b in ((FEW, FEW), (MANY, FEW), (FEW, MANY), (MANY, MANY)):
             alike = np.flatnonzero((many_a == (corners_a == MANY)) & (many_b == (corners_b == MANY)))
             if len(alike):
-                parts.append((alike, patches(first[alike, :corners_a], second[alike, :corners_b], normal[alike])))
+                parts.append((alike, patches(first[:, :corners_a, alike], second[:, :corners_b, alike], normal[:, alike])))
         result = _merged(count, parts)
         kind = np.maximum(self._table.kind[rows.first], self._table.kind[rows.second])
         result = _at_nearest_points(result, np.isin(kind, _DRAWN_ROUGHLY))
@@ -64,12 +65,10 @@ class CorePatches:
 
 def _at_nearest_points(patch: Patches, rough: BoolArray) -> Patches:
     """Patches around the origin, the nearest points of their cores; ``rough`` ones that miss it moved there."""
-    mask = patch.used[..., None]
-    low = np.where(mask, patch.corners, np.inf).min(axis=1)
-    high = np.where(mask, patch.corners, -np.inf).max(axis=1)
-    missed = rough & patch.found & ((low > _NEAR) | (high < -_NEAR)).any(axis=1)
-    keep = ~missed[:, None]
-    return replace(patch, centre=patch.centre * keep, area=patch.area * ~missed, corners=patch.corners * keep[..., None])
+    low = np.where(patch.used, patch.corners, np.inf).min(axis=1)
+    high = np.where(patch.used, patch.corners, -np.inf).max(axis=1)
+    keep = ~(rough & patch.found & ((low > _NEAR) | (high < -_NEAR)).any(axis=0))
+    return replace(patch, centre=patch.centre * keep, area=patch.area * keep, corners=patch.corners * keep)
 
 
 def _merged(count: int, parts: list[tuple[IntArray, Patches]]) -> Patches:
@@ -79,12 +78,9 @@ def _merged(count: int, parts: list[tuple[IntArray, Patches]]) -> Patches:
     merged = []
     for field in fields(Patches):
         values = [getattr(part, field.name) for _, part in parts]
-        shape = max(value.shape[1:] for value in values)
-        whole = np.zeros((count, *shape), dtype=values[0].dtype)
+        whole = np.zeros((*max(value.shape[:-1] for value in values), count), dtype=values[0].dtype)
         for (rows, _), value in zip(parts, values, strict=True):
-            if value.ndim == 1 or value.shape[1:] == shape:
-                whole[rows] = value
-            else:
-                whole[rows, : value.shape[1]] = value
+            part: tuple[Any, ...] = (*(slice(size) for size in value.shape[:-1]), rows)
+            whole[part] = value
         merged.append(whole)
     return Patches(*merged)

@@ -216,8 +216,8 @@ def _upright(unit: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatAr
 
 @dataclass(frozen=True, slots=True)
 class CoreTable:
-    """The cores of all bodies as arrays: those of body b are ``start[b] : start[b + 1]``. ``rotation`` (c, 3, 3) and ``offset`` (c, 3)
-    place a core in its body; ``placed`` is False where all of them are the identity. ``bound_centre`` and ``bound_half`` (c, 3): box around
+    """The cores of all bodies as arrays: those of body b are ``start[b] : start[b + 1]``. ``rotation`` (3, 3, c) and ``offset`` (3, c)
+    place a core in its body; ``placed`` is False where all of them are the identity. ``bound_centre`` and ``bound_half`` (3, c): box around
     the core in its own frame. ``thickness`` (b,) of each body's thinnest core [m]. The rest are the fields of `Core`."""
 
     cores: tuple[Core, ...]
@@ -254,22 +254,22 @@ class CoreTable:
             cores=cores,
             start=np.concatenate([[0], np.cumsum([len(body) for body in per_body])]).astype(np.int64),
             kind=np.array([core.kind for core in cores], dtype=np.int64),
-            rotation=matrices[:, :3, :3].copy(),
-            offset=matrices[:, :3, 3].copy(),
+            rotation=matrices[:, :3, :3].transpose(1, 2, 0).copy(),
+            offset=matrices[:, :3, 3].T.copy(),
             placed=not np.array_equal(matrices, np.broadcast_to(np.eye(4), matrices.shape)),
             radius=np.array([core.radius for core in cores], dtype=np.float64),
-            half=_rows([core.half for core in cores]),
-            sharp_half=_rows([core.sharp_half for core in cores]),
+            half=_columns([core.half for core in cores]),
+            sharp_half=_columns([core.sharp_half for core in cores]),
             sharp_radius=np.array([core.sharp_radius for core in cores], dtype=np.float64),
-            thick_half=_rows([core.thick_half for core in cores]),
+            thick_half=_columns([core.thick_half for core in cores]),
             thick_radius=np.array([core.thick_radius for core in cores], dtype=np.float64),
-            outline=_rows([core.outline for core in cores]),
+            outline=_columns([core.outline for core in cores]),
             is_box=np.array([core.is_box for core in cores], dtype=np.bool_),
-            bound_centre=_rows([core.bounds().mean(axis=0) for core in cores]),
-            bound_half=_rows([np.ptp(core.bounds(), axis=0) / 2 for core in cores]),
+            bound_centre=_columns([core.bounds().mean(axis=0) for core in cores]),
+            bound_half=_columns([np.ptp(core.bounds(), axis=0) / 2 for core in cores]),
             thickness=np.array([thinnest[key] for key in zip(shapes, solid, strict=True)], dtype=np.float64),
         )
 
 
-def _rows(vectors: Sequence[FloatArray]) -> FloatArray:
-    return np.array(vectors, dtype=np.float64).reshape(-1, 3)
+def _columns(vectors: Sequence[FloatArray]) -> FloatArray:
+    return np.array(vectors, dtype=np.float64).reshape(-1, 3).T.copy()

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
-from .frames import dot
+from .frames import cross, dot, turned
 
 PATCH_GAP = 0.001
 """Metres beyond the least gap up to which two surfaces belong to the patch. A body of 1 m at rest that trembles by 1e-4 rad keeps its whole
@@ -27,9 +27,9 @@ _LINE_GAP = 0.00005
 
 @dataclass(frozen=True, slots=True)
 class Patches:
-    """Per pair: ``centre`` (n, 3) in the contact plane through the origin, ``area`` (n,) [m^2], ``found`` (n,) False where the features do
+    """Per pair: ``centre`` (3, n) in the contact plane through the origin, ``area`` (n,) [m^2], ``found`` (n,) False where the features do
     not face each other, ``gap`` (n,) by which the nearest corner of the patch is further apart than the distance along the normal (infinite
-    where there is none), ``corners`` (n, k, 3) of the patch, which of them are ``used`` (n, k), and ``wide`` (n,) False for a line."""
+    where there is none), ``corners`` (3, k, n) of the patch, which of them are ``used`` (k, n), and ``wide`` (n,) False for a line."""
 
     centre: FloatArray
     area: FloatArray
@@ -48,126 +48,128 @@ def patch_gap(slope: FloatArray) -> FloatArray:
 
 
 def contact_plane(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two unit vectors (n, 3) that make a right-handed frame with each unit normal."""
+    """Two unit vectors (3, n) that make a right-handed frame with each unit normal."""
     # Duff et al. 2017, "Building an orthonormal basis, revisited".
-    x, y, z = normal[:, 0], normal[:, 1], normal[:, 2]
+    x, y, z = normal
     sign = np.where(z < 0, -1.0, 1.0)
     a = -1.0 / (sign + z)
     b = x * y * a
-    u = np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], axis=1)
-    v = np.stack([b, sign + y * y * a, -y], axis=1)
-    return u, v
+    return np.stack([1.0 + sign * x * x * a, sign * b, -sign * x]), np.stack([b, sign + y * y * a, -y])
 
 
 def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patches:
-    """Patches of features given as convex polygons ``first`` (n, k, 3) and ``second`` (n, m, 3) around any origin, in either sense,
-    repeated corners allowed; ``normal`` (n, 3) from first to second.
+    """Patches of features given as convex polygons ``first`` (3, k, n) and ``second`` (3, m, n) around any origin, in either sense,
+    repeated corners allowed; ``normal`` (3, n) from first to second.
 
     The area and its centre are integrals along the boundary of the intersection (Green's theorem), which consists of the parts of each
     polygon's edges that lie inside everything else and need not be put in order.
     """
     u, v = contact_plane(normal)
-    frame = np.stack([u, v, normal], axis=1)
-    a = np.einsum("nij,nkj->nki", frame, first)
-    b = np.einsum("nij,nkj->nki", frame, second)
+    frame = np.stack([u, v, normal])
+    a, b = turned(frame, first), turned(frame, second)
     # The gap between the two as a linear function over the plane, counted from the least that their farthest corners would leave.
     slope_a, level_a = _plane(a)
     slope_b, level_b = _plane(b)
     slope = slope_b - slope_a
-    level = (level_b - b[:, :, 2].min(axis=1)) + (a[:, :, 2].max(axis=1) - level_a)
-    low = np.maximum(a[:, :, :2].min(axis=1), b[:, :, :2].min(axis=1))
-    high = np.minimum(a[:, :, :2].max(axis=1), b[:, :, :2].max(axis=1))
+    level = (level_b - b[2].min(axis=0)) + (a[2].max(axis=0) - level_a)
+    low = np.maximum(a[:2].min(axis=1), b[:2].min(axis=1))
+    high = np.minimum(a[:2].max(axis=1), b[:2].max(axis=1))
     origin = (low + high) / 2
     level = level + dot(slope, origin)
-    a = _counter_clockwise(a[:, :, :2] - origin[:, None])
-    b = _counter_clockwise(b[:, :, :2] - origin[:, None])
-    size = np.maximum(np.abs(a).max(axis=(1, 2)), np.abs(b).max(axis=(1, 2)))
-    slack = 1e-9 * size[:, None]
+    a = _counter_clockwise(a[:2] - origin[:, None])
+    b = _counter_clockwise(b[:2] - origin[:, None])
+    slack = 1e-9 * np.maximum(np.abs(a).max(axis=(0, 1)), np.abs(b).max(axis=(0, 1)))
     # Boundary of the first inside the second, and of the second strictly inside the first: a shared edge counts once.
-    pieces = [_clipped(a, np.roll(a, -1, axis=1), _moved(_lines(b), slack)), _clipped(b, np.roll(b, -1, axis=1), _moved(_lines(a), -slack))]
-    start, end, used = (np.concatenate([piece[k] for piece in pieces], axis=1) for k in range(3))
+    pieces = [
+        _clipped(a, np.roll(a, -1, axis=1), _moved(_lines(b), slack)),
+        _clipped(b, np.roll(b, -1, axis=1), _moved(_lines(a), -slack)),
+    ]
+    start, end = (np.concatenate([piece[k] for piece in pieces], axis=1) for k in range(2))
+    used = np.concatenate([piece[2] for piece in pieces])
     # Leave out where the gap is larger; the cut closes the outline from where it goes out to where it comes in.
-    from_gap, to_gap = (level[:, None] + np.einsum("nki,ni->nk", ends, slope) for ends in (start, end))
-    least_gap = np.where(used, np.minimum(from_gap, to_gap), np.inf).min(axis=1)
-    within = patch_gap(np.sqrt(dot(slope, slope)))
-    top = (np.where(np.isinf(least_gap), 0.0, least_gap) + within)[:, None]
+    from_gap, to_gap = (level + np.einsum("ikn,in->kn", ends, slope) for ends in (start, end))
+    least_gap = np.where(used, np.minimum(from_gap, to_gap), np.inf).min(axis=0)
+    top = np.where(np.isinf(least_gap), 0.0, least_gap) + patch_gap(np.sqrt(dot(slope, slope)))
     rise = to_gap - from_gap
     leaves, enters = used & (from_gap <= top) & (to_gap > top), used & (from_gap > top) & (to_gap <= top)
     share = np.divide(top - from_gap, rise, out=np.zeros_like(rise), where=leaves | enters)
     used &= (from_gap <= top) | (to_gap <= top)
-    cut = start + (end - start) * share[..., None]
-    start, end = np.where(enters[..., None], cut, start), np.where(leaves[..., None], cut, end)
-    out, back = (end * leaves[..., None]).sum(axis=1), (start * enters[..., None]).sum(axis=1)
-    closing = out[:, 0] * back[:, 1] - out[:, 1] * back[:, 0]
-    cross = np.where(used, start[..., 0] * end[..., 1] - start[..., 1] * end[..., 0], 0.0)
-    area = (cross.sum(axis=1) + closing) / 2
-    moment = (np.einsum("nki,nk->ni", start + end, cross) + (out + back) * closing[:, None]) / 6
-    found = used.any(axis=1) & (area > 0)
-    # Cancellation can move the centre of a sliver far away: clip it to the corners' bounds.
-    mask = used[..., None]
-    least = np.where(mask, np.minimum(start, end), np.inf).min(axis=1)
-    most = np.where(mask, np.maximum(start, end), -np.inf).max(axis=1)
-    centre = np.clip(moment / np.where(found, area, 1.0)[:, None], least, most)
-    centre = np.where(found[:, None], centre + origin, 0.0)
+    cut = start + (end - start) * share
+    start, end = np.where(enters, cut, start), np.where(leaves, cut, end)
+    area, centre = _area_and_centre(start, end, used, leaves, enters)
+    found = used.any(axis=0) & (area > 0)
+    centre = np.where(found, centre + origin, 0.0)
     corners = start + origin[:, None]
     return Patches(
-        centre=u * centre[:, :1] + v * centre[:, 1:],
+        centre=u * centre[0] + v * centre[1],
         area=np.where(found, area, 0.0),
         found=found,
         gap=np.where(found, np.maximum(least_gap, 0.0), np.inf),
-        corners=u[:, None] * corners[..., :1] + v[:, None] * corners[..., 1:],
-        used=used & found[:, None],
+        corners=u[:, None] * corners[0] + v[:, None] * corners[1],
+        used=used & found,
         wide=found,
     )
 
 
+def _area_and_centre(
+    start: FloatArray, end: FloatArray, used: BoolArray, leaves: BoolArray, enters: BoolArray
+) -> tuple[FloatArray, FloatArray]:
+    """Area (n,) and centre (2, n) inside the boundary pieces that are ``used`` (k, n), from ``start`` to ``end`` (2, k, n), with a straight
+    line from the one that ``leaves`` to the one that ``enters``."""
+    out, back = (end * leaves).sum(axis=1), (start * enters).sum(axis=1)
+    closing = out[0] * back[1] - out[1] * back[0]
+    turns = np.where(used, start[0] * end[1] - start[1] * end[0], 0.0)
+    area = (turns.sum(axis=0) + closing) / 2
+    moment = (np.einsum("ikn,kn->in", start + end, turns) + (out + back) * closing) / 6
+    # Cancellation can move the centre of a sliver far away: clip it to the corners' bounds.
+    least = np.where(used, np.minimum(start, end), np.inf).min(axis=1)
+    most = np.where(used, np.maximum(start, end), -np.inf).max(axis=1)
+    return area, np.clip(moment / np.where(used.any(axis=0) & (area > 0), area, 1.0), least, most)
+
+
 def _plane(polygon: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Slope (n, 2) and value at the origin (n,) of the plane z(x, y) of each polygon (n, k, 3)."""
+    """Slope (2, n) and value at the origin (n,) of the plane z(x, y) of each polygon (3, k, n)."""
     rays = polygon[:, 1:] - polygon[:, :1]
-    normal = np.cross(rays[:, :-1], rays[:, 1:]).sum(axis=1)
+    normal = cross(rays[:, :-1], rays[:, 1:]).sum(axis=1)
     steep = 1e-6 * np.sqrt(dot(normal, normal)) + 1e-300
-    upright = np.where(np.abs(normal[:, 2]) > steep, normal[:, 2], np.copysign(steep, normal[:, 2]))
-    slope = -normal[:, :2] / upright[:, None]
-    return slope, polygon[:, 0, 2] - dot(slope, polygon[:, 0, :2])
+    upright = np.where(np.abs(normal[2]) > steep, normal[2], np.copysign(steep, normal[2]))
+    slope = -normal[:2] / upright
+    return slope, polygon[2, 0] - dot(slope, polygon[:2, 0])
 
 
 def _counter_clockwise(polygon: FloatArray) -> FloatArray:
-    """Polygons (n, k, 2), those that run clockwise reversed."""
+    """Polygons (2, k, n), those that run clockwise reversed."""
     following = np.roll(polygon, -1, axis=1)
-    area = (polygon[..., 0] * following[..., 1] - polygon[..., 1] * following[..., 0]).sum(axis=1)
-    return np.where(area[:, None, None] < 0, polygon[:, ::-1], polygon)
+    area = (polygon[0] * following[1] - polygon[1] * following[0]).sum(axis=0)
+    return np.where(area < 0, polygon[:, ::-1], polygon)
 
 
 def _lines(polygon: FloatArray) -> FloatArray:
-    """The edges of polygons as half-planes (n, k, 3): ``l[0] x + l[1] y + l[2] >= 0`` inside, in metres. One without length holds
+    """The edges of polygons as half-planes (3, k, n): ``l[0] x + l[1] y + l[2] >= 0`` inside, in metres. One without length holds
     everywhere."""
     way = np.roll(polygon, -1, axis=1) - polygon
     length = np.sqrt(dot(way, way))
     real = length > 0
-    lines = np.empty((*polygon.shape[:2], 3))
-    lines[..., 0] = -way[..., 1]
-    lines[..., 1] = way[..., 0]
-    lines[..., :2] /= np.where(real, length, 1.0)[..., None]
-    lines[..., 2] = np.where(real, -dot(lines[..., :2], polygon), 1e30)
-    return lines
+    across = np.stack([-way[1], way[0]]) / np.where(real, length, 1.0)
+    return np.concatenate([across, np.where(real, -dot(across, polygon), 1e30)[None]])
 
 
 def _moved(lines: FloatArray, outwards: FloatArray) -> FloatArray:
     moved = lines.copy()
-    moved[..., 2] += outwards
+    moved[2] += outwards
     return moved
 
 
 def _clipped(start: FloatArray, end: FloatArray, lines: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
-    """The part of each segment (n, k, 2) that satisfies all lines (n, m, 3), and whether there is one."""
-    f0 = np.einsum("nki,nmi->nkm", start, lines[..., :2]) + lines[:, None, :, 2]
-    f1 = np.einsum("nki,nmi->nkm", end, lines[..., :2]) + lines[:, None, :, 2]
+    """The part of each segment (2, k, n) that satisfies all lines (3, m, n), and whether there is one (k, n)."""
+    f0 = np.einsum("ikn,imn->kmn", start, lines[:2]) + lines[2]
+    f1 = np.einsum("ikn,imn->kmn", end, lines[:2]) + lines[2]
     out0, out1 = f0 < 0, f1 < 0
     crossing = out0 != out1
     t = np.divide(f0, f0 - f1, out=np.zeros_like(f0), where=crossing)
-    begin = np.where(out0 & crossing, t, 0.0).max(axis=2)
-    finish = np.where(out1 & crossing, t, 1.0).min(axis=2)
-    used = (begin < finish) & ~(out0 & out1).any(axis=2)
+    begin = np.where(out0 & crossing, t, 0.0).max(axis=1)
+    finish = np.where(out1 & crossing, t, 1.0).min(axis=1)
+    used = (begin < finish) & ~(out0 & out1).any(axis=1)
     way = end - start
-    used &= (way != 0).any(axis=2)
-    return start + way * begin[..., None], start + way * finish[..., None], used
+    used &= (way != 0).any(axis=0)
+    return start + way * begin, start + way * finish, used

@@ -85,17 +85,17 @@ class NarrowPhase:
             return found
         count = len(pairs)
         distance = np.full(count, np.inf)
-        normal = np.tile([0.0, 0.0, 1.0], (count, 1))
+        normal = np.tile([[0.0], [0.0], [1.0]], count)
         for rows in self._pairing.groups(pairs, rotation, offset, limit):
             separation = self._distances.separated(rows).separation
             gap = bounded(rows, separation.distance - rows.radius_a - rows.radius_b, limit)
-            outward = np.where(rows.flipped[:, None], -separation.normal, separation.normal)
+            outward = np.where(rows.flipped, -separation.normal, separation.normal)
             order = np.argsort(-gap, kind="stable")
             owner = rows.owner[order]
             closer = gap[order] < distance[owner]
-            normal[owner[closer]] = outward[order][closer]
+            normal[:, owner[closer]] = outward[:, order[closer]]
             np.minimum.at(distance, owner, gap[order])
-        return np.where(np.isinf(distance), limit + BEYOND, distance), normal.T
+        return np.where(np.isinf(distance), limit + BEYOND, distance), normal
 
     def gaps(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> FloatArray:
         """Distances (p,) up to ``limit`` (p,), 0 where bodies overlap: cheaper than to find out how deep."""
@@ -159,5 +159,5 @@ def _together(groups: list[tuple[CorePairs, AxisSeparation]]) -> tuple[CorePairs
     """Groups without triangles as one."""
     if len(groups) == 1:
         return groups[0]
-    parts = (np.concatenate([getattr(s.separation, f.name) for _, s in groups]) for f in fields(Separation))
+    parts = (np.concatenate([getattr(s.separation, f.name) for _, s in groups], axis=-1) for f in fields(Separation))
     return joined([rows for rows, _ in groups]), AxisSeparation(Separation(*parts), np.concatenate([s.exact for _, s in groups]))

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from .frames import dot
 
 _TOLERANCE = 1e-9
 """Metres between the bounds at which the depth counts as found."""
@@ -49,6 +48,11 @@ class Penetration:
     middle: FloatArray
 
 
+def row_dots(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Dot products (m,) of vectors (m, 3) or (3,)."""
+    return np.asarray(np.einsum("...i,...i->...", a, b))
+
+
 def penetration(first: Farthest, second: Farthest) -> Penetration:
     """Penetration of two overlapping convex bodies given by their farthest points. Where both are flat and lie in one plane the depth is
     0 along its normal."""
@@ -71,7 +75,7 @@ def _simplex(supports: _Supports) -> _Polytope | Penetration:
     """A tetrahedron of boundary points, or the penetration of a flat difference."""
     points, sources = supports(_AXES)
     a, source_a = points[0], sources[0]
-    k = int(dot(points - a, points - a).argmax())
+    k = int(row_dots(points - a, points - a).argmax())
     b, source_b = points[k], sources[k]
     axis = (b - a) / max(float(np.linalg.norm(b - a)), 1e-300)
     u = np.cross(axis, [1.0, 0.0, 0.0] if abs(axis[0]) < 0.7 else [0.0, 1.0, 0.0])
@@ -80,7 +84,7 @@ def _simplex(supports: _Supports) -> _Polytope | Penetration:
     points, sources = supports(np.stack([u, -u, v, -v]))
     across = points - a
     across -= np.outer(across @ axis, axis)
-    k = int(dot(across, across).argmax())
+    k = int(row_dots(across, across).argmax())
     c, source_c = points[k], sources[k]
     normal = np.cross(b - a, c - a)
     length = float(np.linalg.norm(normal))
@@ -125,8 +129,8 @@ def _deepest(points: FloatArray, sources: FloatArray, normal: FloatArray, suppor
     foot = normal * float(normal @ points[0])
     for _ in range(_MOST_CORNERS):
         edges = np.cross(normal, np.roll(points, -1, axis=0) - points)  # inwards
-        size = np.sqrt(dot(edges, edges))
-        inside = dot(edges, foot - points)
+        size = np.sqrt(row_dots(edges, edges))
+        inside = row_dots(edges, foot - points)
         k = int((inside / np.where(size > 0, size, 1.0)).argmin())
         if inside[k] >= 0 or size[k] == 0:
             break
@@ -136,7 +140,8 @@ def _deepest(points: FloatArray, sources: FloatArray, normal: FloatArray, suppor
             break
         points = np.stack([points[(k + 1) % 3], points[k], corner[0]])
         sources = np.stack([sources[(k + 1) % 3], sources[k], source[0]])
-    areas = dot(np.cross(np.roll(points, -2, axis=0) - np.roll(points, -1, axis=0), foot - np.roll(points, -1, axis=0)), normal).clip(0.0)
+    ahead, before = np.roll(points, -1, axis=0), np.roll(points, -2, axis=0)
+    areas = row_dots(np.cross(before - ahead, foot - ahead), normal).clip(0.0)
     return np.asarray(areas / areas.sum() @ sources if areas.sum() > 0 else sources.mean(axis=0))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from ...arrays import BoolArray, FloatArray, IntArray
 from ..hull import Hull
 from .cores import CoreTable, Kind
-from .frames import dot, turned, turned_back
+from .frames import cross, dot, pick, turned, turned_back
 from .manifold import PATCH_GAP, contact_plane
 
 FEW = 4
@@ -17,11 +17,12 @@ MANY = 16
 _WIDTH = 1e-6
 """Half the width [m] of the strip that stands for a line."""
 
-_ANGLES = 2 * np.pi * np.arange(MANY) / MANY
+_ANGLES = (2 * np.pi * np.arange(MANY) / MANY)[:, None]
 _WIDER = np.sqrt(2 * np.pi / (MANY * np.sin(2 * np.pi / MANY)))
 """Radius of a polygon of ``MANY`` corners that has the area of a circle of radius 1."""
 
-_SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+_SQUARE = np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])[:, :, None]
+_UP = np.array([[0.0], [0.0], [1.0]])
 
 
 class Features:
@@ -36,44 +37,45 @@ class Features:
     def polygons(
         self, core: IntArray, rotation: FloatArray, centre: FloatArray, direction: FloatArray
     ) -> tuple[FloatArray, BoolArray, BoolArray]:
-        """The features of cores (n,) placed in the world in ``direction`` (n, 3): corners (n, ``MANY``, 3), the
+        """The features of cores (n,) placed in the world in ``direction`` (3, n): corners (3, ``MANY``, n), the
         last one repeated; which have more than ``FEW`` (n,); which are wider than a line (n,)."""
         count = len(core)
-        corners = np.empty((count, MANY, 3))
+        corners = np.empty((3, MANY, count))
         many = np.zeros(count, dtype=np.bool_)
         wide = np.ones(count, dtype=np.bool_)
         kind = self._table.kind[core]
         local = turned_back(rotation, direction)
         for value in np.unique(kind).tolist():
             rows = np.flatnonzero(kind == value)
-            towards, outline = local[rows], self._table.outline[core[rows]]
+            towards, outline = local[:, rows], self._table.outline[:, core[rows]]
             match Kind(value):
                 case Kind.BOX:
-                    corners[rows, :FEW] = _box_face(towards, outline)
+                    corners[:, :FEW, rows] = _box_face(towards, outline)
                 case Kind.SEGMENT:
-                    corners[rows, :FEW] = _line(np.zeros_like(towards), _up(len(rows)) * outline[:, 2:], towards)
+                    corners[:, :FEW, rows] = _line(np.zeros_like(towards), _UP * outline[2], towards)
                     wide[rows] = False
                 case Kind.CYLINDER:
-                    flat = np.abs(towards[:, 2]) >= np.hypot(towards[:, 0], towards[:, 1])
-                    corners[rows] = _end(outline, np.where(towards[:, 2] < 0, -1.0, 1.0) * outline[:, 2], towards)
-                    side = _radial(towards) * outline[:, :1]
-                    corners[rows[~flat], :FEW] = _line(side, _up(len(rows)) * outline[:, 2:], towards)[~flat]
+                    flat = np.abs(towards[2]) >= np.hypot(towards[0], towards[1])
+                    corners[..., rows] = _end(outline, np.where(towards[2] < 0, -1.0, 1.0) * outline[2], towards)
+                    side = _radial(towards) * outline[0]
+                    corners[:, :FEW, rows[~flat]] = _line(side, _UP * outline[2], towards)[..., ~flat]
                     many[rows] = wide[rows] = flat
                 case Kind.CONE:
                     flat, line = _cone(towards, outline)
-                    corners[rows] = _end(outline, -outline[:, 2], towards)
-                    corners[rows[~flat], :FEW] = line[~flat]
+                    corners[..., rows] = _end(outline, -outline[2], towards)
+                    corners[:, :FEW, rows[~flat]] = line[..., ~flat]
                     many[rows] = wide[rows] = flat
                 case Kind.HULL:
                     for alike, (normals, faces) in self._by_hull(core[rows]):
-                        face = faces[(towards[alike] @ normals.T).argmax(axis=1)]
-                        corners[rows[alike], : face.shape[1]] = face
+                        face = faces[(normals @ towards[:, alike]).argmax(axis=0)].transpose(2, 1, 0)
+                        corners[:, : face.shape[1], rows[alike]] = face
                         many[rows[alike]] = face.shape[1] > FEW
                 case _:
                     wide[rows] = False
-                    corners[rows] = 0.0
-        corners[~many, FEW:] = corners[~many, FEW - 1 : FEW]
-        return turned(rotation[:, None], corners) + centre[:, None], many, wide
+                    corners[..., rows] = 0.0
+        few = np.flatnonzero(~many)
+        corners[:, FEW:, few] = corners[:, FEW - 1 : FEW, few]
+        return turned(rotation, corners) + centre[:, None], many, wide
 
     def _by_hull(self, cores: IntArray) -> list[tuple[IntArray, tuple[FloatArray, FloatArray]]]:
         """Rows of hulls that are the same, and normals and corners of their faces."""
@@ -110,65 +112,59 @@ def merged_faces(hull: Hull) -> tuple[FloatArray, FloatArray]:
 
 
 def triangle_polygons(corners: FloatArray) -> FloatArray:
-    """Triangles (n, 3, 3) as polygons (n, ``MANY``, 3) that repeat the last corner."""
+    """Triangles (3, 3, n) as polygons (3, ``MANY``, n) that repeat the last corner."""
     return corners[:, np.minimum(np.arange(MANY), 2)]
 
 
-def _up(count: int) -> FloatArray:
-    return np.broadcast_to(np.array([0.0, 0.0, 1.0]), (count, 3))
-
-
 def _box_face(direction: FloatArray, half: FloatArray) -> FloatArray:
-    row = np.arange(len(direction))[:, None]
-    axis = np.abs(direction).argmax(axis=1)
-    corners = np.empty((len(direction), FEW, 3))
-    side = np.where(direction[row[:, 0], axis] < 0, -1.0, 1.0) * half[row[:, 0], axis]
-    corners[row, np.arange(FEW), axis[:, None]] = side[:, None]
+    axis = np.abs(direction).argmax(axis=0)
+    corners = np.empty((3, FEW, len(axis)))
+    pair = np.arange(len(axis))
+    corners[axis, :, pair] = (np.where(pick(direction, axis) < 0, -1.0, 1.0) * pick(half, axis))[:, None]
     for k in (1, 2):
         other = (axis + k) % 3
-        corners[row, np.arange(FEW), other[:, None]] = half[row[:, 0], other][:, None] * _SQUARE[:, k - 1]
+        corners[other, :, pair] = (pick(half, other) * _SQUARE[k - 1]).T
     return corners
 
 
 def _line(middle: FloatArray, along: FloatArray, direction: FloatArray) -> FloatArray:
     """A narrow strip from ``middle - along`` to ``middle + along`` that faces ``direction``; a dot at its end where it points that way."""
-    across = np.cross(along, direction)
+    across = cross(along, direction)
     length = np.sqrt(dot(across, across))
     pointing = length < 1e-3 * np.sqrt(dot(along, along))
     if pointing.any():
-        tip = along * np.where(dot(along, direction) < 0, -1.0, 1.0)[:, None]
+        tip = along * np.where(dot(along, direction) < 0, -1.0, 1.0)
         u, v = contact_plane(direction)
-        middle = np.where(pointing[:, None], middle + tip, middle)
-        along, across = np.where(pointing[:, None], u * _WIDTH, along), np.where(pointing[:, None], v, across)
+        middle = np.where(pointing, middle + tip, middle)
+        along, across = np.where(pointing, u * _WIDTH, along), np.where(pointing, v, across)
         length = np.where(pointing, 1.0, length)
-    across = across * (_WIDTH / np.where(length > 0, length, 1.0))[:, None]
+    across = across * (_WIDTH / np.where(length > 0, length, 1.0))
     return np.stack([middle - along - across, middle + along - across, middle + along + across, middle - along + across], axis=1)
 
 
 def _radial(direction: FloatArray) -> FloatArray:
-    flat = direction * np.array([1.0, 1.0, 0.0])
+    flat = direction * np.array([[1.0], [1.0], [0.0]])
     length = np.sqrt(dot(flat, flat))
-    return np.where(length[:, None] > 0, flat / np.where(length > 0, length, 1.0)[:, None], [[1.0, 0.0, 0.0]])
+    return np.where(length > 0, flat / np.where(length > 0, length, 1.0), [[1.0], [0.0], [0.0]])
 
 
 def _end(half: FloatArray, height: FloatArray, direction: FloatArray) -> FloatArray:
     """The disc at a height: a polygon with a corner at the disc's extreme point along ``direction``, or with the disc's area where it is
     nearly perpendicular to ``direction``."""
     out = _radial(direction)
-    tipped = np.hypot(direction[:, 0], direction[:, 1]) * half[:, 0] > PATCH_GAP
-    radius = half[:, 0] * np.where(tipped, 1.0, _WIDER)
-    corners = np.empty((len(half), MANY, 3))
-    corners[:, :, 0] = radius[:, None] * (out[:, :1] * np.cos(_ANGLES) - out[:, 1:2] * np.sin(_ANGLES))
-    corners[:, :, 1] = radius[:, None] * (out[:, 1:2] * np.cos(_ANGLES) + out[:, :1] * np.sin(_ANGLES))
-    corners[:, :, 2] = height[:, None]
+    tipped = np.hypot(direction[0], direction[1]) * half[0] > PATCH_GAP
+    radius = half[0] * np.where(tipped, 1.0, _WIDER)
+    corners = np.empty((3, MANY, half.shape[1]))
+    corners[0] = radius * (out[0] * np.cos(_ANGLES) - out[1] * np.sin(_ANGLES))
+    corners[1] = radius * (out[1] * np.cos(_ANGLES) + out[0] * np.sin(_ANGLES))
+    corners[2] = height
     return corners
 
 
 def _cone(direction: FloatArray, half: FloatArray) -> tuple[BoolArray, FloatArray]:
     """Whether the base faces ``direction``, and the line from rim to tip that faces it otherwise."""
-    out = _radial(direction)
-    slant = np.hypot(half[:, 0], 2 * half[:, 2])
-    by_slant = (np.hypot(direction[:, 0], direction[:, 1]) * 2 * half[:, 2] + direction[:, 2] * half[:, 0]) / slant
-    rim = out * half[:, :1] - _up(len(half)) * half[:, 2:]
-    tip = _up(len(half)) * half[:, 2:]
-    return -direction[:, 2] >= by_slant, _line((rim + tip) / 2, (tip - rim) / 2, direction)
+    slant = np.hypot(half[0], 2 * half[2])
+    by_slant = (np.hypot(direction[0], direction[1]) * 2 * half[2] + direction[2] * half[0]) / slant
+    rim = _radial(direction) * half[0] - _UP * half[2]
+    tip = _UP * half[2]
+    return -direction[2] >= by_slant, _line((rim + tip) / 2, (tip - rim) / 2, direction)

@@ -269,12 +269,12 @@ def test_depth_of_segments_through_triangles_against_the_minkowski_difference():
     corners = rng.normal(size=(500, 3, 3))
     middle, way = corners.mean(axis=1), rng.normal(size=(500, 3))
     start, end = middle + way * rng.uniform(0.05, 1.5, (500, 1)), middle - way * rng.uniform(0.05, 1.5, (500, 1))
-    found = segment_to_triangle(start, end, corners)
+    found = segment_to_triangle(start.T, end.T, corners.transpose(2, 1, 0))
     for k in range(500):
         difference = SciPyHull((corners[k][:, None] - np.stack([start[k], end[k]])).reshape(-1, 3))
         offsets = difference.equations[:, 3]
         assert offsets.max() < 0
         assert found.distance[k] == pytest.approx(offsets.max(), abs=1e-12)
         nearest = difference.equations[offsets.argmax(), :3]
-        np.testing.assert_allclose(found.normal[k], -nearest, atol=1e-7)
-        np.testing.assert_allclose(found.first[k] - found.second[k], -found.distance[k] * found.normal[k], atol=1e-9)
+        np.testing.assert_allclose(found.normal[:, k], -nearest, atol=1e-7)
+        np.testing.assert_allclose(found.first[:, k] - found.second[:, k], -found.distance[k] * found.normal[:, k], atol=1e-9)
