@@ -15,14 +15,20 @@ def json_pointer(parts: Iterable[str | int]) -> str:
     return pointer or "/"
 
 
+def _shortened(text: str, most: int) -> str:
+    """At most ``most`` characters of a text that may hold names of the file's own, the beginning and the end."""
+    return text if len(text) <= most else f"{text[: most // 2]} … {text[3 - most // 2 :]}"
+
+
 class FormatError(ValueError):
-    """``FILE: /json/pointer: reason``, without the pointer where it is the whole document.
+    """``FILE: /json/pointer: reason``, without the pointer where it is the whole document; long names in either are shortened.
 
     ``pointer`` is a JSON pointer, or a place such as ``byte 12`` in a file that is not JSON.
     """
 
     def __init__(self, file: str | Path, pointer: str, reason: str) -> None:
-        text = f"{file}: {reason}" if pointer == "/" else f"{file}: {pointer}: {reason}"
+        place, why = _shortened(pointer, 200), _shortened(reason, 300)
+        text = f"{file}: {why}" if pointer == "/" else f"{file}: {place}: {why}"
         super().__init__("".join(c if c.isprintable() else repr(c)[1:-1] for c in text))
         self.file = str(file)
         self.pointer = pointer
