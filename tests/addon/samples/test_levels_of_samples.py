@@ -39,7 +39,9 @@ def play(build, results):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
-def test_levels_compare(play, name):
+def test_levels_compare_and_are_those_of_the_ways_shown(play, name):
+    """The properties of `level_properties`; and every way of the overlay ends with the gain that the listener gets, over the objects that
+    the Result panel names."""
     scene, result = play(name)
     haptic = scene_of_result(result, session.of(scene).reading, scene)
     largest = max(
@@ -54,13 +56,6 @@ def test_levels_compare(play, name):
         check_local(haptic, strategy, largest.name, (x - 60.0, y, z))
     graph = graph_of_scene(haptic)
     check_shown(graph, traced(haptic, Strategy.AUTO), haptic.settings.threshold)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SAMPLES)
-def test_overlay_and_result_show_the_way_of_the_number(play, name):
-    """Every way ends with the gain that the listener gets, and its objects are those that the Result panel names."""
-    scene, result = play(name)
     paths = {pair: nodes for pair, nodes in result.propagation.best_path.items() if nodes}
     assert set(paths) == set(map(tuple, np.argwhere(result.gains > 0).tolist()))
     steps, gain, _ = path_steps(result, result.graph, Mode.HT, paths)
