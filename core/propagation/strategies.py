@@ -168,7 +168,8 @@ class _Run:
             gains.limited[rows], gains.error[rows] = self.wanted[rows], np.where(self.wanted[rows], math.inf, 0.0)
             return sums
         limits = PathLimits(crossings, settings.threshold, settings.tolerance, self.budget)
-        with np.errstate(over="ignore", invalid="ignore"):  # gains above 1 may multiply to more than a number can say: no bound then
+        # Products may be larger or smaller than any number: then nothing bounds the sum.
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             operator = WalkOperator(graph)
             sums.radius = operator.radius
             for number, row in enumerate(rows):

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.graph.haptic_graph import NoGain, ObjectTable, build_graph, graph_of_scene
 from haptic_tracing.core.propagation import objects_on, propagate
-from haptic_tracing.core.scene.functions import Exponential, Expression, Identity
+from haptic_tracing.core.scene.functions import Constant, Exponential, Expression, Identity
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Mode, Settings, Source, Strategy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from path_reference import connected_scene
 
 SCENE = HapticScene(
     objects=(HapticObject("ground", 0.2, 0.9), HapticObject("bench", 0.1, 0.8), HapticObject("kite", 0.5, 0.5)),
@@ -192,3 +196,21 @@ def test_distances_whose_squares_are_no_numbers(strategy, far):
             assert result.gain[0, 0] == gain
         else:
             assert 0 <= result.gain[0, 0] <= 2 * gain
+
+
+TINY = (Constant(gain_value=1e-200), Exponential(alpha=1e6), Identity(), Constant(gain_value=0.6), Constant(gain_value=0.0))
+
+
+@settings(max_examples=150, deadline=None, derandomize=True)
+@given(st.integers(0, 10**6), st.sampled_from(list(Strategy)))
+def test_gains_at_the_ends_of_what_numbers_can_say(seed, strategy):
+    """Products far below the smallest number, weights next to none: no warning of NumPy, and all that is no sum between 0 and 1."""
+    scene = connected_scene(
+        seed, TINY, (Constant(gain_value=1e-160), Identity(), Constant(gain_value=0.0)), extra=8, size=1e4, refined=True
+    )
+    random = np.random.default_rng(seed)
+    contacts = tuple(replace(contact, weight=float(random.choice([1.0, 0.5, 1e-300]))) for contact in scene.contacts)
+    result = propagate(graph_of_scene(replace(scene, contacts=contacts)), Settings(strategy=strategy), budget=3000)
+    assert np.isfinite(result.gain).all() and (result.gain >= 0).all() and (result.error_bound >= 0).all()
+    if strategy not in (Strategy.ALL_PATHS, Strategy.AS_IN_THE_PAPER):
+        assert (result.gain <= 1).all() and (result.error_bound <= 1).all()
