@@ -6,10 +6,11 @@ import argparse
 from pathlib import Path
 
 import bpy
+from bpy.types import Scene
 
+from ..addon.changes.suspension import suspended
 from ..addon.registration import properties
 from ..sample_scenes import SAMPLES
-from ..sample_scenes.baking import bake_rigid_bodies
 
 
 def run(args: argparse.Namespace) -> int:
@@ -26,7 +27,7 @@ def run(args: argparse.Namespace) -> int:
         scene.name = SAMPLES[args.name].title
         SAMPLES[args.name].build(scene, args.count)
         if not args.no_bake:
-            bake_rigid_bodies(scene)
+            _bake_rigid_bodies(scene)
         bpy.ops.wm.save_as_mainfile(filepath=str(output.resolve()), compress=True, check_existing=False)
     except RuntimeError as error:
         raise ValueError(f"{output}: {str(error).strip().removeprefix('Error: ')}") from None
@@ -34,3 +35,19 @@ def run(args: argparse.Namespace) -> int:
         properties.unregister()
     print(f"wrote {output}")
     return 0
+
+
+def _bake_rigid_bodies(scene: Scene) -> None:
+    """Simulate all frames of the scene that the window shows and keep the result in its cache.
+
+    A scene without a rigid body world is left alone.
+    """
+    if scene.rigidbody_world is None:
+        return
+    cache = scene.rigidbody_world.point_cache
+    with suspended():
+        for frame in range(cache.frame_start, cache.frame_end + 1):
+            scene.frame_set(frame)
+        with bpy.context.temp_override(scene=scene, point_cache=cache):
+            bpy.ops.ptcache.bake_from_cache()
+        scene.frame_set(scene.frame_start)

@@ -155,12 +155,12 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
         row.label(text="0 m, 0 to -60 dB")
         side = row.row()
         side.alignment = "RIGHT"
-        side.label(text=f"{curve.reach:g} m")
+        side.label(text=f"{curve.length:g} m")
         column = layout.column(align=True)
         column.scale_y = 0.8
         if haptics.function == "haptic_tracing":
             draw_pair(column, "K = (1 - κ) ρ", f"{transfer_coefficient(haptics.kappa, haptics.rho):.2f}")
-        for distance in (0.0, curve.reach / 10, curve.reach / 2):
+        for distance in (0.0, curve.length / 10, curve.length / 2):
             draw_pair(column, f"{distance:g} m", gain_text(curve.at(distance)))
         if curve.bands is not None:
             column.label(text="Thin lines: lowest and highest band")

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...core.arrays import FloatArray, IntArray
 from ...core.scene.functions import ModulationFunction
-from ...core.scene.functions.curve import Curve, gain_curve
 from ..changes.events import disabled
 from ..session.derived import Background, Latest
 from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
@@ -18,15 +18,54 @@ FLOOR = -60.0
 
 _MARGIN = 10
 
+_FAINT = 0.001
+"""A curve is shown until its gain is a thousandth: -60 dB."""
+_LENGTHS = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """``gains`` (n,) at ``distances`` (n,) [m], from 0 to ``length``. ``bands`` (2, n): those of the lowest and the highest frequency band,
+    or None where the function treats all alike."""
+
+    length: float
+    distances: FloatArray
+    gains: FloatArray
+    bands: FloatArray | None
+
+    def at(self, distance: float) -> float:
+        """The gain at a distance up to ``length``."""
+        return float(np.interp(distance, self.distances, self.gains))
+
+
+def gain_curve(function: ModulationFunction, kappa: float, rho: float, epsilon: float, count: int = 128) -> Curve:
+    """The curve over a round distance in which the gain becomes faint, 100 metres at most.
+
+    Raises ValueError where an expression gives no gain.
+    """
+    probe = np.array([0.0, *_LENGTHS])
+    gains = function.gain(probe, kappa, rho, epsilon)
+    faint = np.flatnonzero(gains[1:] <= _FAINT)
+    length = _LENGTHS[int(faint[0])] if len(faint) and gains.max() > 0 else (_LENGTHS[-1] if gains.max() > 0 else 1.0)
+    distances = np.linspace(0.0, length, count)
+    plain = function.gain(distances, kappa, rho, epsilon)
+    spectrum, bands = function.spectrum, None
+    if spectrum.band_gains or spectrum.band_decays:
+        factor = np.array(spectrum.band_gains or (1.0,))[[0, -1]]
+        decay = np.array(spectrum.band_decays or (0.0,))[[0, -1]]
+        bands = plain * factor[:, None] * np.exp(-decay[:, None] * distances)
+    return Curve(length, distances, plain, bands)
+
+
 _curve: Background[Curve | None] = Background()
 _picture = Picture()
 
 
 def picture(curve: Curve, colour: Colour, ink: Colour) -> Pixels:
     """The curve as pixels (SIZE, SIZE, 4), colours times opacity, the first row at the bottom: from `FLOOR` to 0 dB upwards, the curve's
-    reach across.
+    length across.
 
-    Lines every 20 dB and at quarters of the reach, in ``ink``; the curve in ``colour``, filled below; the lowest and the highest band as
+    Lines every 20 dB and at quarters of the length, in ``ink``; the curve in ``colour``, filled below; the lowest and the highest band as
     thin lines.
     """
     pixels = blank()
@@ -36,7 +75,7 @@ def picture(curve: Curve, colour: Colour, ink: Colour) -> Pixels:
     for part in np.linspace(0, 1, 5):
         tint(pixels[inside, _place(part)], ink, 0.5 if part == 0 else 0.2)
     columns = np.arange(_MARGIN, SIZE - _MARGIN)
-    at = np.linspace(0, curve.reach, len(columns))
+    at = np.linspace(0, curve.length, len(columns))
     for gains, width, filled in _lines(curve):
         decibels = 20 * np.log10(np.maximum(np.interp(at, curve.distances, gains), 1e-9))
         heights = _MARGIN + np.clip(1 - decibels / FLOOR, -0.02, 1) * (SIZE - 2 * _MARGIN - 1)

@@ -8,13 +8,14 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..graph.haptic_graph import HapticGraph
-from ..message import Cause, Decibels, Hertz, Message
+from ..message import Cause, Decibels, Hertz, Message, Seconds
 from ..perception import dominant_frequency, sensation_level
+from ..propagation.modes import nearest_listener
 from ..render.frame_result import FrameResult
-from ..scene.values import Mode, Settings
+from ..scene.values import Mode, Settings, Source, SourceKind
+from ..signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT
 from .gaps import Surroundings, complete_graph, gap_message
 from .losses import NEPER, loss_message, straight_line_message
-from .sources import is_over, source_message
 
 _MOST_SOURCES = 8
 
@@ -40,12 +41,12 @@ def reasons(
     """
     if not result.sources:
         return (Message.of(Cause.NO_SOURCE),)
-    arriving = [row for row in range(len(result.sources)) if result.gains[row, listener] > 0 and not is_over(result, row)]
+    arriving = [row for row in range(len(result.sources)) if result.gains[row, listener] > 0 and not _is_over(result, row)]
     if arriving:
         return _arrival_messages(result, listener, arriving, recent)
     loudest = sorted(range(len(result.sources)), key=lambda row: -result.sources[row].amplitude)[:_MOST_SOURCES]
     search = _Search(result, settings, listener, surroundings)
-    found = [source_message(result, settings, row, listener, frozenset(muted)) or search.message(row) for row in loudest]
+    found = [_source_message(result, settings, row, listener, frozenset(muted)) or search.message(row) for row in loudest]
     return tuple(dict.fromkeys(found))
 
 
@@ -85,3 +86,30 @@ class _Search:
             self._graph = complete_graph(self._result, self._settings, self._surroundings)
         found = loss_message(self._graph, self._settings, row, self._listener)
         return found or gap_message(self._result, self._graph, row, self._listener, self._surroundings)
+
+
+def _source_message(result: FrameResult, settings: Settings, row: int, listener: int, muted: Collection[str]) -> Message | None:
+    """Why source ``row`` emits nothing, or nothing for this listener; None where neither holds."""
+    source = result.sources[row]
+    if source.amplitude == 0:
+        return Message.of(Cause.MUTED if source.name in muted else Cause.ZERO_AMPLITUDE, source.name, source=source.name)
+    if _is_over(result, row):
+        return Message.of(Cause.FINISHED, source.name, source=source.name, end=Seconds(_signal_end(source)))
+    if settings.mode is Mode.SD or (settings.mode is Mode.HT and settings.localise == 1):
+        nearest = int(np.flatnonzero(nearest_listener(result.graph)[row])[0])
+        if nearest != listener:
+            name = result.listeners[nearest].name
+            cause = Cause.NEAREST_LISTENER_ONLY if settings.mode is Mode.SD else Cause.LOCALISED
+            return Message.of(cause, name, listener=name, source=source.name)
+    return None
+
+
+def _is_over(result: FrameResult, row: int) -> bool:
+    """True where the signal of source ``row`` has ended before the frame."""
+    return _signal_end(result.sources[row]) <= result.time
+
+
+def _signal_end(source: Source) -> float:
+    """Time [s] after which the source is silent."""
+    default = DEFAULT_PERSISTENT if source.kind is SourceKind.PERSISTENT else DEFAULT_IMPACT
+    return source.onset + (source.signal or default).duration

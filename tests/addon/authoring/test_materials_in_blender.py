@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.session import session
 from haptic_tracing.addon.view import gain_plot
+from haptic_tracing.addon.view.gain_plot import gain_curve
 from haptic_tracing.core.scene.bands import BAND_CENTRES
 from haptic_tracing.core.scene.functions import Constant, HapticTracing, Spectrum
-from haptic_tracing.core.scene.functions.curve import gain_curve
 from haptic_tracing.core.scene.materials import MATERIALS
 from haptic_tracing.core.scene.measured import DAMPING
 
@@ -159,7 +159,7 @@ def test_the_curve_shows_what_is_traced():
     curve = gain_curve(HapticTracing(), 0.2, 0.9, 0.1)
     k = 0.8 * 0.9
     assert curve.gains == pytest.approx(k * np.exp(-k * curve.distances))
-    assert curve.reach == 10.0
+    assert curve.length == 10.0
     assert curve.bands is None
     banded = gain_curve(HapticTracing(spectrum=Spectrum(band_decays=(0, 0, 0, 0, 0, 3.0))), 0.2, 0.9, 0.1)
     assert banded.bands[0] == pytest.approx(banded.gains)
