@@ -20,13 +20,13 @@ Pair = tuple[int, int]
 Path = tuple[int, ...]
 
 COSTS_AT_ONCE = 1 << 22
-"""ShortestPaths of so many root and node pairs are held at a time, a bound on memory."""
+"""Most pairs of a root and a node whose costs are held at a time, a bound on memory."""
 
 EXPANSION = 32
-"""One partial path of this search takes as long as so many states elsewhere, which is what a budget counts."""
+"""Work of one partial path of this search, in the states that a budget counts."""
 
 HOPS_UNLIMITED = 64
-"""HopConstrainedPaths computed where gains exceed 1 and nothing limits the connections."""
+"""Most contacts on the walks that are searched by hops where gains exceed 1 and nothing limits the connections."""
 
 
 @dataclass(slots=True)
@@ -68,8 +68,8 @@ def best_paths(
     amplified: bool,
     known: Mapping[int, tuple[ShortestPaths, int]],
 ) -> BestPaths:
-    """The best path of each pair. ``budget`` bounds the search that is needed where labels are not enough, per source.
-    ``amplified``: some gain exceeds 1. ``known``: labels that are known already, and the row in them, by row of the source."""
+    """The best path of each pair. ``budget`` bounds the search that is needed where shortest-path trees are not enough, per source.
+    ``amplified``: some gain exceeds 1. ``known``: trees that are known already, and the row in them, by row of the source."""
     result = BestPaths()
     wanted = sorted(pairs)
     result.visited = max((trees.visited() for trees, _ in known.values()), default=0)
@@ -135,7 +135,7 @@ def _nearest(graph: HapticGraph, trees: ShortestPaths, root: int, targets: Seque
 def _search_row(
     graph: HapticGraph, row: int, columns: Sequence[int], crossings: float, limit: float, budget: int, amplified: bool, result: BestPaths
 ) -> None:
-    """Best paths of one source where labels don't do: by layers, and where their walk is no path, by search."""
+    """Best paths of one source where shortest-path trees are not enough: hop-constrained walks; where such a walk is no path, a search."""
     roots = graph.sources[row].nodes
     most = min(crossings, graph.contact_count)
     count = int(min(most, HOPS_UNLIMITED) if amplified and crossings == math.inf else most)
