@@ -37,6 +37,9 @@ STEPS, CHECKED = 240, 8
 PRECISE = 0.005
 """Relative width at which the bounds are precise enough."""
 
+SETTLED = 5e-4
+"""Relative change between two evaluations at which an upper bound below 1 is precise enough: nothing depends on the lower one then."""
+
 TERMS = 1000
 """Most terms of a Neumann series."""
 
@@ -150,10 +153,11 @@ class WalkOperator:
             applied = self._applied(vector) * self._cyclic
             if step % CHECKED == 0:
                 ratio = float(np.max(applied[inside] / vector[inside])) * (1 + 1e-12)
+                before = high
                 if ratio < high:
                     high, self._vector = ratio, vector
                 low = max(low, self._lower_bound(vector, (1 - PRECISE) * high))
-                if low >= (1 - PRECISE) * high:
+                if low >= (1 - PRECISE) * high or (high < 1 and before - high < SETTLED * high):
                     break
             vector = vector / vector.max() + applied / applied.max()  # the mean of two steps: a cycle alone would oscillate
         return WalkRadius(low, high if len(inside) else 0.0)
