@@ -11,6 +11,7 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.types import Scene
 
+from ..blender import handlers
 from ..blender.time import frame_seconds, seconds_of
 from ..changes import revisions
 from ..changes.events import device_adjusted, preview_volume_changed
@@ -177,9 +178,7 @@ _HANDLERS: dict[str, Callable[..., None]] = {
 
 
 def register() -> None:
-    for event, handler in _HANDLERS.items():
-        if hasattr(bpy.app.handlers, event):  # exit_pre: Blender 5.1 on
-            getattr(bpy.app.handlers, event).append(handler)
+    handlers.add(_HANDLERS)
     device_adjusted.subscribe(adjust)
     preview_volume_changed.subscribe(set_preview_volume)
     atexit.register(stop_everything)
@@ -190,10 +189,7 @@ def unregister() -> None:
     device_adjusted.unsubscribe(adjust)
     preview_volume_changed.unsubscribe(set_preview_volume)
     atexit.unregister(stop_everything)
-    for event, handler in _HANDLERS.items():
-        handlers = getattr(bpy.app.handlers, event, [])
-        if handler in handlers:
-            handlers.remove(handler)
+    handlers.remove(_HANDLERS)
     stop_everything()
     if _is_used():
         outputs.forget()

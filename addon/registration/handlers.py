@@ -13,7 +13,7 @@ from bpy.app.handlers import persistent
 from bpy.types import Depsgraph, Scene
 
 from ..bake import playback
-from ..blender import job
+from ..blender import handlers, job
 from ..blender.playing import is_playing
 from ..changes import events
 from ..changes.redraw import redraw_viewports
@@ -173,9 +173,7 @@ _HANDLERS: dict[str, Callable[..., None]] = {
 
 def register() -> None:
     """Start listening to Blender's events."""
-    for event, handler in _HANDLERS.items():
-        if hasattr(bpy.app.handlers, event):  # exit_pre: Blender 5.1 on
-            getattr(bpy.app.handlers, event).append(handler)
+    handlers.add(_HANDLERS)
     events.track_switched.subscribe(_show_track)
     live_output.register()
 
@@ -188,9 +186,6 @@ def unregister() -> None:
         bpy.app.timers.unregister(trace_opened)
     live_output.unregister()
     events.track_switched.unsubscribe(_show_track)
-    for event, handler in _HANDLERS.items():
-        handlers = getattr(bpy.app.handlers, event, [])
-        if handler in handlers:
-            handlers.remove(handler)
+    handlers.remove(_HANDLERS)
     file_changed()
     events.disabled()

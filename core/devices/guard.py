@@ -220,7 +220,7 @@ class _State:
         self._lock = threading.Lock()
         self._guard: Guard | None = None
         self._numbers = itertools.count()
-        self._outputs: set[GuardedOutput] = set()
+        self.outputs: set[GuardedOutput] = set()  # started and not ended
 
     def open(self, make: Callable[[], Output]) -> tuple[Guard, int]:
         """Let a guard drive one more output. Raises OSError where none can be started."""
@@ -240,25 +240,10 @@ class _State:
         for number, make in enumerate(makers):
             guard.open(number, make, "quieten")
 
-    def add(self, output: GuardedOutput) -> None:
-        with self._lock:
-            self._outputs.add(output)
-
-    def discard(self, output: GuardedOutput) -> None:
-        with self._lock:
-            self._outputs.discard(output)
-
-    def outputs(self) -> list[GuardedOutput]:
-        """The outputs that were started and did not end."""
-        with self._lock:
-            return list(self._outputs)
-
     def join(self, timeout: float) -> None:
         """Wait for the end of a guard that has nothing more to do."""
-        with self._lock:
-            guard = self._guard
-        if guard is not None:
-            guard.join(timeout)
+        if self._guard is not None:
+            self._guard.join(timeout)
 
 
 _state = _State()
@@ -283,7 +268,7 @@ class GuardedOutput:
         except OSError as error:
             self._own = Status("failed", f"the process that guards the devices can't be started: {error}")
             return
-        _state.add(self)
+        _state.outputs.add(self)
 
     def adjust(self, adjustment: Adjustment) -> None:
         """Follow these settings from now on. Never blocks. Raises ValueError for a calibration of an unknown actuator."""
@@ -332,7 +317,7 @@ class GuardedOutput:
             return True
         done = self._guard.wait_until_over(self._number, timeout)
         if done:
-            _state.discard(self)
+            _state.outputs.discard(self)
         return done
 
     @property
@@ -348,7 +333,7 @@ class GuardedOutput:
 @atexit.register
 def stop_all(timeout: float = _EXIT_SECONDS) -> bool:
     """Stop all outputs within ``timeout`` seconds together, and the guard with them. Returns whether all are done."""
-    stopping = _state.outputs()
+    stopping = tuple(_state.outputs)
     for output in stopping:
         output.request_stop()
     deadline = time.perf_counter() + timeout

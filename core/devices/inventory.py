@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from .connection import Connected, connected, hid_module, missing_permission, udev_rule
 from .families.family import Interface
@@ -17,6 +18,8 @@ from .output import DeviceOutput, SoundCardOutput
 from .profiles import BUILT_IN, Adjustment, Profile, load_profiles
 from .sound_card import SoundCard, sound_cards, sound_module
 from .status import Output
+
+_BUS = {"usb": "USB", "bt": "Bluetooth"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +62,7 @@ def look(folders: Iterable[Path] = (), *, with_sound_cards: bool = False, with_p
     if with_sound_cards:
         looks.append(_sound_cards)
     if with_players:
-        looks += [_bhaptics, _intiface]
+        looks += [partial(_players, lambda: [bhaptics()]), partial(_players, intiface)]
     devices: list[Found] = []
     for search in looks:
         try:
@@ -101,13 +104,8 @@ def _is_same(node: EventNode, device: Connected) -> bool:
 
 def _event_device(node: EventNode) -> Found:
     profile, module = force_feedback_profile(node), ForceFeedbackModule(node)
-    return Found(
-        key=" ".join(filter(None, ("force-feedback", node.title, node.serial))),
-        title=profile.title,
-        kind={"usb": "USB", "bt": "Bluetooth"}[node.transport] + ", kernel",
-        device=profile,
-        open=lambda adjustment: DeviceOutput(profile, adjustment=adjustment, hid=module),
-    )
+    key = " ".join(filter(None, ("force-feedback", node.title, node.serial)))
+    return Found(key, profile.title, f"{_BUS[node.transport]}, kernel", profile, partial(_open, DeviceOutput, profile, {"hid": module}))
 
 
 def _hid_device(profile: Profile, device: Connected) -> Found:
@@ -118,9 +116,9 @@ def _hid_device(profile: Profile, device: Connected) -> Found:
     return Found(
         key=" ".join(filter(None, (profile.name, device.serial))),
         title=profile.title,
-        kind={"usb": "USB", "bt": "Bluetooth"}[device.transport] + (", experimental" if profile.experimental else ""),
+        kind=_BUS[device.transport] + (", experimental" if profile.experimental else ""),
         device=profile,
-        open=lambda adjustment: DeviceOutput(profile, serial=device.serial, adjustment=adjustment),
+        open=partial(_open, DeviceOutput, profile, {"serial": device.serial}),
         permission=problem,
         rule=rule,
     )
@@ -131,31 +129,19 @@ def _sound_cards() -> list[Found]:
 
 
 def _sound_card(card: SoundCard) -> Found:
-    return Found(
-        key=f"sound card {card.title}",
-        title=card.title,
-        kind=f"sound card, {card.channels} channels",
-        device=card,
-        open=lambda adjustment: SoundCardOutput(card, adjustment=adjustment),
-    )
+    opened = partial(_open, SoundCardOutput, card, {})
+    return Found(f"sound card {card.title}", card.title, f"sound card, {card.channels} channels", card, opened)
 
 
-def _bhaptics() -> list[Found]:
-    return [_player_device(*bhaptics())]
+def _players(look: Callable[[], Iterable[tuple[Profile, PlayerModule]]]) -> list[Found]:
+    return [
+        Found(f"player {profile.title}", profile.title, "haptic player", profile, partial(_open, DeviceOutput, profile, {"hid": module}))
+        for profile, module in look()
+    ]
 
 
-def _intiface() -> list[Found]:
-    return [_player_device(profile, module) for profile, module in intiface()]
-
-
-def _player_device(profile: Profile, module: PlayerModule) -> Found:
-    return Found(
-        key=f"player {profile.title}",
-        title=profile.title,
-        kind="haptic player",
-        device=profile,
-        open=lambda adjustment: DeviceOutput(profile, adjustment=adjustment, hid=module),
-    )
+def _open(kind: Callable[..., Output], device: ActuatedDevice, options: dict[str, Any], adjustment: Adjustment) -> Output:
+    return kind(device, adjustment=adjustment, **options)
 
 
 def _with_unique_keys(devices: list[Found]) -> tuple[Found, ...]:

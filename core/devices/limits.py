@@ -31,11 +31,6 @@ class DriveLimits:
         self._mean_square = np.zeros_like(ceilings)
         self._driven = np.zeros_like(ceilings)
 
-    @property
-    def mean_square(self) -> FloatArray:
-        """The running mean square of each channel up to the last call."""
-        return self._mean_square.copy()
-
     def scale_ceilings(self, scale: float) -> None:
         """Lower all ceilings by this factor in [0, 1], from the next call on."""
         self._scale = scale

@@ -39,34 +39,15 @@ def websockets_client() -> Any:
         raise DeviceError(needed) from None
 
 
-class _Attempts:
-    """Sockets of connections that are being opened or asked, so that another thread can give them up."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._sockets: set[socket.socket] = set()
-
-    def add(self, attempt: socket.socket) -> None:
-        with self._lock:
-            self._sockets.add(attempt)
-
-    def discard(self, attempt: socket.socket) -> None:
-        with self._lock:
-            self._sockets.discard(attempt)
-
-    def cancel(self) -> None:
-        with self._lock:
-            for attempt in self._sockets:
-                with suppress(OSError):
-                    attempt.shutdown(socket.SHUT_RDWR)
-
-
-_attempts = _Attempts()
+_waiting: set[socket.socket] = set()
+"""Sockets of connections that are being opened or wait for an answer."""
 
 
 def cancel() -> None:
-    """Give up all connections that are being opened, or that are waiting for an answer."""
-    _attempts.cancel()
+    """Give up all connections that are being opened or wait for an answer. For any thread."""
+    for waiting in tuple(_waiting):
+        with suppress(OSError):
+            waiting.shutdown(socket.SHUT_RDWR)
 
 
 class Connection:
@@ -88,7 +69,7 @@ class Connection:
         self._resources = ExitStack()
         try:
             self._raw = socket.create_connection((_LOOPBACK, place.port or 80), _CONNECT_WITHIN)
-            _attempts.add(self._raw)
+            _waiting.add(self._raw)
             # With a socket of its own the client follows no redirect.
             self._socket = self._resources.enter_context(
                 client.connect(
@@ -108,7 +89,7 @@ class Connection:
             raise DeviceError(f"no player answers at {url.partition('?')[0]}: {str(error).partition(chr(10))[0]}") from None
         finally:
             if self._raw is not None:
-                _attempts.discard(self._raw)
+                _waiting.discard(self._raw)
 
     def send(self, text: str) -> None:
         """Send a message; what the player has said meanwhile is read and dropped. Raises OSError where it is gone."""
@@ -127,7 +108,7 @@ class Connection:
         end = monotonic() + ANSWER_WITHIN
         with self._lock:
             assert self._raw is not None
-            _attempts.add(self._raw)
+            _waiting.add(self._raw)
             try:
                 self._socket.send(json.dumps([message]))
                 for _ in range(_LONGEST_TALK):
@@ -141,7 +122,7 @@ class Connection:
             except self._errors as error:
                 raise DeviceError(f"Intiface does not answer as expected: {error}") from None
             finally:
-                _attempts.discard(self._raw)
+                _waiting.discard(self._raw)
         raise DeviceError("Intiface does not answer")
 
     def ping_every(self, seconds: float, message: str) -> None:

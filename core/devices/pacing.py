@@ -5,12 +5,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from ..arrays import FloatArray
 from .actuation import SampleActuation, ToneActuation
-from .families.family import AnyFamily, RumbleFamily, StreamFamily
+from .families.family import RumbleFamily, StreamFamily
 from .limits import DriveLimits, SampleLimits
 from .profiles import Adjustment, Profile
 from .report import Report, Tones, Transport
@@ -103,33 +104,53 @@ def join(samples: FloatArray, start: int, last: FloatArray) -> None:
     seam += (last - seam) * (1.0 - (np.arange(seam.shape[1]) + 1.0) / _SEAM)
 
 
-class Pacing(ABC):
+FamilyKind = TypeVar("FamilyKind", RumbleFamily, StreamFamily)
+ActuationKind = TypeVar("ActuationKind", ToneActuation, SampleActuation)
+
+
+class Pacing(ABC, Generic[FamilyKind, ActuationKind]):
     """Decides, at any time, what to write next.
 
     interval: least seconds between two reports. lead: seconds by which a block waits for its turn, besides the delay asked for.
     """
 
-    _family: AnyFamily
-    _actuation: ToneActuation | SampleActuation
-
-    def __init__(self, profile: Profile, transport: Transport, adjustment: Adjustment, sequence: int, period: float) -> None:
-        """sequence: number of the first report. period: seconds for which a command lasts."""
+    def __init__(
+        self,
+        profile: Profile,
+        family: FamilyKind,
+        transport: Transport,
+        actuation: ActuationKind,
+        adjustment: Adjustment,
+        sequence: int,
+    ) -> None:
+        """sequence: number of the first report."""
         self.interval, self.lead = profile.interval(transport), 0.0
+        self._family: FamilyKind = family
+        self._actuation: ActuationKind = actuation
         self._transport, self._sequence = transport, sequence
         ceilings = {channel.name: actuator.safe_maximum for actuator in profile.actuators for channel in actuator.channels}
         self._limits = DriveLimits(
-            np.array([ceilings.get(channel, 1.0) for channel in self._family.channels]),
+            np.array([ceilings.get(channel, 1.0) for channel in family.channels]),
             profile.slew,
             profile.sustained_maximum,
             profile.sustained_seconds,
-            period,
+            self._command_seconds(),
         )
         self.adjust(adjustment)
         self._end = self._fresh = self._wrote = -np.inf
         self._begin()
+        self._prepare()
+
+    @abstractmethod
+    def _command_seconds(self) -> float:
+        """Seconds for which a report drives the device."""
+
+    @abstractmethod
+    def _prepare(self) -> None:
+        """Set up what the kind of device needs."""
 
     def _begin(self) -> None:
-        self._startup = deque(self._family.startup(self._transport, self._sequence))
+        self._startup: deque[Report] = deque(self._family.startup(self._transport, self._sequence))
         self._starting = False
 
     def adjust(self, adjustment: Adjustment) -> None:
@@ -189,30 +210,20 @@ class Pacing(ABC):
         self._begin()
 
 
-class RumblePacing(Pacing):
+class RumblePacing(Pacing[RumbleFamily, ToneActuation]):
     """Pace of a device that is commanded by amplitude.
 
     Between two commands the largest amplitude of each channel counts, so that a slow device does not miss a short impact.
     """
 
-    _family: RumbleFamily
-    _actuation: ToneActuation
+    def _command_seconds(self) -> float:
+        return self.interval
 
-    def __init__(
-        self,
-        profile: Profile,
-        family: RumbleFamily,
-        transport: Transport,
-        actuation: ToneActuation,
-        adjustment: Adjustment,
-        sequence: int = 0,
-    ) -> None:
-        self._family, self._actuation = family, actuation
-        super().__init__(profile, transport, adjustment, sequence, profile.interval(transport))
+    def _prepare(self) -> None:
         self._steps: deque[tuple[float, Tones]] = deque()
         self._ahead = Ahead()
-        self._rest = self._current = family.silence()
-        self._silent = family.encode(self._rest, transport, 0).data
+        self._rest = self._current = self._family.silence()
+        self._silent = self._family.encode(self._rest, self._transport, 0).data
         self._tell_anew()
         self._looked = -np.inf
 
@@ -309,29 +320,20 @@ class RumblePacing(Pacing):
         return report
 
 
-class StreamPacing(Pacing):
+class StreamPacing(Pacing[StreamFamily, SampleActuation]):
     """Pace of a device that takes samples: one report after the other, each when the one before it has been played.
 
     Samples are due at their own time, however long writing takes.
     """
 
-    _family: StreamFamily
-    _actuation: SampleActuation
+    def _command_seconds(self) -> float:
+        return self._family.period
 
-    def __init__(
-        self,
-        profile: Profile,
-        family: StreamFamily,
-        transport: Transport,
-        actuation: SampleActuation,
-        adjustment: Adjustment,
-        sequence: int = 0,
-    ) -> None:
-        self._family, self._actuation = family, actuation
-        super().__init__(profile, transport, adjustment, sequence, family.period)
-        self.lead = family.period + _MARGIN
-        self._queue = SampleQueue(len(family.channels), actuation.hop, actuation.process)
-        self._samples = SampleLimits(self._limits, len(family.channels))
+    def _prepare(self) -> None:
+        channels = len(self._family.channels)
+        self.lead = self._family.period + _MARGIN
+        self._queue = SampleQueue(channels, self._actuation.hop, self._actuation.process)
+        self._samples = SampleLimits(self._limits, channels)
         self._due: float | None = None
 
     def accept(self, block: FloatArray, sent: float) -> None:
@@ -406,6 +408,9 @@ class StreamPacing(Pacing):
         return report
 
 
+AnyPacing = RumblePacing | StreamPacing
+
+
 def pacing_of(
     profile: Profile,
     family: RumbleFamily | StreamFamily,
@@ -413,7 +418,7 @@ def pacing_of(
     actuation: ToneActuation | SampleActuation,
     adjustment: Adjustment | None = None,
     sequence: int = 0,
-) -> Pacing:
+) -> AnyPacing:
     """The pacing that fits the family. sequence: number of the first report. Raises ValueError if the actuation is of the other kind."""
     adjustment = adjustment or Adjustment()
     if isinstance(family, RumbleFamily) and isinstance(actuation, ToneActuation):

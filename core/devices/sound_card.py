@@ -92,16 +92,7 @@ def _actuators(device: Mapping[str, Any]) -> tuple[Actuator, ...]:
         if channels >= least and re.search(pattern, device["name"]):
             used = known
     return tuple(
-        Actuator(
-            name=name,
-            body_parts=(part,) if part else (),
-            kind="PCM",
-            band=_BAND,
-            latency=0.005,
-            safe_maximum=_SAFE_MAXIMUM,
-            channels=(Channel(str(number), _BAND),),
-            calibration=Calibration(),
-        )
+        Actuator(name, (part,) if part else (), "PCM", _BAND, 0.005, _SAFE_MAXIMUM, (Channel(str(number), _BAND),), Calibration())
         for number, (name, part) in used.items()
     )
 

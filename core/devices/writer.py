@@ -22,7 +22,7 @@ from ..arrays import FloatArray
 from .actuation import actuation_of, checked_block
 from .connection import DeviceError, HidModule, Opened, hid_module, open_device
 from .families.family import AnyFamily
-from .pacing import WATCHDOG, Pacing, pacing_of
+from .pacing import WATCHDOG, AnyPacing, pacing_of
 from .profiles import Adjustment, Profile, check_adjustment
 from .report import Report
 from .status import State, Status
@@ -92,8 +92,7 @@ class DeviceWriter:
 
     def start(self) -> None:
         """Look for the device and drive it from now on. Raises RuntimeError if started before."""
-        with _registry:
-            _running.add(self)
+        _running.add(self)
         self._thread.start()
 
     def send(self, block: ArrayLike, sent: float | None = None) -> float:
@@ -121,23 +120,22 @@ class DeviceWriter:
 
     def silence(self) -> None:
         """Go to zero as soon as the device takes it, and forget what was sent so far. The next block plays again. Never blocks."""
-        with self._wake:
-            self._mail = self._expected = None
-            self._silence = True
-            self._wake.notify()
+        self._drop(_silence=True)
 
     def rest(self) -> None:
         """Zero, then release, as at the end, but stay open: the next block plays again. Never blocks."""
-        with self._wake:
-            self._mail = self._expected = None
-            self._rest = True
-            self._wake.notify()
+        self._drop(_rest=True)
 
     def request_stop(self) -> None:
         """Begin to stop, without waiting. Never blocks."""
+        self._drop(_stopping=True)
+
+    def _drop(self, **wanted: bool) -> None:
+        """Forget what was sent, and have the thread do something else."""
         with self._wake:
-            self._stopping = True
             self._mail = self._expected = None
+            for name, value in wanted.items():
+                setattr(self, name, value)
             self._wake.notify()
 
     def stop(self, timeout: float = 1.0) -> bool:
@@ -185,14 +183,13 @@ class DeviceWriter:
         except Exception as error:
             self._state, self._message = "failed", f"{type(error).__name__}: {error}"
         finally:
-            with _registry:
-                _running.discard(self)
+            _running.discard(self)
 
     def _open(self, hid: HidModule) -> Opened | None:
         """The device, or None after waiting for a while because it can't be opened."""
         try:
             # Opening holds Python's lock. Old kernels make it wait for a write that is stuck in another device.
-            if any(output.status.writing_for > 0.1 for output in _all_running()):
+            if any(output.status.writing_for > 0.1 for output in tuple(_running)):
                 raise DeviceError("waiting: a write to another device is blocked")
             opened = open_device(hid, self.profile.family, self._serial)
         except OSError as error:
@@ -204,7 +201,7 @@ class DeviceWriter:
 
     def _play(self, opened: Opened) -> None:
         """Drive the device until it is to stop, or is gone. Leaves it silent and closed, whatever happens."""
-        pacing: Pacing | None = None
+        pacing: AnyPacing | None = None
         try:
             pacing = self._prepare(opened)
             self._lead = pacing.lead
@@ -226,7 +223,7 @@ class DeviceWriter:
                 if not _exiting.is_set():
                     opened.close()
 
-    def _prepare(self, opened: Opened) -> Pacing:
+    def _prepare(self, opened: Opened) -> AnyPacing:
         """Set the device up as its family wants it. Raises OSError where it can't be driven."""
         family: AnyFamily = self.profile.family
         before = self._written
@@ -247,7 +244,7 @@ class DeviceWriter:
             self._silence = self._rest = False
             self._wake.wait_for(lambda: self._mail is not None or self._stopping)
 
-    def _follow(self, opened: Opened, pacing: Pacing) -> Literal["stop", "rest", "lost"]:
+    def _follow(self, opened: Opened, pacing: AnyPacing) -> Literal["stop", "rest", "lost"]:
         """Write what is due when it is due, until the device is to stop or to rest, or is gone."""
         failures = 0
         adjustment: Adjustment | None = None
@@ -289,7 +286,7 @@ class DeviceWriter:
                 return "lost"
         return "stop"
 
-    def _wait(self, pacing: Pacing) -> None:
+    def _wait(self, pacing: AnyPacing) -> None:
         """Until something is due, a block comes, or the output is to stop."""
         with self._wake:
             if self._mail is None and self._expected is None and not (self._silence or self._rest or self._stopping):
@@ -321,7 +318,7 @@ class DeviceWriter:
         self._state = "searching"
         self._losses += 1
 
-    def _end(self, opened: Opened, pacing: Pacing, *, farewell: bool) -> bool:
+    def _end(self, opened: Opened, pacing: AnyPacing, *, farewell: bool) -> bool:
         """Zero and release, each whatever becomes of the other, keeping the device's pace. Returns whether the device took them."""
         taken = [self._insist(opened, report, pacing.interval) for report in pacing.ending(farewell)]
         return all(taken)
@@ -338,18 +335,12 @@ class DeviceWriter:
 
 
 _exiting = threading.Event()
-_registry = threading.Lock()
 _running: set[DeviceWriter] = set()
-
-
-def _all_running() -> list[DeviceWriter]:
-    with _registry:
-        return list(_running)
 
 
 def stop_all(timeout: float = _EXIT_SECONDS) -> bool:
     """Stop all outputs within ``timeout`` seconds together. Returns whether all are done."""
-    stopping = _all_running()
+    stopping = tuple(_running)
     for output in stopping:
         output.request_stop()
     deadline = time.perf_counter() + timeout

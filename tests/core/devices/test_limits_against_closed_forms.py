@@ -19,7 +19,7 @@ def test_no_limit_is_ever_passed(calls, ceiling, slew, maximum, seconds):
         driven = limits.limited(np.array([wanted]), elapsed)[0]
         assert 0.0 <= driven <= min(wanted, ceiling) + 1e-12
         assert driven <= before + slew * elapsed + 1e-12
-        assert limits.mean_square[0] <= maximum**2 + 1e-9
+        assert limits._mean_square[0] <= maximum**2 + 1e-9
         before = driven
 
 
