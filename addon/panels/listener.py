@@ -39,6 +39,7 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
         column.prop(listener, "gain")
         column.prop(listener, "s_max")
         layout.prop(listener, "limiter")
+        layout.prop(listener, "muted")
         draw_carrier(layout, context.object, "Feels")
         row = layout.row(align=True)
         row.operator("haptic.add_default_listeners", text="Add Body Listeners", icon="OUTLINER_OB_ARMATURE")

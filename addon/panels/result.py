@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Panel, UILayout
 
@@ -31,6 +32,7 @@ _SHOWN_SOURCES = 4
 _PICTURE = 5.0  # lines high
 _NAMES = 0.37  # of the width
 _OBJECTS = 0.48  # of the width
+_BESIDE_SWITCHES = 0.8  # of the width
 _ALL_IN_DETAIL = 3  # number of listeners above which only the active one shows its sources
 
 
@@ -244,15 +246,26 @@ def _gain_text(gains: FloatArray, index: int) -> str:
 
 
 def _draw_level(layout: UILayout, level: Level) -> None:
-    """A listener's name, which selects it, and its level as a bar."""
-    split = layout.split(factor=0.5)
+    """A listener's name, which selects it, its level as a bar, and its switches."""
+    line = layout.row(align=True)
+    split = line.split(factor=0.5)
     row = split.row()
     row.alignment = "LEFT"
-    text = fitted(level.listener, 0.5, icon=True)
+    text = fitted(level.listener, 0.5 * _BESIDE_SWITCHES, icon=True)
     button = row.operator("haptic.select_object", text=text, icon="OUTLINER_OB_LIGHTPROBE", emboss=False, translate=False)
     button.name = level.listener
     too_weak = not level.is_silent and not level.is_felt
     split.progress(factor=level.place, text=iface_("{}, too weak" if too_weak else "{}").format(levels.decibels(level.rms)))
+    _draw_switches(line, level.listener, "listener")
+
+
+def _draw_switches(layout: UILayout, name: str, role: str) -> None:
+    """Solo and mute of a source or listener, where it is an object of this file."""
+    obj = bpy.data.objects.get(name)
+    if obj is not None and getattr(obj.haptics, role).enabled:
+        properties = getattr(obj.haptics, role)
+        layout.prop(properties, "solo", text="", icon="SOLO_ON" if properties.solo else "SOLO_OFF", emboss=False)
+        layout.prop(properties, "muted", text="", icon="MUTE_IPO_ON" if properties.muted else "MUTE_IPO_OFF", emboss=False)
 
 
 def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
@@ -264,7 +277,13 @@ def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
     if felt:
         draw_pair(column, "Source", "Gain", 0.55)
     for gain, source in felt[:_SHOWN_SOURCES]:
-        draw_pair(column, source_title(source, 0.55), f"{gain:.3f}  {20 * math.log10(gain):.0f} dB", 0.55)
+        row = column.row(align=True)
+        draw_pair(row, source_title(source, 0.55 * _BESIDE_SWITCHES), f"{gain:.3f}  {20 * math.log10(gain):.0f} dB", 0.55)
+        _draw_switches(row, source.name, "source")
+    for source in [source for source in result.sources if source.amplitude == 0][:_SHOWN_SOURCES]:
+        row = column.row(align=True)
+        row.label(text=source_title(source, 0.55), icon="MUTE_IPO_ON", translate=False)
+        _draw_switches(row, source.name, "source")
     if len(felt) > _SHOWN_SOURCES:
         column.label(text=iface_("and {} more").format(len(felt) - _SHOWN_SOURCES), translate=False)
     if not felt:

@@ -43,6 +43,10 @@ class HapticListenerProperties(Imported, PropertyGroup):
     enabled: BoolProperty(
         name="Haptic Listener", description="Signals are received at this object's origin", default=False, update=_enabled_edited
     )
+    muted: BoolProperty(name="Mute", description="Keep the listener but let it feel nothing", default=False, options=set(), update=changed)
+    solo: BoolProperty(
+        name="Solo", description="Let only listeners that are solo feel something", default=False, options=set(), update=changed
+    )
     body_part: EnumProperty(
         name="Body Part",
         description="The place on the body that this listener stands for",

@@ -22,6 +22,9 @@ class HapticSourceProperties(Imported, PropertyGroup):
 
     enabled: BoolProperty(name="Haptic Source", description="This object emits a haptic signal", default=False, update=changed)
     muted: BoolProperty(name="Mute", description="Keep the source but silence it", default=False, update=changed)
+    solo: BoolProperty(
+        name="Solo", description="Silence all sources that are not solo, and impacts", default=False, options=set(), update=changed
+    )
     amplitude: FloatProperty(
         name="Amplitude",
         description="Strength of the emitted signal; can be animated",

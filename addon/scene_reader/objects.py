@@ -31,7 +31,7 @@ def read_object(obj: Object) -> HapticObject:
     )
 
 
-def read_source(obj: Object, carrier: str, frequency: Automation | None = None) -> Source:
+def read_source(obj: Object, carrier: str, frequency: Automation | None = None, is_silenced: bool = False) -> Source:
     """The source of a Blender object that stands on the haptic object ``carrier``; its position, here where a file put it, is filled in
     per frame. ``frequency``: over the scene's time, where it is animated."""
     properties = obj.haptics.source
@@ -43,7 +43,7 @@ def read_source(obj: Object, carrier: str, frequency: Automation | None = None) 
         name=obj.name_full,
         object=carrier,
         position=imported.position or (0.0, 0.0, 0.0),
-        amplitude=0.0 if properties.muted else exact(properties, "amplitude", imported.numbers),
+        amplitude=0.0 if is_silenced else exact(properties, "amplitude", imported.numbers),
         kind=imported.kind,
         signal=decaying(signal, properties.decay) if imported.kind is SourceKind.PERSISTENT else signal,
         second_object=imported.second_object if struck else None,
@@ -53,7 +53,7 @@ def read_source(obj: Object, carrier: str, frequency: Automation | None = None) 
     )
 
 
-def read_listener(obj: Object, carrier: str) -> Listener:
+def read_listener(obj: Object, carrier: str, is_silenced: bool = False) -> Listener:
     """The listener of a Blender object that stands on the haptic object ``carrier``; its position as that of a source."""
     properties = obj.haptics.listener
     imported = imported_listener(properties.imported)
@@ -63,7 +63,7 @@ def read_listener(obj: Object, carrier: str) -> Listener:
         position=imported.position or (0.0, 0.0, 0.0),
         body_part="" if properties.body_part == "NONE" else properties.body_part,
         radius=exact(properties, "radius", imported.numbers),
-        gain=exact(properties, "gain", imported.numbers),
+        gain=0.0 if is_silenced else exact(properties, "gain", imported.numbers),
         mixing=properties.mixing,
         s_max=exact(properties, "s_max", imported.numbers),
         mixing_expression=properties.mixing_expression if properties.mixing == "custom" else "",

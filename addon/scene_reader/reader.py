@@ -7,6 +7,7 @@ session ids, row numbers and plain values.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import bpy
@@ -28,7 +29,7 @@ from .imported_contacts import ImportedContacts
 from .objects import read_listener, read_object, read_source
 from .problem import Problem
 from .reading import Reading
-from .roles import haptic_carrier, is_tagged
+from .roles import haptic_carrier, is_silenced, is_tagged, solo_roles
 from .settings import read_contact_settings, read_settings
 from .signals import is_audible
 from .tagged import Tagged, TaggedLists
@@ -81,6 +82,7 @@ class SceneReader:
         self._settled: frozenset[str] = frozenset()
         self._imported = ImportedContacts()
         self._instance_problems: tuple[Problem, ...] = ()
+        self.solo_roles: frozenset[str] = frozenset()
 
     def forget(self) -> None:
         """Read everything at the next call, as something authored has changed."""
@@ -112,6 +114,8 @@ class SceneReader:
         now, duration = seconds_of(scene, scene.frame_current), frame_seconds(scene)
         heard = [item for item in self._placed if is_audible(item, now, duration)]
         contact_settings = read_contact_settings(scene)
+        if "source" in self.solo_roles:
+            contact_settings = replace(contact_settings, impacts=False)
         return Reading(
             objects=lists.objects,
             bodies=lists.bodies,
@@ -130,6 +134,7 @@ class SceneReader:
         tagged = {row: obj for row, obj in enumerate(bpy.data.objects) if obj.session_uid in shown and is_tagged(obj)}
         self._frequencies.clear()
         self._animated.clear()
+        self.solo_roles = solo_roles(tagged.values())
         scales = dict(zip(tagged, rigid_transforms(raw[np.array(list(tagged), dtype=np.int64)])[1], strict=True))
         self._tagged = {row: self._read_object(row, obj, depsgraph, scales[row]) for row, obj in progress(tuple(tagged.items()))}
         self._lists = None
@@ -205,10 +210,11 @@ class SceneReader:
                 continue  # the object's own problem says it
             else:
                 try:
+                    silenced = is_silenced(obj, role, self.solo_roles)
                     if role == "listener":
-                        listener = read_listener(obj, carrier.name_full)
+                        listener = read_listener(obj, carrier.name_full, silenced)
                     else:
-                        source = read_source(obj, carrier.name_full, self._frequencies.automation(obj, depsgraph.scene))
+                        source = read_source(obj, carrier.name_full, self._frequencies.automation(obj, depsgraph.scene), silenced)
                 except (OSError, ValueError) as error:
                     problems.append(Problem(name, str(error).replace("mixing_expression", "the mixing formula")))
         animated = compatibility.animated_paths(obj)

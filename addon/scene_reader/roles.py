@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from bpy.types import Object, Scene
 
 from ..changes import revisions
@@ -14,6 +16,19 @@ def is_tagged(obj: Object) -> bool:
     """True where the object has any haptic role."""
     haptics = obj.haptics
     return haptics.enabled or haptics.source.enabled or haptics.listener.enabled
+
+
+def solo_roles(objects: Iterable[Object]) -> frozenset[str]:
+    """The roles, "source" and "listener", of which some among the objects are solo."""
+    roles = ("source", "listener")
+    found = {role for obj in objects for role in roles if getattr(obj.haptics, role).enabled and getattr(obj.haptics, role).solo}
+    return frozenset(found)
+
+
+def is_silenced(obj: Object, role: str, solo: frozenset[str]) -> bool:
+    """Whether a source emits, or a listener feels, nothing: it is muted, or others are ``solo`` and it is not."""
+    properties = getattr(obj.haptics, role)
+    return properties.muted or (role in solo and not properties.solo)
 
 
 _untagged: dict[int, int] = {}

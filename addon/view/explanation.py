@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -11,8 +12,9 @@ from bpy.types import Scene
 from ...core.diagnosis.gaps import Surroundings
 from ...core.diagnosis.silence import reasons
 from ...core.message import Message
-from ...core.render.frame_result import FrameResult
+from ...core.scene.values import Listener, Source
 from ..blender.playing import is_playing
+from ..scene_reader.roles import is_silenced, solo_roles
 from ..session import sessions
 from ..session.derived import Derived
 from ..session.sessions import Traced
@@ -62,11 +64,15 @@ def why_silent(scene: Scene, listener: str) -> Explanation:
         return Explanation(problems[0].message if problems else iface_("Nothing has been traced yet: play, or press Trace This Frame"))
     if listener not in [item.name for item in traced.result.listeners]:
         return Explanation(iface_("It was no listener when this frame was traced"))
+    if listener in _silenced(traced.result.listeners, "listener"):
+        return Explanation(iface_("It is muted, or others are solo: see the buttons beside it in Result"))
     notice = "" if scene.haptics.tracing else iface_("Tracing is switched off: this is how the scene was before.")
-    latest = _REASONS.latest(scene, _Question(listener, _muted(traced.result), is_playing()))
+    latest = _REASONS.latest(scene, _Question(listener, _silenced(traced.result.sources, "source"), is_playing()))
     return Explanation(notice, (), False) if latest is None else Explanation(notice, latest.value, latest.is_current)
 
 
-def _muted(result: FrameResult) -> frozenset[str]:
-    objects = ((source.name, bpy.data.objects.get(source.name)) for source in result.sources)
-    return frozenset(name for name, obj in objects if obj is not None and obj.haptics.source.muted)
+def _silenced(items: Sequence[Source] | Sequence[Listener], role: str) -> frozenset[str]:
+    """The names of the sources or listeners that are muted or not solo."""
+    found = [obj for obj in (bpy.data.objects.get(item.name) for item in items) if obj is not None]
+    solo = solo_roles(found)
+    return frozenset(obj.name_full for obj in found if is_silenced(obj, role, solo))

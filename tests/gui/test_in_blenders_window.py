@@ -99,3 +99,8 @@ def test_tutorial(play):
 def test_samples(play):
     seen = played_through(play(SCENARIOS / "samples.py"))
     assert all(seen.values()), seen
+
+
+def test_solo_and_mute(play):
+    seen = played_through(play(SCENARIOS / "solo.py"))
+    assert all(seen.values()), seen
