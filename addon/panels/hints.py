@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Scene, UILayout
 
+from ..scene_reader import roles
 from ..session import sessions
 from .texts import draw_sentence, source_title
 
@@ -48,6 +49,8 @@ def next_step(scene: Scene, is_playing: bool) -> Hint | None:
     if traced is None or not traced.result.objects:
         if sessions.shown_problems(scene):
             return Hint(iface_("Mend the problem below"))
+        if traced is None and roles.is_any_tagged(scene):
+            return Hint(iface_("Nothing traced yet"), (("haptic.trace_frame", "FILE_REFRESH"),))
         return Hint(iface_("Select objects that touch"), (("haptic.make_objects", "OUTLINER_OB_META"),))
     if not _has_sources(scene, traced):
         return Hint(iface_("Select what vibrates"), (("haptic.add_source", "OUTLINER_OB_FORCE_FIELD"),))

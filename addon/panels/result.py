@@ -255,7 +255,7 @@ def _draw_level(layout: UILayout, level: Level) -> None:
     button = row.operator("haptic.select_object", text=text, icon="OUTLINER_OB_LIGHTPROBE", emboss=False, translate=False)
     button.name = level.listener
     too_weak = not level.is_silent and not level.is_felt
-    split.progress(factor=level.place, text=iface_("{}, too weak" if too_weak else "{}").format(levels.decibels(level.rms)))
+    split.progress(factor=level.place, text=iface_("{}, weak" if too_weak else "{}").format(levels.decibels(level.rms)))
     _draw_switches(line, level.listener, "listener")
 
 

@@ -79,15 +79,20 @@ def file_changed(*_: Any) -> None:
 def file_loaded(*_: Any) -> None:
     """After another file is loaded: have what it showed when it was saved traced, as soon as it is drawn."""
     file_changed()
-    if not bpy.app.background:
+    _trace_soon()
+
+
+def _trace_soon() -> None:
+    if not bpy.app.background and not bpy.app.timers.is_registered(trace_opened):
         bpy.app.timers.register(trace_opened, first_interval=0.0)
 
 
 def trace_opened() -> None:
-    """Begin to trace the scenes in the windows, or show their frames of the baked tracks; waits for no trace."""
+    """Begin to trace the scenes in the windows that show nothing, or show their frames of the baked tracks; waits for no trace."""
     for window in bpy.context.window_manager.windows:
         scene = window.scene
-        if scene.haptics.tracing and _is_concerned(scene) and sessions.known(scene) is None and not playback.play(scene):
+        is_due = sessions.shown(scene) is None and not sessions.is_behind(scene)
+        if scene.haptics.tracing and is_due and _is_concerned(scene) and not playback.play(scene):
             with bpy.context.temp_override(window=window):
                 session.begin(scene, bpy.context.evaluated_depsgraph_get(), live=True)
 
@@ -128,6 +133,7 @@ def reread(*_: Any) -> None:
     if is_loaded(session):
         session.geometry_changed()
     mark_changed()
+    _trace_soon()
 
 
 def _is_concerned(scene: Scene) -> bool:

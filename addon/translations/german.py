@@ -123,7 +123,7 @@ MESSAGES: dict[str, str] = {
     "The haptic object through which the listeners on this armature feel": "Das haptische Objekt, durch das die Empfänger auf dieser Armatur spüren",
     "Front and back": "Von vorn und hinten",
     "silent": "still",
-    "{}, too weak": "{}, zu schwach",
+    "{}, weak": "{}, schwach",
     "and {} more": "und {} weitere",
     "{}, last second": "{}, letzte Sekunde",
     "front": "vorn",

@@ -7,6 +7,7 @@ import time
 
 import bpy
 import pytest
+from haptic_tracing.addon.panels.hints import next_step
 from haptic_tracing.addon.registration import handlers
 from haptic_tracing.addon.session import session, sessions, worker
 from haptic_tracing.core.tracer import Tracer
@@ -73,6 +74,8 @@ def test_it_is_cancelled_and_what_was_shown_stays(slow, scene):
     assert not sessions.is_behind(scene)
     assert sessions.shown(scene) is shown
     assert not bpy.ops.haptic.cancel_tracing.poll()
+    sessions.known(scene).shown = None  # where it was the first trace of all, the hint leads to another
+    assert [name for name, _ in next_step(scene, False).operators] == ["haptic.trace_frame"]
     slow.haptics.rho = 0.5
     bpy.context.view_layer.update()
     assert session.result_of(scene).gains[0, 0] == pytest.approx(0.9 * 0.5, rel=1e-6)

@@ -137,7 +137,7 @@ class Window:
         """Click the sidebar's button for an operator ("haptic.add_source") or a property ("haptics.kappa"), wherever it is."""
         region = self.region("UI")
         passed = set()
-        for fraction in (0.4, 0.82, 0.15, 0.86, 0.92):  # buttons may share a line
+        for fraction in (0.4, 0.82, 0.15, 0.755):  # buttons may share a line
             for y in range(region.y + region.height - 4, region.y, -8):
                 self.point(region.x + int(fraction * region.width), y)
                 yield 0.02

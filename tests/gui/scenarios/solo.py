@@ -26,6 +26,7 @@ def steps(window):
     yield from window.screenshot("solo")
     yield from window.undo()
     scene = bpy.context.scene
+    yield from window.wait_until(lambda: session.result_of(scene) is not None)
     window.seen["undo brings all back"] = audible() == everybody
     yield from window.click_button("haptics.source.muted")
     yield 0.5
