@@ -12,6 +12,7 @@ def steps(window):
     yield from window.show_sidebar()
     bpy.ops.haptic.select_object(name="hand.L")
     scene.frame_set(scene.frame_start + 4)
+    bpy.ops.ed.undo_push(message="Sample")
     yield 1.0
 
     def audible():
