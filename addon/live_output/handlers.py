@@ -1,4 +1,4 @@
-"""Blender's events: frames are felt while the timeline plays, and everything stops at anything else."""
+"""Blender's events: frames are played on the devices while the timeline runs; any other event silences them."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _is_wanted() -> bool:
 
 
 def frame_comes(scene: Scene) -> None:
-    """Where tracing takes long, let a frame be felt before it is traced, with what the last traced frame says."""
+    """Where tracing takes long, play a frame before it is traced, with the gains of the last traced frame."""
     traced = sessions.shown(scene) if _is_wanted() else None
     if traced is not None:
         time = seconds_of(scene, scene.frame_current)
@@ -60,8 +60,8 @@ def frame_comes(scene: Scene) -> None:
 
 
 def frame_changed(scene: Scene, recorded: bool = False) -> None:
-    """Let the frame be felt that is being traced, once that is done; be silent where it can't be traced, or tracing is off. ``recorded``:
-    it was read from a baked track."""
+    """Play the frame that is being traced, once that is done; silence where it can't be traced, or tracing is off. ``recorded``: it
+    was read from a baked track."""
     if not _is_wanted():
         return
     try:
@@ -103,7 +103,7 @@ def animation_playback_post(*_: Any) -> None:
 
 @persistent
 def rest(*_: Any) -> None:
-    """Something happened that has nothing to do with playing: silence until the next frame."""
+    """An event other than a frame: silence until the next frame."""
     if _is_used():
         player.rest()
 
@@ -126,7 +126,7 @@ def exit_pre(*_: Any) -> None:
 
 
 def choices(result: Any) -> dict[str, str]:
-    """What the listeners of a frame are to be felt through, where that is not automatic. Read where something was chosen since."""
+    """The actuators chosen for the listeners of a frame, by name; without those chosen automatically. Read again only after a change."""
     key = (revisions.actuators(), tuple(listener.name for listener in result.listeners))
     if _state.chosen_for != key:
         objects = ((name, bpy.data.objects.get(name)) for name in key[1])
@@ -142,20 +142,20 @@ def choose_again(*_: Any) -> None:
 
 
 def adjust(settings: HapticDeviceProperties) -> None:
-    """Drive a device as its settings say now."""
+    """Apply a device's changed settings to its output."""
     output = outputs.running().get(settings.name) if _is_used() else None
     if output is not None:
         output.adjust(adjustment.adjustment_of(settings, output.profile))
 
 
 def set_preview_volume(volume: float) -> None:
-    """Let the preview be heard at this volume."""
+    """Set the volume of the preview."""
     if _is_used():
         preview.set_volume(volume)
 
 
 def stop_everything() -> None:
-    """Silence and disconnect everything, and wait for that a little."""
+    """Silence and disconnect everything, waiting at most a second."""
     if not _is_used():
         return
     player.stop()

@@ -108,7 +108,7 @@ def disconnect(key: str) -> None:
 
 
 def expect(render: Callable[[], Mapping[str, FloatArray]], sent: Mapping[str, float]) -> None:
-    """Let devices know what would follow the blocks that were ``sent`` (when, by key), should the next ones be late.
+    """Send the devices the samples to play after the blocks ``sent`` (when, by key) if the next blocks are late.
 
     A thread of its own renders it, in at most a fifth of the time: where that is not enough, some frames are left out.
     """
@@ -148,7 +148,7 @@ def disconnect_all() -> None:
 
 
 def stop_all(timeout: float = 1.0) -> bool:
-    """The same, and wait up to ``timeout`` seconds. Returns whether all are done."""
+    """Disconnect all devices, waiting up to ``timeout`` seconds. Returns whether all are done."""
     disconnect_all()
     renderer, _state.renderer, _state.job = _state.renderer, None, None
     if renderer is not None:

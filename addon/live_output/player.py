@@ -87,7 +87,7 @@ def rest(release: bool = True) -> None:
 
 
 def play(scene: int, result: FrameResult, frame_seconds: float, choices: Mapping[str, str], recorded: bool = False) -> None:
-    """Let a fresh frame be felt. ``choices``: by listener, as `places_of` reads them. ``recorded``: it was read from a track."""
+    """Play a fresh frame. ``choices``: by listener, as `places_of` reads them. ``recorded``: it was read from a track."""
     if _state.playing and scene != _state.scene:
         rest()
         _state.scene = scene
@@ -105,8 +105,8 @@ def play(scene: int, result: FrameResult, frame_seconds: float, choices: Mapping
 
 
 def play_ahead(scene: int, latest: FrameResult, frame: int, time: float, frame_seconds: float, choices: Mapping[str, str]) -> None:
-    """Let the ``frame`` at ``time`` [s], which is not traced yet, be felt with what the ``latest`` traced frame says, if tracing has been
-    slow; else its own result is to be waited for."""
+    """Play the ``frame`` at ``time`` [s], which is not traced yet, with the gains of the ``latest`` traced frame if tracing has been slow;
+    else its own result is to be waited for."""
     if latest.time != _state.timed:
         _state.timed = latest.time
         _state.slow = _state.slow + 1 if sum(latest.milliseconds.values()) > SLOW else 0
@@ -123,12 +123,12 @@ def play_ahead(scene: int, latest: FrameResult, frame: int, time: float, frame_s
 
 
 def went_ahead(scene: int, frame: int) -> bool:
-    """Whether a frame was felt before it was traced."""
+    """Whether a frame was played before it was traced."""
     return _state.ahead is not None and (_state.ahead.scene, _state.ahead.frame) == (scene, frame)
 
 
 def correct(result: FrameResult) -> None:
-    """Let the rest of the block that went ahead be felt as the frame says that has been traced meanwhile. For any thread."""
+    """Replace the rest of the block that was played ahead by the ``result`` of its frame, traced meanwhile. For any thread."""
     with _state.lock:
         ahead = _state.ahead
         if ahead is None:
@@ -161,7 +161,7 @@ def mapping_of(result: FrameResult, choices: Mapping[str, str]) -> ActuatorMappi
 
 
 def _mapping_of(result: FrameResult, choices: Mapping[str, str], bands: Mapping[str, tuple[float, float]]) -> ActuatorMapping:
-    """The same, for signals within these ``bands`` [Hz] by listener."""
+    """The mapping for signals within these ``bands`` [Hz] by listener."""
     listeners = tuple((listener.name, listener.body_part) for listener in result.listeners)
     key = (outputs.version(), listeners, tuple(sorted(choices.items())), tuple(bands.items()))
     known = _state.mappings.get(bool(bands))

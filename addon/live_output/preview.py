@@ -71,7 +71,7 @@ class _Stream:
             self._sequence.remove(self._entries.popleft()[1])
 
     def silence(self) -> None:
-        """Nothing more, but for the piece that is being heard."""
+        """Drop everything after the piece that is being played."""
         self._drop(int(max(float(self._handle.position), 0.0) * RATE / PIECE) + 2)
         self._next = -1
         self._pending = self._pending[:, :0]
@@ -110,13 +110,13 @@ def is_on() -> bool:
 
 
 def switch_on() -> None:
-    """From now on frames are heard. Raises AudioUnavailable."""
+    """Begin to play frames as sound. Raises AudioUnavailable."""
     _audio()
     _state.on = True
 
 
 def switch_off() -> None:
-    """Silence, for good."""
+    """Stop the preview."""
     _state.on = False
     if _state.stream is not None:
         _state.stream.stop()
@@ -124,20 +124,20 @@ def switch_off() -> None:
 
 
 def set_volume(volume: float) -> None:
-    """How loud, 0 to 1."""
+    """Set the volume, 0 to 1."""
     _state.volume = volume
     if _state.stream is not None:
         _state.stream.set_volume(volume)
 
 
 def silence() -> None:
-    """Nothing more of what was sent so far."""
+    """Drop what was sent so far."""
     if _state.stream is not None:
         _state.stream.silence()
 
 
 def play(body_parts: list[str], samples: FloatArray, sample_rate: float) -> None:
-    """Let the next block be heard: ``samples`` (listeners, n). Nothing where the preview is off."""
+    """Play the next block, ``samples`` (listeners, n). Does nothing where the preview is off."""
     if not _state.on:
         return
     if _state.stream is None or _state.stream.sample_rate != sample_rate:

@@ -1,4 +1,4 @@
-"""The panel drawn anew twice a second while there is something to see: a device's state changes without Blender noticing."""
+"""Redraws the panel twice a second while a device is driven or looked for: Blender does not notice changes of a device's state."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ _SECONDS = 0.5
 
 
 def start() -> None:
-    """Keep the panel fresh until no device is driven or looked for."""
+    """Redraw the panel until no device is driven or looked for."""
     if not bpy.app.background and not bpy.app.timers.is_registered(_tick):
         bpy.app.timers.register(_tick, first_interval=0.1, persistent=True)
 
 
 def stop() -> None:
-    """No more."""
+    """Stop redrawing."""
     if bpy.app.timers.is_registered(_tick):
         bpy.app.timers.unregister(_tick)
 

@@ -1,7 +1,7 @@
-"""The program's side of the guard: starts the process that drives the devices, tells it what to play, and hears how they do.
+"""The program's side of the guard: starts the process that drives the devices, sends it orders, and reads the statuses of the outputs.
 
-Nothing here blocks the caller: an order is written as far as the pipe takes it, and by a thread where it is full; another thread reads the
-statuses. What is not written yet when something newer comes is replaced. The guard runs while there is an output, and ends with the last.
+Nothing here blocks the caller: an order is written as far as the pipe takes it, the rest by a thread; another thread reads the statuses.
+An order that is not written yet is replaced by a newer one of the same method. The guard ends with the last output.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from .profiles import Adjustment, check_adjustment
 from .status import Output, Status
 
 _PACKAGE = __package__.removesuffix(".core.devices")
-# The package's own start would import Blender's modules: it is made up here, with nothing but its folder.
+# Importing the package would import Blender's modules: an empty module of its name, with its folder as the path, takes its place.
 _BOOT = """
 import importlib, json, sys, types
 paths, package, folder, program = json.loads(sys.argv[1])
@@ -45,7 +45,7 @@ importlib.import_module(package + ".core.devices.guard_process").main(program)
 """
 _EXIT_SECONDS = 1.0
 _FULL = 0.002  # seconds after which a full pipe is tried again
-# What an order makes obsolete of those before it, besides one of its own kind.
+# Earlier orders that an order makes obsolete, besides those of the same method.
 _OBSOLETE = {"send": ("expect",), **dict.fromkeys(("silence", "rest", "request_stop"), ("send", "expect"))}
 
 
@@ -73,7 +73,7 @@ def start_process() -> Process:
 
 
 class Guard:
-    """A guard process, the orders that wait for it, and what it said last of each output."""
+    """A guard process, the orders to be written to it, and the last status of each output."""
 
     def __init__(self) -> None:
         """Raises OSError where the process can't be started."""
@@ -117,7 +117,7 @@ class Guard:
             self._write_some()
 
     def status(self, number: int) -> Status:
-        """How an output does."""
+        """The last status of an output."""
         with self._condition:
             status = self._statuses.get(number, Status())
             if self._lost and not status.is_over:
@@ -142,7 +142,7 @@ class Guard:
     def _write_some(self) -> None:
         """Write orders as far as the pipe takes them at once; the thread writes the rest. Under _condition.
 
-        Not left to the thread alone, which would have to wait until the caller lets it have Python's lock.
+        Not left to the thread alone, which would have to wait until the caller releases the GIL.
         """
         if not self._never_blocks or self._closing or self._lost:
             self._condition.notify_all()
@@ -276,7 +276,7 @@ class GuardedOutput:
         self._order("adjust", adjustment)
 
     def send(self, block: ArrayLike, sent: float | None = None) -> float:
-        """Play a block, whose first sample is to be felt now; what is left of the one before is dropped. Never blocks.
+        """Play a block, whose first sample is to be felt now; the rest of the block before is dropped. Never blocks.
 
         block: (actuators, n) in [-1, 1] at the rate. sent: when that was decided, by `time.perf_counter`; None for now. Returns that time.
         Raises ValueError if the block has another shape or is not finite.
@@ -287,7 +287,7 @@ class GuardedOutput:
         return sent
 
     def expect(self, ahead: ArrayLike, sent: float) -> None:
-        """What would follow the block that was sent at ``sent``, (actuators, n): it is played only if no other block comes in time.
+        """Play the samples ``ahead`` (actuators, n) after the block of ``sent`` if no other block comes in time.
 
         Never blocks. Raises ValueError if it has another shape or is not finite.
         """
@@ -322,7 +322,7 @@ class GuardedOutput:
 
     @property
     def status(self) -> Status:
-        """How the output does, at most a twentieth of a second old. Never blocks."""
+        """The state of the output, at most 50 ms old. Never blocks."""
         return self._own if self._guard is None else self._guard.status(self._number)
 
     def _order(self, name: str, *arguments: Any) -> None:

@@ -1,8 +1,8 @@
-"""What the guard process does: it drives the devices as it is told, and silences them when the program that tells it stops or ends.
+"""The guard process: drives the devices as a program orders, and silences them when that program stops or ends.
 
-The program sends a list of orders at least every `HEARTBEAT` seconds; a list may be empty. A pipe that closes is the program's end. A
-program that is late is asked after at the system: one that is stopped, crashing or gone is silence; one that runs is only kept from
-Python, and what it has sent ahead is played on.
+The program sends a list of orders at least every `HEARTBEAT` seconds; a list may be empty. A closed pipe means that the program has ended.
+Where a list is late, the guard asks the system about the program: if it is stopped, crashing or gone, the devices are silenced; if it runs,
+it only waits for the GIL, and the samples that it has sent ahead are played.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .liveness import is_running
 from .status import Output, Status
 
 HEARTBEAT = 0.010
-"""Seconds after which the program says that it is there, if it has nothing else to say."""
+"""Greatest time between two lists of orders [s]."""
 _LATE = 0.015
 _LOOK = 0.005
 _REPORT = 0.050
@@ -46,7 +46,7 @@ class Service:
         self._heard = time.perf_counter()
 
     def run(self) -> None:
-        """Obey until the program ends; then silence and close the devices."""
+        """Execute orders until the program ends; then silence and close the devices."""
         threads = [
             threading.Thread(target=work, name=f"haptics guard {name}", daemon=True)
             for name, work in (("watch", self._watch), ("report", self._report))
@@ -96,7 +96,7 @@ class Service:
             silenced = late
 
     def _report(self) -> None:
-        """The thread that says how the outputs do, whenever that changes."""
+        """The thread that sends the statuses of the outputs whenever they change."""
         told: dict[int, Status] = {}
         try:
             while not self._ended.wait(_REPORT):
@@ -124,7 +124,7 @@ class Service:
 
 
 def _quieten(output: Output) -> None:
-    """Let a device be opened, which silences it, and then go."""
+    """Open a device, which writes zero, and close it again."""
     deadline = time.perf_counter() + _QUIETEN_SECONDS
     while output.status.state == "searching" and time.perf_counter() < deadline:
         time.sleep(_LOOK)

@@ -26,7 +26,7 @@ _BUS = {"usb": "USB", "bt": "Bluetooth"}
 class Found:
     """A device that can be driven.
 
-    key: its name in settings. kind: how it is connected, for people. permission: why this user may not open it, or empty; rule: the line
+    key: its name in settings. kind: how it is connected, in words. permission: why this user may not open it, or empty; rule: the line
     for udev that would let them, if that is all. open: makes the output, not started.
     """
 

@@ -1,4 +1,4 @@
-"""Connections to haptic players on this computer, over WebSockets, and what stands for hidapi's module where a player drives the devices.
+"""WebSocket connections to haptic players on this computer, and stand-ins for hidapi's module for the devices that a player drives.
 
 Only the loopback address is ever connected to: no proxy, no redirect. What a player says is bounded in size and time. Needs the Python
 package websockets.
@@ -126,7 +126,7 @@ class Connection:
         raise DeviceError("Intiface does not answer")
 
     def ping_every(self, seconds: float, message: str) -> None:
-        """From now on say ``message`` every ``seconds``, whatever else is sent, until the connection is closed."""
+        """Send ``message`` every ``seconds`` from now on, until the connection is closed."""
         self._pinging = threading.Thread(target=self._ping, args=(seconds, message), name="haptics ping", daemon=True)
         self._pinging.start()
 
@@ -180,7 +180,7 @@ class Player:
             return connection
 
     def close(self, connection: Connection) -> None:
-        """Let go of the connection; the last device closes it."""
+        """Stop using the connection; the last device that uses it closes it."""
         with _lock:
             connection.users -= 1
             if connection.users == 0:

@@ -1,6 +1,6 @@
 """Haptic players on this computer: bHaptics Player (vests, sleeves, gloves) and Intiface (Buttplug protocol, version 3).
 
-What is a HID device elsewhere is a connection here: `DeviceOutput` drives both, with the same pace, limits, watchdog, zero and release.
+A connection takes the place of a HID device: `DeviceOutput` drives both, with the same pace, limits, watchdog, zero and release.
 """
 
 from __future__ import annotations

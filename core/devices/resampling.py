@@ -2,8 +2,8 @@
 
 A linear-phase low-pass of this quality would lag by 14 samples of the lower rate, 14 ms at 1 kHz. This one is a least-squares fit of a
 plain delay of `DELAY` samples up to 0.8 times the lower Nyquist frequency and of silence from 1.2 times on, to within -86 dB; between the
-two nothing is asked of it but that it stays small (it reaches +4 dB). What lies above the lower Nyquist frequency so comes back above 0.8
-times it at most. The fit is a sum of B-splines, so that it can be evaluated at any ratio of the rates.
+two only its size is bounded (it reaches +4 dB). So frequencies above the lower Nyquist frequency are aliased to above 0.8 times it only.
+The fit is a sum of B-splines, so that it can be evaluated at any ratio of the rates.
 """
 
 from __future__ import annotations

@@ -34,12 +34,12 @@ from .writer import RESCAN, SAMPLE_RATE
 _KNOWN: tuple[tuple[str, int, Mapping[int, tuple[str, str]]], ...] = (
     (r"DualSense|^Wireless Controller", 4, {2: ("left grip", "hand.L"), 3: ("right grip", "hand.R")}),
 )
-# Of the ways to the same card, the one that adds least.
+# Audio systems that reach the same card, the one with the least latency first.
 _HOSTS = ("Windows WASAPI", "Core Audio", "PipeWire", "PulseAudio", "JACK Audio Connection Kit", "ALSA")
 _MOST_CHANNELS = 8
 _BAND = (20.0, 1000.0)
 _SAFE_MAXIMUM, _SLEW, _SUSTAINED, _SUSTAINED_SECONDS = 1.0, 50.0, 0.7, 10.0
-# So much lies ready before a block begins, so that a frame may be late without a gap; of more than the second the rest is dropped.
+# Seconds that are queued before the first block, so that a frame may be late without a gap; a queue longer than the second is cut to that.
 _MARGIN, _EARLY = 0.015, 0.030
 
 
@@ -128,7 +128,7 @@ class SoundCardWriter:
         self.adjust(adjustment or Adjustment())
 
     def start(self) -> None:
-        """Open the card and play on it from now on."""
+        """Open the card and begin to play."""
         self._thread.start()
 
     def adjust(self, adjustment: Adjustment) -> None:
@@ -139,7 +139,7 @@ class SoundCardWriter:
         self._gains = np.array(gains)[:, None]
 
     def send(self, block: ArrayLike, sent: float | None = None) -> float:
-        """Play a block after what is left of the one before. (actuators, n) in [-1, 1] at the rate.
+        """Play a block after the rest of the one before. (actuators, n) in [-1, 1] at the rate.
 
         sent: when that was decided, which only tells blocks apart; None for now. Returns that time.
         """
@@ -171,7 +171,7 @@ class SoundCardWriter:
         return sent
 
     def expect(self, ahead: ArrayLike, sent: float) -> None:
-        """What would follow the block of ``sent``, (actuators, n): it is played only if no other block comes in time."""
+        """Play the samples ``ahead`` (actuators, n) after the block of ``sent`` if no other block comes in time."""
         expected = checked_block(np.asarray(ahead), self._rows)
         with self._lock:
             if sent == self._sent:
@@ -185,7 +185,7 @@ class SoundCardWriter:
             self._resampler.reset()
 
     def rest(self) -> None:
-        """The same: a card needs no release."""
+        """Silence the card, which needs no release."""
         self.silence()
 
     def request_stop(self) -> None:
@@ -218,7 +218,7 @@ class SoundCardWriter:
         )
 
     def fill(self, out: NDArray[np.float32]) -> None:
-        """The next samples, (n, channels): what lies ready, then silence, without a jump."""
+        """Fill ``out`` (n, channels) with the queued samples, then silence, without a jump."""
         out[:] = 0.0
         with self._lock:
             was_dry = self._queue.dry

@@ -96,7 +96,7 @@ class DeviceWriter:
         self._thread.start()
 
     def send(self, block: ArrayLike, sent: float | None = None) -> float:
-        """Play a block, whose first sample is to be felt now; what is left of the one before is dropped. Never blocks.
+        """Play a block, whose first sample is to be felt now; the rest of the block before is dropped. Never blocks.
 
         block: (actuators, n) in [-1, 1] at the rate. sent: when that was decided, by `time.perf_counter`; None for now. Returns that time.
         Raises ValueError if the block has another shape or is not finite.
@@ -109,7 +109,7 @@ class DeviceWriter:
         return mail.sent
 
     def expect(self, ahead: ArrayLike, sent: float) -> None:
-        """What would follow the block that was sent at ``sent``, (actuators, n): it is played only if no other block comes in time.
+        """Play the samples ``ahead`` (actuators, n) after the block of ``sent`` if no other block comes in time.
 
         Never blocks. Raises ValueError if it has another shape or is not finite.
         """
@@ -234,12 +234,12 @@ class DeviceWriter:
         return pacing_of(self.profile, family, transport, actuation, self._adjustment, self._written - before)
 
     def _pause(self) -> None:
-        """Until it is time to look for the device again, or the output is to stop."""
+        """Wait until it is time to look for the device again, or the output is to stop."""
         with self._wake:
             self._wake.wait_for(lambda: self._stopping, RESCAN)
 
     def _sleep(self) -> None:
-        """Until a block comes, or the output is to stop."""
+        """Wait until a block comes, or the output is to stop."""
         with self._wake:
             self._silence = self._rest = False
             self._wake.wait_for(lambda: self._mail is not None or self._stopping)
@@ -262,7 +262,7 @@ class DeviceWriter:
                 pacing.adjust(adjustment)
             if silence or rest:
                 pacing.silence()
-            # What waited for the device to be opened is no longer news.
+            # A block that waited for the device to be opened is too old to be played.
             if mail is not None and time.perf_counter() - mail.sent < WATCHDOG:
                 pacing.accept(mail.block, mail.sent)
                 unmeasured = mail.sent
@@ -287,7 +287,7 @@ class DeviceWriter:
         return "stop"
 
     def _wait(self, pacing: AnyPacing) -> None:
-        """Until something is due, a block comes, or the output is to stop."""
+        """Wait until something is due, a block comes, or the output is to stop."""
         with self._wake:
             if self._mail is None and self._expected is None and not (self._silence or self._rest or self._stopping):
                 now = time.perf_counter()
@@ -319,7 +319,7 @@ class DeviceWriter:
         self._losses += 1
 
     def _end(self, opened: Opened, pacing: AnyPacing, *, farewell: bool) -> bool:
-        """Zero and release, each whatever becomes of the other, keeping the device's pace. Returns whether the device took them."""
+        """Write zero and release at the device's pace, the second even if the first fails. Returns whether both arrived."""
         taken = [self._insist(opened, report, pacing.interval) for report in pacing.ending(farewell)]
         return all(taken)
 
