@@ -30,16 +30,4 @@ def contacts_of_scene(scene: HapticScene, tolerance: float | None = None, patch_
     frame = tracker.update(0.0, transforms)
     if frame.warnings:
         raise ValueError(f"{frame.warnings[0].object}: its transform is not finite")
-    contacts = frame.contacts
-    return ContactSet(
-        pairs=np.array(chosen, dtype=np.int64)[contacts.pairs],
-        positions=contacts.positions,
-        normal=contacts.normal,
-        depth=contacts.depth,
-        distance=contacts.distance,
-        area=contacts.area,
-        share=contacts.share,
-        weight=contacts.weight,
-        transmission=contacts.transmission,
-        transmissions=contacts.transmissions,
-    )
+    return replace(frame.contacts, pairs=np.array(chosen, dtype=np.int64)[frame.contacts.pairs])

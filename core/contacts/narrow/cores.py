@@ -7,7 +7,7 @@ sphere is a point, a capsule a segment, a box with rounded edges a smaller box. 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from itertools import permutations
 
@@ -103,23 +103,7 @@ def _core(part: Part, solid: bool) -> Core:
             if solid:
                 return _hull(part, mesh.points[np.unique(mesh.triangles)], 0.0)
             to_points = part.radius if mesh.sphere_margin is None else part.radius - mesh.margin + mesh.sphere_margin
-            empty = np.zeros(3)
-            return Core(
-                Kind.MESH,
-                part.matrix,
-                part.radius,
-                empty,
-                empty,
-                part.radius,
-                empty,
-                part.radius,
-                empty,
-                False,
-                None,
-                None,
-                mesh,
-                to_points,
-            )
+            return replace(_simple(Kind.MESH, part, (0, 0, 0)), mesh=mesh, mesh_radius_to_points=to_points)
     raise TypeError(f"no core for {part.shape!r}")
 
 
@@ -152,8 +136,9 @@ def _hull(part: Part, points: FloatArray, rounding: float) -> Core:
     radius = part.radius + rounding
     if len(inner.points) == 2:
         return _between(part.matrix, inner.points, radius)
-    empty = np.zeros(3)
-    return Core(Kind.HULL, part.matrix, radius, empty, empty, radius, empty, radius, empty, False, inner, sharp)
+    return replace(
+        _simple(Kind.HULL, part, (0, 0, 0)), radius=radius, sharp_radius=radius, thick_radius=radius, hull=inner, sharp_hull=sharp
+    )
 
 
 def _between(matrix: FloatArray, ends: FloatArray, radius: float) -> Core:
@@ -250,23 +235,23 @@ class CoreTable:
         cores = tuple(core for body in per_body for core in body)
         thinnest = {key: min(core.thickness() for core in body) for key, body in known.items()}
         matrices = np.array([core.matrix for core in cores], dtype=np.float64).reshape(-1, 4, 4)
+        bounds = [core.bounds() for core in cores]
+        numbers = {
+            name: np.array([getattr(core, name) for core in cores], dtype=np.float64) for name in ("radius", "sharp_radius", "thick_radius")
+        }
+        extents = {name: _columns([getattr(core, name) for core in cores]) for name in ("half", "sharp_half", "thick_half", "outline")}
         return cls(
+            **numbers,
+            **extents,
             cores=cores,
             start=np.concatenate([[0], np.cumsum([len(body) for body in per_body])]).astype(np.int64),
             kind=np.array([core.kind for core in cores], dtype=np.int64),
             rotation=matrices[:, :3, :3].transpose(1, 2, 0).copy(),
             offset=matrices[:, :3, 3].T.copy(),
             placed=not np.array_equal(matrices, np.broadcast_to(np.eye(4), matrices.shape)),
-            radius=np.array([core.radius for core in cores], dtype=np.float64),
-            half=_columns([core.half for core in cores]),
-            sharp_half=_columns([core.sharp_half for core in cores]),
-            sharp_radius=np.array([core.sharp_radius for core in cores], dtype=np.float64),
-            thick_half=_columns([core.thick_half for core in cores]),
-            thick_radius=np.array([core.thick_radius for core in cores], dtype=np.float64),
-            outline=_columns([core.outline for core in cores]),
             is_box=np.array([core.is_box for core in cores], dtype=np.bool_),
-            bound_centre=_columns([core.bounds().mean(axis=0) for core in cores]),
-            bound_half=_columns([np.ptp(core.bounds(), axis=0) / 2 for core in cores]),
+            bound_centre=_columns([corners.mean(axis=0) for corners in bounds]),
+            bound_half=_columns([np.ptp(corners, axis=0) / 2 for corners in bounds]),
             thickness=np.array([thinnest[key] for key in zip(shapes, solid, strict=True)], dtype=np.float64),
         )
 
