@@ -642,6 +642,7 @@ MESSAGES: dict[str, str] = {
     "bHaptics (.tact)": "bHaptics (.tact)",
     "Table (CSV)": "Tabelle (CSV)",
     "NumPy arrays (NPZ)": "NumPy-Felder (NPZ)",
+    "Web page that plays by itself (HTML)": "Webseite, die von selbst abspielt (HTML)",
     "MPEG Haptic Material": "MPEG-Haptik-Material",
     "Haptic materials of meshes as an extension of ISO/IEC 23090-14": "Haptische Materialien von Netzen als Erweiterung von ISO/IEC 23090-14",
     "Of that extension: drafts of the standard differ": "Dieser Erweiterung: Entwürfe der Norm weichen voneinander ab",

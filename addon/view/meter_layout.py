@@ -10,8 +10,8 @@ import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray, IntArray
+from ...core.scene.body_map import HALF_WIDTH, HEIGHT, View, figure
 from ..blender.text import Measure, shortened
-from .body_map import HALF_WIDTH, HEIGHT, View, figure
 from .colour_map import colour_table
 from .hud import FAINT_INK, INK, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder
 from .levels import FLOOR, Level, decibels, place_of

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
+from ...core.scene.body_map import HALF_WIDTH, HEIGHT, View, figure
 from ..changes.events import disabled
-from .body_map import HALF_WIDTH, HEIGHT, View, figure
 from .levels import Level
 from .meter_layout import SCOPE_COLOUR, Scope, colour_of, full_scale, spans
 from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint

@@ -40,7 +40,7 @@ def test_export_to_all_formats(capsys, scene_file, tmp_path):
     printed = json.loads(out)
     files = [tmp_path / name for name in printed["files"]]
     assert all(path.is_file() for path in files) and set(printed["losses"]) == set(registry.FORMATS)
-    endings = ".json .wav .ohm .hjif .haps .config .haptic .acf .ahap .tact .hla .csv .npz"
+    endings = ".json .wav .ohm .hjif .haps .config .haptic .acf .ahap .tact .hla .csv .npz .html"
     assert {path.suffix for path in files} == set(endings.split())
     channels = registry.read(tmp_path / "out" / "bench.wav").channels
     assert [channel.name for channel in channels] == ["seat", "back"] and channels[0].duration == pytest.approx(1.0, abs=1e-3)

@@ -129,6 +129,12 @@ _ALL = (
         "tracks.npz",
         (Option("compressed", False, "Compressed", "Smaller, but slower to write"),),
     ),
+    Format(
+        "web",
+        "Web page that plays by itself (HTML)",
+        ".html",
+        "tracks.web",
+    ),
 )
 
 FORMATS: Mapping[str, Format] = MappingProxyType({form.name: form for form in _ALL})

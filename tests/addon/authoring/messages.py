@@ -10,8 +10,9 @@ from typing import Any, get_args
 import bpy
 import haptic_tracing
 from haptic_tracing.addon.scene_reader.digest import TEXTS as CHANGES
-from haptic_tracing.addon.view import annotations, body_map
+from haptic_tracing.addon.view import annotations
 from haptic_tracing.core.modalities import MODALITIES
+from haptic_tracing.core.scene import body_map
 
 ADDON = Path(haptic_tracing.__file__).parent / "addon"
 _BASES = (bpy.types.Operator, bpy.types.Panel, bpy.types.Menu, bpy.types.PropertyGroup, bpy.types.AddonPreferences, bpy.types.UIList)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.scene_reader.reading import Reading
 from haptic_tracing.addon.session.sessions import Traced
-from haptic_tracing.addon.view.body_map import HALF_WIDTH, HEIGHT, figure
 from haptic_tracing.addon.view.comparison import mode_gains
 from haptic_tracing.addon.view.levels import FLOOR, decibels, levels, place_of, shown_levels
 from haptic_tracing.core.contacts.contact_set import ContactSet
@@ -16,6 +15,7 @@ from haptic_tracing.core.perception import threshold_level
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.render.history import History, still_samples
 from haptic_tracing.core.scene.body import BODY_PARTS
+from haptic_tracing.core.scene.body_map import HALF_WIDTH, HEIGHT, figure
 from haptic_tracing.core.scene.functions import Exponential
 from haptic_tracing.core.scene.values import HapticObject, Listener, Mode, Settings, Source, SourceKind
 from haptic_tracing.core.signals import Sine

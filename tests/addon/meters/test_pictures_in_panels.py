@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.addon.view.body_map import figure
 from haptic_tracing.addon.view.levels import Level
 from haptic_tracing.addon.view.meter_layout import SCOPE_COLOUR, Scope, colour_of, full_scale, spans
 from haptic_tracing.addon.view.meter_pictures import body_picture, scope_picture
 from haptic_tracing.core.scene.body import BODY_PARTS
+from haptic_tracing.core.scene.body_map import figure
 
 INK = (0.9, 0.9, 0.9)
 RATE = 8000.0

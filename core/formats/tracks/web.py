@@ -1,0 +1,90 @@
+"""A web page that plays the tracks by itself: body map, waves, sound, and a pad by the Gamepad API. It loads nothing."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import re
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import FloatArray
+from ...scene.body_map import figure
+from ...signals.interpolation import resample
+from ..io.atomic import write_text
+from ..io.catalogue import FORMATS
+from .comparison import Comparison, Kind, Measures
+from .listener_tracks import Tracks
+from .track_export import TrackExport, common_losses, scene_file
+
+SUFFIX = FORMATS["web"].suffix
+
+RATE = 2000
+"""Samples a second at most: 150 s of ten listeners stay below 5 MB."""
+HIGHEST = 900.0
+"""Hertz that are left at this rate."""
+_STEPS = 127
+_LAW = 255.0
+
+
+def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
+    """What the page does not carry, one sentence each."""
+    return (
+        *common_losses(export.need_tracks(), body=True),
+        f"frequencies above {HIGHEST:g} Hz, and all but 8 bit of each sample, on a logarithmic scale",
+    )
+
+
+def keeps(options: Mapping[str, Any]) -> Measures:
+    """What the page keeps of the waves."""
+    return Measures(Kind.WAVE, 0.0, HIGHEST)
+
+
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
+    """Write ``<scene>.html``."""
+    tracks = export.need_tracks()
+    rate = min(RATE, tracks.sample_rate)
+    packed = [_packed(tracks, number, rate, measured) for number in range(len(tracks.listeners))]
+    document = {
+        "rate": rate,
+        "count": -(-tracks.count * rate // tracks.sample_rate),
+        "figures": [[[limb.part, *limb.start, *limb.end, limb.width] for limb in figure(view)] for view in ("front", "back")],
+        "listeners": [
+            {"name": listener.name, "body_part": listener.body_part, "samples": samples}
+            for listener, samples in zip(tracks.listeners, packed, strict=True)
+        ],
+    }
+    # Names come from strangers: no "<" can end the element that holds them.
+    text = json.dumps(document, ensure_ascii=True, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    parts = {"@TITLE@": html.escape(export.name), "@DATA@": text}
+    page = Path(__file__).with_name("player.html").read_text("utf-8")
+    path = scene_file(export.name, folder, SUFFIX)
+    return [write_text(path, (parts.get(piece, piece) for piece in re.split(r"(@[A-Z]+@)", page)))]
+
+
+def _packed(tracks: Tracks, number: int, rate: int, measured: Comparison | None) -> str:
+    """A listener's samples at ``rate``, a byte each, compressed, as text."""
+    row = tracks.row(number).read(0, tracks.count)
+    coded = encoded(resample(row, tracks.sample_rate, rate))
+    if measured is not None:
+        measured.add(number, row, resample(decoded(coded), rate, tracks.sample_rate)[: len(row) : measured.thinning])
+    return base64.b64encode(zlib.compress(coded.tobytes(), 9)).decode("ascii")
+
+
+def encoded(samples: FloatArray) -> NDArray[np.uint8]:
+    """Samples within ±1 as bytes: 128 is 0, steps grow with the logarithm of 1 + 255 |x| (the µ-law of ITU-T G.711, not in its pieces)."""
+    cut = np.clip(samples, -1.0, 1.0)
+    codes: NDArray[np.uint8] = np.rint(128 + _STEPS * np.sign(cut) * np.log1p(_LAW * np.abs(cut)) / np.log1p(_LAW)).astype(np.uint8)
+    return codes
+
+
+def decoded(codes: NDArray[np.uint8]) -> FloatArray:
+    """The samples that the page makes of bytes."""
+    steps = (codes.astype(np.float64) - 128) / _STEPS
+    return np.asarray(np.sign(steps) * np.expm1(np.abs(steps) * np.log1p(_LAW)) / _LAW)
