@@ -28,7 +28,7 @@ from .actuation import checked_block
 from .guard_process import HEARTBEAT
 from .mapping import ActuatedDevice
 from .profiles import Adjustment, check_adjustment
-from .status import Output, Status
+from .status import Output, Status, stop_together
 
 _PACKAGE = __package__.removesuffix(".core.devices")
 # Importing the package would import Blender's modules: an empty module of its name, with its folder as the path, takes its place.
@@ -333,11 +333,8 @@ class GuardedOutput:
 @atexit.register
 def stop_all(timeout: float = _EXIT_SECONDS) -> bool:
     """Stop all outputs within ``timeout`` seconds together, and the guard with them. Returns whether all are done."""
-    stopping = tuple(_state.outputs)
-    for output in stopping:
-        output.request_stop()
     deadline = time.perf_counter() + timeout
-    done = [output.stop(max(deadline - time.perf_counter(), 0.0)) for output in stopping]
-    if all(done):
+    done = stop_together(_state.outputs, timeout)
+    if done:
         _state.join(max(deadline - time.perf_counter(), 0.0))
-    return all(done)
+    return done

@@ -18,7 +18,7 @@ from contextlib import suppress
 from typing import Any, BinaryIO
 
 from .liveness import is_running
-from .status import Output, Status
+from .status import Output, Status, stop_together
 
 HEARTBEAT = 0.010
 """Greatest time between two lists of orders [s]."""
@@ -115,12 +115,7 @@ class Service:
 
     def _end(self) -> None:
         self._ended.set()
-        outputs = self._all()
-        for output in outputs:
-            output.request_stop()
-        deadline = time.perf_counter() + _STOP_SECONDS
-        for output in outputs:
-            output.stop(max(deadline - time.perf_counter(), 0.0))
+        stop_together(self._all(), _STOP_SECONDS)
 
 
 def _quieten(output: Output) -> None:

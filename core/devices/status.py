@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
@@ -56,3 +58,13 @@ class Output(Protocol):
     def rest(self) -> None: ...
     def request_stop(self) -> None: ...
     def stop(self, timeout: float = 1.0) -> bool: ...
+
+
+def stop_together(outputs: Iterable[Output], timeout: float) -> bool:
+    """Stop outputs within ``timeout`` seconds together. Returns whether all are done."""
+    stopping = tuple(outputs)
+    for output in stopping:
+        output.request_stop()
+    deadline = time.perf_counter() + timeout
+    done = [output.stop(max(deadline - time.perf_counter(), 0.0)) for output in stopping]
+    return all(done)

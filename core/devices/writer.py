@@ -25,7 +25,7 @@ from .families.family import AnyFamily
 from .pacing import WATCHDOG, AnyPacing, pacing_of
 from .profiles import Adjustment, Profile, check_adjustment
 from .report import Report
-from .status import State, Status
+from .status import State, Status, stop_together
 
 SAMPLE_RATE = 8000
 RESCAN = 1.5
@@ -340,12 +340,7 @@ _running: set[DeviceWriter] = set()
 
 def stop_all(timeout: float = _EXIT_SECONDS) -> bool:
     """Stop all outputs within ``timeout`` seconds together. Returns whether all are done."""
-    stopping = tuple(_running)
-    for output in stopping:
-        output.request_stop()
-    deadline = time.perf_counter() + timeout
-    done = [output.stop(max(deadline - time.perf_counter(), 0.0)) for output in stopping]
-    return all(done)
+    return stop_together(_running, timeout)
 
 
 def _at_exit() -> None:

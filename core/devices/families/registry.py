@@ -19,29 +19,12 @@ from .steam_deck import STEAM_DECK
 from .switch import JOYCON_LEFT, JOYCON_RIGHT, SWITCH_PRO
 from .xbox import LUNA, XBOX
 
-FAMILIES: Mapping[str, AnyFamily] = MappingProxyType(
-    {
-        family.name: family
-        for family in (
-            DUALSENSE,
-            DUALSENSE_PCM,
-            DUALSHOCK4,
-            SWITCH_PRO,
-            JOYCON_LEFT,
-            JOYCON_RIGHT,
-            XBOX,
-            STADIA,
-            STEAM_DECK,
-            STEAM_CONTROLLER,
-            STEAM_CONTROLLER_PCM,
-            LUNA,
-            SHIELD_2017,
-            SHIELD_2015,
-            EIGHTBITDO,
-            SINPUT,
-        )
-    }
-)
+_SONY: tuple[AnyFamily, ...] = (DUALSENSE, DUALSENSE_PCM, DUALSHOCK4)
+_NINTENDO = (SWITCH_PRO, JOYCON_LEFT, JOYCON_RIGHT)
+_VALVE: tuple[AnyFamily, ...] = (STEAM_DECK, STEAM_CONTROLLER, STEAM_CONTROLLER_PCM)
+_OTHERS = (LUNA, SHIELD_2017, SHIELD_2015, EIGHTBITDO, SINPUT)
+
+FAMILIES: Mapping[str, AnyFamily] = MappingProxyType({it.name: it for it in (*_SONY, *_NINTENDO, XBOX, STADIA, *_VALVE, *_OTHERS)})
 
 
 def family(name: str) -> AnyFamily:
