@@ -56,7 +56,7 @@ def bones_of(armature: Object) -> list[Bone]:
 def place_on_bones(armature: Object, parts: Sequence[BodyPart], collection: Collection) -> list[BodyPart]:
     """Place empties as listeners, each parented to the bone of its part. Returns the parts without a bone.
 
-    Raises ValueError in words where it is no armature of a body.
+    Raises ValueError where it is not the armature of a body.
     """
     found: Mapping[str, Place] = places(bones_of(armature), parts)
     for part in parts:

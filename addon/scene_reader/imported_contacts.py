@@ -62,7 +62,7 @@ class ImportedContacts:
             self._kept, self.problems = FileContacts(), (str(error),)
 
     def authored(self, homes: Homes, settled: frozenset[str], settings: ContactSettings) -> AuthoredContacts | None:
-        """What the tracer is told of them where the bodies ``settled`` are in their homes: the same value as long as it says the same."""
+        """The authored contacts for the tracer where the bodies ``settled`` are in their poses; the same object while nothing changes."""
         kept = self._kept
         found_alike = (kept.tolerance, kept.patch_points) == (settings.tolerance, settings.patch_points)
         settled = settled if found_alike and kept.contacts else frozenset()

@@ -1,4 +1,4 @@
-"""What one step of the tracer hands on: plain data for panels, overlays, recordings and devices."""
+"""The result of one step of the tracer: plain data for panels, overlays, recordings and devices."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..scene.values import Listener, Source
 
 @dataclass(frozen=True, slots=True)
 class Sounding:
-    """What sounds at the end of a block, at ``time`` [s]."""
+    """Sources, listeners and propagation at the end of a block, at ``time`` [s]."""
 
     time: float
     sources: tuple[Source, ...]

@@ -1,4 +1,4 @@
-"""The last second of what every listener of a scene felt, frame after frame. No Blender."""
+"""The last second of samples at every listener of a scene."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ STILL_SECONDS = 0.25
 
 
 class History:
-    """Blocks that follow each other; a jump begins anew. A frame without a block is rendered as if it lasted for `STILL_SECONDS`."""
+    """Consecutive blocks; a jump restarts them. A frame without a block is rendered as if it lasted for `STILL_SECONDS`."""
 
     def __init__(self) -> None:
         self.sample_rate = 0.0
@@ -23,7 +23,7 @@ class History:
         self._end: int | None = None
 
     def feed(self, result: FrameResult) -> None:
-        """Take the block of the next frame."""
+        """Append the block of the next frame."""
         names = tuple(listener.name for listener in result.listeners)
         block = still_samples(result, STILL_SECONDS) if result.block is None else result.block
         alike = names == self.listeners and self.sample_rate == result.sample_rate
@@ -34,12 +34,12 @@ class History:
         self._end = None if result.block is None else result.first_sample + block.shape[1]
 
     def take(self, result: FrameResult, samples: FloatArray) -> None:
-        """Take what came before as well: ``samples`` (l, n) up to the end of the frame, from a track."""
+        """Append a frame with the samples before it: ``samples`` (l, n) up to its end, from a track."""
         self.feed(result)
         self._samples = samples[:, -round(SECONDS * result.sample_rate) :]
 
     def clear(self) -> None:
-        """Forget everything."""
+        """Drop all samples."""
         self._samples, self.listeners, self._end = np.zeros((0, 0)), (), None
 
     def samples(self, listener: str, seconds: float = SECONDS) -> FloatArray:

@@ -8,7 +8,7 @@ from ..arrays import FloatArray
 from .mixing import saturated
 
 LOOK_AHEAD = 0.005
-"""Seconds by which the limiter sees a peak coming, its latency."""
+"""Look-ahead of the limiter [s], which is its latency."""
 HOLD = 0.025
 """Seconds for which the limiter keeps its gain after a peak: half a period of 20 Hz, so that a steady tone is turned down, not bent."""
 RELEASE = 0.15
@@ -35,7 +35,7 @@ class Limiter:
         self.reset()
 
     def reset(self) -> None:
-        """Forget all that went through."""
+        """Drop all state."""
         channels = len(self._s_max)
         self._input = np.zeros((channels, self.latency))
         self._needed = np.ones((channels, self._window - 1))
@@ -58,7 +58,7 @@ class Limiter:
         held = np.concatenate((self._held, self._released(_sliding_minimum(needed, self._window), self._held[:, -1:])), axis=1)
         self._held = held[:, count:]
         gain = np.stack([np.correlate(row, self._kernel, "valid") for row in held])
-        # A window of ones weighs 1 but for rounding, and must change nothing.
+        # A window of ones sums to 1 up to rounding, and must change nothing.
         gain[np.abs(gain - 1.0) < 1e-12] = 1.0
         return saturated(delayed[:, :count] * gain, self._s_max)
 

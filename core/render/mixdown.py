@@ -1,4 +1,4 @@
-"""From propagated gains to samples: what one rendering of a scene sounds like at its listeners."""
+"""From propagated gains to the samples at the listeners."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Mixdown:
         self._last: Sounding | None = None
 
     def reset(self) -> None:
-        """Forget sounding signals."""
+        """Drop all sounding signals."""
         if self._renderer is not None:
             self._renderer.reset()
         self._last = None
@@ -52,12 +52,12 @@ class Mixdown:
 
 
 def listener_mixes(listeners: Sequence[Listener]) -> tuple[ListenerMix, ...]:
-    """How listeners mix, for a `Renderer`."""
+    """The mixes of listeners, for a `Renderer`."""
     return tuple(ListenerMix(item.name, mixing_method(item), item.s_max, limiter=item.limiter) for item in listeners)
 
 
 def mixing_method(listener: Listener) -> MixingMethod:
-    """How a listener mixes. Raises ValueError for a method that there is not."""
+    """The mixing method of a listener. Raises ValueError for an unknown one."""
     if listener.mixing == "custom":
         return MixingExpression(listener.mixing_expression, listener.s_max)
     return listener.mixing  # type: ignore[return-value]
@@ -66,7 +66,7 @@ def mixing_method(listener: Listener) -> MixingMethod:
 def source_voices(
     sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation, impact_signal: Signal = DEFAULT_IMPACT
 ) -> list[Voice]:
-    """What a `Renderer` plays of sources: a voice each, with its gains at the listeners. ``impact_signal``: of impacts without one."""
+    """One voice per source for a `Renderer`, with its gains at the listeners. ``impact_signal``: of impacts without one."""
     listener_gain = np.array([item.gain for item in listeners])
     gains = propagation.gain if propagation.band_gain is None else propagation.band_gain
     return [

@@ -1,4 +1,4 @@
-"""How the signals that reach one listener become one, and how that one keeps below what the listener may feel."""
+"""Mixing of the signals at one listener, within its ceiling s_max."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What live outputs play: blocks that follow the picture while the timeline runs, short grains where it is scrubbed.
+"""Playback for live outputs: blocks that follow the picture while the timeline runs, short grains where it is scrubbed.
 
 Each block holds the samples of the frame that has just become visible, whatever was dropped, repeated or jumped over before it, so that
 touch never shifts against the picture. Frame by frame it is what a bake gives, sample for sample.
@@ -20,15 +20,15 @@ from .renderer import ListenerMix, Renderer, sample_index
 from .voices import Voice
 
 GRAIN = 0.100
-"""Seconds that a frame is felt for when it is scrubbed to."""
+"""Duration of the grain of a frame that is scrubbed to [s]."""
 _GRAIN_RISE, _GRAIN_FALL = 0.005, 0.040
-# So that a device that is told levels, looking at 40 ms of signal, comes to zero within the grain's own block.
+# Lets a device that receives levels of 40 ms of signal come to zero within the grain's own block.
 _GRAIN_SILENCE = 0.060
-# A recorded block that is not the continuation of the last one begins at its last value, and leaves it within so many seconds.
+# A recorded block that does not continue the last one fades from its last value within this time [s].
 _SEAM = 0.008
-# A limiter's gain depends on so much of what went before, within a few percent.
+# Time [s] that a limiter's gain depends on, to a few percent.
 _LIMITER_SECONDS = 0.5
-# Frames that are dropped are rendered and left out; what jumps further is another place of the timeline.
+# Dropped frames are rendered and left out up to this gap [s]; larger ones are jumps.
 _LONGEST_STEP = 1.0
 
 

@@ -31,7 +31,7 @@ class Place:
     position: tuple[float, float, float]
 
 
-# What bones are called, without prefixes, sides and numbers. The torso's are told apart by their heights.
+# Names of bones, without prefixes, sides and numbers. Those of the torso are distinguished by their heights.
 _LIMBS = {
     "upper_arm": ("upperarm", "uparm", "arm", "shldrbend", "shldr"),
     "forearm": ("forearm", "lowerarm", "loarm", "forearmbend", "elbow"),
@@ -83,7 +83,7 @@ class _Named:
 def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dict[str, Place]:
     """Where the body parts are, by their names; those that the skeleton has no bone for are left out.
 
-    Raises ValueError in words where it is no skeleton of a body: no bone of a head, no hips, or no left and right.
+    Raises ValueError where it is not the skeleton of a body: without a head, hips, or left and right.
     """
     named = [_taken_apart(bone) for bone in bones]
     limbs = {(part, side): found for part, names in _LIMBS.items() for side in "LR" if (found := _first(named, names, side)) is not None}

@@ -56,7 +56,8 @@ class Signal(ABC):
     def values(self, times: FloatArray, step: float) -> FloatArray:
         """Return the values at `times`, all within [0, duration), for samples that are `step` seconds apart.
 
-        A value depends on its own time alone. `step` tells what the samples can carry: what would alias is left out.
+        A value depends on its own time alone. `step` bounds the frequencies that samples can carry: components that would alias are left
+        out.
         """
 
     def at(self, times: FloatArray, step: float) -> FloatArray:
@@ -263,7 +264,7 @@ class Sequence(Signal):
 
 
 def values_inside(signal: Signal, times: FloatArray, step: float) -> FloatArray:
-    """Return the signal's values at times that are inside but for rounding."""
+    """Return the signal's values at times that are within its duration up to rounding."""
     return signal.values(np.clip(times, 0.0, np.nextafter(signal.duration, 0.0)), step)
 
 

@@ -1,4 +1,4 @@
-"""Signals at other times: later, and again and again."""
+"""Delayed and repeated signals."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Delay(Signal):
 
 @dataclass(frozen=True, slots=True)
 class Loop(Signal):
-    """`of` again and again, `count` times or without end.
+    """`of` repeated `count` times or without end.
 
     crossfade: seconds, at most half of the signal: each pass fades in while the end of the one before fades out, so that a recording
     loops without a click; a pass then begins that much before the end of the last.

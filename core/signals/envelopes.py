@@ -15,7 +15,7 @@ from .base import Signal
 from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
 
 SILENCE = 1e-4
-"""What decays exponentially ends when it has fallen to this share (-80 dB)."""
+"""Part of its initial value at which an exponential decay ends (-80 dB)."""
 
 
 @dataclass(frozen=True, slots=True)

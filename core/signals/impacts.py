@@ -1,4 +1,4 @@
-"""Signals of an impact: the blow and what rings after it."""
+"""Signals of an impact: the shock and the ringing after it."""
 
 from __future__ import annotations
 

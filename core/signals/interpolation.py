@@ -37,9 +37,9 @@ def kernel_weights(phases: FloatArray, stretch: float = 1.0) -> FloatArray:
 def interpolate(samples: FloatArray, positions: FloatArray, stretch: float = 1.0) -> FloatArray:
     """Return the band-limited values of `samples`, shape (k, m), silent beyond their ends, at `positions`, shape (n,), in samples.
 
-    Shape (k, n). Positions are rounded to 2^-20 of a sample, so that one that is a sample but for rounding has that sample's value.
-    Weights come from a table of 1,024 phases (fewer for a longer kernel), straight lines between them. Up to 0.4 times the lower of the
-    sample rates the error is below 1e-4 of the amplitude.
+    Shape (k, n). Positions are rounded to 2^-20 of a sample, so that a position that equals a sample up to rounding has that sample's
+    value. Weights come from a table of 1,024 phases (fewer for a longer kernel), straight lines between them. Up to 0.4 times the lower of
+    the sample rates the error is below 1e-4 of the amplitude.
     """
     result = np.empty((len(samples), len(positions)))
     batch = max(_BATCH // math.ceil(2 * ZERO_CROSSINGS * stretch), 1)
@@ -50,7 +50,7 @@ def interpolate(samples: FloatArray, positions: FloatArray, stretch: float = 1.0
 
 def _interpolated(samples: FloatArray, positions: FloatArray, stretch: float) -> FloatArray:
     reach = math.ceil(ZERO_CROSSINGS * stretch)
-    # Beyond the ends there is nothing to find: one kernel away is as far as any.
+    # Beyond the ends all samples are 0, so positions are clipped one kernel away.
     wanted = np.round(np.clip(positions, -reach - 0.5, samples.shape[1] + reach - 0.5) * _GRID) / _GRID
     before = np.floor(wanted)
     phase = wanted - before
@@ -73,8 +73,8 @@ def _interpolated(samples: FloatArray, positions: FloatArray, stretch: float) ->
 def local_polynomials(samples: FloatArray) -> FloatArray:
     """Return polynomials for the values between `samples`, shape (k, m), m >= 32: shape (k, m - 31, 9).
 
-    The value at position i + 15 + p, with 0 <= p < 1, is the sum over d of result[:, i, d] (2 p - 1)^d. They hold the same kernel as
-    `interpolate` to 1e-6, but cost nothing per phase: made for many positions in the same samples (Farrow, 1988).
+    The value at position i + 15 + p, with 0 <= p < 1, is the sum over d of result[:, i, d] (2 p - 1)^d. They equal the kernel of
+    `interpolate` to 1e-6, and need no weights per phase, which suits many positions in the same samples (Farrow, 1988).
     """
     windows = sliding_window_view(samples, 2 * ZERO_CROSSINGS, axis=1)
     return np.asarray(windows.reshape(-1, 2 * ZERO_CROSSINGS) @ _kernel_polynomials()).reshape(*windows.shape[:2], _TERMS)
@@ -91,7 +91,8 @@ def _kernel_polynomials() -> FloatArray:
 def resample(samples: FloatArray, rate: float, new_rate: float) -> FloatArray:
     """Return `samples`, shape (n,), at `new_rate` instead of `rate` (hertz), shape (ceil(n · new_rate / rate),), by libsoxr.
 
-    Sample 0 stays where it is. What the new rate cannot carry is filtered out. Raises ValueError for rates that are too far apart.
+    Sample 0 keeps its time. Frequencies above the new Nyquist frequency are filtered out. Raises ValueError for rates that are too far
+    apart.
     """
     if rate == new_rate:
         return samples.copy()

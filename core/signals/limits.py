@@ -1,4 +1,4 @@
-"""What a signal may be made of: bounds that keep every sample finite, and the checks that hold them."""
+"""Bounds on the parameters of signals, which keep every sample finite, and checks of them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MAX_FREQUENCY = 20_000.0
 MAX_SECONDS = 1e6
 """Longest time in a signal's parameters (an endless signal has no duration at all)."""
 MIN_SECONDS = 1e-6
-"""Shortest duration of what must take some time."""
+"""Shortest duration of a signal that must have one [s]."""
 
 
 def checked_number(name: str, value: object, low: float, high: float) -> float:

@@ -1,4 +1,4 @@
-"""Noise that is the same on every machine and in every block: a hash of a counter."""
+"""Noise by a hash of a counter, the same on every machine and in every block."""
 
 from __future__ import annotations
 

@@ -32,8 +32,8 @@ class Oscillator(Signal):
     amplitude: a number or an automation.
     phase: cycles at the beginning.
 
-    A wave with edges or corners is averaged over the sample's period (a box filter): what would fold back to the frequencies that skin
-    feels lies near multiples of the sample rate, where that filter is deepest.
+    A wave with edges or corners is averaged over the sample's period (a box filter): components that alias to frequencies that skin feels
+    lie near multiples of the sample rate, where that filter has its zeros.
     """
 
     has_edges: ClassVar[bool] = True

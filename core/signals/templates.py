@@ -1,4 +1,4 @@
-"""Ready signals: the defaults, and what is felt when one material hits another."""
+"""Predefined signals: the defaults, and those of impacts between materials."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ DEFAULT_IMPACT: Signal = DecayingSine(150.0, 0.03)
 
 @dataclass(frozen=True, slots=True)
 class ImpactMaterial:
-    """How a material answers a blow.
+    """The response of a material to an impact.
 
     frequency: hertz, what it rings at, as far as skin can tell. decay: seconds, the ring's time constant.
     softness: seconds that it adds to the contact's duration (compliances in series add up).
@@ -64,7 +64,7 @@ IMPACT_MATERIALS: Mapping[str, ImpactMaterial] = MappingProxyType(
 )
 
 
-# Materials that have no impact of their own, and what they feel like when they are hit.
+# Materials without a template of their own, and the one that stands for them.
 _KINDRED = {
     "steel": "metal",
     "aluminium": "metal",
@@ -82,7 +82,7 @@ _KINDRED = {
 
 
 def impact_material(name: str) -> str | None:
-    """The name in IMPACT_MATERIALS of a material of `core.materials`; None where nothing can be hit (air), or the name is unknown."""
+    """The name in IMPACT_MATERIALS of a material of `core.materials`; None for air and unknown names."""
     known = _KINDRED.get(name, name)
     return known if known in IMPACT_MATERIALS else None
 
