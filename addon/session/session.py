@@ -112,15 +112,19 @@ def cancel(resume: bool = False) -> None:
         begun = session.begun
         if not resume:
             session.begun = session.result = session.shown = session.frame = None
-        if begun is None or _ended_well(begun):
-            continue
-        interrupted, session.tracer = session.tracer, Tracer()
-        session.tracer.collisions.take_over(interrupted.collisions)
-        session.history = History()
-        session.begun = session.result = session.frame = None
-        session.interrupted = session.job if resume else None
-        if resume:
-            worker.call_after_render(_resume_all)
+        if begun is not None and not _ended_well(begun):
+            _interrupted(session, resume)
+
+
+def _interrupted(session: Session, resume: bool) -> None:
+    """Replace the tracer of a frame that was cancelled, whose state may be inconsistent; resume: trace the frame again later."""
+    tracer, session.tracer = session.tracer, Tracer()
+    session.tracer.collisions.take_over(tracer.collisions)
+    session.history = History()
+    session.begun = session.result = session.frame = None
+    session.interrupted = session.job if resume else None
+    if resume:
+        worker.call_after_render(_resume_all)
 
 
 def _ended_well(begun: Future[Traced]) -> bool:
@@ -291,7 +295,8 @@ def _finish(scene: Scene, session: Session) -> None:
     except ValueError:
         session.problems = session.failure
         return
-    except (worker.Cancelled, CancelledError):  # an exit of Blender or a render began while this waited
+    except (worker.Cancelled, CancelledError):  # by a render, on its own thread
+        _interrupted(session, resume=True)
         return
     waited = 1000 * (time.perf_counter() - started)
     session.result = replace(traced.result, statistics={**traced.result.statistics, "waited_milliseconds": waited})

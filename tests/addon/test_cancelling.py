@@ -98,6 +98,18 @@ def test_a_trace_that_a_render_cancelled_is_made_up_for(monkeypatch, rattle):
     assert sessions.shown(rattle).result.number == 2
 
 
+def test_who_waits_when_a_render_begins_on_its_thread_waits_no_longer(monkeypatch, rattle):
+    """The interrupted tracer is not used again, and the frame is traced for who asks next."""
+    endless(monkeypatch, rattle)
+    tracer = session.of(rattle).tracer
+    render = threading.Timer(0.3, handlers.render_pre)
+    render.start()
+    assert session.result_of(rattle) is None
+    render.join()
+    assert session.of(rattle).tracer is not tracer
+    assert session.result_of(rattle).number == 2
+
+
 def test_what_waits_behind_a_cancelled_trace_is_dropped_or_computed_anew(monkeypatch, rattle):
     """A value that a panel wants was queued behind the trace: the next redraw queues it again."""
     from haptic_tracing.addon.session.derived import Background
