@@ -265,7 +265,7 @@ def _draw_switches(layout: UILayout, name: str, role: str) -> None:
     if obj is not None and getattr(obj.haptics, role).enabled:
         properties = getattr(obj.haptics, role)
         layout.prop(properties, "solo", text="", icon="SOLO_ON" if properties.solo else "SOLO_OFF", emboss=False)
-        layout.prop(properties, "muted", text="", icon="MUTE_IPO_ON" if properties.muted else "MUTE_IPO_OFF", emboss=False)
+        layout.prop(properties, "muted", text="", icon="MUTE_IPO_OFF" if properties.muted else "MUTE_IPO_ON", emboss=False)
 
 
 def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
@@ -282,7 +282,7 @@ def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
         _draw_switches(row, source.name, "source")
     for source in [source for source in result.sources if source.amplitude == 0][:_SHOWN_SOURCES]:
         row = column.row(align=True)
-        row.label(text=source_title(source, 0.55), icon="MUTE_IPO_ON", translate=False)
+        row.label(text=source_title(source, 0.55), icon="MUTE_IPO_OFF", translate=False)
         _draw_switches(row, source.name, "source")
     if len(felt) > _SHOWN_SOURCES:
         column.label(text=iface_("and {} more").format(len(felt) - _SHOWN_SOURCES), translate=False)

@@ -227,9 +227,10 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
 
 
 def keep_impacts(scene: Scene) -> None:
-    """Keep the impacts of the frame shown in the scene, before it is saved. A scene that was never traced keeps what it has."""
+    """Keep the impacts of the frame shown in the scene, before it is saved. A scene that was never traced, or is being traced for longer
+    than a moment, keeps what it has."""
     session = known(scene)
-    if session is None:
+    if session is None or is_busy(scene, worker.MOMENT):
         return
     _finish(scene, session)
     kept = None if session.reading is None else session.tracer.collisions.impacts_of(scene.frame_current)

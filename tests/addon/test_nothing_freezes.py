@@ -68,6 +68,14 @@ def test_frames_that_play_go_by_without_it(slow, scene, monkeypatch):
     session.cancel()
 
 
+def test_saving_does_not_wait(slow, scene, tmp_path):
+    scene.haptics.kept_impacts = "as it was"
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "saved.blend"))
+    assert sessions.is_behind(scene)
+    assert scene.haptics.kept_impacts == "as it was"
+    session.cancel()
+
+
 def test_it_is_cancelled_and_what_was_shown_stays(slow, scene):
     shown = sessions.shown(scene)
     assert bpy.ops.haptic.cancel_tracing() == {"FINISHED"}
