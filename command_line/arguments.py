@@ -68,6 +68,7 @@ def _export(parser: Parser) -> None:
     parser.add_argument("--seconds", type=float, default=10.0, metavar="X", help="how long a scene without frames is rendered (10)")
     parser.add_argument("--sample-rate", type=int, default=8000, metavar="HZ", help="of the rendered tracks (8000)")
     parser.add_argument("--losses", action="store_true", help="only say what the formats can't carry")
+    parser.add_argument("--picture", action="store_true", help="a picture beside each format that is read back: waves, spectra, difference")
 
 
 def _convert(parser: Parser) -> None:

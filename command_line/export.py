@@ -7,6 +7,7 @@ import argparse
 import json
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from ..core.contacts.scene_contacts import contacts_of_scene
@@ -14,6 +15,7 @@ from ..core.formats import registry
 from ..core.formats.export import Export
 from ..core.formats.haptic_scene import read_export
 from ..core.formats.io.catalogue import named
+from ..core.formats.io.file_names import file_stem
 from ..core.formats.io.options import Value
 from ..core.formats.scene.recording import frame_of, traced
 from ..core.formats.tracks.listener_tracks import Tracks
@@ -22,6 +24,7 @@ from ..core.render.frame_result import FrameResult
 from ..core.scene.values import HapticScene
 from ..core.tracer import Tracer
 from . import say, warn_of_unknown
+from .picture import check_matplotlib, write_picture
 from .silence import silent_listeners
 
 STILL_RATE = 30
@@ -44,9 +47,18 @@ def run(args: argparse.Namespace) -> int:
         print(json.dumps({"losses": {name: registry.losses(name, export, chosen[name]) for name in names}}, ensure_ascii=False, indent=1))
         return 0
     args.out.mkdir(parents=True, exist_ok=True)
+    if args.picture:
+        check_matplotlib()
     written = {name: registry.write(name, export, args.out, chosen[name]) for name in names}
+    if args.picture and export.tracks is not None:
+        written = {name: _with_picture(name, export, result, args.out) for name, result in written.items()}
     print_written(written)
     return 0
+
+
+def _with_picture(name: str, export: Export, written: registry.Written, folder: Path) -> registry.Written:
+    path = write_picture(name, export.need_tracks(), written.files, folder, file_stem(export.name))
+    return written if path is None else replace(written, files=(*written.files, path))
 
 
 def chosen_formats(text: str) -> list[str]:

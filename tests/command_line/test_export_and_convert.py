@@ -13,6 +13,7 @@ from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.scene.recording import RecordedFrame, Recording
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Source
 from haptic_tracing.core.signals import Sine
+from PIL import Image
 
 SCENE = HapticScene(
     objects=(HapticObject("ground", 0.2, 0.9), HapticObject("bench", 0.1, 0.8)),
@@ -32,6 +33,21 @@ def run(capsys, *arguments):
     code = main([str(argument) for argument in arguments])
     out, err = capsys.readouterr()
     return code, out, err
+
+
+def test_a_picture_beside_each_format_that_is_read_back(capsys, scene_file, tmp_path):
+    arguments = ("export", scene_file, "--to", "wav,haptic,csv", "--out", tmp_path / "out", "--seconds", "1", "--picture")
+    code, out, err = run(capsys, *arguments)
+    assert (code, err) == (0, "")
+    pictures = sorted(name for name in json.loads(out)["files"] if name.endswith(".png"))
+    assert pictures == [str(tmp_path / "out" / f"bench.{name}.png") for name in ("haptic", "wav")]
+    with Image.open(pictures[1]) as picture:
+        pixels = np.asarray(picture.convert("RGB"), dtype=float)
+    width = pixels.shape[1]
+    # Red is the difference: none is left of a WAV file of 16 bit.
+    red = (pixels[..., 0] > 150) & (pixels[..., 1] < 140) & (pixels[..., 2] < 140)
+    assert width > 1000 and red[:, 2 * width // 3 :].any(axis=0).mean() > 0.3
+    assert red[:, 2 * width // 3 :].any(axis=1).mean() < 0.1
 
 
 def test_export_to_all_formats(capsys, scene_file, tmp_path):
