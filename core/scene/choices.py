@@ -1,4 +1,4 @@
-"""Choices that an author makes by name."""
+"""Enumerations of an author's choices."""
 
 from __future__ import annotations
 

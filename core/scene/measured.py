@@ -22,7 +22,7 @@ IN_A_BUILDING = 0.23
 
 @dataclass(frozen=True, slots=True)
 class Damping:
-    """What damps vibration in a material. ``loss_factor`` with its ``loss_range``; ``speed`` of its waves [m/s] with its ``speed_range``:
+    """Damping of vibration in a material. ``loss_factor`` with its ``loss_range``; ``speed`` of its waves [m/s] with its ``speed_range``:
     extensional waves, or shear and surface waves of what is soft or loose. ``ground``: lies on the ground, and its waves run along the
     surface. ``building``: walls and floors are made of it. ``estimated``: no published number is at hand."""
 

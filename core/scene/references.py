@@ -9,7 +9,7 @@ Place = tuple[str | int, ...]
 
 
 class PlacedError(ValueError):
-    """An error in a scene; ``place`` is where it stands, ``reason`` what is wrong."""
+    """An error in a scene; at ``place``, with its ``reason``."""
 
     def __init__(self, place: Place, reason: str) -> None:
         super().__init__(f"{'/'.join(map(str, place))}: {reason}")

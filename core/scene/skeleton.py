@@ -55,7 +55,7 @@ _DEPTH, _ASIDE, _EAR = 0.06, 0.055, 0.045
 
 @dataclass(frozen=True, slots=True)
 class _Named:
-    """A bone's name taken apart."""
+    """The parts of a bone's name."""
 
     bone: Bone
     base: str
@@ -64,7 +64,7 @@ class _Named:
 
     @property
     def rank(self) -> tuple[bool, bool, tuple[int, ...], int]:
-        """The lowest is taken: bones that deform, then others, then helpers; the first of a chain."""
+        """Sort key, of which the lowest is preferred: deforming bones, then others, then helpers; the first of a chain."""
         return (self.bone.name.startswith(_SECOND_RATE), not self.bone.name.startswith("DEF-"), self.numbers, len(self.bone.name))
 
     @property
