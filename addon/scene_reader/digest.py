@@ -189,7 +189,7 @@ def _shape(obj: Object) -> str:
     if mesh is None:
         return _sum([round(v, 5) for corner in obj.bound_box for v in corner])
     places = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.attributes["position"].data.foreach_get("vector", places)
+    mesh.vertices.foreach_get("co", places)  # attributes are those of the edited mesh in Edit Mode, which has no positions
     return f"{len(mesh.polygons)}:{zlib.crc32(places.tobytes()):08x}"
 
 

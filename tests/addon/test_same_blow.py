@@ -197,3 +197,14 @@ def test_a_frame_without_impacts_is_saved_without(struck, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "before.blend"))
     assert struck.haptics.kept_impacts == ""
     assert impacts(reopened(tmp_path / "before.blend")) == []
+
+
+def test_frames_are_traced_in_edit_mode(struck):
+    bpy.context.view_layer.objects.active = struck.objects["Table"]
+    bpy.ops.object.mode_set(mode="EDIT")
+    struck.haptics.tracing = True  # what an author sets has changed: what makes impacts is compared
+    stepped(struck, 1, FRAME)
+    assert len(impacts(struck)) == 1
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.update()
+    assert len(impacts(struck)) == 1
