@@ -26,6 +26,8 @@ LAYOUT = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, toke
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 BRANCHES = (ast.If, ast.For, ast.AsyncFor, ast.While, ast.ExceptHandler, ast.match_case, *FUNCTIONS)
 LISTED = 10
+LONG = 40
+"""Lines of a function, comments included, from which on its lines of code are counted."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,12 +58,12 @@ def functions(root: Path, parts: tuple[str, ...] = SHIPPED) -> Iterator[Function
         for path in sorted((root / part).rglob("*.py")):
             source = path.read_text(encoding="utf-8")
             tree = ast.parse(source)
-            lines = code_lines(source, tree)
-            for node in ast.walk(tree):
-                if isinstance(node, FUNCTIONS):
-                    own = lines.intersection(range(node.lineno, (node.end_lineno or 0) + 1))
-                    place = f"{path.relative_to(root).as_posix()}:{node.lineno}"
-                    yield Function(node.name, place, len(own), sum(isinstance(inner, BRANCHES) for inner in ast.walk(node)))
+            spans = {node: range(node.lineno, (node.end_lineno or 0) + 1) for node in ast.walk(tree) if isinstance(node, FUNCTIONS)}
+            lines = code_lines(source, tree) if any(len(span) >= LONG for span in spans.values()) else None
+            for node, span in spans.items():
+                length = len(span) if lines is None else len(lines.intersection(span))
+                place = f"{path.relative_to(root).as_posix()}:{node.lineno}"
+                yield Function(node.name, place, length, sum(isinstance(inner, BRANCHES) for inner in ast.walk(node)))
 
 
 def counts(root: Path) -> dict[str, int]:

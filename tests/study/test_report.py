@@ -66,6 +66,7 @@ def test_player_has_the_levels_of_all_frames_modes_and_listeners(report, bake):
     assert levels[10 * 4 * 17 + 30 : 10 * 4 * 17 + 40] == bytes(shade_numbers(ride.renditions["MN"].peak[17]))
 
 
+@pytest.mark.slow
 def test_numbers_are_json_with_every_check_measure_and_impact(bake, tmp_path):
     ride = bake(*FRAMES)
     write_numbers(tmp_path / "study.json", ride, checks_of(ride))

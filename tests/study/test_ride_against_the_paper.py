@@ -33,17 +33,20 @@ def test_each_part_has_data_for_its_own_checks(bake):
     assert {"HT: by material", "MD: whatever the material", "MN: whatever the material"} <= held(WALLS)
 
 
+@pytest.mark.slow
 def test_single_actuator_is_silent_everywhere_else(bake):
     rendition = bake(*STALACTITES).renditions[Mode.SD]
     assert (rendition.peak > 0).any(axis=0).sum() == 1
 
 
+@pytest.mark.slow
 def test_all_alike_means_the_same_samples(bake):
     samples = np.asarray(bake(*SHOCK_WAVE).renditions[Mode.MN].tracks.samples)
     assert np.abs(samples).max() > 0.1
     assert (samples == samples[0]).all()
 
 
+@pytest.mark.slow
 def test_levels_are_those_of_the_tracks(bake):
     ride = bake(*STALACTITES)
     for mode in MODES:
@@ -54,6 +57,7 @@ def test_levels_are_those_of_the_tracks(bake):
         assert (samples**2).sum(axis=1) == pytest.approx((rendition.rms**2).sum(axis=0) * 8000 / 24, rel=0.01)
 
 
+@pytest.mark.slow
 def test_material_counts_in_tracing_alone(bake):
     walls = checks.wall_gains(bake(*WALLS))
     assert [name.split(" ")[0] for name in walls] == ["Stone", "Wood", "Wood", "Wood", "Ribbon"]
@@ -63,6 +67,7 @@ def test_material_counts_in_tracing_alone(bake):
         assert stone[mode] == pytest.approx(ribbon[mode], rel=0.01)
 
 
+@pytest.mark.slow
 def test_what_does_not_happen_is_not_said_to_hold(bake):
     found = {check.name: check.holds for check in checks.checks_of(bake(*BRIDGE))}
     assert found["HT: by material"] is None

@@ -17,6 +17,7 @@ def haptic_names(scene):
     return {obj.name for obj in scene.objects if obj.haptics.enabled}
 
 
+@pytest.mark.slow
 def test_tuned_decays_are_those_of_the_scene(mine_ride):
     names = haptic_names(mine_ride)
     for tuned in TUNED:

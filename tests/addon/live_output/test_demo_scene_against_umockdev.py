@@ -12,7 +12,10 @@ from made_up_devices import DECK, DUALSENSE_BT, DUALSENSE_USB, SWITCH_PRO_BT, de
 HERE = Path(__file__).parent
 DEVICES = {"dualsense usb": DUALSENSE_USB, "dualsense bt": DUALSENSE_BT, "switch-pro bt": SWITCH_PRO_BT, "steam-deck usb": DECK}
 
-pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only"),
+]
 
 
 @pytest.fixture(scope="module")
@@ -28,13 +31,11 @@ def played(tmp_path_factory):
     return json.loads(done.stdout.splitlines()[-1])
 
 
-@pytest.mark.slow
 def test_all_devices_play_the_demo_without_a_failed_write(played):
     assert set(played["devices"]) == set(DEVICES)
     assert all(state == ["open", 0, 0] for state in played["states"].values())
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", DEVICES)
 def test_every_captured_report_is_what_encoding_the_baked_blocks_gives(played, name):
     device = played["devices"][name]
