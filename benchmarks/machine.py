@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 PACKAGES = ("numpy", "networkx", "scipy", "rustworkx")
@@ -20,6 +20,14 @@ def processor() -> str:
     return platform.processor() or platform.machine()
 
 
+def installed(package: str) -> str:
+    """The version of a package; "none" where it is not installed, as not every benchmark needs each."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "none"
+
+
 def machine() -> dict[str, str | int]:
     """Processor, its cores, system and the versions that matter."""
     return {
@@ -27,7 +35,7 @@ def machine() -> dict[str, str | int]:
         "cores": os.cpu_count() or 1,
         "system": platform.system(),
         "python": platform.python_version(),
-        **{name: version(name) for name in PACKAGES},
+        **{name: installed(name) for name in PACKAGES},
     }
 
 
