@@ -51,7 +51,7 @@ def _values(value: dict[str, Any], defined: dict[str, Any]) -> str:
     if "$ref" in value:
         name = value["$ref"].rsplit("/", 1)[-1]
         target = defined[name]
-        return f"[{name}](#{name.replace('_', '-')})" if "properties" in target else _values(target, defined)
+        return f"[{name}](#{name})" if "properties" in target else _values(target, defined)
     if "const" in value:
         return f"`{json.dumps(value['const'])}`"
     if "enum" in value:
