@@ -72,7 +72,7 @@ def _export(parser: Parser) -> None:
 
 
 def _convert(parser: Parser) -> None:
-    parser.add_argument("source", metavar="IN", type=Path, help=".wav, .hjif, .haptic, .ahap, .haps, or a haptic scene: .json, .json.gz")
+    parser.add_argument("source", metavar="IN", type=Path, help=".wav, .hjif, .haptic, .ahap, .haps, .tact, or a scene: .json, .json.gz")
     parser.add_argument("target", metavar="OUT", type=Path, help="its ending tells the format; some formats take one file per channel")
     _add_format_options(parser)
 

@@ -9,7 +9,7 @@ from ..core.formats import haptic_scene, registry
 from ..core.formats.export import Export
 from ..core.formats.io.catalogue import named
 from . import warn_of_unknown
-from .export import chosen_options, print_written
+from .export import chosen_options, may_replace, print_written
 
 SAMPLE_RATE = 8000
 
@@ -35,7 +35,7 @@ def run(args: argparse.Namespace) -> int:
         export = Export(args.target.stem, tracks=reading.to_tracks())
     except ValueError as error:
         raise ValueError(f"{args.source}: {error}") from None
-    written = registry.write(name, export, folder, chosen_options(args.options, [name])[name])
+    written = registry.write(name, export, folder, chosen_options(args.options, [name])[name], may_replace)
     lost = tuple(f"{args.source.name}: {loss}" for loss in reading.losses)
     print_written({name: registry.Written(written.files, (*lost, *written.losses))})
     return 0

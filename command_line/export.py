@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -49,11 +50,20 @@ def run(args: argparse.Namespace) -> int:
     args.out.mkdir(parents=True, exist_ok=True)
     if args.picture:
         check_matplotlib()
-    written = {name: registry.write(name, export, args.out, chosen[name]) for name in names}
+    written = {name: registry.write(name, export, args.out, chosen[name], may_replace) for name in names}
     if args.picture and export.tracks is not None:
         written = {name: _with_picture(name, export, result, args.out) for name, result in written.items()}
     print_written(written)
     return 0
+
+
+def may_replace(written: registry.Written) -> bool:
+    """Ask on the terminal whether files are replaced by ones that keep little of the vibration; yes where there is no terminal."""
+    if not sys.stdin.isatty():
+        return True
+    names = ", ".join(path.name for path in written.files[:3])
+    print(*written.losses, f"Replace {names}? [y/N] ", sep="\n", end="", file=sys.stderr, flush=True)
+    return sys.stdin.readline().strip().lower() in ("y", "yes")
 
 
 def _with_picture(name: str, export: Export, written: registry.Written, folder: Path) -> registry.Written:

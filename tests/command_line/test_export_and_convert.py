@@ -1,8 +1,10 @@
 """``export`` and ``convert`` as they are typed: files, what is printed, and one line with exit code 2 for what is wrong."""
 
 import json
+import os
 import subprocess
 import sys
+import wave
 
 import numpy as np
 import pytest
@@ -48,6 +50,28 @@ def test_a_picture_beside_each_format_that_is_read_back(capsys, scene_file, tmp_
     red = (pixels[..., 0] > 150) & (pixels[..., 1] < 140) & (pixels[..., 2] < 140)
     assert width > 1000 and red[:, 2 * width // 3 :].any(axis=0).mean() > 0.3
     assert red[:, 2 * width // 3 :].any(axis=1).mean() < 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such terminals")
+@pytest.mark.parametrize(("answer", "replaced"), [(b"n\n", False), (b"y\n", True)])
+def test_a_terminal_is_asked_before_a_poor_copy_replaces_a_file(tmp_path, answer, replaced):
+    noise = np.random.default_rng(0).integers(-9000, 9000, 8000).astype("<i2")
+    with wave.open(str(tmp_path / "noise.wav"), "wb") as file:
+        file.setparams((1, 2, 8000, 0, "NONE", ""))
+        file.writeframes(noise.tobytes())
+    target = tmp_path / "noise.hjif"
+    target.write_text("what was there")
+    master, terminal = os.openpty()
+    command = [sys.executable, "-m", "haptic_tracing", "convert", str(tmp_path / "noise.wav"), str(target)]
+    with subprocess.Popen(command, stdin=terminal, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
+        os.write(master, answer)
+        out, err = child.communicate(timeout=100)
+    os.close(master)
+    os.close(terminal)
+    assert child.returncode == 0 and b"Replace noise.hjif? [y/N]" in err and b"of the power" in err
+    assert (target.read_text() != "what was there") is replaced
+    assert json.loads(out)["files"] == ([str(target)] if replaced else [])
 
 
 def test_export_to_all_formats(capsys, scene_file, tmp_path):
