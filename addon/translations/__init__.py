@@ -1,23 +1,46 @@
-"""The add-on's texts in other languages. The code and Blender's own fallback are in English; every other language is a module with MESSAGES
-(by English text) and SENTENCES (by cause)."""
+"""The add-on's texts in other languages. The code and Blender's own fallback are in English; every other language is a JSON file with
+``messages`` by English text and ``sentences`` by cause."""
 
 from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TypedDict
 
 import bpy
 
 from ...core.sentences import ENGLISH
-from . import german
+
+LOCALES = {"german": ("de_DE", "de")}
+"""Blender's locales of each language."""
 
 # Blender looks texts of buttons for operators up in a context of their own. "Haptics" is for words that Blender translates in another sense.
 _CONTEXTS = ("*", "Operator", "Haptics")
 _NAME = __package__
 
 
+class Language(TypedDict):
+    """The texts of a language."""
+
+    messages: dict[str, str]
+    sentences: dict[str, str]
+
+
+def read_language(name: str) -> Language:
+    """The texts of the language ``name``."""
+    language: Language = json.loads(Path(__file__).with_name(f"{name}.json").read_text("utf-8"))
+    return language
+
+
 def dictionary() -> dict[str, dict[tuple[str, str], str]]:
     """Translations in Blender's form, by locale."""
-    texts = german.MESSAGES | {ENGLISH[cause]: words for cause, words in german.SENTENCES.items()}
-    messages = {(context, text): words for text, words in texts.items() for context in _CONTEXTS}
-    return {"de_DE": messages, "de": messages}
+    found: dict[str, dict[tuple[str, str], str]] = {}
+    for name, locales in LOCALES.items():
+        language = read_language(name)
+        texts = language["messages"] | {ENGLISH[cause]: language["sentences"][cause] for cause in ENGLISH}
+        messages = {(context, text): words for text, words in texts.items() for context in _CONTEXTS}
+        found |= dict.fromkeys(locales, messages)
+    return found
 
 
 def register() -> None:

@@ -198,8 +198,11 @@ def amplification(graph: HapticGraph) -> float:
 
 
 def gain_and_error(cost: float | None, bound: float | None) -> tuple[float, float]:
-    """Gain of a path of this cost (None: no path) and how far the best one may exceed it."""
+    """Gain of a path of this cost (None: no path) and how far the best one may exceed it, `LARGEST` where no number says it."""
     gain = 0.0 if cost is None else bounded_exp(-cost)
     if gain >= LARGEST:
         return LARGEST, LARGEST
-    return gain, 0.0 if bound is None else max(0.0, bounded_exp(-bound) - gain)
+    if bound is None:
+        return gain, 0.0
+    most = bounded_exp(-bound)
+    return gain, max(0.0, most - gain) if most < LARGEST else LARGEST

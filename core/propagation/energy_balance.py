@@ -186,11 +186,6 @@ class _Assembly:
             leak += np.array([np.bincount(region, weights=v, minlength=count) for v in value])
         leak = leak.reshape(self._lanes, count)
         coupling[blocked | ~self._passes[:, row]] = 0.0
-        for begin, block in dense:
-            part = slice(begin, begin + block.shape[1])
-            passes = self._passes[:, part]
-            leak[:, part] += (block * ~passes[:, None]).sum(axis=2)
-            block *= passes[:, None] & passes[:, :, None]
         return PowerBalance(parts.mass * self._decay, leak, row, column, coupling, dense)
 
     def _contact_couplings(self) -> tuple[IntArray, IntArray, FloatArray]:
@@ -222,9 +217,12 @@ class _Assembly:
         return parts.region[place], beyond, self._contact_squares(nodes)[:, which] * parts.weight[place], parts.weight[place]
 
     def _region_couplings(self) -> tuple[IntArray, IntArray, FloatArray, list[tuple[int, FloatArray]]]:
-        """Couplings between the regions of an object, both directions; of objects with many regions as blocks of `PowerBalance`."""
+        """Couplings between the regions of an object, both directions; of objects with many regions as blocks of `PowerBalance`.
+
+        A region that lets nothing through is coupled to no other of its object.
+        """
         parts = self._parts
-        loss = parts.mass * self._decay
+        loss = parts.mass * np.where(self._passes, self._decay, 0.0)
         begin = np.flatnonzero(np.diff(parts.of_object, prepend=-1))
         size = np.diff(np.append(begin, len(parts.of_object)))
         blocks = []

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 from haptic_tracing.addon import translations
-from haptic_tracing.addon.translations import german, sentences
+from haptic_tracing.addon.translations import sentences
 from haptic_tracing.core.message import Cause, Message, Metres
 from haptic_tracing.core.sentences import ENGLISH
 
@@ -14,6 +14,7 @@ _spec = importlib.util.spec_from_file_location("messages_of_the_add_on", Path(__
 messages = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(messages)
 
+GERMAN = translations.read_language("german")
 # Names of encodings and examples, which are the same in every language.
 SAME = {"pcm16", "float32", "0.50  -6 dB", "-6 dB"}
 # What Blender translates itself.
@@ -26,12 +27,12 @@ BLENDERS = {
 def test_every_text_is_translated():
     shown = messages.registered_texts() | messages.written_texts()
     assert len(shown) > 300
-    assert sorted(shown - german.MESSAGES.keys() - SAME - BLENDERS) == []
+    assert sorted(shown - GERMAN["messages"].keys() - SAME - BLENDERS) == []
 
 
 def test_messages_of_the_core_are_translated_with_their_arguments():
-    assert german.SENTENCES.keys() == set(Cause)
-    for cause, words in german.SENTENCES.items():
+    assert GERMAN["sentences"].keys() == set(Cause)
+    for cause, words in GERMAN["sentences"].items():
         assert sorted(re.findall(r"\{[^}]*\}", words)) == sorted(re.findall(r"\{[^}]*\}", ENGLISH[cause])), cause
 
 
@@ -43,14 +44,14 @@ def test_a_message_is_said_in_the_language_of_the_interface(monkeypatch):
 
 
 def test_translations_keep_the_gaps():
-    for text, words in german.MESSAGES.items():
+    for text, words in GERMAN["messages"].items():
         assert sorted(re.findall(r"\{[^}]*\}", text)) == sorted(re.findall(r"\{[^}]*\}", words)), text
         assert words.strip() == words
         assert words
 
 
 def test_reports_fill_translated_gaps():
-    assert german.MESSAGES["{} listeners mirrored"].format(3) == "3 Empfänger gespiegelt"
+    assert GERMAN["messages"]["{} listeners mirrored"].format(3) == "3 Empfänger gespiegelt"
 
 
 def test_the_dictionary_is_registered_and_removed():

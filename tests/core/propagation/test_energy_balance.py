@@ -14,7 +14,7 @@ from haptic_tracing.core.propagation import conjugate_gradients, energy_balance,
 from haptic_tracing.core.propagation.conjugate_gradients import PowerBalance, solve
 from haptic_tracing.core.scene.functions import Constant, Exponential, Identity, Linear
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, Strategy
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from path_reference import METRIC, OTHER, connected_scene
 
@@ -80,6 +80,8 @@ def test_parts_that_do_not_touch_and_objects_that_block():
 @pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(SEEDS, st.floats(0.3, 20), st.booleans(), st.sampled_from([2, energy_balance.DENSE]))
+@example(1, 4.0, False, 2)  # regions of an object that lets nothing through over their size
+@example(1, 4.0, False, energy_balance.DENSE)
 def test_within_its_bound_of_the_definition(seed, size, shaped, dense):
     """The documented equations once more in plain loops, with large objects in regions, whose couplings are a matrix from ``dense`` of them
     on; 0 exactly where nothing arrives."""
