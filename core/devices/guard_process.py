@@ -43,7 +43,7 @@ class Service:
         self._failed: dict[int, Status] = {}
         self._lock = threading.Lock()
         self._ended = threading.Event()
-        self._heard = time.perf_counter()
+        self._heard = time.perf_counter()  # when orders were last read, or executed
 
     def run(self) -> None:
         """Execute orders until the program ends; then silence and close the devices."""
@@ -59,6 +59,7 @@ class Service:
                 self._heard = time.perf_counter()
                 for number, name, arguments in orders:
                     self._obey(number, name, arguments)
+                self._heard = time.perf_counter()
         except (EOFError, OSError, ValueError, pickle.UnpicklingError):
             pass  # the program has ended
         finally:
@@ -86,14 +87,14 @@ class Service:
             threading.Thread(target=_quieten, args=(output,), name="haptics guard quieten", daemon=True).start()
 
     def _watch(self) -> None:
-        """The thread that silences the devices while the program does not run."""
-        silenced = False
+        """The thread that silences the devices while the program does not run: again where orders were still executed meanwhile."""
+        silenced = 0.0
         while not self._ended.wait(_LOOK):
-            late = time.perf_counter() - self._heard > _LATE and not is_running(self._program)
-            if late and not silenced:
+            heard = self._heard
+            if heard != silenced and time.perf_counter() - heard > _LATE and not is_running(self._program):
+                silenced = heard
                 for output in self._all():
                     output.silence()
-            silenced = late
 
     def _report(self) -> None:
         """The thread that sends the statuses of the outputs whenever they change."""
