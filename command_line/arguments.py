@@ -8,11 +8,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
+from ..core.formats.io.catalogue import FORMATS, READERS
 from ..sample_scenes import SAMPLES
 
 Parser = argparse.ArgumentParser
 
-FORMAT_NAMES = "scene, wav, ohm, hjif, wyvrn, haptic, ahap, tact, hla, csv, npz, or all"
+FORMAT_NAMES = f"{', '.join(FORMATS)}, or all"
 
 
 class Subcommand(NamedTuple):
@@ -72,7 +73,7 @@ def _export(parser: Parser) -> None:
 
 
 def _convert(parser: Parser) -> None:
-    parser.add_argument("source", metavar="IN", type=Path, help=".wav, .hjif, .haptic, .ahap, .haps, .tact, or a scene: .json, .json.gz")
+    parser.add_argument("source", metavar="IN", type=Path, help=f"{', '.join(READERS)}, or a scene: .json, .json.gz")
     parser.add_argument("target", metavar="OUT", type=Path, help="its ending tells the format; some formats take one file per channel")
     _add_format_options(parser)
 

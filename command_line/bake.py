@@ -12,13 +12,12 @@ from ..addon.io.capture import Capture
 from ..addon.session import session
 from ..core.formats import registry
 from ..core.formats.export import Export
+from ..core.scene.values import Mode
 from . import say
 from .export import chosen_formats, chosen_options
 from .setting import assign
 from .silence import silent_listeners
 from .trace import open_file, start_blender
-
-MODES = ("HT", "SD", "MD", "MN")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -46,8 +45,8 @@ def _chosen_modes(text: str) -> list[str]:
     """The modes in ``text``, each once; [] for the file's own."""
     modes = list(dict.fromkeys(text.split(","))) if text else []
     for mode in modes:
-        if mode not in MODES:
-            raise ValueError(f"--modes: must be some of {', '.join(MODES)}, not {mode}")
+        if mode not in list(Mode):
+            raise ValueError(f"--modes: must be some of {', '.join(Mode)}, not {mode}")
     return modes
 
 

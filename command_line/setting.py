@@ -45,7 +45,9 @@ def assign(scene: Scene, setting: str) -> None:
 
 def _parsed(setting: str, described: Any, text: str) -> bool | int | float | str:
     """``text`` as a value of the property ``described``."""
-    if described.is_readonly or getattr(described, "is_array", False):
+    numbers: dict[str, type[int] | type[float]] = {"INT": int, "FLOAT": float}
+    single = described.type in ("BOOLEAN", "STRING", "ENUM", *numbers) and not getattr(described, "is_array", False)
+    if described.is_readonly or not single:
         raise ValueError(f"--set {setting}: only single values that can be edited can be set")
     if described.type == "BOOLEAN":
         if text.lower() not in ("true", "false"):
@@ -53,10 +55,8 @@ def _parsed(setting: str, described: Any, text: str) -> bool | int | float | str
         return text.lower() == "true"
     if described.type in ("STRING", "ENUM"):
         return text
-    if described.type not in ("INT", "FLOAT"):
-        raise ValueError(f"--set {setting}: only single values that can be edited can be set")
     try:
-        value = int(text) if described.type == "INT" else float(text)
+        value = numbers[described.type](text)
     except ValueError:
         raise ValueError(f"--set {setting}: must be a number") from None
     if not described.hard_min <= value <= described.hard_max:
