@@ -162,19 +162,18 @@ class CollisionDetector:
             kept = self._recalled(frame.number, frame.transforms) if self.settings.impacts else None
         recalled = () if kept is None else self._sources.recall(kept, self._materials(frame))
         reach = self._reach(frame, frame.transforms) if self.lazy and frame.authored is None else None
-        found = tracker.update(frame.time, frame.transforms, reach, continuous=frame.continuous)
+        found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, self.settings.impacts)
         contacts = self._numbered(found, frame.authored)
         broad, total = found.statistics.broad_seconds, perf_counter() - begun
-        impacts = found.impacts if self.settings.impacts else ()
-        if impacts:
-            self._sources.add(impacts, [body.name for body in frame.bodies], frame.transforms, self._materials(frame))
+        if found.impacts:
+            self._sources.add(found.impacts, [body.name for body in frame.bodies], frame.transforms, self._materials(frame))
         if previous is not None and not again:
             self._remember(frame.number, self._sources.kept(previous, frame.transforms))
         self._last = frame
         return Collisions(
             contacts=contacts,
             frames=self._numbering.frames(frame.transforms) if _asks_for_frames(frame.settings) else None,
-            impacts=impacts or recalled,
+            impacts=found.impacts or recalled,
             sources=self._sources.sources(frame.transforms),
             statistics={
                 "candidate_pairs": found.statistics.candidates,

@@ -213,14 +213,20 @@ class ContactTracker:
         self._version[changed] += 1
 
     def update(
-        self, time: float, transforms: FloatArray, wanted: BoolArray | GainBound | None = None, continuous: bool = True
+        self,
+        time: float,
+        transforms: FloatArray,
+        wanted: BoolArray | GainBound | None = None,
+        continuous: bool = True,
+        impacts: bool = True,
     ) -> FrameContacts:
         """The contacts at ``time`` [s] under rigid world ``transforms`` (n, 4, 4), scale being in the shapes.
 
         Args:
-            wanted: only contacts of these bodies (n,), or only those that signals can reach; None: all. Impacts are found in any case. A
+            wanted: only contacts of these bodies (n,), or only those that signals can reach; None: all. Impacts are found all the same. A
                 pair that was not examined in the last frame gets no slack.
             continuous: False where this step does not follow the last one; history is then dropped.
+            impacts: False where none are looked for. What touches meanwhile makes an impact only once it has parted.
 
         A body whose transform is not finite is left out, with a warning.
         """
@@ -234,14 +240,18 @@ class ContactTracker:
         moved, warnings = self._update_poses(time, transforms)
         if self._last is not None and len(moved) == 0 and _same(wanted, self._last_wanted):
             return self._unchanged(warnings)
-        paths, able = self._near_pairs(moved)
-        lively = self._lively()
-        if wanted is not None:
+        paths, able = self._near_pairs(moved, impacts)
+        lively = self._lively() if impacts else np.zeros(len(self.bodies), dtype=np.bool_)
+        if not impacts:
+            self._history.disturb(~lively)
+        elif wanted is not None:
             pairs = self._pairs
             late = np.flatnonzero(~pairs.looked & (lively[pairs.larger] | lively[pairs.smaller]))
             if self._catch_up(late):
-                paths, able = self._near_pairs(moved)
+                paths, able = self._near_pairs(moved, impacts)
         result = self._contacts(time, wanted, paths, lively, able, warnings)
+        if not impacts:
+            self._pairs.struck |= self._pairs.touching
         self._last, self._last_wanted = result, wanted
         return result
 
@@ -347,7 +357,7 @@ class ContactTracker:
         self._airborne[larger[touching]] = self._airborne[smaller[touching]] = False
         return bool(touching.any())
 
-    def _near_pairs(self, moved: IntArray) -> tuple[Paths | None, IntArray]:
+    def _near_pairs(self, moved: IntArray, impacts: bool) -> tuple[Paths | None, IntArray]:
         """Update the near pairs. Returns the paths of the bodies if any is fast enough for an impact, and the numbers among the near pairs
         of those that have the energy for one."""
         low, high = self._low, self._high
@@ -355,7 +365,7 @@ class ContactTracker:
         gravity = np.array(self.settings.gravity) * self.settings.time_scale**2
         least = self.settings.least_energy
         turning = self.settings.energy is ImpactEnergy.NORMAL
-        if turning or np.any(self._energies(self._history.speed_bound(gravity)) >= least / 2):
+        if impacts and (turning or np.any(self._energies(self._history.speed_bound(gravity)) >= least / 2)):
             paths = self._history.paths(~self._dynamic, self._airborne, gravity)
         if paths is not None:
             speed = paths.fastest()

@@ -206,6 +206,21 @@ def falling():
     return ContactTracker([Body("ground", Box((50, 50, 1)), motion="static"), Body("box", Box((1, 0.6, 0.4)), 5.0)])
 
 
+@pytest.mark.parametrize("on", [17, 20, 24, 30])
+@pytest.mark.parametrize("restitution", [0.0, 0.8])
+def test_impacts_that_are_looked_for_from_a_frame_on(restitution, on):
+    """Dropped from 2 m at 24 frames a second, it hits the ground in frame 16, and bounces for a second if at all: what lies there when
+    impacts are switched on has hit already, what comes down later hits."""
+    tracker, rate, impacts = falling(), 24.0, []
+    for frame in range(60):
+        place = (0, 0, 0.2 + height(2.0, restitution, frame / rate))
+        impacts += tracker.update(frame / rate, poses((0, 0, -0.5), place), impacts=frame >= on).impacts
+    assert len(impacts) == (restitution > 0)
+    for impact in impacts:
+        assert impact.time == pytest.approx(math.sqrt(2 * 2.0 / G) * (1 + 2 * restitution), abs=0.002)
+        assert impact.energy == pytest.approx(5 * G * 2.0 * restitution**2, rel=0.03)
+
+
 def test_the_same_timeline_twice_gives_the_same_bits():
     first, tracker = falling(), falling()
     runs = [fall_of(tracker_, range(40)) for tracker_ in (first, tracker)]
