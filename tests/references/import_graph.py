@@ -12,14 +12,14 @@ PARTS = ("core", "addon", "sample_scenes", "study", "command_line")
 
 FLOORS = (
     ("core.arrays", "core.message"),
-    ("core.sentences",),
+    ("core.sentences", "core.least_squares"),
     ("core.signals", "core.perception"),
     ("core.scene",),
     ("core.contacts", "core.devices"),
     ("core.graph",),
     ("core.propagation", "core.collisions"),
     ("core.render", "core.modalities"),
-    ("core.tracer", "core.diagnosis"),
+    ("core.tracer", "core.diagnosis", "core.design"),
     ("core.formats",),
     ("addon.blender", "addon.changes", "addon.gateway", "addon.translations"),
     ("addon.properties",),

@@ -113,6 +113,11 @@ class ModulationFunction:
         """Attenuation of each frequency band beside that of the gain, in 1/m; () where all bands fade alike."""
         return self.spectrum.band_decays
 
+    def slopes(self, distance: float, kappa: float, rho: float, epsilon: float) -> FloatArray:
+        """Derivative (bands,) of the logarithm of the gain over ``distance`` [m] by ``ln K``, K = (1 - kappa) rho; 0 where K is no part of
+        the formula."""
+        return np.zeros(BAND_COUNT)
+
     def to_dict(self) -> dict[str, Any]:
         """The form of the scene file: ``{"function": name, parameters...}``."""
         parameters = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "spectrum" and f.init}
@@ -178,6 +183,10 @@ class HapticTracing(ModulationFunction):
     ) -> FloatArray:
         k = transfer_coefficient(np.asarray(kappa), np.asarray(rho))
         return np.asarray(k * np.exp(-np.maximum(k, epsilon) * np.asarray(distance, dtype=np.float64)))
+
+    def slopes(self, distance: float, kappa: float, rho: float, epsilon: float) -> FloatArray:
+        k = transfer_coefficient(kappa, rho)
+        return np.full(BAND_COUNT, 1.0 - (k * distance if k > epsilon else 0.0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

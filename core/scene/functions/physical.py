@@ -73,12 +73,16 @@ class Physical(ModulationFunction):
         if not 0.001 <= self.material_k <= 0.999:
             raise ValueError(f"material_k: must lie in [0.001, 0.999], got {self.material_k!r}")
 
-    def damping(self, frequency: float, kappa: Value, rho: Value) -> FloatArray:
-        """Attenuation alpha [1/m] at ``frequency`` [Hz]; infinite where K is 0."""
+    def material_damping(self, frequency: float) -> float:
+        """Attenuation alpha [1/m] at ``frequency`` [Hz] of the material itself, at ``K = material_k``."""
         speed = self.phase_speed
         if self.wave is Wave.PLATE:
             speed = 2 * math.sqrt(1.8 * self.phase_speed * self.thickness * frequency)
-        alpha = math.pi * frequency * self.loss_factor / speed + self.absorption
+        return math.pi * frequency * self.loss_factor / speed + self.absorption
+
+    def damping(self, frequency: float, kappa: Value, rho: Value) -> FloatArray:
+        """Attenuation alpha [1/m] at ``frequency`` [Hz]; infinite where K is 0."""
+        alpha = self.material_damping(frequency)
         k = np.asarray(transfer_coefficient(np.asarray(kappa), np.asarray(rho)), dtype=np.float64)
         blocked = k <= 0
         return np.where(blocked, math.inf, alpha * (np.log(np.where(blocked, 1.0, k)) / math.log(self.material_k)))
@@ -105,14 +109,23 @@ class Physical(ModulationFunction):
     def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return float(self.gain(np.array(max_distance), kappa, rho, epsilon)), 1.0
 
-    def band_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
-        """Attenuation of each band beyond that of the lowest one [1/m], at the centres of the bands."""
+    def _relative_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
+        """Attenuation of each band beyond that of the lowest one [1/m], at the centres of the bands; () where none is worth its cost."""
         base = float(self.damping(BAND_CENTRES[0], kappa, rho))
         relative = () if base == math.inf else tuple(float(self.damping(centre, kappa, rho)) - base for centre in BAND_CENTRES)
-        authored = self.spectrum.band_decays
-        if all(decay * _FAR < _FELT for decay in relative):
+        return () if all(decay * _FAR < _FELT for decay in relative) else relative
+
+    def band_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
+        relative, authored = self._relative_decays(kappa, rho), self.spectrum.band_decays
+        if not relative:
             return authored
         return tuple(a + b for a, b in zip(relative, authored, strict=True)) if authored else relative
+
+    def slopes(self, distance: float, kappa: float, rho: float, epsilon: float) -> FloatArray:
+        lowest = self.material_damping(BAND_CENTRES[0])
+        relative = self._relative_decays(kappa, rho)
+        alpha = [self.material_damping(centre) if relative else lowest for centre in BAND_CENTRES]
+        return np.array(alpha) * (-distance / math.log(self.material_k))
 
     def to_dict(self) -> dict[str, Any]:
         return {**super(Physical, self).to_dict(), "wave": str(self.wave)}

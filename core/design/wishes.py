@@ -1,0 +1,88 @@
+"""Materials that bring wished levels to listeners."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..graph.haptic_graph import HapticGraph
+from ..least_squares import bounded_least_squares
+from ..scene.coefficients import transfer_coefficient
+from ..scene.values import Settings
+from .log_levels import LogLevels, log_levels, with_changed_k
+
+DECIBELS = 20 / np.log(10)
+"""Decibels of a change of the logarithm by 1."""
+
+_ROUNDS = 60
+_SOFTNESS = 1e-6
+"""How much a change of a material counts beside a missed wish: of several solutions the one that changes least is taken."""
+_FIRST_STEP, _LAST_STEP = 0.5, 1e-6
+"""Largest change of ln K in a step: at first, and where nothing better is found any more."""
+
+
+@dataclass(frozen=True, slots=True)
+class FreeMaterial:
+    """Objects that change together, by name, all with the same K = (1 - kappa) rho, which may lie from ``least`` to ``most``, in (0, 1]."""
+
+    objects: tuple[str, ...]
+    least: float = 0.01
+    most: float = 0.99
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """A listener, and by how many decibels its level shall change."""
+
+    listener: str
+    change: float
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """``k``: the new K of each free material. ``changes``: decibels by which the level of each wish's listener then changes; NaN where
+    nothing arrives."""
+
+    k: tuple[float, ...]
+    changes: tuple[float, ...]
+
+
+def fulfil(graph: HapticGraph, settings: Settings, energies: FloatArray, wishes: Sequence[Wish], free: Sequence[FreeMaterial]) -> Answer:
+    """The values of ``free`` materials by which the levels change as wished, or as nearly as their bounds and paths allow (least squares).
+
+    Gauss-Newton steps within a region that shrinks where a step does not help, because other paths become the best ones. ``energies``: as
+    for `log_levels`.
+    """
+    index = graph.table.index()
+    groups = [[index[name] for name in material.objects] for material in free]
+    objects = [graph.table.objects[numbers[0]] for numbers in groups]
+    start = np.log([max(transfer_coefficient(item.kappa, item.rho), 1e-9) for item in objects])
+    low, high = np.log([m.least for m in free]) - start, np.log([m.most for m in free]) - start
+    columns = [graph.listeners.index(wish.listener) for wish in wishes]
+    wished = np.array([wish.change for wish in wishes]) / DECIBELS
+    before = log_levels(graph, settings, energies).level[columns]
+    arrives = np.isfinite(before)
+    change = np.clip(0.0, low, high)
+
+    def at(change: FloatArray) -> tuple[LogLevels, FloatArray]:
+        found = log_levels(with_changed_k(graph, groups, change), settings, energies)
+        with np.errstate(invalid="ignore"):
+            return found, np.where(arrives, wished - (found.level[columns] - before), 0.0)
+
+    found, missing = at(change)
+    region = _FIRST_STEP
+    for _ in range(_ROUNDS):
+        slope = np.stack([found.slope[columns][:, numbers].sum(axis=1) for numbers in groups], axis=1)
+        step = bounded_least_squares(slope, missing, np.maximum(low - change, -region), np.minimum(high - change, region), _SOFTNESS)
+        tried, left = at(change + step)
+        if left @ left < missing @ missing:
+            change, found, missing, region = change + step, tried, left, 2 * region
+        else:
+            region = float(np.abs(step).max(initial=0.0)) / 4
+        if region < _LAST_STEP or np.abs(missing).max(initial=0.0) < _LAST_STEP:
+            break
+    reached = np.where(arrives, (wished - missing) * DECIBELS, np.nan)
+    return Answer(tuple(np.exp(start + change).tolist()), tuple(reached.tolist()))

@@ -1,0 +1,46 @@
+"""Least squares within bounds, for few equations and any number of unknowns."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from .arrays import FloatArray
+
+_ROUNDS = 200
+"""Most Newton steps; a problem of this form takes a few tens at most."""
+_EXACT = 1e-12
+"""Relative error of the equations at which the solution counts as found."""
+_HALVINGS = 40
+
+
+def bounded_least_squares(matrix: FloatArray, target: FloatArray, low: FloatArray, high: FloatArray, softness: float = 1e-9) -> FloatArray:
+    """The ``x`` (n,) in [low, high] (n,) that minimises ``|x|^2 + |matrix x - target|^2 / softness``; matrix (m, n), target (m,).
+
+    So of all that solve the equations it is the smallest, and where none does, the one nearest to a solution. Newton's method on the dual
+    problem of m unknowns, which is concave, and quadratic between the places where a bound is reached.
+    """
+    dual = np.zeros(len(target))
+    size = float(np.abs(target).max(initial=0.0)) or 1.0
+    gradient = partial(_gradient, matrix, target, low, high, softness)
+    for _ in range(_ROUNDS):
+        rest = gradient(dual)
+        if np.abs(rest).max(initial=0.0) <= _EXACT * size:
+            break
+        pull = dual @ matrix
+        inner = matrix[:, (pull >= low) & (pull <= high)]
+        step = np.linalg.solve(inner @ inner.T + softness * np.eye(len(target)), rest)
+        length, reach = 0.0, 1.0
+        if step @ gradient(dual + step) >= 0:
+            length = 1.0
+        else:  # the highest value along the step lies before its end
+            for _ in range(_HALVINGS):
+                middle = (length + reach) / 2
+                length, reach = (middle, reach) if step @ gradient(dual + middle * step) >= 0 else (length, middle)
+        dual = dual + length * step
+    return np.asarray(np.clip(dual @ matrix, low, high))
+
+
+def _gradient(matrix: FloatArray, target: FloatArray, low: FloatArray, high: FloatArray, softness: float, dual: FloatArray) -> FloatArray:
+    return np.asarray(target - matrix @ np.clip(dual @ matrix, low, high) - softness * dual)
