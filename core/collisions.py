@@ -13,7 +13,7 @@ from .arrays import FloatArray, IntArray
 from .contacts.authored import AuthoredContacts
 from .contacts.contact_set import ContactSet
 from .contacts.gain_bound import GainBound
-from .contacts.impact_sources import MOST_FRAMES, FrameImpacts, ImpactSources
+from .contacts.impact_sources import MOST_FRAMES, FrameImpacts, ImpactSources, Templates
 from .contacts.tracker import Body, ContactSettings, ContactTracker, FrameContacts, Impact
 from .graph.gain_bounds import object_bounds, signal_gain_bound
 from .graph.haptic_graph import ObjectTable
@@ -21,6 +21,8 @@ from .graph.object_frames import ObjectFrames, local_centres
 from .message import Message
 from .scene.choices import Strategy
 from .scene.functions import ModulationFunction
+from .scene.impact_rule import ImpactRule
+from .scene.rule_table import RuleTable
 from .scene.rules import ImpactTemplates
 from .scene.values import HapticObject, Listener, Settings, Source, Vector
 from .signals import Signal
@@ -84,7 +86,8 @@ class CollisionDetector:
         self.settings = settings
         self.transmission = transmission
         self.lazy = lazy
-        self._sources = ImpactSources(impact_signal)
+        self._impact_signal = impact_signal
+        self._sources = ImpactSources()
         self._tracker: ContactTracker | None = None
         self._numbering = _Numbering((), ObjectTable.of((), 0.0))
         self._found: FrameContacts | None = None
@@ -92,12 +95,17 @@ class CollisionDetector:
         self._contacts = ContactSet.empty()
         self._remembered: dict[int, FrameImpacts] = {}
         self._rules: tuple[tuple[Body, ...], ContactSettings] | None = None
+        self._unnamed: tuple[tuple[Body, ...], tuple[Body, ...]] = (), ()  # bodies, and the same without materials
+        self._limits: tuple[RuleTable[ImpactRule], RuleTable[ImpactRule]] = RuleTable(), RuleTable()  # and the same without templates
         self._last: Frame | None = None
 
     @property
     def _tracked(self) -> ContactSettings:
         """What contacts and impacts are found by: the settings without what is made of impacts."""
-        return replace(self.settings, impacts=True, templates=ImpactTemplates.PLAIN)
+        table = self.settings.impact_table
+        if self._limits[0] is not table:
+            self._limits = table, RuleTable(tuple(replace(row, does=row.does.limits()) for row in table.rows))
+        return replace(self.settings, impacts=True, templates=ImpactTemplates.PLAIN, impact_table=self._limits[1])
 
     @property
     def remembers(self) -> bool:
@@ -114,6 +122,10 @@ class CollisionDetector:
         self._remembered = {number: kept}
 
     def _rules_of(self, bodies: tuple[Body, ...]) -> tuple[tuple[Body, ...], ContactSettings]:
+        if not self.settings.impact_table.rows:  # then materials make no impact
+            if self._unnamed[0] is not bodies:
+                self._unnamed = bodies, tuple(replace(body, material="") for body in bodies)
+            bodies = self._unnamed[1]
         return bodies, replace(self._tracked, patch_points=False)
 
     def forget_impacts(self) -> None:
@@ -160,13 +172,13 @@ class CollisionDetector:
         if again or (frame.recall and previous is None):
             self._sources.clear()
             kept = self._recalled(frame.number, frame.transforms) if self.settings.impacts else None
-        recalled = () if kept is None else self._sources.recall(kept, self._materials(frame))
+        recalled = () if kept is None else self._sources.recall(kept, self._templates(frame))
         reach = self._reach(frame, frame.transforms) if self.lazy and frame.authored is None else None
         found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, self.settings.impacts)
         contacts = self._numbered(found, frame.authored)
         broad, total = found.statistics.broad_seconds, perf_counter() - begun
         if found.impacts:
-            self._sources.add(found.impacts, [body.name for body in frame.bodies], frame.transforms, self._materials(frame))
+            self._sources.add(found.impacts, [body.name for body in frame.bodies], frame.transforms, self._templates(frame))
         if previous is not None and not again:
             self._remember(frame.number, self._sources.kept(previous, frame.transforms))
         self._last = frame
@@ -200,11 +212,9 @@ class CollisionDetector:
             if len(self._remembered) > MOST_FRAMES:
                 del self._remembered[next(iter(self._remembered))]
 
-    def _materials(self, frame: Frame) -> Mapping[str, str]:
-        """Return the impact materials by object, where impacts have templates of these."""
-        if self.settings.templates is not ImpactTemplates.BY_MATERIAL:
-            return {}
-        return {item.name: item.impact_material for item in frame.objects if item.impact_material}
+    def _templates(self, frame: Frame) -> Templates:
+        """Return what the impacts of a frame play."""
+        return Templates(self.settings, {item.name: item for item in frame.objects}, self._impact_signal)
 
     def _follow(self, bodies: tuple[Body, ...], table: ObjectTable) -> ContactTracker:
         """Return a tracker of ``bodies``: the present one while they have the same names and the settings are the same."""

@@ -25,7 +25,7 @@ from ..scene_reader.modalities import read_modality
 from ..scene_reader.reading import Reading
 from ..session import session
 from .devices import is_muted, written_devices
-from .materials import NAMED, written_materials
+from .materials import written_materials
 
 T = TypeVar("T")
 
@@ -123,9 +123,7 @@ def _by_name(items: Any) -> tuple[Any, ...]:
 
 def _object(item: HapticObject, obj: Object | None, settled: bool) -> HapticObject:
     kept = imported_object(obj.haptics.imported if obj is not None else "")
-    material = obj.haptics.material.name if obj is not None else ""
-    extras = {**kept.extras, NAMED: material} if material else dict(kept.extras)
-    return replace(item, pose=kept.pose if settled else item.pose, extras=extras)
+    return replace(item, pose=kept.pose if settled else item.pose, extras=dict(kept.extras))
 
 
 def _source(item: Source, obj: Object | None) -> Source:

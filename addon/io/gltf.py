@@ -16,7 +16,6 @@ from ...core.formats.scene.values_json import item_to_dict, read_listener, read_
 from ...core.scene.values import HapticScene
 from ..scene_reader.imported import text_of
 from .frame_scene import scene_of_frame
-from .materials import NAMED
 from .property_writer import write_body, write_listener, write_source
 
 KEY = "haptic_tracing"
@@ -77,7 +76,7 @@ class glTF2ExportUserExtension:
 
     def _with_material(self, mesh: Any, form: dict[str, Any]) -> Any:
         """The mesh with its haptic material; a copy, since objects of different materials may share one."""
-        material = form.get("extras", {}).get(NAMED, "") or f"kappa {form['kappa']:g}, rho {form['rho']:g}"
+        material = form.get("material", "") or f"kappa {form['kappa']:g}, rho {form['rho']:g}"
         index = self.materials.setdefault((material, form["kappa"], form["rho"]), len(self.materials))
         name = self.properties.material_name
         mesh = copy.copy(mesh)

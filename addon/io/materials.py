@@ -14,9 +14,6 @@ from ...core.scene.values import HapticObject
 from ..blender.single_precision import shortest
 from ..properties.materials import add_material, own_values
 
-NAMED = "material"
-"""The name of an object's haptic material, in its extras."""
-
 _KEYS = tuple(item.name for item in fields(LibraryMaterial) if item.name != "name")
 
 
@@ -25,8 +22,8 @@ def written_materials(scene: Scene, objects: Iterable[HapticObject], whole: bool
     the values of the first that does."""
     named: dict[str, str] = {}
     for item in objects:
-        if NAMED in item.extras:
-            named.setdefault(str(item.extras[NAMED]), item.name)
+        if item.material:
+            named.setdefault(item.material, item.name)
     items = scene.haptics.materials.items
     known = [_material(item.name, {key: getattr(item, key) for key in _KEYS}) for item in items if whole or item.name in named]
     others = [

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 from bpy.types import Object
 
 from ...core.modalities.modality_scene import ModalityScene
+from ...core.scene.impact_rule import ImpactRule, ImpactTemplates
+from ...core.scene.rule_table import RuleTable
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..blender.single_precision import shortest
 from ..properties.function import PARAMETERS
 from ..scene_reader.functions import function_of_properties, stands_for
 from ..scene_reader.imported import text_of
+from ..scene_reader.rules import TEMPLATES
+
+Does = TypeVar("Does")
 
 FREQUENCIES = (0.1, 1000.0)
 """Hertz that the property takes."""
@@ -100,6 +106,25 @@ def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[s
         losses.append(f"mixing {item.mixing!r}")
     listener.imported = text_of(position=item.position if placed else None, numbers=numbers, extras=dict(item.extras))
     return losses
+
+
+def write_table(rows: Any, table: RuleTable[Does], write: Callable[[Any, Does], None]) -> None:
+    """Make the rows of a scene's table those of ``table``; ``write`` puts what one does into it."""
+    rows.items.clear()
+    for rule in table.rows:
+        row = rows.items.add()
+        for side, name in zip(rule.between, ("first", "second"), strict=True):
+            setattr(row, f"{name}_kind", "OBJECT" if side.object else "MATERIAL" if side.material else "ANY")
+            setattr(row, name, side.object or side.material)
+        write(row, rule.does)
+
+
+def write_impact_rule(row: Any, rule: ImpactRule) -> None:
+    """Make a row's properties those of ``rule``."""
+    numbers = write_numbers(row, least_energy=rule.least_energy, full_energy=rule.full_energy, refractory=rule.refractory)
+    kept = None if isinstance(rule.template, ImpactTemplates) else rule.template.to_dict()
+    row.template = "KEPT" if kept else next(name for name, template in TEMPLATES.items() if template is rule.template)
+    row.imported = text_of(numbers=numbers, signal=kept)
 
 
 def _without_decay(signal: Signal | None) -> tuple[Signal | None, float]:

@@ -25,12 +25,12 @@ from ..properties.materials import add_material, own_values
 from ..properties.modalities import SHOWN
 from ..scene_reader.functions import read_function
 from ..scene_reader.imported import RULES, file_contacts, near, text_of, text_of_contacts, text_with
-from ..scene_reader.settings import TEMPLATES
+from ..scene_reader.rules import TEMPLATES
 from .devices import take_devices
 from .frame_scene import EXTRAS, MUTED
 from .keyframes import local_place, write_keyframes
-from .materials import NAMED, take_materials
-from .property_writer import write_body, write_listener, write_modality, write_numbers, write_source
+from .materials import take_materials
+from .property_writer import write_body, write_impact_rule, write_listener, write_modality, write_numbers, write_source, write_table
 from .shape_mesh import surface
 
 SMALLEST = 0.1
@@ -109,7 +109,10 @@ class _Builder:
             obj.rotation_mode = "QUATERNION"
             obj.location, obj.rotation_quaternion = pose.position, pose.rotation
             haptics = obj.haptics
-            material = self._material(item)
+            material = item.material
+            if len(material) > LONGEST_NAME:
+                self.lose("name of its material, which is too long here", item.name)
+                material = ""
             if material in self.scene.haptics.materials.items:
                 haptics.material.name = material  # and its values, which the object's own replace
             kept = write_body(haptics, item)
@@ -125,7 +128,7 @@ class _Builder:
                 motion=item.motion.value,
                 impact_material=item.impact_material or None,
                 pose={"position": pose.position, "rotation": pose.rotation},
-                extras={key: value for key, value in item.extras.items() if key != NAMED or not material},
+                extras=dict(item.extras),
             )
             if material and material not in self.scene.haptics.materials.items:
                 add_material(self.scene, material, own_values(obj))
@@ -188,6 +191,7 @@ class _Builder:
         scene, haptics, rules = self.scene, self.scene.haptics, self.haptic.rules
         haptics.patch_points, haptics.impacts, haptics.impact_energy = rules.patch_points, rules.impacts, rules.energy.value
         haptics.impact_signal = next(name for name, templates in TEMPLATES.items() if templates is rules.templates)
+        write_table(haptics.impact_table, rules.impact_table, write_impact_rule)
         scene.use_gravity = any(rules.gravity)
         if scene.use_gravity:
             scene.gravity = rules.gravity
@@ -294,11 +298,6 @@ class _Builder:
             obj.location = place
         self.attached[f"{role} {item.name}"] = obj
         return obj
-
-    def _material(self, item: HapticObject) -> str:
-        """The name of the haptic material that an object is made of, "" where there is none."""
-        name = item.extras.get(NAMED)
-        return name if isinstance(name, str) and len(name) <= LONGEST_NAME else ""
 
     def _guessed(self, item: HapticObject) -> tuple[Shape, Vector]:
         """A box around all that is known to be on an object, and its centre in the world."""

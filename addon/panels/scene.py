@@ -7,6 +7,7 @@ from bpy.types import Context, Panel
 from .answer import draw_answer, draw_progress
 from .drawing import HapticsPanel, draw_problems
 from .hints import draw_hint
+from .rules import draw_table
 
 
 class HAPTIC_PT_scene(HapticsPanel, Panel):
@@ -82,6 +83,30 @@ class HAPTIC_PT_impacts(HapticsPanel, Panel):
         column.prop(haptics, "refractory_time")
 
 
+class HAPTIC_PT_impact_table(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_impact_table"
+    bl_parent_id = "HAPTIC_PT_impacts"
+    bl_label = "Rules"
+    bl_description = "What impacts between some objects need and play, in place of what is said above; the most specific rule counts"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.active = context.scene.haptics.impacts
+        rule = draw_table(layout, context, "impact_table")
+        if rule is None:
+            return
+        layout.prop(rule, "template")
+        if rule.template == "FILE":
+            layout.prop(rule, "filepath")
+        column = layout.column(align=True)
+        column.prop(rule, "least_energy")
+        column.prop(rule, "full_energy")
+        column.prop(rule, "refractory")
+
+
 class HAPTIC_PT_overlay(HapticsPanel, Panel):
     bl_idname = "HAPTIC_PT_overlay"
     bl_parent_id = "HAPTIC_PT_scene"
@@ -105,4 +130,4 @@ class HAPTIC_PT_overlay(HapticsPanel, Panel):
         layout.operator("haptic.graph_to_geometry", icon="MESH_DATA")
 
 
-CLASSES = (HAPTIC_PT_scene, HAPTIC_PT_propagation, HAPTIC_PT_impacts, HAPTIC_PT_overlay)
+CLASSES = (HAPTIC_PT_scene, HAPTIC_PT_propagation, HAPTIC_PT_impacts, HAPTIC_PT_impact_table, HAPTIC_PT_overlay)

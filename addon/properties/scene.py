@@ -5,7 +5,7 @@ from __future__ import annotations
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 
-from . import bake, gltf, live_output, materials, meters, modalities
+from . import bake, gltf, live_output, materials, meters, modalities, rules
 from .callbacks import changed, edited, view_changed
 from .imported import Imported
 
@@ -135,6 +135,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
         precision=3,
         update=edited("refractory_time"),
     )
+    impact_table: PointerProperty(type=rules.HapticImpactTable)
     show_overlay: BoolProperty(name="Overlay", description="Draw the haptic graph over the 3D viewport", default=True, update=view_changed)
     show_intra: BoolProperty(
         name="Connections", description="Draw the connections inside objects that carry signal", default=True, update=view_changed

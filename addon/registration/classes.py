@@ -16,6 +16,7 @@ from ..operators import (
     live_output,
     materials,
     modes,
+    rules,
     selection,
     tagging,
     tracing,
@@ -25,6 +26,7 @@ from ..panels import export, file_menus, listener, object, object_menus, prefere
 from ..panels import live_output as live_output_panels
 from ..panels import materials as materials_panels
 from ..panels import modalities as modalities_panels
+from ..panels import rules as rules_panels
 
 CLASSES = (
     *preferences.CLASSES,
@@ -37,6 +39,7 @@ CLASSES = (
     *felt.CLASSES,
     *materials.CLASSES,
     *body_kit.CLASSES,
+    *rules.CLASSES,
     *bake.CLASSES,
     *exporting.CLASSES,
     *importing.CLASSES,
@@ -50,6 +53,7 @@ CLASSES = (
     *export.CLASSES,
     *materials_panels.CLASSES,
     *modalities_panels.CLASSES,
+    *rules_panels.CLASSES,
     *bake_panel.CLASSES,
     *live_output_panels.CLASSES,
     *file_menus.CLASSES,

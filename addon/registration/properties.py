@@ -6,7 +6,7 @@ import bpy
 from bpy.props import PointerProperty
 from bpy.types import Object, Scene
 
-from ..properties import bake, gltf, listener, live_output, materials, meters, modalities, object, scene, source
+from ..properties import bake, gltf, listener, live_output, materials, meters, modalities, object, rules, scene, source
 
 CLASSES = (
     *bake.CLASSES,
@@ -18,6 +18,7 @@ CLASSES = (
     *source.CLASSES,
     *listener.CLASSES,
     *object.CLASSES,
+    *rules.CLASSES,
     *scene.CLASSES,
 )
 """The property groups, each after those that it has in it."""

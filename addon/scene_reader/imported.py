@@ -92,6 +92,14 @@ class ImportedScene:
 
 
 @dataclass(frozen=True, slots=True)
+class ImportedRule:
+    """Of a rule for impacts: ``signal`` counts where its signal is the imported one."""
+
+    signal: Signal | None = None
+    numbers: Numbers = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class ImportedDevice:
     """Of a device."""
 
@@ -190,6 +198,14 @@ def imported_scene(text: str) -> ImportedScene:
     """Raises ValueError where the text is damaged."""
     form = stored(text, "scene")
     return ImportedScene(_float(form, "tolerance"), _float(form, "slack"), _numbers(form), form.get("extras", {}))
+
+
+@lru_cache(maxsize=1024)
+def imported_rule(text: str) -> ImportedRule:
+    """Raises ValueError where the text is damaged."""
+    form = stored(text, "rule")
+    with _damaged():
+        return ImportedRule(signal_from_dict(form["signal"]) if "signal" in form else None, _numbers(form))
 
 
 def imported_device(text: str) -> ImportedDevice:
@@ -295,6 +311,12 @@ _STORED: Mapping[str, dict[str, Any]] = {
             **{name: _ref(f"rules/properties/{rule}") for name, rule in RULES.items()},
         ),
         extras=_ref("extras"),
+    ),
+    "rule": _object(
+        signal=_ref("signal"),
+        numbers=_object(
+            others=False, **{name: _ref(f"impact_rule/properties/{name}") for name in ("least_energy", "full_energy", "refractory")}
+        ),
     ),
     "device": _object(profile=_ref("name"), extras=_ref("extras")),
     "contacts": _object(

@@ -28,6 +28,7 @@ def read_object(obj: Object) -> HapticObject:
         medium=haptics.medium,
         motion=read_motion(obj, imported.motion),
         impact_material=read_impact_material(obj) or imported.impact_material,
+        material=haptics.material.name,
     )
 
 

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """A problem that a designer should mend: the object's name ("" for the scene) and a message in the words of the panel."""
+    """A problem that a designer should mend: the object's name ("" for the scene) and a message in the words of the panel; ``rule``: where
+    it is in a table of rules, the table's name and the number of the row."""
 
     object: str
     message: str
+    rule: tuple[str, int] | None = None

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
 from ...core.contacts.tracker import Body
+from ...core.scene.impact_rule import ImpactRule
+from ...core.scene.rule_table import RuleTable
 from ...core.scene.values import Listener, Source
 from ..blender import compatibility
 from ..blender.progress import progress
@@ -30,6 +32,7 @@ from .objects import read_listener, read_object, read_source
 from .problem import Problem
 from .reading import Reading
 from .roles import haptic_carrier, is_silenced, is_tagged, solo_roles
+from .rules import read_impact_rule, read_table
 from .settings import read_contact_settings, read_settings
 from .signals import is_audible
 from .tagged import Tagged, TaggedLists
@@ -82,6 +85,8 @@ class SceneReader:
         self._settled: frozenset[str] = frozenset()
         self._imported = ImportedContacts()
         self._instance_problems: tuple[Problem, ...] = ()
+        self._impact_table: RuleTable[ImpactRule] = RuleTable()
+        self._rule_problems: list[Problem] = []
         self.solo_roles: frozenset[str] = frozenset()
 
     def forget(self) -> None:
@@ -109,11 +114,13 @@ class SceneReader:
         if self._session_ids is None or not np.array_equal(self._session_ids, ids):
             self._read_all(depsgraph, raw)
             self._imported.read(scene)
+            objects = [tagged.object for tagged in self._tagged.values() if tagged.object is not None]
+            self._impact_table, self._rule_problems = read_table(scene, "impact_table", objects, read_impact_rule)
             self._session_ids = ids
         lists = self._read_changed(depsgraph, raw)
         now, duration = seconds_of(scene, scene.frame_current), frame_seconds(scene)
         heard = [item for item in self._placed if is_audible(item, now, duration)]
-        contact_settings = read_contact_settings(scene)
+        contact_settings = read_contact_settings(scene, self._impact_table)
         if "source" in self.solo_roles:
             contact_settings = replace(contact_settings, impacts=False)
         return Reading(
@@ -124,7 +131,12 @@ class SceneReader:
             listeners=tuple(item for item in heard if isinstance(item, Listener)),
             settings=read_settings(scene),
             contact_settings=contact_settings,
-            problems=(*(Problem("", problem) for problem in self._imported.problems), *self._instance_problems, *lists.problems),
+            problems=(
+                *(Problem("", problem) for problem in self._imported.problems),
+                *self._instance_problems,
+                *self._rule_problems,
+                *lists.problems,
+            ),
             settled=self._settled,
             authored=self._imported.authored(lists.homes, self._settled, contact_settings),
         )
@@ -196,7 +208,7 @@ class SceneReader:
             try:
                 shape = self._shape(obj, depsgraph, scale)
                 haptic_object = read_object(obj)
-                body = Body(name=name, shape=shape, mass=haptic_object.mass, motion=haptic_object.motion, medium=haptics.medium)
+                body = Body(name, shape, haptic_object.mass, haptic_object.motion, haptics.medium, haptic_object.material)
                 home = imported_object(haptics.imported).pose if _is_as_imported(obj, scale) else None
             except ValueError as error:
                 problems.append(Problem(name, str(error)))

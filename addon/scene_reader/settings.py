@@ -5,13 +5,12 @@ from __future__ import annotations
 from bpy.types import Scene
 
 from ...core.contacts.tracker import ContactSettings
-from ...core.scene.rules import ImpactTemplates
+from ...core.scene.impact_rule import ImpactRule
+from ...core.scene.rule_table import RuleTable
 from ...core.scene.values import Settings
 from ..blender.single_precision import shortest
 from .imported import ImportedScene, exact, imported_scene
-
-TEMPLATES = {"MATERIALS": ImpactTemplates.BY_MATERIAL, "PLAIN": ImpactTemplates.PLAIN}
-"""By the choice of a scene."""
+from .rules import TEMPLATES
 
 
 def read_settings(scene: Scene) -> Settings:
@@ -28,8 +27,8 @@ def read_settings(scene: Scene) -> Settings:
     )
 
 
-def read_contact_settings(scene: Scene) -> ContactSettings:
-    """What counts as a contact and as an impact in a scene."""
+def read_contact_settings(scene: Scene, impact_table: RuleTable[ImpactRule]) -> ContactSettings:
+    """What counts as a contact and as an impact in a scene with this table."""
     haptics, imported = scene.haptics, _imported(scene)
     x, y, z = (shortest(g) for g in scene.gravity) if scene.use_gravity else (0.0, 0.0, 0.0)
     return ContactSettings(
@@ -43,6 +42,7 @@ def read_contact_settings(scene: Scene) -> ContactSettings:
         time_scale=max(shortest(scene.rigidbody_world.time_scale), 1e-3) if scene.rigidbody_world is not None else 1.0,
         impacts=haptics.impacts,
         templates=TEMPLATES[haptics.impact_signal],
+        impact_table=impact_table,
         **({} if imported.slack is None else {"slack": imported.slack}),
     )
 

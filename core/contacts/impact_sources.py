@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..scene.values import Source, SourceKind
+from ..scene.rules import ContactSettings, ImpactTemplates
+from ..scene.values import HapticObject, Source, SourceKind
 from ..signals import Signal, impact_template
 from .impacts import Impact
 
@@ -17,6 +18,24 @@ MOST_FRAMES = 4096
 
 _UNMOVED = 1e-5
 """Difference of poses, relative to the largest coordinate, below which a body has not moved: poses are float32."""
+
+
+@dataclass(frozen=True, slots=True)
+class Templates:
+    """What impacts between ``objects``, by name, play by the rules of ``settings``; ``plain`` where materials are unknown."""
+
+    settings: ContactSettings
+    objects: Mapping[str, HapticObject]
+    plain: Signal
+
+    def of(self, first: str, second: str) -> Signal:
+        """The signal of an impact of two objects."""
+        a, b = self.objects[first], self.objects[second]
+        template = self.settings.impact_rule((a.name, a.material), (b.name, b.material)).template
+        if isinstance(template, Signal):
+            return template
+        known = template is ImpactTemplates.BY_MATERIAL and a.impact_material and b.impact_material
+        return impact_template(a.impact_material, b.impact_material) if known else self.plain
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +64,9 @@ class Sounding:
         )
         return cls(impact, source, local, impact.time + signal.duration)
 
-    def of_materials(self, signal: Signal, materials: Mapping[str, str]) -> Sounding:
-        """The same impact, of bodies that have these materials now."""
-        first, second = self.source.object, self.source.second_object or ""
-        known = first in materials and second in materials
-        signal = impact_template(materials[first], materials[second]) if known else signal
+    def playing(self, templates: Templates) -> Sounding:
+        """The same impact, by these templates."""
+        signal = templates.of(self.source.object, self.source.second_object or "")
         if signal == self.source.signal:
             return self
         return replace(self, source=replace(self.source, signal=signal), end=self.impact.time + signal.duration)
@@ -70,10 +87,9 @@ class FrameImpacts:
 
 
 class ImpactSources:
-    """The sources of impacts while their templates sound. Impacts play ``signal`` unless the materials of both bodies are known."""
+    """The sources of impacts while their templates sound."""
 
-    def __init__(self, signal: Signal) -> None:
-        self._signal = signal
+    def __init__(self) -> None:
         self._sounding: list[Sounding] = []
 
     def clear(self) -> None:
@@ -86,25 +102,21 @@ class ImpactSources:
             return None
         return FrameImpacts(start, tuple(self._sounding), _struck_poses(self._sounding, transforms))
 
-    def recall(self, kept: FrameImpacts, materials: Mapping[str, str]) -> tuple[Impact, ...]:
-        """Have the impacts of a frame sound again, as bodies of these ``materials``; return those that it began."""
-        self._sounding = [sounding.of_materials(self._signal, materials) for sounding in kept.sounding]
+    def recall(self, kept: FrameImpacts, templates: Templates) -> tuple[Impact, ...]:
+        """Have the impacts of a frame sound again, by these ``templates``; return those that it began."""
+        self._sounding = [sounding.playing(templates) for sounding in kept.sounding]
         return tuple(sounding.impact for sounding in kept.sounding if sounding.impact.time > kept.start)
 
     def end_before(self, time: float) -> None:
         """Drop the sources whose templates have ended by ``time`` [s]."""
         self._sounding = [sounding for sounding in self._sounding if sounding.end > time]
 
-    def add(self, impacts: Sequence[Impact], names: Sequence[str], transforms: FloatArray, materials: Mapping[str, str]) -> None:
-        """Add sources for ``impacts`` of bodies called ``names`` (n,) at rigid world ``transforms`` (n, 4, 4).
-
-        materials: by body, a key of `IMPACT_MATERIALS`.
-        """
+    def add(self, impacts: Sequence[Impact], names: Sequence[str], transforms: FloatArray, templates: Templates) -> None:
+        """Add sources for ``impacts`` of bodies called ``names`` (n,) at rigid world ``transforms`` (n, 4, 4)."""
         for impact in impacts:
             first, second = impact.objects
             local = (_to_body(transforms[first], impact.positions[0]), _to_body(transforms[second], impact.positions[1]))
-            sounding = Sounding.of(impact, (names[first], names[second]), local, self._signal)
-            self._sounding.append(sounding.of_materials(self._signal, materials))
+            self._sounding.append(Sounding.of(impact, (names[first], names[second]), local, templates.plain).playing(templates))
 
     def places(self, transforms: FloatArray) -> tuple[IntArray, FloatArray]:
         """Return the bodies (2k,) of the k sources and the world positions (2k, 3) of the sources on them."""

@@ -22,7 +22,7 @@ def contacts_of_scene(scene: HapticScene, tolerance: float | None = None, patch_
     """
     chosen = [number for number, item in enumerate(scene.objects) if item.shape is not None]
     objects = [scene.objects[n] for n in chosen]
-    bodies = [Body(item.name, item.shape, item.mass, Motion.KINEMATIC, item.medium) for item in objects]
+    bodies = [Body(item.name, item.shape, item.mass, Motion.KINEMATIC, item.medium, item.material) for item in objects]
     given: dict[str, Any] = {"tolerance": tolerance, "patch_points": patch_points}
     rules = replace(scene.rules, **{key: value for key, value in given.items() if value is not None})
     tracker = ContactTracker(bodies, rules)

@@ -14,13 +14,19 @@ from .shapes import Shape
 @dataclass(frozen=True, slots=True)
 class Body:
     """An object as the tracker sees it. ``mass`` in kg, None where it has none. ``medium``: a volume (air, water) that touches what it
-    overlaps; a mesh then stands for its hull."""
+    overlaps; a mesh then stands for its hull. ``material``: as tables of rules name it."""
 
     name: str
     shape: Shape
     mass: float | None = None
     motion: Motion = Motion.DYNAMIC
     medium: bool = False
+    material: str = ""
+
+    @property
+    def named(self) -> tuple[str, str]:
+        """Name and material, for tables of rules."""
+        return self.name, self.material
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "motion", Motion(self.motion))

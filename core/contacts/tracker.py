@@ -154,6 +154,8 @@ class ContactTracker:
 
     def __init__(self, bodies: Sequence[Body], settings: ContactSettings | None = None) -> None:
         self.settings = settings or ContactSettings()
+        rules = self.settings.impact_rules()
+        self._least, self._refractory = min(rule.least_energy for rule in rules), max(rule.refractory for rule in rules)
         self._set(tuple(bodies))
         self.reset()
 
@@ -335,7 +337,7 @@ class ContactTracker:
         gain = float(np.linalg.norm(self.settings.gravity)) * self.settings.time_scale**2 * self._history.step * _SOON
         energy = self._energies(self._history.speeds() + gain)
         moving = self._history.moving()
-        if not np.any(moving & (energy >= self.settings.least_energy / 2)):
+        if not np.any(moving & (energy >= self._least / 2)):
             return np.zeros(len(moving), dtype=np.bool_)
         return np.asarray(moving & (self._mass > 0))
 
@@ -363,7 +365,7 @@ class ContactTracker:
         low, high = self._low, self._high
         paths, none = None, np.zeros(0, dtype=np.int64)
         gravity = np.array(self.settings.gravity) * self.settings.time_scale**2
-        least = self.settings.least_energy
+        least = self._least
         turning = self.settings.energy is ImpactEnergy.NORMAL
         if impacts and (turning or np.any(self._energies(self._history.speed_bound(gravity)) >= least / 2)):
             paths = self._history.paths(~self._dynamic, self._airborne, gravity)
@@ -496,7 +498,7 @@ class ContactTracker:
         able = able[~_among(near, struck)]
         arrived = key[pairs.touching & looked & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
         hits = self._hits(paths, able, arrived[_among(arrived, self._near[able])])
-        recent = [k for k, (when, _) in self._last_impact.items() if time - when <= self.settings.refractory + paths.duration]
+        recent = [k for k, (when, _) in self._last_impact.items() if time - when <= self._refractory + paths.duration]
         return hits.joined(self._landings(paths, pivoting[np.isin(key[pivoting], recent)], last))
 
     def _settle(self, before: BoolArray, distance: FloatArray, impacts: Sequence[Impact], first_frame: bool) -> None:
@@ -719,11 +721,12 @@ class ContactTracker:
             a, b = hits.pairs[k].tolist()
             key, when = a * len(self.bodies) + b, time - paths.duration + float(hits.after[k])
             last, speed = self._last_impact.get(key, (-np.inf, 0.0))
-            resting = when - last < self.settings.refractory and hits.approach[k] < _STRONGER * speed
-            if energies[k] < self.settings.least_energy or resting:
+            rule = self.settings.impact_rule(self.bodies[a].named, self.bodies[b].named)
+            resting = when - last < rule.refractory and hits.approach[k] < _STRONGER * speed
+            if energies[k] < rule.least_energy or resting:
                 continue
             self._last_impact[key] = when, float(hits.approach[k])
-            impacts.append(hits.impact(k, when, float(energies[k]), self.settings.full_energy))
+            impacts.append(hits.impact(k, when, float(energies[k]), rule.full_energy))
         return tuple(impacts)
 
     def _disturb(self, hits: Hits | None, paths: Paths) -> None:

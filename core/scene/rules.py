@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+from .impact_rule import ImpactRule
+from .impact_rule import ImpactTemplates as ImpactTemplates
+from .rule_table import RuleTable
 
 
 class Motion(enum.StrEnum):
@@ -22,13 +26,6 @@ class ImpactEnergy(enum.StrEnum):
     NORMAL = "normal"  # 1/2 mu v_n^2: relative motion along the normal, the same in every frame of reference
 
 
-class ImpactTemplates(enum.StrEnum):
-    """The signals that impacts play."""
-
-    PLAIN = "plain"  # one for all
-    BY_MATERIAL = "by_material"  # of the two impact materials, the plain one where either is unknown
-
-
 @dataclass(frozen=True, slots=True)
 class ContactSettings:
     """``tolerance``: a pair touches at a signed distance of at most so many metres, and goes on up to ``slack`` more.
@@ -37,7 +34,7 @@ class ContactSettings:
     An impact is a begin of contact with at least ``least_energy`` (E_min) joules; ``full_energy`` (E_max) gives amplitude 1; ``energy``
     says how it is computed. A pair makes no second impact within ``refractory`` seconds. ``gravity`` [m/s^2] accelerates dynamic bodies
     where too few frames show how they fall; ``time_scale``: simulated seconds per second of the timeline. ``impacts``: impacts make
-    temporary sources, which play the ``templates``.
+    temporary sources, which play the ``templates``. Where a row of ``impact_table`` fits a pair, its values count instead.
     """
 
     tolerance: float = 0.01
@@ -51,6 +48,7 @@ class ContactSettings:
     time_scale: float = 1.0
     impacts: bool = True
     templates: ImpactTemplates = ImpactTemplates.PLAIN
+    impact_table: RuleTable[ImpactRule] = field(default_factory=RuleTable)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "energy", ImpactEnergy(self.energy))
@@ -65,3 +63,12 @@ class ContactSettings:
         if len(gravity) != 3 or not all(math.isfinite(g) for g in gravity):
             raise ValueError(f"gravity: expected three finite numbers, got {self.gravity!r}")
         object.__setattr__(self, "gravity", gravity)
+
+    def impact_rules(self) -> tuple[ImpactRule, ...]:
+        """What counts where no row of the table fits, and the rows."""
+        general = ImpactRule(self.least_energy, self.full_energy, self.refractory, self.templates)
+        return general, *(row.does for row in self.impact_table.rows)
+
+    def impact_rule(self, first: tuple[str, str], second: tuple[str, str]) -> ImpactRule:
+        """What counts for impacts of two objects, each given by name and material."""
+        return self.impact_table.of(first, second) or self.impact_rules()[0]

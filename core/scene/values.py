@@ -100,7 +100,8 @@ class Pose:
 @dataclass(frozen=True, slots=True)
 class HapticObject:
     """Transmits haptic data. ``kappa`` and ``rho`` in [0, 1]. Contacts are found from ``shape`` (`core.contacts.shapes`) and ``pose``.
-    ``impact_material``: what it feels like when it is hit, a key of `IMPACT_MATERIALS`, "" where that is unknown."""
+    ``impact_material``: what it feels like when it is hit, a key of `IMPACT_MATERIALS`, "" where that is unknown. ``material``: what it is
+    made of by the library's name, for tables of rules."""
 
     name: str
     kappa: float
@@ -113,6 +114,7 @@ class HapticObject:
     extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
     motion: Motion = Motion.DYNAMIC
     impact_material: str = ""
+    material: str = ""
 
     def __post_init__(self) -> None:
         _name("name", self.name)

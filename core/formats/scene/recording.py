@@ -148,7 +148,7 @@ def frame_of(scene: HapticScene, number: int, time: float, detect: bool) -> Fram
     frame = Frame(number, time, scene.objects, scene.sources, scene.listeners, scene.settings)
     if detect:
         shaped = [item for item in scene.objects if item.shape is not None]
-        bodies = tuple(Body(item.name, item.shape, item.mass, item.motion, item.medium) for item in shaped)
+        bodies = tuple(Body(item.name, item.shape, item.mass, item.motion, item.medium, item.material) for item in shaped)
         transforms = np.array([pose_matrix(item.pose or Pose()) for item in shaped], dtype=np.float64).reshape(-1, 4, 4)
         return replace(frame, bodies=bodies, transforms=transforms)
     index = {name: i for i, name in enumerate(sorted(item.name for item in scene.objects))}

@@ -17,7 +17,7 @@ from ..io.error import FormatError, errors_in
 from ..io.json_text import compact
 from ..io.schema import validate, without_unknown_keys
 from ..io.strict_json import read_json
-from .values_json import json_value, read_contact, read_listener, read_object, read_source, read_value, scene_items
+from .values_json import json_value, read_contact, read_listener, read_object, read_rules, read_source, read_value, scene_items
 
 FORMAT = "haptic-scene"
 VERSION = "1.1"
@@ -111,7 +111,7 @@ def scene_of(document: Mapping[str, Any], file: str | Path) -> HapticScene:
             listeners=tuple(read_listener(form, ("listeners", i)) for i, form in enumerate(document.get("listeners", []))),
             settings=read_value(Settings, document.get("settings", {}), ("settings",)),
             extras=document.get("extras", {}),
-            rules=read_value(ContactSettings, document.get("rules", {}), ("rules",)),
+            rules=read_rules(document.get("rules", {}), ("rules",)),
         )
 
 
@@ -141,6 +141,8 @@ def scene_to_dict(scene: HapticScene) -> dict[str, Any]:
     if not scene.settings.localise:
         del settings["localise"]
     rules = {key.name: json_value(getattr(scene.rules, key.name)) for key in fields(ContactSettings)}
+    if not scene.rules.impact_table.rows:
+        del rules["impact_table"]
     document = {"format": FORMAT, "version": VERSION, "convention": CONVENTION, "settings": settings, "rules": rules, **scene_items(scene)}
     return {**document, "extras": json_value(scene.extras)} if scene.extras else document
 

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, fields
 from enum import Enum
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from ...contacts.shapes import Shape, shape_from_dict
 from ...scene.functions import ModulationFunction, function_from_dict
+from ...scene.impact_rule import ImpactRule
 from ...scene.references import Place, PlacedError
+from ...scene.rule_table import Rule, RuleTable, Side
+from ...scene.rules import ContactSettings
 from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source
 from ...signals import Signal, signal_from_dict
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 T = TypeVar("T")
 
@@ -32,6 +38,9 @@ def read_function(form: Mapping[str, Any], place: Place) -> ModulationFunction:
 def read_object(form: Mapping[str, Any], place: Place) -> HapticObject:
     """An object with its function, pose and shape."""
     arguments = dict(form)
+    if "material" not in form and isinstance(form.get("extras", {}).get("material"), str):  # where it was written at first
+        arguments["extras"] = dict(form["extras"])
+        arguments["material"] = arguments["extras"].pop("material")
     if "propagation" in form:
         arguments["propagation"] = read_function(form["propagation"], (*place, "propagation"))
     if "pose" in form:
@@ -63,6 +72,31 @@ def read_source(form: Mapping[str, Any], place: Place) -> Source:
     return read_value(Source, arguments, place)
 
 
+def read_rules(form: Mapping[str, Any], place: Place) -> ContactSettings:
+    """The rules of contacts and impacts, with their tables."""
+    arguments = dict(form)
+    if "impact_table" in form:
+        arguments["impact_table"] = read_table(form["impact_table"], (*place, "impact_table"), _read_impact_rule)
+    return read_value(ContactSettings, arguments, place)
+
+
+def read_table(forms: Sequence[Mapping[str, Any]], place: Place, read: Callable[[Mapping[str, Any], Place], T]) -> RuleTable[T]:
+    """A table of rules; ``read`` makes what a row does from the keys beside ``between``, which has none, one or both sides."""
+    rows = []
+    for i, form in enumerate(forms):
+        sides = [read_value(Side, side, (*place, i, "between", k)) for k, side in enumerate(form.get("between", []))]
+        first, second = (*sides, Side(), Side())[:2]
+        rows.append(Rule((first, second), read({key: value for key, value in form.items() if key != "between"}, (*place, i))))
+    return RuleTable(tuple(rows))
+
+
+def _read_impact_rule(form: Mapping[str, Any], place: Place) -> ImpactRule:
+    arguments = dict(form)
+    if isinstance(form.get("template"), dict):
+        arguments["template"] = _placed(lambda: signal_from_dict(form["template"]), form["template"], (*place, "template"))
+    return read_value(ImpactRule, arguments, place)
+
+
 def read_listener(form: Mapping[str, Any], place: Place) -> Listener:
     """A listener."""
     return read_value(Listener, form, place)
@@ -80,7 +114,7 @@ def _placed(make: Callable[[], T], form: Mapping[str, Any], place: Place) -> T:
         raise PlacedError((*place, *parts) if parts[0] in form else place, reason or keys) from None
 
 
-def item_to_dict(item: HapticObject | Contact | Source | Listener) -> dict[str, Any]:
+def item_to_dict(item: DataclassInstance) -> dict[str, Any]:
     """The JSON object of an item: positions always, other values where they differ from their default."""
     form: dict[str, Any] = {}
     for key in fields(item):
@@ -109,6 +143,8 @@ def json_value(value: Any) -> Any:
             return {"position": list(value.position), "rotation": list(value.rotation)}
         case ModulationFunction() | Shape() | Signal():
             return value.to_dict()
+        case RuleTable():
+            return [{"between": [item_to_dict(side) for side in row.between], **item_to_dict(row.does)} for row in value.rows]
         case Mapping():
             return {key: json_value(member) for key, member in value.items()}
         case list() | tuple():

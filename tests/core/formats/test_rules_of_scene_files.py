@@ -94,3 +94,58 @@ def test_faults_of_rules_name_their_place(tmp_path, rules, pointer):
     with pytest.raises(FormatError) as caught:
         read_export(scene_file(tmp_path / "a.json", rules=rules))
     assert caught.value.pointer == pointer
+
+
+KNOCK = {"signal": "decaying_sine", "frequency": 99.0, "decay": 0.05, "amplitude": 0.5}
+TABLE = [
+    {"between": [{"material": "Iron*"}], "least_energy": 1000.0},
+    {"between": [{"object": "cube"}, {"material": "Wood"}], "least_energy": 0.5, "full_energy": 1000.0, "template": KNOCK},
+]
+
+
+def made_of(path, **materials):
+    objects = json.loads(scene_file(path).read_text())["objects"]
+    return [{**item, "material": materials[item["name"]]} for item in objects]
+
+
+def test_an_impact_follows_the_row_of_its_pair(tmp_path):
+    energy = 2.0 * 9.81 * DROP
+    wood = scene_file(tmp_path / "a.json", objects=made_of(tmp_path / "a.json", cube="Iron", floor="Wood"), rules={"impact_table": TABLE})
+    (impact,) = impacts(wood)
+    assert impact.amplitude == pytest.approx(energy / 1000, rel=0.02)
+    assert {source.signal.to_dict() == KNOCK for result in played(wood) for source in result.sources} == {True}
+    iron = scene_file(tmp_path / "b.json", objects=made_of(tmp_path / "b.json", cube="Iron", floor="Stone"), rules={"impact_table": TABLE})
+    assert impacts(iron) == []
+    neither = scene_file(tmp_path / "c.json", objects=made_of(tmp_path / "c.json", cube="", floor="Stone"), rules={"impact_table": TABLE})
+    assert impacts(neither)[0].amplitude == pytest.approx(energy / 100, rel=0.02)
+
+
+def test_tables_are_written_as_they_were_read(tmp_path):
+    path = scene_file(tmp_path / "a.json", objects=made_of(tmp_path / "a.json", cube="Iron", floor="Wood"), rules={"impact_table": TABLE})
+    export = read_export(path)
+    write_export(export, tmp_path / "b.json")
+    document = json.loads((tmp_path / "b.json").read_text())
+    assert document["rules"]["impact_table"] == [{**TABLE[0], "between": [*TABLE[0]["between"], {}]}, TABLE[1]]
+    assert [item.get("material") for item in document["objects"]] == ["Wood", "Iron"]
+    assert read_export(tmp_path / "b.json").scene == export.scene
+
+
+def test_materials_that_stood_among_the_extras_are_read(tmp_path):
+    objects = [
+        {**item, "extras": {"material": "Wood", "note": 1}} for item in json.loads(scene_file(tmp_path / "a.json").read_text())["objects"]
+    ]
+    floor, _ = read_export(scene_file(tmp_path / "a.json", objects=objects)).scene.objects
+    assert (floor.material, floor.extras) == ("Wood", {"note": 1})
+
+
+@pytest.mark.parametrize(
+    ("row", "pointer"),
+    [({"between": [{}, {}, {}]}, "/between"), ({"between": [{"object": "a", "material": "b"}]}, "/between/0"),
+     ({"full_energy": 0}, "/full_energy"), ({"template": "loud"}, "/template"),
+     ({"template": {"signal": "sine", "frequency": 60}}, "/template"),
+     ({"template": {**KNOCK, "decay": -1}}, "/template/decay"), ({"colour": 1}, "/colour")],
+)  # fmt: skip
+def test_faults_of_rows_name_their_place(tmp_path, row, pointer):
+    with pytest.raises(FormatError) as caught:
+        read_export(scene_file(tmp_path / "a.json", rules={"impact_table": [{}, row]}))
+    assert caught.value.pointer == f"/rules/impact_table/1{pointer}"

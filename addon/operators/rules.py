@@ -1,0 +1,76 @@
+"""Operators that edit the tables of rules of a scene."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bpy.props import BoolProperty, EnumProperty
+from bpy.types import Context, Operator
+
+from ..blender.polling import UNDO, poll_object_mode
+from ..changes.revisions import mark_changed
+from ..properties.rules import TABLES
+
+
+class _OfTable:
+    """Mixin: an operator on one of the tables."""
+
+    bl_options = UNDO
+
+    table: EnumProperty(name="Table", description="The table of the scene", items=TABLES, options={"HIDDEN"})
+
+    poll = classmethod(poll_object_mode)
+
+    def _rows(self, context: Context) -> Any:
+        return getattr(context.scene.haptics, self.table)
+
+
+class HAPTIC_OT_add_rule(_OfTable, Operator):
+    """Add a rule for the material of the active object, else for that object, else for anything"""
+
+    bl_idname = "haptic.add_rule"
+    bl_label = "Add Rule"
+
+    def execute(self, context: Context) -> set[str]:
+        rows, obj = self._rows(context), context.object
+        row = rows.items.add()
+        if obj is not None and obj.haptics.enabled:
+            material = obj.haptics.material.name
+            row.first_kind, row.first = ("MATERIAL", material) if material else ("OBJECT", obj.name_full)
+        rows.active = len(rows.items) - 1
+        mark_changed()
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_remove_rule(_OfTable, Operator):
+    """Remove the active rule"""
+
+    bl_idname = "haptic.remove_rule"
+    bl_label = "Remove Rule"
+
+    def execute(self, context: Context) -> set[str]:
+        rows = self._rows(context)
+        rows.items.remove(rows.active)
+        rows.active = max(0, min(rows.active, len(rows.items) - 1))
+        mark_changed()
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_move_rule(_OfTable, Operator):
+    """Move the active rule; of equally specific rules the upper one counts"""
+
+    bl_idname = "haptic.move_rule"
+    bl_label = "Move Rule"
+
+    up: BoolProperty(name="Up", description="Towards the top of the table", options={"HIDDEN"})
+
+    def execute(self, context: Context) -> set[str]:
+        rows = self._rows(context)
+        place = max(0, min(rows.active + (-1 if self.up else 1), len(rows.items) - 1))
+        rows.items.move(rows.active, place)
+        rows.active = place
+        mark_changed()
+        return {"FINISHED"}
+
+
+CLASSES = (HAPTIC_OT_add_rule, HAPTIC_OT_remove_rule, HAPTIC_OT_move_rule)

@@ -1,0 +1,69 @@
+"""Lists of the tables of rules of a scene."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.types import Context, UILayout, UIList
+
+from ..properties.rules import SIDE_ITEMS
+from ..session import sessions
+from .texts import draw_sentence
+
+_ICONS = {kind: icon for kind, _, _, icon, _ in SIDE_ITEMS}
+_FIELDS = {"OBJECT": "objects", "MATERIAL": "items"}
+
+
+class HAPTIC_UL_rules(UIList):
+    """The rules of a table, each with the two sides that it is for."""
+
+    bl_idname = "HAPTIC_UL_rules"
+
+    def draw_item(
+        self, context: Context, layout: UILayout, data: Any, item: Any, icon: int, active_data: Any, active_property: str, index: int = 0
+    ) -> None:
+        row = layout.row(align=True)
+        for kind, name in ((item.first_kind, item.first), (item.second_kind, item.second)):
+            row.label(text=iface_("Anything") if kind == "ANY" else name, icon=_ICONS[kind], translate=False)
+        table = data.path_from_id().rpartition(".")[2]
+        if _problems(context, table, index):
+            row.label(icon="ERROR")
+
+
+def draw_table(layout: UILayout, context: Context, table: str) -> Any:
+    """Draw a table of the scene and what its active rule is for. Returns that rule, None where there is none."""
+    rows = getattr(context.scene.haptics, table)
+    row = layout.row()
+    row.template_list("HAPTIC_UL_rules", table, rows, "items", rows, "active", rows=3)
+    side = row.column(align=True)
+    side.operator("haptic.add_rule", text="", icon="ADD").table = table
+    if not 0 <= rows.active < len(rows.items):
+        return None
+    side.operator("haptic.remove_rule", text="", icon="REMOVE").table = table
+    for up, icon in ((True, "TRIA_UP"), (False, "TRIA_DOWN")):
+        button = side.operator("haptic.move_rule", text="", icon=icon)
+        button.table, button.up = table, up
+    for problem in _problems(context, table, rows.active):
+        draw_sentence(layout, problem, "ERROR")
+    rule = rows.items[rows.active]
+    _draw_side(layout, context, rule, "first")
+    _draw_side(layout, context, rule, "second")
+    return rule
+
+
+def _draw_side(layout: UILayout, context: Context, rule: Any, side: str) -> None:
+    kind = getattr(rule, f"{side}_kind")
+    column = layout.column(align=True)
+    column.prop(rule, f"{side}_kind")
+    if kind != "ANY":
+        owner = context.scene if kind == "OBJECT" else context.scene.haptics.materials
+        column.prop_search(rule, side, owner, _FIELDS[kind], text=" ", translate=False, icon=_ICONS[kind], results_are_suggestions=True)
+
+
+def _problems(context: Context, table: str, index: int) -> list[str]:
+    """What a designer should mend in a row."""
+    return [problem.message for problem in sessions.shown_problems(context.scene) if problem.rule == (table, index)]
+
+
+CLASSES = (HAPTIC_UL_rules,)

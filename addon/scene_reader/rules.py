@@ -1,0 +1,77 @@
+"""The tables of rules of a scene, from its properties."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from itertools import islice
+from typing import Any, TypeVar
+
+import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.types import Scene
+
+from ...core.formats import registry
+from ...core.scene.impact_rule import ImpactRule, ImpactTemplates
+from ...core.scene.rule_table import MOST_ROWS, Rule, RuleTable, Side
+from ...core.scene.values import HapticObject
+from ...core.signals import Signal
+from .imported import ImportedRule, exact, imported_rule
+from .problem import Problem
+
+Does = TypeVar("Does")
+
+TEMPLATES = {"MATERIALS": ImpactTemplates.BY_MATERIAL, "PLAIN": ImpactTemplates.PLAIN}
+"""By the choice of a scene or of a rule."""
+
+
+def read_table(
+    scene: Scene, table: str, objects: Iterable[HapticObject], read: Callable[[Any], tuple[Does, str]]
+) -> tuple[RuleTable[Does], list[Problem]]:
+    """A table of a scene of these haptic ``objects``, and what is wrong with its rows. ``read`` gives what a row does and what is wrong
+    with that, "" where nothing is."""
+    known = [(item.name, item.material) for item in objects] + [("", item.name) for item in scene.haptics.materials.items]
+    rows: list[Rule[Does]] = []
+    problems = []
+    for index, row in enumerate(islice(getattr(scene.haptics, table).items, MOST_ROWS)):
+        chosen = [side for side in ((row.first_kind, row.first), (row.second_kind, row.second)) if side[0] != "ANY"]
+        sides = [Side(object=name) if kind == "OBJECT" else Side(material=name) for kind, name in chosen]
+        does, fault = read(row)
+        faults = [_missing(*side) for side, means in zip(chosen, sides, strict=True) if not any(means.fits(*item) for item in known)]
+        faults += [iface_("choose what this rule is for")] if any(not name for _, name in chosen) else []
+        problems += [Problem("", message, (table, index)) for message in (*faults, fault) if message]
+        if all(name for _, name in chosen):
+            first, second = (*sides, Side(), Side())[:2]
+            rows.append(Rule((first, second), does))
+    return RuleTable(tuple(rows)), problems
+
+
+def _missing(kind: str, name: str) -> str:
+    if kind == "OBJECT":
+        return iface_("there is no haptic object '{}'").format(name)
+    return iface_("nothing is made of a material '{}'").format(name)
+
+
+def read_impact_rule(row: Any) -> tuple[ImpactRule, str]:
+    """What a row says of impacts; by material where its signal can't be played, with the reason."""
+    template: ImpactTemplates | Signal = ImpactTemplates.BY_MATERIAL
+    kept, fault = ImportedRule(), ""
+    try:
+        kept = imported_rule(row.imported)
+        template = _template(row, kept.signal)
+    except (OSError, ValueError) as error:
+        fault = str(error)
+    numbers = {name: exact(row, name, kept.numbers) for name in ("least_energy", "full_energy", "refractory")}
+    return ImpactRule(**numbers, template=template), fault
+
+
+def _template(row: Any, kept: Signal | None) -> ImpactTemplates | Signal:
+    if row.template == "KEPT":
+        return kept or ImpactTemplates.BY_MATERIAL
+    if row.template != "FILE":
+        return TEMPLATES[row.template]
+    if not row.filepath:
+        raise ValueError(iface_("its signal is a file, but none is chosen"))
+    channels = registry.read(bpy.path.abspath(row.filepath)).channels
+    if not channels:
+        raise ValueError(iface_("there is no vibration in its file"))
+    return channels[0].to_signal()
