@@ -3,46 +3,110 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, wait
 from dataclasses import dataclass
+from threading import Event, Thread
 
 import bpy
-from bpy.types import Context, Event, Header, Operator, WindowManager
+from bpy.types import Context, Header, Operator, WindowManager
+from bpy.types import Event as WindowEvent
 
-_rpt = bpy.app.translations.pgettext_rpt
+from .text import wrapped
+
+_iface, _rpt = bpy.app.translations.pgettext_iface, bpy.app.translations.pgettext_rpt
 
 BUDGET = 0.1
 """Seconds of work between two rounds of events."""
+WAIT = 0.02
+"""Seconds of waiting for the writing between two rounds of events."""
+LINE = 60
+"""Characters of a line of a question."""
 
 Report = tuple[set[str], str]
 
 
-class Job:
-    """``work`` yields after every one of ``total`` steps; ``finish`` is called after the last and returns what to report.
+class Cancelled(Exception):
+    """A job was cancelled."""
 
-    Nothing is written before ``finish``, so that a cancelled job leaves no files.
+
+class Job:
+    """Steps in Blender's thread, then writing in another: ``work`` yields ``total`` times, ``finish`` returns what to report.
+
+    ``finish`` gets the job, for `progress` and `ask`, and does not touch Blender's data. Nothing is written before it, so that a cancelled
+    job leaves no files.
     """
 
-    def __init__(self, label: str, total: int, work: Iterator[object], finish: Callable[[], list[Report]]) -> None:
+    def __init__(self, label: str, total: int, work: Iterator[object], finish: Callable[[Job], list[Report]]) -> None:
         self.label, self.total, self.done = label, max(total, 1), 0
+        self.asks = False
+        """Whether there is a window in which a question can be answered."""
+        self.question: tuple[str, ...] = ()
+        """Lines of the question that waits for an answer."""
         self._work, self._finish = work, finish
+        self._writing: Future[list[Report]] | None = None
+        self._written = 0.0
+        self._cancelled, self._answered, self._consent = Event(), Event(), False
 
     @property
     def factor(self) -> float:
-        """How much is done, 0 to 1."""
-        return min(self.done / self.total, 1.0)
+        """How much of the steps or, after the last, of the writing is done, 0 to 1."""
+        return min(self.done / self.total, 1.0) if self._writing is None else self._written
+
+    @property
+    def state(self) -> str:
+        """What is being done, in words."""
+        if self._writing is None:
+            return _iface("{}: {} of {} frames").format(_iface(self.label), self.done, self.total)
+        return _iface("Writing")
 
     def advance(self, seconds: float) -> list[Report] | None:
-        """Work for this many seconds, at least one step. Returns None where there is more to do. Raises what the work raises."""
-        until = time.perf_counter() + seconds
-        for _ in self._work:
-            self.done += 1
-            if time.perf_counter() >= until:
-                return None
-        return self._finish()
+        """Work for this many seconds, at least one step. Returns None where there is more to do.
+
+        Raises what the work raises, and `Cancelled`.
+        """
+        if self._writing is None:
+            if self._cancelled.is_set():
+                raise Cancelled
+            until = time.perf_counter() + seconds
+            for _ in self._work:
+                self.done += 1
+                if time.perf_counter() >= until:
+                    return None
+            self._writing = Future()
+            Thread(target=self._write, args=(self._writing,), name="haptics writing", daemon=True).start()
+        wait([self._writing], WAIT)
+        return self._writing.result() if self._writing.done() else None
+
+    def _write(self, result: Future[list[Report]]) -> None:
+        try:
+            result.set_result(self._finish(self))
+        except BaseException as error:  # raised again in Blender's thread
+            result.set_exception(error)
+
+    def progress(self, factor: float) -> None:
+        """Note how much is written. Raises `Cancelled`."""
+        if self._cancelled.is_set():
+            raise Cancelled
+        self._written = factor
+
+    def ask(self, question: Iterable[str]) -> bool:
+        """Wait for the answer to a question of some lines; yes where nobody can be asked."""
+        if not self.asks:
+            return True
+        self.question = tuple(question)
+        self._answered.wait()
+        return self._consent
+
+    def answer(self, consent: bool) -> None:
+        """Answer the question that waits."""
+        self.question, self._consent = (), consent
+        self._answered.set()
 
     def cancel(self) -> None:
-        """Cancel; the work restores what it changed."""
+        """Cancel, without waiting for the writing; the work restores what it changed."""
+        self._cancelled.set()
+        self.answer(False)
         close = getattr(self._work, "close", None)
         if close is not None:
             close()
@@ -69,6 +133,7 @@ def run(operator: Operator, context: Context, job: Job) -> set[str]:
         if _state.running is not None:
             operator.report({"ERROR"}, _rpt("{} is not done yet").format(_state.running.label))
             return {"CANCELLED"}
+        job.asks = True
         _state.running = job
         bpy.app.timers.register(_start, first_interval=0.05)  # the file browser closes first
         return {"FINISHED"}
@@ -108,22 +173,30 @@ class HAPTIC_OT_run_job(Operator):
     def poll(cls, context: Context) -> bool:
         return _state.running is not None
 
-    def invoke(self, context: Context, event: Event) -> set[str]:
+    def invoke(self, context: Context, event: WindowEvent) -> set[str]:
+        self._asked = False
         self._timer = context.window_manager.event_timer_add(0.01, window=context.window)
         context.window_manager.modal_handler_add(self)
         context.workspace.status_text_set(draw_status)
         return {"RUNNING_MODAL"}
 
-    def modal(self, context: Context, event: Event) -> set[str]:
+    def modal(self, context: Context, event: WindowEvent) -> set[str]:
         assert _state.running is not None
         if event.type == "ESC":
+            _state.running.cancel()
+        elif event.type != "TIMER":
+            return {"RUNNING_MODAL"}  # nothing else happens while the frames are stepped
+        if _state.running.question:
+            if not self._asked:
+                self._asked = True
+                bpy.ops.haptic.replace_files("INVOKE_DEFAULT")
+            return {"PASS_THROUGH"}
+        try:
+            reports = _state.running.advance(BUDGET)
+        except Cancelled:
             self.cancel(context)
             self.report({"WARNING"}, _rpt("Cancelled: nothing was written"))
             return {"CANCELLED"}
-        if event.type != "TIMER":
-            return {"RUNNING_MODAL"}  # nothing else happens while the frames are stepped
-        try:
-            reports = _state.running.advance(BUDGET)
         except (ValueError, OSError) as error:
             self.cancel(context)
             self.report({"ERROR"}, str(error))
@@ -151,6 +224,32 @@ class HAPTIC_OT_run_job(Operator):
         _redraw(context.window_manager)
 
 
+class HAPTIC_OT_replace_files(Operator):
+    """Replace files by ones that keep little of the vibration"""
+
+    bl_idname = "haptic.replace_files"
+    bl_label = "Replace Files?"
+    bl_options = {"INTERNAL"}
+
+    def invoke(self, context: Context, event: WindowEvent) -> set[str]:
+        return context.window_manager.invoke_props_dialog(self, width=420, confirm_text="Replace")
+
+    def draw(self, context: Context) -> None:
+        column = self.layout.column(align=True)
+        for text in _state.running.question if _state.running is not None else ():
+            for line in wrapped(text, LINE):
+                column.label(text=line)
+
+    def execute(self, context: Context) -> set[str]:
+        if _state.running is not None:
+            _state.running.answer(True)
+        return {"FINISHED"}
+
+    def cancel(self, context: Context) -> None:
+        if _state.running is not None:
+            _state.running.answer(False)
+
+
 def draw_status(header: Header, context: Context) -> None:
     """The status bar of Blender's window."""
     if _state.running is not None:
@@ -163,7 +262,7 @@ def draw_status(header: Header, context: Context) -> None:
 
 def draw_progress(layout: bpy.types.UILayout, job: Job) -> None:
     """Draw the progress bar."""
-    layout.progress(factor=job.factor, text=f"{job.label}: {job.done} of {job.total} frames")
+    layout.progress(factor=job.factor, text=job.state)
 
 
 def _redraw(manager: WindowManager) -> None:
@@ -182,4 +281,4 @@ def stop() -> None:
         _state.running = None
 
 
-CLASSES = (HAPTIC_OT_run_job,)
+CLASSES = (HAPTIC_OT_run_job, HAPTIC_OT_replace_files)

@@ -22,6 +22,8 @@ from .format_options import chosen, draw_options, option_properties
 if TYPE_CHECKING:
     from ...core.formats.export import Export
 
+_iface, _rpt = bpy.app.translations.pgettext_iface, bpy.app.translations.pgettext_rpt
+
 TRACK_FORMATS = tuple(name for name in FORMATS if name != "scene")
 SCENE_ENDINGS = (".json.gz", ".json")
 LINE = 34
@@ -54,13 +56,13 @@ class RangeExport(ExportHelper):
             raise ValueError(f"There is no collection '{self.collection}'")
         return {obj.name_full for obj in collection.all_objects}
 
-    def captured(self, context: Context, recorded: bool, felt: bool, finish: Callable[[Export], list[job.Report]]) -> set[str]:
+    def captured(self, context: Context, recorded: bool, felt: bool, finish: Callable[[Export, job.Job], list[job.Report]]) -> set[str]:
         """Step through the range, then ``finish``."""
         scene, start, end = context.scene, self.frame_start, self.frame_end
         track = None if recorded else playback.fitting_track(scene, start, end)
         work = capture.Capture(scene, start, end, recorded, felt, self.names(), track)
         name = export_name(self.filepath)
-        return job.run(self, context, job.Job("Exporting", work.frames, work.steps(), lambda: finish(work.export(name))))
+        return job.run(self, context, job.Job("Exporting", work.frames, work.steps(), lambda running: finish(work.export(name), running)))
 
     def draw_range(self, layout: UILayout) -> None:
         column = layout.column(align=True)
@@ -132,7 +134,7 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
         try:
             if self.frames == "RANGE":
                 return self.captured(context, True, self.tracks != "none", self._writer())
-            reports = self._writer()(self._current(context))
+            reports = self._writer()(self._current(context), None)
         except (ValueError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -145,11 +147,11 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
         scene = scene if names is None else frame_scene.within(scene, names)
         return frame_scene.written_export(export_name(self.filepath), context.scene, scene, names)
 
-    def _writer(self) -> Callable[[Export], list[job.Report]]:
+    def _writer(self) -> Callable[[Export, object], list[job.Report]]:
         """A function that writes the file once all frames are captured, when this operator no longer exists."""
         path, options = Path(bpy.path.abspath(self.filepath)), self._options()
 
-        def write(export: Export) -> list[job.Report]:
+        def write(export: Export, _: object) -> list[job.Report]:
             tracks = options["tracks"] if export.tracks is not None else "none"
             files = haptic_scene.write_export(export, path, tracks=tracks, encoding=options["encoding"])
             return written(files, registry.losses("scene", export, options))
@@ -198,20 +200,25 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
 
     def execute(self, context: Context) -> set[str]:
         try:
-            return self.captured(context, False, True, self._writer())
+            write = track_writer(self.format, Path(bpy.path.abspath(self.filepath)).parent, chosen(self, self.format))
+            return self.captured(context, False, True, write)
         except (ValueError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
 
-    def _writer(self) -> Callable[[Export], list[job.Report]]:
-        """See `HAPTIC_OT_export_scene`."""
-        name, folder, options = self.format, Path(bpy.path.abspath(self.filepath)).parent, chosen(self, self.format)
 
-        def write(export: Export) -> list[job.Report]:
-            done = registry.write(name, export, folder, options)
-            return written(done.files, done.losses)
+def track_writer(name: str, folder: Path, options: dict[str, Any]) -> Callable[[Export, job.Job], list[job.Report]]:
+    """A function that writes a format, and asks before files are replaced by ones that keep little of the vibration."""
 
-        return write
+    def write(export: Export, running: job.Job) -> list[job.Report]:
+        def consent(poor: registry.Written) -> bool:
+            files = ", ".join(path.name for path in poor.files[:3])
+            return running.ask((_iface("{} would be replaced by what does not carry").format(files) + ":", *poor.losses))
+
+        done = registry.write(name, export, folder, options, consent, running.progress)
+        return written(done.files, done.losses) if done.files else [({"WARNING"}, _rpt("Nothing was replaced"))]
+
+    return write
 
 
 def draw_losses(layout: UILayout, name: str, export: Export, options: dict[str, Any]) -> None:

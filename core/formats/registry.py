@@ -47,12 +47,17 @@ def losses(name: str, export: Export, chosen: Mapping[str, Value] = MappingProxy
 
 
 def write(
-    name: str, export: Export, folder: str | Path, chosen: Mapping[str, Value] = MappingProxyType({}), consent: Consent | None = None
+    name: str,
+    export: Export,
+    folder: str | Path,
+    chosen: Mapping[str, Value] = MappingProxyType({}),
+    consent: Consent | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> Written:
     """Write an export into an existing folder, and measure what the files keep of it.
 
-    Without consent, where that is asked for, nothing is written and there are no files in the result. Raises ValueError for invalid options
-    or contents, and OSError.
+    Without consent, where that is asked for, nothing is written and there are no files in the result. ``progress`` is called with the share
+    that is measured; where it raises an error, nothing is written. Raises ValueError for invalid options or contents, and OSError.
     """
     form = named(name)
     module, values = _module(form), complete(form.options, chosen)
@@ -60,7 +65,7 @@ def write(
     with staging(Path(folder)) as place:
         measures = module.keeps(values)
         has_tracks = export.tracks is not None and len(export.tracks.listeners) > 0
-        measured = Comparison(export.need_tracks(), measures) if has_tracks and measures else None
+        measured = Comparison(export.need_tracks(), measures, progress) if has_tracks and measures else None
         files = module.write(export, place.folder, values, measured)
         fidelity = None if measured is None else measured.result()
         targets = place.targets(files)

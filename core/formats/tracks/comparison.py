@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -119,11 +119,12 @@ class Comparison:
 
     ``add`` is called for each listener with consecutive pieces of the samples and of what the format plays instead: samples, or
     amplitudes for `Kind.LEVEL`. ``thinning``: of the latter every so-manyth is enough, since no format but those that keep samples has
-    frequencies above 1000 Hz.
+    frequencies above 1000 Hz. ``progress``: called after each piece with the share that is written; what it raises ends the writing.
     """
 
-    def __init__(self, tracks: Tracks, measures: Measures) -> None:
+    def __init__(self, tracks: Tracks, measures: Measures, progress: Callable[[float], None] | None = None) -> None:
         self.kind, self.low, self.high = measures.kind, measures.low, measures.high
+        self._progress, self._count, self._total = progress, 0, max(tracks.samples.size, 1)
         self._rate = tracks.sample_rate
         self.thinning = 1 if self.kind is Kind.SAMPLES else max(self._rate // LOWEST_RATE, 1)
         self._listeners = [_Listener(track.name, track.impacts[:, 0], self._rate, self.thinning, self.kind) for track in tracks.listeners]
@@ -131,6 +132,9 @@ class Comparison:
     def add(self, listener: int, original: FloatArray, decoded: FloatArray) -> None:
         """The next samples of a listener, shape (n,), and what is played instead, shape (ceil(n / thinning),)."""
         self._listeners[listener].add(original, decoded)
+        self._count += len(original)
+        if self._progress is not None:
+            self._progress(min(self._count / self._total, 1.0))
 
     def result(self) -> Fidelity | None:
         """The measures of all that was added; None for silence."""

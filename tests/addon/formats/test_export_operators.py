@@ -2,14 +2,17 @@
 
 import json
 import math
+import threading
 
 import bpy
 import numpy as np
 import pytest
 from haptic_tracing.core.formats import registry
+from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import read_export
 from haptic_tracing.core.formats.io.catalogue import named
 from haptic_tracing.core.formats.scene.recording import traced as traced_again
+from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 
 
 @pytest.fixture
@@ -121,6 +124,12 @@ def test_what_can_not_be_traced_writes_nothing(shaken, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def ended(work):
+    while (reports := work.advance(math.inf)) is None:
+        pass
+    return reports
+
+
 def test_a_job_goes_in_pieces_and_is_cancelled_without_a_trace(shaken, tmp_path):
     from haptic_tracing.addon.blender.job import Job
     from haptic_tracing.addon.io.capture import Capture
@@ -128,14 +137,59 @@ def test_a_job_goes_in_pieces_and_is_cancelled_without_a_trace(shaken, tmp_path)
     shaken.frame_set(7)
     finished = []
     capture = Capture(shaken, 1, 13, True, True)
-    work = Job("Exporting", capture.frames, capture.steps(), lambda: finished.append(capture.export("x")) or [])
+    work = Job("Exporting", capture.frames, capture.steps(), lambda _: finished.append(capture.export("x")) or [])
     assert work.advance(0.0) is None and work.done == 1 and work.factor == pytest.approx(1 / 13)
     work.cancel()
     assert shaken.frame_current == 7 and not finished
     capture = Capture(shaken, 1, 13, True, True)
-    work = Job("Exporting", capture.frames, capture.steps(), lambda: finished.append(capture.export("x")) or [])
-    assert work.advance(math.inf) == [] and work.factor == 1.0
+    work = Job("Exporting", capture.frames, capture.steps(), lambda _: finished.append(capture.export("x")) or [])
+    assert ended(work) == [] and work.done == 13
     assert finished[0].tracks.count == math.ceil(12 * 1.001 / 30 * 8000) and shaken.frame_current == 7
+
+
+@pytest.mark.parametrize("consent", [True, False])
+def test_a_poor_file_replaces_another_only_with_consent(tmp_path, consent):
+    from haptic_tracing.addon.blender.job import Job
+    from haptic_tracing.addon.operators.exporting import track_writer
+
+    def job(strength):
+        noise = np.random.default_rng(1).uniform(-strength, strength, (1, 8000))
+        export = Export("noise", tracks=Tracks((ListenerTrack("hand", "hand.L"),), 8000, noise))
+        return Job("Exporting", 1, iter(()), lambda running: track_writer("wyvrn", tmp_path, {})(export, running))
+
+    def contents():
+        return {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file() and ".part" not in str(path)}
+
+    ended(job(0.2))
+    before = contents()
+    second = job(0.9)
+    second.asks = True
+    while not second.question:
+        assert second.advance(1.0) is None
+    assert any("of the power" in line for line in second.question) and contents() == before
+    second.answer(consent)
+    reports = ended(second)
+    assert (contents() != before) == consent and (reports == [({"WARNING"}, "Nothing was replaced")]) != consent
+
+
+def test_cancelled_while_it_writes(tmp_path):
+    from haptic_tracing.addon.blender.job import Cancelled, Job
+    from haptic_tracing.addon.operators.exporting import track_writer
+
+    export = Export("noise", tracks=Tracks((ListenerTrack("hand", "hand.L"),), 8000, np.full((1, 8000), 0.5)))
+    begin = threading.Event()
+
+    def finish(running):
+        begin.wait()
+        return track_writer("hjif", tmp_path, {})(export, running)
+
+    work = Job("Exporting", 1, iter(()), finish)
+    assert work.advance(0.0) is None
+    work.cancel()
+    begin.set()
+    with pytest.raises(Cancelled):
+        ended(work)
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_bake_is_exported_without_tracing(shaken, tmp_path):
