@@ -13,6 +13,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import FORMATS, named
+from ...core.formats.tracks.comparison import sentences
 from ..bake import playback
 from ..blender import job
 from ..blender.text import wrapped
@@ -212,8 +213,8 @@ def track_writer(name: str, folder: Path, options: dict[str, Any]) -> Callable[[
 
     def write(export: Export, running: job.Job) -> list[job.Report]:
         def consent(poor: registry.Written) -> bool:
-            files = ", ".join(path.name for path in poor.files[:3])
-            return running.ask((_iface("{} would be replaced by what does not carry").format(files) + ":", *poor.losses))
+            question = _iface("The new files keep little of the vibration. Replace {}?").format(shown(poor.files))
+            return running.ask((question, *sentences(poor.fidelity)))
 
         done = registry.write(name, export, folder, options, consent, running.progress)
         return written(done.files, done.losses) if done.files else [({"WARNING"}, _rpt("Nothing was replaced"))]
@@ -239,10 +240,14 @@ def draw_losses(layout: UILayout, name: str, export: Export, options: dict[str, 
 
 def written(files: Collection[Path], losses: Collection[str]) -> list[job.Report]:
     """The report on written files and on what they can't carry."""
+    reports: list[job.Report] = [({"INFO"}, f"Not in {'these files' if len(files) > 1 else 'this file'}: {loss}") for loss in losses]
+    return [*reports[:MOST_REPORTED], ({"INFO"}, f"Written: {shown(files)}")]
+
+
+def shown(files: Collection[Path]) -> str:
+    """The names of the first three files, and how many more there are."""
     names = [path.name for path in files]
-    shown = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
-    reports: list[job.Report] = [({"INFO"}, f"Not in {'these files' if len(names) > 1 else 'this file'}: {loss}") for loss in losses]
-    return [*reports[:MOST_REPORTED], ({"INFO"}, f"Written: {shown}")]
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 
 
 def with_ending(path: str, known: Collection[str], ending: str) -> str:

@@ -104,8 +104,8 @@ def sentences(fidelity: Fidelity | None) -> Iterator[str]:
     if fidelity.lost_within is not None:
         yield f"{_percent(fidelity.lost_within)} of the power from {span}; {fidelity.worst} loses most"
     changes = [change for _, _, change in fidelity.band_levels]
-    by_band = f", by band {min(changes):+.1f} to {max(changes):+.1f} dB" if changes else ""
-    yield f"levels change by {fidelity.level:+.1f} dB{by_band}"
+    by_band = f", by band {min(changes):+z.1f} to {max(changes):+z.1f} dB" if changes else ""
+    yield f"levels change by {fidelity.level:+z.1f} dB{by_band}"
     if fidelity.onset is not None:
         yield f"onsets shift by up to {fidelity.onset:g} ms"
 

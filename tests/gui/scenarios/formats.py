@@ -34,6 +34,18 @@ def steps(window):
     window.seen["written"] = [path.name for path in folder.iterdir()] == ["ride.hjif"] and scene.frame_current == 40
     window.seen["read"] = len(registry.read(folder / "ride.hjif").channels) == sum(o.haptics.listener.enabled for o in scene.objects)
 
+    for _ in range(2):
+        yield from browse(window, "haptic_tracks", folder / "poor.haptic", format="haptic")
+        yield from press_in_browser("RET")
+        yield from until(lambda: job.running() is not None)
+        yield from until(lambda: job.running() is None or job.running().question)
+    before = {path: path.stat().st_mtime_ns for path in folder.glob("*.haptic")}
+    yield 1.0
+    window.save_picture("formats-replace")
+    yield from window.press("ESC")
+    yield from until(lambda: job.running() is None)
+    window.seen["asked before a poor file replaces one"] = bool(before) and before == {path: path.stat().st_mtime_ns for path in before}
+
     yield from browse(window, "haptic_scene", folder / "bench.json", frames="RANGE", tracks="wav")
     window.save_picture("formats-scene")
     yield from press_in_browser("RET")
