@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, fields
 from enum import Enum
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from ...scene.rule_table import Rule, RuleTable, Side
 from ...scene.rules import ContactSettings
 from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source
 from ...signals import Signal, signal_from_dict
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
 
 T = TypeVar("T")
 
@@ -114,7 +111,7 @@ def _placed(make: Callable[[], T], form: Mapping[str, Any], place: Place) -> T:
         raise PlacedError((*place, *parts) if parts[0] in form else place, reason or keys) from None
 
 
-def item_to_dict(item: DataclassInstance) -> dict[str, Any]:
+def item_to_dict(item: Any) -> dict[str, Any]:
     """The JSON object of an item: positions always, other values where they differ from their default."""
     form: dict[str, Any] = {}
     for key in fields(item):
