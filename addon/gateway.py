@@ -52,6 +52,8 @@ MODULES = (
     "addon.view.panel_picture",
     "addon.view.paths",
     "addon.view.watched",
+    "core.design.spectra",
+    "core.design.wishes",
     "core.devices.connection",
     "core.devices.mapping",
     "core.formats.haptic_scene",

@@ -8,6 +8,7 @@ from bpy.types import Context, Menu, Panel, UILayout, UIList
 
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.materials import MATERIALS
+from ..view import levels, watched
 from .drawing import HapticsPanel
 
 
@@ -68,4 +69,38 @@ class HAPTIC_PT_materials(HapticsPanel, Panel):
         layout.operator("haptic.physical_materials", icon="PHYSICS")
 
 
-CLASSES = (HAPTIC_UL_materials, HAPTIC_MT_materials, HAPTIC_PT_materials)
+class HAPTIC_PT_wishes(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_wishes"
+    bl_parent_id = "HAPTIC_PT_materials"
+    bl_label = "Design by Wish"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        shown = {level.listener: level for level in watched.levels_of(context.scene)}
+        column = layout.column(align=True)
+        column.label(text="Wished levels" if shown else "No listener: add one to feel something")
+        for name, level in shown.items():
+            obj = context.scene.objects.get(name)
+            if obj is not None:
+                row = column.split(factor=0.42, align=True)
+                row.prop(obj.haptics.listener, "use_wish", text=name, translate=False)
+                row = row.split(factor=0.55, align=True)
+                side = row.row()
+                side.active = obj.haptics.listener.use_wish
+                side.prop(obj.haptics.listener, "wish", text="")
+                row.label(text=levels.decibels(level.rms), translate=False)
+        column = layout.column(align=True)
+        items = context.scene.haptics.materials.items
+        column.label(text="Free materials" if items else "Add materials with +")
+        for item in items:
+            row = column.split(factor=0.42, align=True)
+            row.prop(item, "is_free", text=item.name, translate=False)
+            side = row.row(align=True)
+            side.active = item.is_free
+            side.prop(item, "least_k")
+            side.prop(item, "most_k")
+        layout.operator("haptic.design_by_wish", icon="SHADERFX")
+
+
+CLASSES = (HAPTIC_UL_materials, HAPTIC_MT_materials, HAPTIC_PT_materials, HAPTIC_PT_wishes)

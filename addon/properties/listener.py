@@ -63,6 +63,15 @@ class HapticListenerProperties(Imported, PropertyGroup):
         unit="LENGTH",
         update=_radius_edited,
     )
+    use_wish: BoolProperty(name="Wish", description="Fulfil Wishes brings this listener to the wished level", default=False, options=set())
+    wish: FloatProperty(
+        name="Level (dB)",
+        description="The level that this listener shall have, in decibels of full scale",
+        default=-20.0,
+        min=-90.0,
+        max=0.0,
+        options=set(),
+    )
     gain: FloatProperty(
         name="Gain",
         description="Makes this listener feel more or less; can be animated",

@@ -83,6 +83,18 @@ def unique_name(name: str, taken: set[str]) -> str:
     return next(candidate for k in range(1, len(taken) + 2) if (candidate := f"{stem}.{k:03d}") not in taken)
 
 
+def _bound(name: str, default: float) -> Any:
+    return FloatProperty(
+        name=name,
+        description="Bound of (1 - κ) ρ for Fulfil Wishes",
+        default=default,
+        min=0.001,
+        max=1.0,
+        precision=3,
+        options=set(),
+    )
+
+
 class HapticMaterial(PropertyGroup):
     """A material of the scene's library."""
 
@@ -109,6 +121,9 @@ class HapticMaterial(PropertyGroup):
         options=set(),
         update=_material_changed,
     )
+    is_free: BoolProperty(name="Free", description="Fulfil Wishes may change κ and ρ of this material", default=False, options=set())
+    least_k: _bound("Least", 0.01)
+    most_k: _bound("Most", 0.99)
 
 
 def _chosen(self: HapticObjectMaterial, context: Context) -> None:

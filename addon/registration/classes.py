@@ -20,6 +20,7 @@ from ..operators import (
     selection,
     tagging,
     tracing,
+    wishes,
 )
 from ..panels import bake as bake_panel
 from ..panels import export, file_menus, listener, object, object_menus, preferences, result, scene, source
@@ -38,6 +39,7 @@ CLASSES = (
     *modes.CLASSES,
     *felt.CLASSES,
     *materials.CLASSES,
+    *wishes.CLASSES,
     *body_kit.CLASSES,
     *rules.CLASSES,
     *bake.CLASSES,

@@ -10,6 +10,7 @@ from haptic_tracing.addon import gateway
 
 # Modules of the core that are data, or that scenes' properties are made of.
 LEAVES = {
+    "design",
     "devices",
     "diagnosis",
     "sentences",
