@@ -38,9 +38,9 @@ ENGLISH: Mapping[Cause, str] = {
     "the energy balance counts such gains as 1",
     Cause.PATH_BUDGET: "the search ended at its limit before the best paths were certain: see the error bounds",
     Cause.SUM_SET_BY_THRESHOLD: "the sum over all paths from '{source}' is set by its threshold: what lies below adds up without bound "
-    "(walk radius {radius}); the strategies Automatic and Energy Balance do not depend on it",
+    "(walk radius at least {radius}); the strategies Automatic and Energy Balance do not depend on it",
     Cause.SUM_SET_BY_CONNECTIONS: "the sum over all paths from '{source}' is set by Max Connections: longer paths add up without bound "
-    "(walk radius {radius}); the strategies Automatic and Energy Balance do not depend on it",
+    "(walk radius at least {radius}); the strategies Automatic and Energy Balance do not depend on it",
     Cause.SUM_TRUNCATED: "the limits leave out more than the tolerance of a sum over all paths from '{source}': see the error bounds",
     Cause.SUM_DIVERGES: "a sum over paths grows without bound: its gain is a lower bound; the strategy Energy Balance suits such a scene",
     Cause.SUM_BUDGET: "the search ended at its limit before a sum over paths was certain: its gain is a lower bound, see the error bounds",

@@ -226,7 +226,7 @@ class _Run:
         source = self.graph.sources[row].name
         if not radius.well_posed:
             cause = Cause.SUM_SET_BY_THRESHOLD if self.settings.threshold > 0 else Cause.SUM_SET_BY_CONNECTIONS
-            return Message.of(cause, source=source, radius=f"{radius.value:.2f}")
+            return Message.of(cause, source=source, radius=f"{radius.low:.2f}")
         return Message.of(Cause.SUM_TRUNCATED, source=source)
 
     def _taps(self, graph: HapticGraph, best: BestPaths, amplified: bool) -> dict[tuple[int, int], tuple[tuple[float, float], ...]]:

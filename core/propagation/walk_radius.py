@@ -7,9 +7,13 @@ is below 1: always in a forest, whose operator is nilpotent. Where it diverges, 
 twice, and a limited sum is set by its limits.
 
 For a vector x > 0 the ratios ``(W x)_i / x_i`` enclose the spectral radius (L. Collatz, Mathematische Zeitschrift 48, 1942; H. Wielandt,
-Mathematische Zeitschrift 52, 1950); for the lower bound x may vanish outside the cycles. Power iteration brings the two together. Where the
-upper bound q is below 1, the same vector bounds the rest of a Neumann series: exchanging the two sides of every contact turns W into its
-transpose, so ``W x <= q x`` gives a v with ``Wᵀ v <= q v``, and what follows after a term f <= c v sums to at most c q / (1 - q) v.
+Mathematische Zeitschrift 52, 1950); for the lower bound x may vanish outside the cycles. Power iteration brings the two together. A part of
+the contacts has no larger a radius than all of them: of objects with many contacts some that are near each other are examined first, and
+all of them only where these don't show already that sums diverge.
+
+Where the upper bound q is below 1, the same vector bounds the rest of a Neumann series: exchanging the two sides of every contact turns W
+into its transpose, so ``W x <= q x`` gives a v with ``Wᵀ v <= q v``, and what follows after a term f <= c v sums to at most
+c q / (1 - q) v.
 """
 
 from __future__ import annotations
@@ -20,7 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray
 from ..graph.contact_patches import contact_patches
 from ..graph.haptic_graph import HapticGraph, distances
 from .connections import LARGEST, intra_gains
@@ -29,16 +33,19 @@ DENSE = 24
 """Objects with at least this many contacts have their part of the operator as a dense matrix."""
 
 PAIRS = 1 << 23
-"""Most pairs of contacts inside objects; a scene with more is not examined."""
+"""Most pairs of contacts inside objects; of a scene with more only an excerpt is examined."""
+
+EXCERPTS = 128, 512
+"""Contacts of each object that are examined first, while the bounds don't say that sums diverge."""
 
 STEPS, CHECKED = 240, 8
 """Most steps of the power iteration, and steps between two evaluations of the bounds."""
 
-PRECISE = 0.005
-"""Relative width at which the bounds are precise enough."""
+PRECISE = 0.01
+"""Relative width at which bounds of 1 or more are precise enough."""
 
 SETTLED = 5e-4
-"""Relative change between two evaluations at which an upper bound below 1 is precise enough: nothing depends on the lower one then."""
+"""Relative change between two evaluations at which an upper bound below 1 is precise enough."""
 
 TERMS = 1000
 """Most terms of a Neumann series."""
@@ -55,7 +62,7 @@ NEGLIGIBLE = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class WalkRadius:
-    """Certified bounds on the spectral radius; ``high`` is infinite where the scene is too large to be examined."""
+    """Certified bounds on the spectral radius; ``high`` is infinite where only a part of the scene was examined."""
 
     low: float
     high: float
@@ -72,11 +79,13 @@ class WalkRadius:
 
 
 class WalkOperator:
-    """The walk operator of a graph and its spectral radius."""
+    """The walk operator of a graph, or of some of its ``contacts`` (c,), and its spectral radius."""
 
-    def __init__(self, graph: HapticGraph) -> None:
+    def __init__(self, graph: HapticGraph, contacts: BoolArray | None = None) -> None:
         self._graph = graph
         self._entry = np.flatnonzero(graph.partner >= 0)
+        if contacts is not None:
+            self._entry = self._entry[contacts[graph.contact[self._entry]]]
         self._number = np.full(graph.node_count, -1, dtype=np.int64)
         self._number[self._entry] = np.arange(len(self._entry))
         self._other_side = self._number[graph.partner[self._entry]]
@@ -86,8 +95,12 @@ class WalkOperator:
         self._cyclic = self._entries_on_cycles()
         self._vector: FloatArray = self._cyclic
         size = np.bincount(graph.node_object[self._entry], minlength=1)
-        if int((size * size).sum()) > PAIRS:
-            self.radius = WalkRadius(0.0, math.inf)
+        low = 0.0
+        for most in EXCERPTS:
+            if contacts is None and self.has_cycles and size.max() > most and low < 1:
+                low = WalkOperator(graph, self._excerpt(most)).radius.low
+        if low >= 1 or int((size * size).sum()) > PAIRS:
+            self.radius = WalkRadius(low, math.inf)
         else:
             self._assemble()
             self.radius = self._spectral_radius()
@@ -96,6 +109,18 @@ class WalkOperator:
     def has_cycles(self) -> bool:
         """Whether some patches lie on cycles: without them, any two places are connected by one path at most."""
         return bool(self._cyclic.any())
+
+    def _excerpt(self, most: int) -> BoolArray:
+        """The contacts (c,) without those that are not among the ``most`` of an object that are nearest to the middle of them all."""
+        graph = self._graph
+        object_of = graph.node_object[self._entry]
+        kept = np.ones(graph.contact_count, dtype=np.bool_)
+        for index in np.flatnonzero(np.bincount(object_of) > most).tolist():
+            nodes = self._entry[object_of == index]
+            position = graph.node_position[nodes]
+            away = distances(position, position.mean(axis=0))
+            kept[graph.contact[nodes[np.argsort(away, kind="stable")[most:]]]] = False
+        return kept
 
     def _assemble(self) -> None:
         """Gains of the intra-connections: in compressed rows, but of objects with many contacts as dense matrices."""
@@ -156,9 +181,13 @@ class WalkOperator:
                 before = high
                 if ratio < high:
                     high, self._vector = ratio, vector
-                low = max(low, self._lower_bound(vector, (1 - PRECISE) * high))
-                if low >= (1 - PRECISE) * high or (high < 1 and before - high < SETTLED * high):
+                if high < 1 and before - high < SETTLED * high:
+                    low = self._lower_bound(vector, (1 - PRECISE) * high)
                     break
+                if high >= 1:
+                    low = max(low, self._lower_bound(vector, (1 - PRECISE) * high))
+                    if low >= (1 - PRECISE) * high:
+                        break
             vector = vector / vector.max() + applied / applied.max()  # the mean of two steps: a cycle alone would oscillate
         return WalkRadius(low, high if len(inside) else 0.0)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -63,6 +64,40 @@ def test_radius_of_random_scenes(seed, extra, dense):
         assert found.high == 0
     assert found.well_posed == (found.high < 1)
     assert propagate(graph, ALL).statistics["walk_radius"] == pytest.approx(found.value, rel=1e-9)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(SEEDS, st.sampled_from([0.3, 0.6, 0.9]))
+def test_radius_of_a_part_of_the_contacts_is_a_lower_bound(seed, gain):
+    """All contacts are examined unless it is 1 or more."""
+    graph = graph_of_scene(connected_scene(seed, (Constant(gain_value=gain), Exponential(alpha=1.0)), extra=6, refined=True))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(walk_radius, "EXCERPTS", (3, 5))
+        found = WalkOperator(graph).radius
+    exact = radius(dense_operator(graph)[0])
+    assert found.low <= exact + 1e-7
+    assert found.low >= 1 or exact <= found.high * (1 + 1e-9) + 1e-4 * (found.high == 0)
+    assert not (found.well_posed and exact >= 1)
+
+
+@pytest.mark.parametrize("alpha", [1.0, 4.0])
+def test_pile_on_a_large_ground(alpha):
+    """Decided as by all eigenvalues, with a lower bound that is not far from the radius."""
+    generator = np.random.default_rng(3)
+    places = generator.uniform(0, 8, (160, 3)) * [1, 1, 0]
+    names = [f"box {k:03d}" for k in range(160)]
+    objects = tuple(HapticObject(name, 0, 1, Exponential(alpha=alpha)) for name in (*names, "ground"))
+    pairs = [(name, "ground") for name in names] + list(itertools.pairwise(names))
+    where = [*places, *((places[1:] + places[:-1]) / 2)]
+    contacts = tuple(Contact(pair, (tuple(place), tuple(place))) for pair, place in zip(pairs, where, strict=True))
+    graph = graph_of_scene(HapticScene(objects, contacts))
+    nodes = np.flatnonzero(graph.partner >= 0)
+    apart = np.linalg.norm(graph.node_position[nodes, None] - graph.node_position[nodes], axis=2)
+    inside = (graph.node_object[nodes, None] == graph.node_object[nodes]) & ~np.eye(len(nodes), dtype=bool)
+    matrix = np.where(inside, np.exp(-alpha * apart), 0.0)[:, np.searchsorted(nodes, graph.partner[nodes])]
+    found, exact = WalkOperator(graph).radius, radius(matrix)
+    assert 0.7 * exact <= found.low <= exact <= found.high
+    assert found.well_posed == (exact < 1)
 
 
 def lattice(rows: int, columns: int, gain: float, share: float = 1.0) -> HapticScene:
