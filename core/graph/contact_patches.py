@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, runs
 from .haptic_graph import HapticGraph
 
 
@@ -101,7 +101,7 @@ class _PatchMeans:
         self._patch = contact_patches(graph)
         count = graph.contact_count
         order = np.lexsort((-graph.share, self._patch))
-        first = np.flatnonzero(np.diff(self._patch[order], prepend=-1))
+        first, _ = runs(self._patch[order])
         of_patch = np.zeros(count, dtype=np.int64)
         of_patch[self._patch[order[first]]] = order[first]
         self.largest: IntArray = of_patch[self._patch]

@@ -21,7 +21,7 @@ from ..arrays import BoolArray, FloatArray, IntArray
 ITERATIONS = 2000
 """Most iterations."""
 
-FIRST_CHECK, CHECKED = 9, 3
+FIRST_CHECK, CHECKED = 11, 2
 """Iterations before the error is looked at first, and between two looks."""
 
 SMALLEST = 1e-300

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray, ranges, runs
 from ..graph.contact_patches import nodes_of_contacts
 from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
@@ -128,6 +128,14 @@ class _Attachments:
     share: FloatArray
     energy: FloatArray
 
+    def divided(self, count: int) -> tuple[_Attachments, _Attachments]:
+        """Those of the first ``count`` ends, and those of the others."""
+        cut = int(self.size[:count].sum())
+        return (
+            _Attachments(self.first[:count], self.size[:count], self.region[:cut], self.share[:cut], self.energy[:, :cut]),
+            _Attachments(self.first[count:] - cut, self.size[count:], self.region[cut:], self.share[cut:], self.energy[:, cut:]),
+        )
+
 
 class _Assembly:
     """The equations of all subsystems within ``hops`` contacts from the ends ``here``."""
@@ -148,7 +156,7 @@ class _Assembly:
         self._decay = 1.0 / np.where(self._passes, through, 1.0)
         self._balance = self._equations()
         self._total = self._balance.diagonal()
-        self._ends = self._attached(here), self._attached(there)
+        self._ends = self._attached(here.node + there.node).divided(len(here.node))
 
     def _squares(self, index: IntArray, distance: FloatArray) -> FloatArray:
         """Squares (lanes, n) of the gains of objects over distances; gains above 1 count as 1."""
@@ -177,15 +185,14 @@ class _Assembly:
         coupling = np.concatenate([value, value, through], axis=1)
         order = np.argsort(row, kind="stable")
         row, column, coupling = row[order], column[order], coupling[:, order]
-        blocked = ~self._passes[:, column]
         count = len(parts.mass)
-        leak = np.array([np.bincount(row, weights=np.where(b, c, 0.0), minlength=count) for b, c in zip(blocked, coupling, strict=True)])
         self._border_part = self._border_couplings()
         region, _, value, _ = self._border_part
-        if len(region):
-            leak += np.array([np.bincount(region, weights=v, minlength=count) for v in value])
-        leak = leak.reshape(self._lanes, count)
-        coupling[blocked | ~self._passes[:, row]] = 0.0
+        leak = _added(value, region, count)
+        if not self._passes.all():
+            blocked = ~self._passes[:, column]
+            leak += _added(np.where(blocked, coupling, 0.0), row, count)
+            coupling[blocked | ~self._passes[:, row]] = 0.0
         return PowerBalance(parts.mass * self._decay, leak, row, column, coupling, dense)
 
     def _contact_couplings(self) -> tuple[IntArray, IntArray, FloatArray]:
@@ -195,7 +202,7 @@ class _Assembly:
         size = parts.node.searchsorted(nodes, side="right") - first
         pairs = size.prod(axis=1)
         which = np.arange(len(nodes)).repeat(pairs)
-        number = np.arange(len(which)) - (pairs.cumsum() - pairs)[which]
+        number = ranges(np.zeros_like(pairs), pairs)
         a = first[which, 0] + number // size[which, 1]
         b = first[which, 1] + number % size[which, 1]
         value = self._contact_squares(nodes[:, 0])[:, which] * (parts.weight[a] * parts.weight[b])
@@ -211,8 +218,7 @@ class _Assembly:
         nodes = self._border[inside]
         first = parts.node.searchsorted(nodes, side="left")
         size = parts.node.searchsorted(nodes, side="right") - first
-        which = np.arange(len(nodes)).repeat(size)
-        place = np.arange(len(which)) + (first - size.cumsum() + size)[which]
+        which, place = np.arange(len(nodes)).repeat(size), ranges(first, size)
         beyond = graph.node_object[self._border[~inside]][which]
         return parts.region[place], beyond, self._contact_squares(nodes)[:, which] * parts.weight[place], parts.weight[place]
 
@@ -223,8 +229,7 @@ class _Assembly:
         """
         parts = self._parts
         loss = parts.mass * np.where(self._passes, self._decay, 0.0)
-        begin = np.flatnonzero(np.diff(parts.of_object, prepend=-1))
-        size = np.diff(np.append(begin, len(parts.of_object)))
+        begin, size = runs(parts.of_object)
         blocks = []
         for first, count in zip(begin[size >= DENSE].tolist(), size[size >= DENSE].tolist(), strict=True):
             part = slice(first, first + count)
@@ -234,24 +239,22 @@ class _Assembly:
             blocks.append((first, value))
         few = (size > 1) & (size < DENSE)
         begin, size = begin[few], size[few]
-        rows = np.arange(size.sum()) + (begin - size.cumsum() + size).repeat(size)
         each = size.repeat(size)
-        a = rows.repeat(each)
-        b = np.arange(len(a)) + (begin.repeat(size) - each.cumsum() + each).repeat(each)
+        a, b = ranges(begin, size).repeat(each), ranges(begin.repeat(size), each)
         a, b = a[a != b], b[a != b]
         value = self._squares(parts.of_object[a], distances(parts.centre[a], parts.centre[b]))
         return a, b, value * loss[:, a] * loss[:, b], blocks
 
-    def _attached(self, ends: _Ends) -> _Attachments:
-        """The ends and the subsystems of their objects: nearest ones, by the energy that gets there, have the largest shares."""
+    def _attached(self, nodes: list[int]) -> _Attachments:
+        """The ends at ``nodes`` and the subsystems of their objects: nearest ones, by the energy that gets there, have the largest shares."""
         graph, parts = self._graph, self._parts
-        node = np.array(ends.node, dtype=np.int64)
+        node = np.array(nodes, dtype=np.int64)
         index = graph.node_object[node]
         begin = parts.of_object.searchsorted(index, side="left")
         size = parts.of_object.searchsorted(index, side="right") - begin
         first = size.cumsum() - size
         which = np.arange(len(node)).repeat(size)
-        region = np.arange(len(which)) + (begin - first)[which]
+        region = ranges(begin, size)
         there = self._squares(index[which], distances(graph.node_position[node[which]], parts.centre[region]))
         at_once = self._squares(index, np.zeros(len(index)))[:, which]
         energy = np.minimum(1.0, np.divide(there, at_once, out=np.zeros_like(there), where=at_once > 0))
@@ -299,9 +302,9 @@ class _Assembly:
     def _outside(self, found: Balanced) -> FloatArray:
         """Bounds (lanes, here) on the error that comes of what is not assembled: what flows there, over dampings of at least 1."""
         region, beyond, _, weight = self._border_part
-        objects, which = np.unique(beyond, return_inverse=True)
         if len(region) == 0:
             return np.zeros(found.energy.shape[:2])
+        objects, which = np.unique(beyond, return_inverse=True)
         flow = _added(found.energy[:, :, region] * weight, which, len(objects))
         return np.asarray(flow.max(axis=2, initial=0.0))
 
@@ -319,8 +322,7 @@ class _Assembly:
         entry, exit_ = self._ends
         size = entry.size[a]
         which = np.arange(len(a)).repeat(size)
-        offset = np.arange(len(which)) - (size.cumsum() - size)[which]
-        one, other = entry.first[a][which] + offset, exit_.first[b][which] + offset
+        one, other = ranges(entry.first[a], size), ranges(exit_.first[b], size)
         region = entry.region[one]
         left = _added(entry.share[one] * exit_.share[other] * (self._decay / self._total)[:, region], which, len(a))
         left = np.where(size > 0, np.minimum(left, 1.0), 1.0)
@@ -341,12 +343,10 @@ def _within(contacts: IntArray, starts: IntArray, count: int, hops: int) -> Bool
     """Which of ``count`` objects are at most ``hops`` contacts (c, 2) away from the objects ``starts``."""
     reached = np.zeros(count, dtype=np.bool_)
     reached[starts] = True
-    found = int(np.count_nonzero(reached))
     for _ in range(hops):
         inside = reached[contacts]
-        reached[contacts[inside[:, 0], 1]] = True
-        reached[contacts[inside[:, 1], 0]] = True
-        before, found = found, int(np.count_nonzero(reached))
-        if found == before:
+        onwards = inside[:, 0] ^ inside[:, 1]
+        if not onwards.any():
             break
+        reached[contacts[onwards]] = True
     return reached

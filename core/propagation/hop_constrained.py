@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, ranges
 from ..graph.haptic_graph import HapticGraph
 from .connections import intra_costs
 
@@ -91,7 +91,7 @@ def hop_constrained_paths(
         size = np.diff(graph.start)[index]
         for chosen in _chunks(size):
             which = np.repeat(chosen, size[chosen])
-            other = np.arange(len(which)) + np.repeat(graph.start[index[chosen]] - np.cumsum(size[chosen]) + size[chosen], size[chosen])
+            other = ranges(graph.start[index[chosen]], size[chosen])
             relaxed += _relax(graph, node, cost, limit, which, other, best, entry)
         changed = np.flatnonzero(entry >= 0)
         if len(changed) == 0:

@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, ranges
 from ..graph.haptic_graph import HapticGraph
 from .connections import intra_costs
 
@@ -156,7 +156,7 @@ def _relax_cheapest(work: _Relaxation, row: IntArray, node: IntArray, cost: Floa
             batches.append((row[later], node[later], cost[later]))
             row, node, cost, index, size = row[order], node[order], cost[order], index[order], size[order]
         which = np.arange(len(row)).repeat(size)
-        other = np.arange(len(which)) + (graph.start[index] - size.cumsum() + size)[which]
+        other = ranges(graph.start[index], size)
         other += other >= node[which]  # all nodes of the object but the entry itself
         batches.append(_relax(work, row, node, cost, which, other))
     if len(batches) == 1:

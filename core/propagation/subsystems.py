@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, runs
 from ..graph.contact_patches import contact_patches
 from ..graph.haptic_graph import HapticGraph, NoGain, ObjectTable, distances
 
@@ -26,6 +26,12 @@ FARTHEST = 2.0**40
 
 HIGHEST = 1e140
 """Distances above this are cut to this: their squares have to be numbers."""
+
+DENSE = 64
+"""Cells for each row that is numbered, up to which all cells are numbered."""
+
+CORNERS = np.array(list(itertools.product((0, 1), repeat=3)))
+"""The lattice points around a place, relative to the lowest."""
 
 LIGHTEST = 1e-100
 """Least mass of a region: its reciprocal has to be a number."""
@@ -64,8 +70,8 @@ class Subsystems:
 def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
     """The subsystems that contact nodes ``nodes`` (sorted) belong to."""
     object_of = graph.node_object[nodes]
-    new = np.diff(object_of, prepend=-1) != 0
-    used, slot = object_of[new], np.cumsum(new) - 1
+    begin, size = runs(object_of)
+    used, slot = object_of[begin], np.arange(len(begin)).repeat(size)
     contact = graph.contact[nodes]
     strength = graph.share[contact] * graph.weight[contact]
     position = graph.node_position[nodes]
@@ -77,8 +83,7 @@ def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
         whole = np.asarray(total[patch[contact]], dtype=np.float64)
         entity = _by_patch(*entity, patch[contact[which]])
     centre, distance, largest = _extents(*entity, len(of_object))
-    strongest = np.zeros(len(used))
-    np.maximum.at(strongest, slot, whole)
+    strongest = np.maximum.reduceat(whole, begin)
     mass = np.where(divided, np.clip(largest / strongest[used.searchsorted(of_object)], LIGHTEST, 1.0), 1.0)
     return Subsystems(of_object, centre, distance, mass, nodes[which], region, weight)
 
@@ -96,9 +101,8 @@ def _attached(
     unknown = np.flatnonzero(np.isnan(middle[:, 0]))
     if len(unknown):
         middle[unknown] = _centroids(position, strength, slot, count)[unknown]
-    relative = np.clip(position - middle[slot], -HIGHEST, HIGHEST)
-    farthest = np.zeros(count)
-    np.maximum.at(farthest, slot, distances(relative, np.zeros(3)))
+    relative = np.minimum(np.maximum(position - middle[slot], -HIGHEST), HIGHEST)
+    farthest = np.maximum.reduceat(distances(relative, np.zeros(3)), runs(slot)[0])
     spacing = damping_lengths(graph.table, used, np.minimum(2 * farthest, HIGHEST))
     divided = farthest > spacing / 2
     everyone = np.arange(len(slot))
@@ -106,7 +110,8 @@ def _attached(
         return everyone, slot, np.ones(len(slot)), used, np.zeros(count)
     inside = divided[slot]
     chosen = np.flatnonzero(inside)
-    local = (graph.frames.axes[used[slot[chosen]]] * relative[chosen][:, :, None]).sum(axis=1)
+    axes, off = graph.frames.axes[used[slot[chosen]]], relative[chosen]
+    local = axes[:, 0] * off[:, :1] + axes[:, 1] * off[:, 1:2] + axes[:, 2] * off[:, 2:]
     contacts = np.asarray(np.bincount(slot, weights=strength, minlength=count), dtype=np.float64)
     contact, cell, weight = _lattice(local, spacing, slot[chosen], contacts)
     contact = chosen[contact]
@@ -132,19 +137,15 @@ def _centroids(position: FloatArray, strength: FloatArray, slot: IntArray, count
 
 
 def _lattice(local: FloatArray, spacing: FloatArray, slot: IntArray, contacts: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
-    """The lattice points around places ``local`` (n, 3) on objects ``slot`` (n,): number of the place, point (3,), weight > 0."""
+    """The lattice points around places ``local`` (n, 3) on objects ``slot`` (n,): number of the place, sorted, point (3,), weight > 0."""
     step = _coarsened(local, spacing, slot, contacts)[slot, None]
-    along = np.sign(local) * np.clip(np.abs(local) / step - 0.5, 0.0, FARTHEST)
+    along = np.sign(local) * np.minimum(np.maximum(np.abs(local) / step - 0.5, 0.0), FARTHEST)
     base = np.floor(along)
-    part = along - base
-    places, points, weights = [], [], []
-    for corner in itertools.product(*((0, 1) if along_axis.any() else (0,) for along_axis in part.T)):
-        weight = np.where(corner, part, 1.0 - part).prod(axis=1)
-        here = np.flatnonzero(weight > 0)
-        places.append(here)
-        points.append(base[here].astype(np.int64) + corner)
-        weights.append(weight[here])
-    return np.concatenate(places), np.concatenate(points), np.concatenate(weights)
+    x, y, z = np.stack([1.0 - (along - base), along - base], axis=-1).transpose(1, 0, 2)
+    weight = (x[:, :, None, None] * y[:, None, :, None] * z[:, None, None, :]).reshape(-1)
+    near = np.flatnonzero(weight)
+    place, corner = near // len(CORNERS), near % len(CORNERS)
+    return place, base[place].astype(np.int64) + CORNERS[corner], weight[near]
 
 
 def _coarsened(local: FloatArray, spacing: FloatArray, slot: IntArray, contacts: FloatArray) -> FloatArray:
@@ -153,10 +154,9 @@ def _coarsened(local: FloatArray, spacing: FloatArray, slot: IntArray, contacts:
     Regions are no more than the lattice points within the extents of the contacts, nor than eight for each contact. The harmonic mean of
     the two is a continuous estimate.
     """
-    low, high = np.full((len(spacing), 3), math.inf), np.full((len(spacing), 3), -math.inf)
-    np.minimum.at(low, slot, local)
-    np.maximum.at(high, slot, local)
-    extent = np.maximum(high - low, 0.0)
+    begin, _ = runs(slot)
+    extent = np.zeros((len(spacing), 3))
+    extent[slot[begin]] = np.maximum.reduceat(local, begin) - np.minimum.reduceat(local, begin)
     result = spacing.copy()
     around = 8 * contacts
     most = np.divide(REGIONS * around, around - REGIONS, out=np.full(len(around), math.inf), where=around > REGIONS)
@@ -173,15 +173,17 @@ def _coarsened(local: FloatArray, spacing: FloatArray, slot: IntArray, contacts:
 def _numbered(keys: IntArray) -> tuple[IntArray, IntArray]:
     """Distinct rows of ``keys`` (n, 4) in ascending order, of which the first column is returned, and the number of each row."""
     low = keys.min(axis=0)
-    size = keys.max(axis=0) - low + 1
-    if math.prod(size.tolist()) < 2**62:
-        key = keys[:, 0] - low[0]
-        for column in range(1, 4):
-            key = key * size[column] + (keys[:, column] - low[column])
-        _, first, which = np.unique(key, return_index=True, return_inverse=True)
-    else:
+    size = (keys.max(axis=0) - low + 1).tolist()
+    if math.prod(size) >= 2**62:
         _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    return keys[first, 0], which.reshape(-1)
+        return keys[first, 0], which.reshape(-1)
+    key = np.ravel_multi_index(tuple((keys - low).T), size)
+    if math.prod(size) > DENSE * len(keys):
+        cells, which = np.unique(key, return_inverse=True)
+    else:
+        taken = np.bincount(key) > 0
+        cells, which = np.flatnonzero(taken), (taken.cumsum() - 1)[key]
+    return cells // math.prod(size[1:]) + low[0], which
 
 
 def _by_patch(strength: FloatArray, position: FloatArray, region: IntArray, patch: IntArray) -> tuple[FloatArray, FloatArray, IntArray]:

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray, ranges, runs
 from ..graph.contact_patches import contact_patches
 from ..graph.haptic_graph import HapticGraph, distances
 from .connections import LARGEST, intra_gains
@@ -126,8 +126,7 @@ class WalkOperator:
         """Gains of the intra-connections: in compressed rows, but of objects with many contacts as dense matrices."""
         graph = self._graph
         object_of = graph.node_object[self._entry]
-        begin = np.flatnonzero(np.diff(object_of, prepend=-1))
-        size = np.diff(np.append(begin, len(object_of)))
+        begin, size = runs(object_of)
         self._blocks: list[tuple[slice, FloatArray]] = []
         for first, count in zip(begin[size >= DENSE].tolist(), size[size >= DENSE].tolist(), strict=True):
             part = slice(first, first + count)
@@ -137,10 +136,10 @@ class WalkOperator:
             self._blocks.append((part, np.minimum(gains, LARGEST)))
         few = (size > 1) & (size < DENSE)
         begin, size = begin[few], size[few]
-        self._row = np.arange(size.sum()) + (begin - size.cumsum() + size).repeat(size)
+        self._row = ranges(begin, size)
         each = size.repeat(size)
         self._first = each.cumsum() - each
-        self._column = np.arange(each.sum()) + (begin.repeat(size) - self._first).repeat(each)
+        self._column = ranges(begin.repeat(size), each)
         self._gain = self._gains(self._row.repeat(each), self._column)
 
     def _gains(self, a: IntArray, b: IntArray) -> FloatArray:
@@ -254,7 +253,7 @@ class WalkOperator:
         begin = object_of.searchsorted(self._graph.node_object[own], side="left")
         size = object_of.searchsorted(self._graph.node_object[own], side="right") - begin
         which = np.arange(len(own)).repeat(size)
-        entry = np.arange(len(which)) + (begin - size.cumsum() + size).repeat(size)
+        entry = ranges(begin, size)
         gain, _ = intra_gains(self._graph, own[which], self._entry[entry])
         return _Steps(which, entry, gain)
 

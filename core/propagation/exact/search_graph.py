@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, ranges
 from ...graph.haptic_graph import HapticGraph
 from ..connections import band_factors, intra_gains
 
@@ -44,9 +44,7 @@ class Arcs:
         """For states at ``entry``: which state and which step, for all steps of each state or its first ``count``."""
         first = self.start[entry]
         size = self.size[entry] if count is None else count
-        last = size.cumsum()
-        which = np.arange(len(entry)).repeat(size)
-        return which, np.arange(len(which)) + (first - last + size)[which]
+        return np.arange(len(entry)).repeat(size), ranges(first, size)
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +119,7 @@ def _rows(
     for begin, end in _chunks(size):
         count = size[begin:end]
         which = np.arange(begin, end).repeat(count)
-        place = np.arange(len(which)) + (first[begin:end] - count.cumsum() + count).repeat(count)
+        place = ranges(first[begin:end], count)
         a, b = nodes[which], targets[place]
         kept = (a != b).nonzero()[0]
         which, place, a, b = which[kept], place[kept], a[kept], b[kept]

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, runs
 
 BITS = 7
 FIELD = (1 << BITS) - 1
@@ -408,7 +408,7 @@ def _add(values: FloatArray, moves: _Moves, terms: FloatArray) -> None:
         return
     target = np.array(moves.target)
     order = np.argsort(target, kind="stable")
-    begin = np.flatnonzero(np.diff(target[order], prepend=-1))
+    begin, _ = runs(target[order])
     values[target[order[begin]]] += np.add.reduceat(terms[order], begin, axis=0)
 
 
