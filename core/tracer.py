@@ -14,7 +14,6 @@ import numpy as np
 from .collisions import CollisionDetector, Collisions, Frame
 from .contacts.tracker import ContactSettings
 from .graph.haptic_graph import ObjectTable, build_graph
-from .graph.object_frames import ObjectFrames
 from .propagation import propagate
 from .propagation.reuse import Inputs, Propagated
 from .render.frame_result import FrameResult
@@ -66,8 +65,8 @@ class Tracer:
         if not again:
             self._start = next(t for t in (collisions.start, self._time, frame.time) if t is not None)
         watch = _Stopwatch(dict(collisions.milliseconds))
-        inputs = Inputs(table, collisions.contacts, frame.sources + collisions.sources, frame.listeners, frame.settings)
-        propagated = self._propagate(inputs, collisions.frames, watch)
+        inputs = Inputs(table, collisions.contacts, frame.sources + collisions.sources, frame.listeners, frame.settings, collisions.frames)
+        propagated = self._propagate(inputs, watch)
         block = None
         if not again:
             block = self._mixdown.render(self._time, frame.time, inputs.sources, frame.listeners, propagated.propagation)
@@ -101,11 +100,11 @@ class Tracer:
             self._table = ObjectTable.of(frame.objects, frame.settings.epsilon)
         return self._table
 
-    def _propagate(self, inputs: Inputs, frames: ObjectFrames | None, watch: _Stopwatch) -> Propagated:
+    def _propagate(self, inputs: Inputs, watch: _Stopwatch) -> Propagated:
         """Return graph and gains, those of the last frame where its inputs were the same."""
         known = self._propagated
         if known is None or not known.inputs.same_as(inputs):
-            graph = build_graph(inputs.table, inputs.contacts, inputs.sources, inputs.listeners, frames)
+            graph = build_graph(inputs.table, inputs.contacts, inputs.sources, inputs.listeners, inputs.frames)
             watch.lap("graph")
             known = self._propagated = Propagated(inputs, graph, propagate(graph, inputs.settings, sounding_only=True))
         else:

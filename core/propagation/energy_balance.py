@@ -246,7 +246,7 @@ class _Assembly:
         return a, b, value * loss[:, a] * loss[:, b], blocks
 
     def _attached(self, nodes: list[int]) -> _Attachments:
-        """The ends at ``nodes`` and the subsystems of their objects: nearest ones, by the energy that gets there, have the largest shares."""
+        """Ends at ``nodes`` and the subsystems of their objects: nearest ones, by the energy that gets there, have the largest shares."""
         graph, parts = self._graph, self._parts
         node = np.array(nodes, dtype=np.int64)
         index = graph.node_object[node]

@@ -6,27 +6,31 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import NamedTuple
 
+import numpy as np
+
 from ..contacts.contact_set import ContactSet
 from ..contacts.tracker import STILL
 from ..graph.haptic_graph import HapticGraph, ObjectTable
+from ..graph.object_frames import ObjectFrames
 from ..scene.values import Listener, Settings, Source
 from .result import Propagation
 
 
 class Inputs(NamedTuple):
-    """What graph and gains of a frame depend on."""
+    """All that graph and gains of a frame depend on; ``frames``: where the objects lie, None where the strategy does not ask for it."""
 
     table: ObjectTable
     contacts: ContactSet
     sources: tuple[Source, ...]
     listeners: tuple[Listener, ...]
     settings: Settings
+    frames: ObjectFrames | None
 
     def same_as(self, other: Inputs) -> bool:
         """Whether nothing differs but positions by less than `STILL`."""
         if self.table is not other.table or self.contacts is not other.contacts or self.settings != other.settings:
             return False
-        return _same(self.sources, other.sources) and _same(self.listeners, other.listeners)
+        return _same(self.sources, other.sources) and _same(self.listeners, other.listeners) and _same_frames(self.frames, other.frames)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +44,14 @@ class Propagated:
 
 def _same(first: Sequence[Source | Listener], second: Sequence[Source | Listener]) -> bool:
     return len(first) == len(second) and all(a is b or _same_item(a, b) for a, b in zip(first, second, strict=True))
+
+
+def _same_frames(one: ObjectFrames | None, other: ObjectFrames | None) -> bool:
+    """Whether neither centres [m] nor the ends of axes of a metre differ by more than `STILL`."""
+    if one is None or other is None:
+        return one is other
+    pairs = (one.centre, other.centre), (one.axes, other.axes)
+    return all(np.allclose(a, b, rtol=0.0, atol=STILL, equal_nan=True) for a, b in pairs)
 
 
 def _same_item(a: Source | Listener, b: Source | Listener) -> bool:

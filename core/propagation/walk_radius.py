@@ -95,6 +95,7 @@ class WalkOperator:
         self._cyclic = self._entries_on_cycles()
         self._vector: FloatArray = self._cyclic
         size = np.bincount(graph.node_object[self._entry], minlength=1)
+        self.radius: WalkRadius
         low = 0.0
         for most in EXCERPTS:
             if contacts is None and self.has_cycles and size.max() > most and low < 1:
