@@ -107,6 +107,15 @@ def _bake(parser: Parser) -> None:
         help='a property, such as objects["Bench"].haptics.kappa=0.2 or scene.haptics.threshold=0',
     )
     _add_format_options(parser, "--option")
+    parser.add_argument("--part", type=_part, metavar="K/N", help="only the K-th of N parts, for merge: NAME.K-of-N.npz in the folder")
+    parser.add_argument("--from-start", action="store_true", help="trace a part from the first frame of all, where merge asks for it")
+
+
+def _merge(parser: Parser) -> None:
+    parser.add_argument("parts", metavar="PARTS", nargs="+", type=Path, help="all parts of one bake or of several, or folders with them")
+    parser.add_argument("--to", default="wav", metavar="FORMAT,...", help=f"{FORMAT_NAMES} (wav)")
+    parser.add_argument("--out", default="out", type=Path, metavar="FOLDER", help="where the files are written (out)")
+    _add_format_options(parser, "--option")
 
 
 def _demo(parser: Parser) -> None:
@@ -158,6 +167,11 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "Play a Blender file, physics included, and write what its listeners feel, in the formats of other programs.",
         _bake,
     ),
+    "merge": Subcommand(
+        "add up the parts of a bake",
+        "Write what the parts of a bake add up to, the same to the bit as the bake in one go.",
+        _merge,
+    ),
     "demo": Subcommand(
         "trace the paper's first figure: a jackhammer felt on a bench",
         "Build the paper's first figure, play it in Blender and write what the avatar feels.",
@@ -207,6 +221,13 @@ def _not_negative(text: str) -> float:
     if not 0 <= value < math.inf:
         raise argparse.ArgumentTypeError(f"must be finite and >= 0, got {text}")
     return value
+
+
+def _part(text: str) -> tuple[int, int]:
+    number, slash, parts = text.partition("/")
+    if not (slash and number.isdecimal() and parts.isdecimal() and 1 <= int(number) <= int(parts)):
+        raise argparse.ArgumentTypeError(f"must be K/N with 1 <= K <= N, got {text}")
+    return int(number), int(parts)
 
 
 def _frame_range(text: str) -> tuple[int, int]:

@@ -15,6 +15,7 @@ from ..core.formats.export import Export
 from ..core.scene.values import Mode
 from . import say
 from .export import chosen_formats, chosen_options
+from .part import write_part_of
 from .setting import assign
 from .silence import silent_listeners
 from .trace import open_file, start_blender
@@ -34,7 +35,11 @@ def run(args: argparse.Namespace) -> int:
     stem = Path(args.file).stem
     for mode in modes or [scene.haptics.mode]:
         scene.haptics.mode = mode
-        export = _bake(scene, f"{stem}.{mode}" if len(modes) > 1 else stem, frames, recorded="scene" in formats)
+        name = f"{stem}.{mode}" if len(modes) > 1 else stem
+        if args.part:
+            write_part_of(scene, args, name, frames)
+            continue
+        export = _bake(scene, name, frames, recorded="scene" in formats)
         for name in formats:
             written = registry.write(name, export, args.out, options[name])
             print("\n".join([*(f"wrote {path}" for path in written.files), *(f"not in {name}: {loss}" for loss in written.losses)]))

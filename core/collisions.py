@@ -37,6 +37,7 @@ class Frame:
     are dropped. Either bodies move, then ``transforms`` (n, 4, 4) are the rigid world transforms of ``bodies``, which are ``objects`` in
     the same order; or ``contacts`` are given, which number the objects by their sorted names. ``authored`` contacts replace detected
     ones. ``recall``: a frame that does not follow has the impacts that it had when it was last stepped to, see `CollisionDetector`.
+    ``fresh``: contacts and gains are computed anew, also where hardly anything has moved since they were.
     """
 
     number: int
@@ -51,6 +52,7 @@ class Frame:
     continuous: bool = True
     authored: AuthoredContacts | None = None
     recall: bool = False
+    fresh: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,6 +148,11 @@ class CollisionDetector:
         alike = (last.number, last.time) == (frame.number, frame.time) and (last.bodies is frame.bodies or last.bodies == frame.bodies)
         return alike and last.transforms is not None and np.array_equal(last.transforms, frame.transforms)
 
+    def history(self) -> bytes:
+        """All that later frames take over of contacts and impacts."""
+        arrays = () if self._tracker is None else self._tracker.history()
+        return b"".join([repr(self._sources.names).encode(), *(np.ascontiguousarray(array).tobytes() for array in arrays)])
+
     def reset(self) -> None:
         """Drop contact history, velocities and sounding impacts."""
         self._sources.clear()
@@ -174,7 +181,7 @@ class CollisionDetector:
             kept = self._recalled(frame.number, frame.transforms) if self.settings.impacts else None
         recalled = () if kept is None else self._sources.recall(kept, self._templates(frame))
         reach = self._reach(frame, frame.transforms) if self.lazy and frame.authored is None else None
-        found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, self.settings.impacts)
+        found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, self.settings.impacts, frame.fresh)
         contacts = self._numbered(found, frame.authored)
         broad, total = found.statistics.broad_seconds, perf_counter() - begun
         if found.impacts:

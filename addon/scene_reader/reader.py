@@ -93,6 +93,11 @@ class SceneReader:
         """Read everything at the next call, as something authored has changed."""
         self._session_ids = None
 
+    def restart(self) -> None:
+        """Read everything at the next call as if it were the first one, but for shapes of unchanged meshes."""
+        self._tagged.clear()
+        self.forget()
+
     def forget_shapes(self) -> None:
         """Read every mesh at the next call."""
         self._shapes.clear()

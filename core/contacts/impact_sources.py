@@ -96,6 +96,11 @@ class ImpactSources:
         """Drop all sources."""
         self._sounding.clear()
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the sources, which say between what and when."""
+        return tuple(sounding.source.name for sounding in self._sounding)
+
     def kept(self, start: float, transforms: FloatArray) -> FrameImpacts | None:
         """What sounds in the frame from ``start`` [s], for `recall`; None where nothing does."""
         if not self._sounding:

@@ -112,6 +112,11 @@ class MotionHistory:
         """Mark bodies that hit something in the last interval: their motion up to then does not predict what follows."""
         self._clean[bodies] = 0
 
+    def history(self) -> tuple[FloatArray, ...]:
+        """What later paths depend on: times and poses stored, and the counts as far as they are asked for."""
+        counts = (np.minimum(count, _DEPTH + 1) for count in (self._still, self._clean, self._onset))
+        return np.array(self.times), *self._poses, np.stack([self.moving(), *counts])
+
     @property
     def last_poses(self) -> FloatArray:
         """Poses (12, n) in the last frame but one."""

@@ -197,6 +197,14 @@ class ContactTracker:
         self._reported = np.zeros((3, 0), dtype=np.int64)
         self._last_wanted: BoolArray | GainBound | None = None
 
+    def history(self) -> tuple[FloatArray | IntArray | BoolArray, ...]:
+        """What later frames depend on beside the poses that they will have: motion, contacts, and impacts within the refractory time."""
+        pairs, since = self._pairs, self._history.times[-1] - self._refractory if self._history.times else 0.0
+        touching = np.flatnonzero(pairs.touching)
+        recent = np.array([(key, *last) for key, last in sorted(self._last_impact.items()) if last[0] >= since])
+        pair_state = (pairs.key[touching], pairs.struck[touching], pairs.values[:, touching])
+        return *self._history.history(), *pair_state, self._airborne, recent
+
     def replace_bodies(self, bodies: Sequence[Body]) -> None:
         """Replace shapes or masses of the same bodies, in the same order (deforming meshes); their motion and contacts go on.
 
@@ -221,6 +229,7 @@ class ContactTracker:
         wanted: BoolArray | GainBound | None = None,
         continuous: bool = True,
         impacts: bool = True,
+        fresh: bool = False,
     ) -> FrameContacts:
         """The contacts at ``time`` [s] under rigid world ``transforms`` (n, 4, 4), scale being in the shapes.
 
@@ -229,6 +238,7 @@ class ContactTracker:
                 pair that was not examined in the last frame gets no slack.
             continuous: False where this step does not follow the last one; history is then dropped.
             impacts: False where none are looked for. What touches meanwhile makes an impact only once it has parted.
+            fresh: every contact is computed anew, also of bodies that have moved by rounding only.
 
         A body whose transform is not finite is left out, with a warning.
         """
@@ -239,7 +249,12 @@ class ContactTracker:
             self.reset()
         self._queries = 0
         self._begun = perf_counter()
+        if fresh:
+            self._flat[:] = np.nan
+            self._pairs.known[:] = False
         moved, warnings = self._update_poses(time, transforms)
+        if fresh:
+            self._rest[:] = self._flat
         if self._last is not None and len(moved) == 0 and _same(wanted, self._last_wanted):
             return self._unchanged(warnings)
         paths, able = self._near_pairs(moved, impacts)

@@ -1,0 +1,130 @@
+"""``haptic-tracing merge PARTS --out FOLDER``: the parts of a bake as one, the same to the bit as the bake in one go."""
+
+from __future__ import annotations
+
+import argparse
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+
+from ..core.arrays import FloatArray
+from ..core.formats import registry
+from ..core.formats.export import Export
+from ..core.formats.tracks.listener_tracks import Tracks
+from ..core.formats.tracks.track_recorder import TrackRecorder
+from ..core.render.mixdown import Mixdown
+from ..core.render.renderer import sample_index
+from ..core.scene.values import Listener, Source
+from . import say
+from .export import chosen_formats, chosen_options
+from .part_file import HeardFrame, Origin, Part, checksum_of, read_part
+
+_SAME = {
+    "blend": "another .blend file",
+    "mode": "another mode",
+    "settings": "other settings",
+    "frames": "another range",
+    "parts": "another number of parts",
+    "programs": "other versions",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class _Rendered:
+    """A rendered frame, as `TrackRecorder` takes it."""
+
+    number: int
+    sources: tuple[Source, ...]
+    listeners: tuple[Listener, ...]
+    gains: FloatArray
+    block: FloatArray | None
+    first_sample: int
+    sample_rate: float
+
+
+def run(args: argparse.Namespace) -> int:
+    """Read, check that all parts are there and continue each other, render, write. Exit code 0."""
+    formats = chosen_formats(args.to)
+    options = chosen_options(args.options, formats)
+    if "scene" in formats:
+        raise ValueError("--to: parts carry what is felt, not the scene itself: write that by bake without --part")
+    bakes = _bakes(args.parts)
+    args.out.mkdir(parents=True, exist_ok=True)
+    for name, parts in bakes.items():
+        tracks = _tracks(parts)
+        say(f"{name}: '{item.name}' feels nothing" for row, item in enumerate(tracks.listeners) if not tracks.samples[row].any())
+        export = Export(name, tracks=tracks if tracks.listeners else None)
+        for form in formats:
+            written = registry.write(form, export, args.out, options[form])
+            print("\n".join([*(f"wrote {path}" for path in written.files), *(f"not in {form}: {loss}" for loss in written.losses)]))
+    return 0
+
+
+def _bakes(paths: Sequence[Path]) -> dict[str, list[Part]]:
+    """The parts of each bake, in order. Raises ValueError that names all that are damaged, stale or missing."""
+    bakes: dict[str, dict[int, tuple[Path, Part]]] = defaultdict(dict)
+    problems = []
+    for path in _files(paths):
+        try:
+            part = read_part(path)
+        except ValueError as error:
+            problems.append(str(error))
+            continue
+        bakes[part.origin.name][part.number] = path, part
+    for named in bakes.values():
+        problems += _problems(named)
+    if problems:
+        raise ValueError("; ".join(problems))
+    return {name: [part for _, (_, part) in sorted(named.items())] for name, named in sorted(bakes.items())}
+
+
+def _files(paths: Sequence[Path]) -> Iterator[Path]:
+    """The files, and those in folders."""
+    for path in paths:
+        if not path.is_dir():
+            yield path
+            continue
+        found = sorted(path.glob("*.npz"))
+        if not found:
+            raise ValueError(f"{path}: there are no parts (*.npz) in this folder")
+        yield from found
+
+
+def _problems(named: dict[int, tuple[Path, Part]]) -> Iterator[str]:
+    """What is wrong with the parts of one bake."""
+    first_path, first = next(iter(named.values()))
+    origin = first.origin
+    yield from (f"{path}: of {words} than {first_path}" for path, part in named.values() for words in _differences(part.origin, origin))
+    file = Path(origin.file)
+    if file.is_file() and checksum_of(file) != origin.blend:
+        yield f"{first_path}: stale: {file} has changed since"
+    missing = [number for number in range(1, origin.parts + 1) if number not in named]
+    yield from (f"missing: {origin.title(number)}" for number in missing)
+    for number, (path, part) in named.items():
+        earlier = named.get(number - 1)
+        if earlier is not None and earlier[1].after != part.before:
+            yield f"{path}: what moved and touched before it is not known to the bit: bake it again with --from-start"
+
+
+def _differences(one: Origin, other: Origin) -> Iterable[str]:
+    return [_SAME[item.name] for item in fields(one) if item.name in _SAME and getattr(one, item.name) != getattr(other, item.name)]
+
+
+def _tracks(parts: Sequence[Part]) -> Tracks:
+    """What is felt in all frames."""
+    rate, recorder, before = parts[0].sample_rate, TrackRecorder(), None
+    mixdown = Mixdown(sample_rate=rate)
+    for frame in (frame for part in parts for frame in part.frames):
+        recorder.add(_rendered(mixdown, before, frame))
+        before = frame.time
+    return recorder.tracks()
+
+
+def _rendered(mixdown: Mixdown, before: float | None, frame: HeardFrame) -> _Rendered:
+    block = mixdown.render(before, frame.time, frame.sources, frame.listeners, frame.propagation)
+    amplitudes = np.array([source.amplitude for source in frame.sources]).reshape(-1, 1)
+    first = sample_index(frame.time if before is None else before, mixdown.sample_rate)
+    return _Rendered(frame.number, frame.sources, frame.listeners, frame.propagation.gain * amplitudes, block, first, mixdown.sample_rate)

@@ -1,0 +1,75 @@
+"""``haptic-tracing bake FILE.blend --part K/N``: the K-th of N parts of a bake, which `merge` adds up."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+
+import bpy
+from bpy.types import Scene
+from tqdm import tqdm
+
+from ..addon.blender.time import frame_seconds
+from ..addon.scene_reader.reader import SceneReader
+from ..addon.session import session, timeline
+from ..core.formats.io.error import FormatError
+from ..core.signals import DEFAULT_IMPACT, Signal, impact_template
+from ..core.signals.templates import IMPACT_MATERIALS
+from .part_file import HeardFrame, Origin, Part, checksum_of, programs, read_part, write_part
+
+_MOTION_FRAMES = 5
+"""Poses that motion is estimated from, and the one that they lead to."""
+
+
+def write_part_of(scene: Scene, args: argparse.Namespace, name: str, frames: tuple[int, int]) -> None:
+    """Bake one part of what is felt in ``frames`` in the scene's mode, unless it is there already."""
+    number, parts = args.part
+    if parts > frames[1] - frames[0] + 1:
+        raise ValueError(f"--part: {parts} parts of {frames[1] - frames[0] + 1} frames: there must be a frame in each")
+    file = Path(args.file).resolve()
+    origin = Origin(name, str(file), checksum_of(file), scene.haptics.mode, tuple(args.set), frames, parts, programs())
+    path = args.out / f"{name}.{number}-of-{parts}.npz"
+    if _is_there(path, origin, number):
+        print(f"kept {path}: it is this part already")
+        return
+    start = frames[0] if args.from_start else warm_start(scene, origin, number)
+    write_part(_baked(scene, origin, number, start), path)
+    print(f"wrote {path}: {origin.title(number)}, traced from frame {start}")
+
+
+def warm_start(scene: Scene, origin: Origin, number: int) -> int:
+    """The frame from which a part is traced so that its first frame knows all that is moving, all pairs that have just hit each other, and
+    all impacts that still sound: from the last `FRESH_FRAMES` before that, at which nothing is held from earlier frames."""
+    rules = SceneReader().read(scene, bpy.context.evaluated_depsgraph_get()).contact_settings.impact_rules()
+    signals = [DEFAULT_IMPACT, *(impact_template(*pair) for pair in product(IMPACT_MATERIALS, repeat=2))]
+    signals += [rule.template for rule in rules if isinstance(rule.template, Signal)]
+    seconds = max(signal.duration for signal in signals) + max(rule.refractory for rule in rules)
+    needed = origin.range_of(number)[0] - _MOTION_FRAMES - math.ceil(seconds / frame_seconds(scene))
+    return max(needed // session.FRESH_FRAMES * session.FRESH_FRAMES, origin.frames[0])
+
+
+def _is_there(path: Path, origin: Origin, number: int) -> bool:
+    try:
+        found = read_part(path)
+    except (FormatError, FileNotFoundError):
+        return False
+    return (replace(found.origin, file=origin.file), found.number) == (origin, number)
+
+
+def _baked(scene: Scene, origin: Origin, number: int, start: int) -> Part:
+    first, last = origin.range_of(number)
+    before, heard, rate = "", [], 0.0
+    own = session.of(scene)
+    with tqdm(total=last - start + 1, desc=origin.title(number), unit="frame") as bar:
+        for step in timeline.steps(scene, start, last):
+            if step.result.number == first - 1:
+                before = own.tracer.checksum()
+            elif step.result.number >= first:
+                heard.append(HeardFrame.of(step.result))
+                rate = step.result.sample_rate
+            after = own.tracer.checksum() if step.result.number == last else ""
+            bar.update()
+    return Part(origin, number, rate, before, after, tuple(heard))

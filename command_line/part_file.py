@@ -1,0 +1,215 @@
+"""Parts of a bake as files: what the frames of a range found, from which `merge` renders the same samples as one bake in one go.
+
+An ``.npz`` archive without pickled objects: ``header``, JSON in UTF-8, and arrays.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import zipfile
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.arrays import FloatArray
+from ..core.formats.io.atomic import atomic_file
+from ..core.formats.io.error import FormatError
+from ..core.formats.io.strict_json import parse_json
+from ..core.formats.scene.values_json import item_to_dict, read_listener, read_source
+from ..core.propagation import Propagation
+from ..core.render.frame_result import FrameResult
+from ..core.scene.values import Listener, Source
+
+MAX_BYTES = 2 * 2**30
+"""Of the arrays of a part in memory."""
+
+_VERSION = 1
+_NOWHERE = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """What a part was baked of. Parts of one bake have the same: ``frames`` of the whole, ``blend``: SHA-256 of the file, ``programs``:
+    the versions that computed it."""
+
+    name: str
+    file: str
+    blend: str
+    mode: str
+    settings: tuple[str, ...]
+    frames: tuple[int, int]
+    parts: int
+    programs: str
+
+    def range_of(self, number: int) -> tuple[int, int]:
+        """First and last frame of a part, counted from 1."""
+        first, last = self.frames
+        count = last - first + 1
+        return first + count * (number - 1) // self.parts, first + count * number // self.parts - 1
+
+    def title(self, number: int) -> str:
+        """A part in words."""
+        first, last = self.range_of(number)
+        return f"part {number} of {self.parts} of {self.name} (frames {first} to {last})"
+
+
+@dataclass(frozen=True, slots=True)
+class HeardFrame:
+    """What is rendered of a traced frame, without places and contacts."""
+
+    number: int
+    time: float
+    sources: tuple[Source, ...]
+    listeners: tuple[Listener, ...]
+    propagation: Propagation
+
+    @classmethod
+    def of(cls, result: FrameResult) -> HeardFrame:
+        """Of a traced frame."""
+        return cls(result.number, result.time, result.sources, result.listeners, result.propagation)
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """Part ``number`` of a bake. ``before``, ``after``: checksums of the tracer before its first frame ("" in the first part) and after
+    its last one: it continues the part whose ``after`` is its ``before``."""
+
+    origin: Origin
+    number: int
+    sample_rate: float
+    before: str
+    after: str
+    frames: tuple[HeardFrame, ...]
+
+
+def checksum_of(file: Path) -> str:
+    """SHA-256 of a file."""
+    with file.open("rb") as opened:
+        return hashlib.file_digest(opened, "sha256").hexdigest()
+
+
+def programs() -> str:
+    """The versions on which the bits of a result depend."""
+    return ", ".join(f"{name} {version(name)}" for name in ("haptic-tracing", "bpy", "numpy"))
+
+
+def write_part(part: Part, path: Path) -> None:
+    """Write a part, whole or not at all."""
+    table = _Table()
+    arrays = table.arrays(part.frames)
+    header = {
+        "haptic_tracing_part": _VERSION,
+        "origin": asdict(part.origin),
+        "number": part.number,
+        "sample_rate": part.sample_rate,
+        "before": part.before,
+        "after": part.after,
+        "sources": [item_to_dict(item) for item in table.sources],
+        "listeners": [item_to_dict(item) for item in table.listeners],
+    }
+    with atomic_file(path) as file:
+        np.savez_compressed(file, allow_pickle=False, header=np.frombuffer(json.dumps(header).encode(), dtype=np.uint8), **arrays)
+
+
+def read_part(path: Path) -> Part:
+    """Read a part. Raises FormatError where it is damaged or no part at all, and OSError."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            if sum(entry.file_size for entry in archive.infolist()) > MAX_BYTES:
+                raise FormatError(path, "/", f"larger than {MAX_BYTES / 2**30:g} GiB")
+            arrays = {entry.filename.removesuffix(".npy"): _array(archive, entry) for entry in archive.infolist()}
+        header = parse_json(arrays.pop("header").tobytes(), path)
+        if header["haptic_tracing_part"] != _VERSION:
+            raise FormatError(path, "/haptic_tracing_part", f"written by another version: {header['haptic_tracing_part']}")
+        return _part(header, arrays)
+    except FormatError:
+        raise
+    except (zipfile.BadZipFile, zlib.error, EOFError, ValueError, KeyError, IndexError, TypeError, NotImplementedError) as error:
+        raise FormatError(path, "/", f"no part of a bake, or damaged: {error}") from None
+
+
+def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
+    """An array whose size is what the archive holds; its checksum is compared."""
+    with archive.open(entry) as file:
+        np.lib.format.read_magic(file)
+        shape, _, dtype = np.lib.format.read_array_header_1_0(file)
+        data = file.read(entry.file_size)
+    if dtype.hasobject or any(side < 0 for side in shape):
+        raise ValueError(f"{entry.filename} holds no numbers")
+    return np.frombuffer(data, dtype=dtype).reshape(shape)
+
+
+class _Table:
+    """The different sources and listeners of frames: each is kept once, its place left out, its amplitude per frame."""
+
+    def __init__(self) -> None:
+        self.sources: list[Source] = []
+        self.listeners: list[Listener] = []
+        self._numbers: dict[Any, int] = {}
+
+    def arrays(self, frames: Sequence[HeardFrame]) -> dict[str, NDArray[Any]]:
+        """``time`` and ``counts`` (f,) of sources; ``listener`` (f, l); ``source`` and ``amplitude`` (r,) of their rows, ``gain`` (r, l);
+        ``has_delay`` and ``has_bands`` (f,), and the rows of these frames: ``delay`` (d, l) and ``bands`` (b, l, 6)."""
+        found = [frame.propagation for frame in frames]
+        people = len(frames[0].listeners)
+        delays = [item.delay for item in found if item.delay is not None]
+        bands = [item.band_gain for item in found if item.band_gain is not None]
+        return {
+            "time": np.array([frame.time for frame in frames]),
+            "counts": np.array([len(frame.sources) for frame in frames], dtype=np.int64),
+            "listener": np.array([[self._number(item, self.listeners) for item in frame.listeners] for frame in frames], dtype=np.int64),
+            "source": np.array([self._number(item, self.sources) for frame in frames for item in frame.sources], dtype=np.int64),
+            "amplitude": np.array([item.amplitude for frame in frames for item in frame.sources], dtype=np.float64),
+            "gain": np.concatenate([item.gain.reshape(-1, people) for item in found]),
+            "has_delay": np.array([item.delay is not None for item in found]),
+            "has_bands": np.array([item.band_gain is not None for item in found]),
+            "delay": np.concatenate(delays) if delays else np.zeros((0, people)),
+            "bands": np.concatenate(bands) if bands else np.zeros((0, people, 1)),
+        }
+
+    def _number(self, item: Any, known: list[Any]) -> int:
+        bare = replace(item, position=_NOWHERE)
+        if isinstance(item, Source):
+            second = None if item.second_object is None else _NOWHERE
+            bare = replace(bare, second_position=second, amplitude=0.0)
+        number = self._numbers.setdefault(bare, len(known))
+        if number == len(known):
+            known.append(bare)
+        return number
+
+
+def _part(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Part:
+    given = header["origin"]
+    origin = Origin(**{**given, "settings": tuple(given["settings"]), "frames": (int(given["frames"][0]), int(given["frames"][1]))})
+    sources = [read_source(form, ("sources", number)) for number, form in enumerate(header["sources"])]
+    listeners = [read_listener(form, ("listeners", number)) for number, form in enumerate(header["listeners"])]
+    counts, first = arrays["counts"], origin.range_of(header["number"])[0]
+    rows = np.cumsum([0, *counts])
+    delays, bands = np.cumsum([0, *(counts * arrays["has_delay"])]), np.cumsum([0, *(counts * arrays["has_bands"])])
+    frames = []
+    for k, time in enumerate(arrays["time"].tolist()):
+        own = slice(rows[k], rows[k + 1])
+        heard = tuple(
+            replace(sources[number], amplitude=amplitude)
+            for number, amplitude in zip(arrays["source"][own].tolist(), arrays["amplitude"][own].tolist(), strict=True)
+        )
+        delay = arrays["delay"][delays[k] : delays[k + 1]] if arrays["has_delay"][k] else None
+        band_gain = arrays["bands"][bands[k] : bands[k + 1]] if arrays["has_bands"][k] else None
+        propagation = _propagation(arrays["gain"][own], band_gain, delay)
+        frames.append(HeardFrame(first + k, time, heard, tuple(listeners[n] for n in arrays["listener"][k].tolist()), propagation))
+    if len(frames) != origin.range_of(header["number"])[1] - first + 1 or rows[-1] != len(arrays["gain"]):
+        raise ValueError("frames are missing")
+    return Part(origin, header["number"], float(header["sample_rate"]), header["before"], header["after"], tuple(frames))
+
+
+def _propagation(gain: FloatArray, band_gain: FloatArray | None, delay: FloatArray | None) -> Propagation:
+    """What rendering asks for."""
+    none = np.zeros(gain.shape, dtype=np.int64)
+    return Propagation(gain, np.zeros(gain.shape), none, none.astype(np.bool_), {}, (), band_gain, delay)

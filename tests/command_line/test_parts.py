@@ -1,0 +1,164 @@
+"""Parts of a bake against the bake in one go, to the bit; and what `merge` says of parts that don't add up."""
+
+import shutil
+import subprocess
+import sys
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+import haptic_tracing
+import numpy as np
+import pytest
+from haptic_tracing.addon.session import session, timeline
+from haptic_tracing.command_line import build_parser, main, merge, part
+from haptic_tracing.command_line.part_file import HeardFrame, Origin, Part, programs, read_part, write_part
+from haptic_tracing.command_line.sample import _bake_rigid_bodies
+from haptic_tracing.core.formats.tracks.track_recorder import TrackRecorder
+from haptic_tracing.core.scene.values import SourceKind
+from haptic_tracing.sample_scenes import SAMPLES, build_sample
+
+RINGING = ("jackhammer_bench", "hammer_nail")
+"""Samples in which an impact sounds over a cut."""
+FEWER = {"domino_wall": 24, "pile": 8}
+
+
+@pytest.fixture(scope="module")
+def registered():
+    """The add-on, enabled in an empty file."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    haptic_tracing.register()
+    yield
+    haptic_tracing.unregister()
+
+
+class Run:
+    """Frames ``start`` to ``last`` of a scene traced without any before, the checksums after them, and their samples."""
+
+    def __init__(self, scene, start, last):
+        self.frames, self.after, recorder = {}, {}, TrackRecorder()
+        for step in timeline.steps(scene, start, last):
+            self.frames[step.result.number] = HeardFrame.of(step.result)
+            self.after[step.result.number] = session.of(scene).tracer.checksum()
+            recorder.add(step.result)
+        self.tracks, self.rate = recorder.tracks(), step.result.sample_rate
+
+
+def origin_of(name, last, parts):
+    return Origin(name, "", "", "HT", (), (1, last), parts, programs())
+
+
+def baked_part(runs, origin, number, start):
+    """A part as `bake --part` traces it: from ``start``."""
+    first, last = origin.range_of(number)
+    own = runs[start]
+    frames = tuple(own.frames[frame] for frame in range(first, last + 1))
+    return Part(origin, number, own.rate, own.after.get(first - 1, ""), own.after[last], frames)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SAMPLES)
+def test_parts_of_every_sample_add_up_to_the_bit(registered, tmp_path, name):
+    scene = build_sample(name, FEWER.get(name))
+    last = next(last for last in range(60, 500) if part.warm_start(scene, origin_of(name, last, 7), 7) > 1)
+    if scene.rigidbody_world is not None:
+        scene.rigidbody_world.point_cache.frame_end = last
+    _bake_rigid_bodies(scene)
+    runs = {1: Run(scene, 1, last)}
+    rings_over_a_cut = False
+    for parts in (2, 3, 7):
+        origin = origin_of(name, last, parts)
+        for number in range(1, parts + 1):
+            start = part.warm_start(scene, origin, number)
+            runs[start] = runs.get(start) or Run(scene, start, last)
+            write_part(baked_part(runs, origin, number, start), tmp_path / f"{number}.npz")
+            at_cut = runs[1].frames[origin.range_of(number)[0]]
+            rings_over_a_cut |= any(s.kind is SourceKind.TEMPORARY and s.onset < at_cut.time - 0.05 for s in at_cut.sources)
+        merged = merge._tracks(merge._bakes([tmp_path / f"{number}.npz" for number in range(1, parts + 1)])[name])
+        assert merged.samples.tobytes() == runs[1].tracks.samples.tobytes()
+        for one, other in zip(merged.listeners, runs[1].tracks.listeners, strict=True):
+            assert (one.name, one.impacts.tobytes()) == (other.name, other.impacts.tobytes())
+    assert len(runs) > 1  # some part was traced without the first frames
+    assert rings_over_a_cut or name not in RINGING
+
+
+def run(*arguments):
+    return subprocess.run([sys.executable, "-m", "haptic_tracing", *map(str, arguments)], capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="module")
+def hammer(registered, tmp_path_factory):
+    """A hammer that hits a nail between frames 1 and 30: the file, its bake by the add-on, and two parts of it."""
+    folder = tmp_path_factory.mktemp("parts")
+    build_sample("hammer_nail")
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "hammer.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(folder / "hammer.blend"))
+    bpy.ops.export_scene.haptic_tracks(filepath=str(folder / "addon.wav"), format="wav", frame_start=1, frame_end=30)
+    for number in (1, 2):
+        args = build_parser().parse_args(["bake", str(folder / "hammer.blend"), "--part", f"{number}/2", "--out", str(folder)])
+        part.write_part_of(bpy.context.scene, args, "hammer", (1, 30))
+    return folder
+
+
+def parts_in(hammer, folder):
+    """Copies of the two parts."""
+    return [str(shutil.copy(hammer / f"hammer.{number}-of-2.npz", folder)) for number in (1, 2)]
+
+
+@pytest.mark.slow
+def test_merged_files_are_those_of_the_bake(hammer, tmp_path, capsys):
+    assert main(["merge", *parts_in(hammer, tmp_path), "--out", str(tmp_path)]) == 0
+    assert (tmp_path / "hammer.wav").read_bytes() == (hammer / "addon.wav").read_bytes()
+
+
+@pytest.mark.slow
+def test_another_process_keeps_a_part_that_is_there(hammer):
+    done = run("bake", hammer / "hammer.blend", "--frames", "1:30", "--out", hammer, "--part", "2/2")
+    assert done.returncode == 0 and "kept" in done.stdout
+
+
+@pytest.mark.slow
+def test_parts_that_do_not_add_up_are_named(hammer, tmp_path, capsys):
+    first, second = parts_in(hammer, tmp_path)
+    known = read_part(second)
+
+    def said(*parts):
+        assert main(["merge", *map(str, parts), "--out", str(tmp_path / "out")]) == 2
+        assert not (tmp_path / "out").exists()
+        return capsys.readouterr().err
+
+    assert "missing: part 2 of 2 of hammer (frames 16 to 30)" in said(first)
+    for change, words in (
+        ({"blend": "0" * 64}, "of another .blend file"),
+        ({"settings": ("scene.haptics.threshold=0",)}, "of other settings"),
+        ({"programs": "haptic-tracing 0.0.1"}, "of other versions"),
+    ):
+        write_part(replace(known, origin=replace(known.origin, **change)), second)
+        assert f"{second}: {words} than {first}" in said(first, second)
+    write_part(replace(known, before="0"), second)
+    assert f"{second}: what moved and touched before it is not known to the bit" in said(first, second)
+    write_part(replace(known, origin=replace(known.origin, file=str(hammer / "hammer.1-of-2.npz"))), second)
+    assert "stale" in said(second, first)
+
+
+@pytest.mark.slow
+def test_damaged_parts_are_named(hammer, tmp_path, capsys):
+    first, second = parts_in(hammer, tmp_path)
+    whole = Path(second).read_bytes()
+    flipped = whole[:200] + bytes([whole[200] ^ 1]) + whole[201:]
+    for damaged in (b"", whole[: len(whole) // 2], flipped, b"PK" + whole[:100]):
+        Path(second).write_bytes(damaged)
+        assert main(["merge", first, second, "--out", str(tmp_path / "out")]) == 2
+        assert f"{second}: no part of a bake, or damaged" in capsys.readouterr().err
+
+
+def test_an_array_is_read_only_as_far_as_the_file_goes(tmp_path):
+    """A header that claims a terabyte, and one with objects."""
+    for name, dtype, shape in (("claims", "<f8", (2**37,)), ("objects", "|O", (1,))):
+        path = tmp_path / f"{name}.npz"
+        with zipfile.ZipFile(path, "w") as archive, archive.open("header.npy", "w") as entry:
+            np.lib.format.write_array_header_1_0(entry, {"descr": dtype, "fortran_order": False, "shape": shape})
+            entry.write(b"\0" * 8)
+        with pytest.raises(ValueError, match="no part of a bake, or damaged"):
+            read_part(path)
