@@ -8,14 +8,14 @@ from typing import Any, TypeVar
 from bpy.types import Object
 
 from ...core.modalities.modality_scene import ModalityScene
-from ...core.scene.impact_rule import ImpactRule, ImpactTemplates
+from ...core.scene.impact_rule import RANGES, ImpactRule, ImpactTemplates
 from ...core.scene.rule_table import RuleTable
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..blender.single_precision import shortest
 from ..properties.function import PARAMETERS
 from ..scene_reader.functions import function_of_properties, stands_for
-from ..scene_reader.imported import text_of
+from ..scene_reader.imported import OF_IMPACTS, text_of
 from ..scene_reader.rules import TEMPLATES
 
 Does = TypeVar("Does")
@@ -121,7 +121,9 @@ def write_table(rows: Any, table: RuleTable[Does], write: Callable[[Any, Does], 
 
 def write_impact_rule(row: Any, rule: ImpactRule) -> None:
     """Make a row's properties those of ``rule``."""
-    numbers = write_numbers(row, least_energy=rule.least_energy, full_energy=rule.full_energy, refractory=rule.refractory)
+    numbers = write_numbers(row, **{name: getattr(rule, name) for name in OF_IMPACTS})
+    for name in (*RANGES, "seed"):
+        setattr(row, name, getattr(rule, name))
     kept = None if isinstance(rule.template, ImpactTemplates) else rule.template.to_dict()
     row.template = "KEPT" if kept else next(name for name, template in TEMPLATES.items() if template is rule.template)
     row.imported = text_of(numbers=numbers, signal=kept)

@@ -105,6 +105,13 @@ class HAPTIC_PT_impact_table(HapticsPanel, Panel):
         column.prop(rule, "least_energy")
         column.prop(rule, "full_energy")
         column.prop(rule, "refractory")
+        for curve in ("gain", "pitch", "decay", "brightness"):
+            layout.row().prop(rule, curve)
+        column = layout.column(align=True)
+        column.prop(rule, "bend")
+        column.prop(rule, "variation", slider=True)
+        if rule.variation:
+            column.prop(rule, "seed")
 
 
 class HAPTIC_PT_overlay(HapticsPanel, Panel):

@@ -6,7 +6,9 @@ operators that edit any of them.
 
 from __future__ import annotations
 
-from bpy.props import CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from typing import Any
+
+from bpy.props import CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from bpy.types import PropertyGroup
 
 from .callbacks import changed, edited
@@ -28,6 +30,38 @@ def _kind(name: str) -> EnumProperty:
 
 def _name() -> StringProperty:
     return StringProperty(name="Name", description="Name of the object or material, or a pattern", options=set(), update=changed)
+
+
+def _curve(name: str, description: str, weak: float, low: float, high: float) -> FloatVectorProperty:
+    """A value for the weakest blows and for those of full energy."""
+    return FloatVectorProperty(
+        name=name, description=description, size=2, default=(weak, 1.0), min=low, max=high, options=set(), update=changed
+    )
+
+
+def least_energy(key: str, **more: Any) -> FloatProperty:
+    """E_min, as the property ``key``."""
+    words = "Collisions weaker than this, in joules, make no source; 5 J is a light contact"
+    return FloatProperty(name="Least Energy (J)", description=words, default=5.0, min=0.0, soft_max=100.0, update=edited(key), **more)
+
+
+def full_energy(key: str, **more: Any) -> FloatProperty:
+    """E_max, as the property ``key``."""
+    words = "A collision of this energy, in joules, plays the impact signal at full strength"
+    return FloatProperty(name="Full Energy (J)", description=words, default=100.0, min=0.001, soft_max=1000.0, update=edited(key), **more)
+
+
+def refractory(key: str, **more: Any) -> FloatProperty:
+    """The refractory time, as the property ``key``."""
+    words = "After an impact the same two objects make no other for so many seconds, however they bounce"
+    return FloatProperty(name="Refractory (s)", description=words, default=0.1, min=0, soft_max=2, precision=3, update=edited(key), **more)
+
+
+SIGNAL_ITEMS = (
+    ("MATERIALS", "By Material", "As the materials that meet: metal on stone rings, wood on soil thuds; plain where unknown"),
+    ("PLAIN", "Plain", "A short knock of 150 Hz, whatever meets"),
+)
+"""What impacts play."""
 
 
 class RuleScope:
@@ -52,8 +86,7 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
         name="Signal",
         description="What impacts feel like",
         items=(
-            ("MATERIALS", "By Material", "As the materials that meet: metal on stone rings, wood on soil thuds; plain where unknown"),
-            ("PLAIN", "Plain", "A short knock of 150 Hz, whatever meets"),
+            *SIGNAL_ITEMS,
             ("FILE", "File", "The first vibration in a file: .wav, .hjif, .haptic, .ahap, .haps or .tact"),
             ("KEPT", "Imported", "The signal of an imported file, kept in this one"),
         ),
@@ -63,36 +96,37 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
     filepath: StringProperty(
         name="File", description="The file with the vibration that impacts play", subtype="FILE_PATH", options=set(), update=changed
     )
-    least_energy: FloatProperty(
-        name="Least Energy (J)",
-        description="Collisions weaker than this, in joules, make no source; 5 J is a light contact",
-        default=5.0,
-        min=0.0,
-        max=1e9,
-        soft_max=100.0,
-        options=set(),
-        update=edited("least_energy"),
+    least_energy: least_energy("least_energy", options=set())
+    full_energy: full_energy("full_energy", options=set())
+    refractory: refractory("refractory", options=set())
+    gain: _curve("Gain", "Amplitude of the weakest collisions, and of those of full energy", 0.0, 0.0, 1.0)
+    pitch: _curve("Pitch", "How many times as fast the signal plays in the weakest collisions, and in those of full energy", 1.0, 0.25, 4.0)
+    decay: _curve(
+        "Decay", "Part of its decay time that the signal has in the weakest collisions, and in those of full energy", 1.0, 0.01, 1.0
     )
-    full_energy: FloatProperty(
-        name="Full Energy (J)",
-        description="A collision of this energy, in joules, plays the impact signal at full strength",
-        default=100.0,
-        min=0.001,
-        max=1e9,
-        soft_max=1000.0,
+    brightness: _curve("Brightness", "What is left above 100 Hz in the weakest collisions, and in those of full energy", 1.0, 0.0, 1.0)
+    bend: FloatProperty(
+        name="Bend",
+        description="How these values go from weak to full: 1 with the energy, 0.5 with the speed of the blow",
+        default=1.0,
+        min=0.1,
+        max=10.0,
         options=set(),
-        update=edited("full_energy"),
+        update=edited("bend"),
     )
-    refractory: FloatProperty(
-        name="Refractory (s)",
-        description="After an impact the same two objects make no other for so many seconds, however they bounce",
-        default=0.1,
+    variation: FloatProperty(
+        name="Variation",
+        description="How much one blow differs from the next: so much higher or lower, shorter and weaker at most",
+        default=0.0,
         min=0.0,
-        max=1e6,
-        soft_max=2.0,
-        precision=3,
+        max=1.0,
+        soft_max=0.3,
+        subtype="FACTOR",
         options=set(),
-        update=edited("refractory"),
+        update=edited("variation"),
+    )
+    seed: IntProperty(
+        name="Seed", description="Another number gives other variations", default=0, min=0, max=10**9, options=set(), update=changed
     )
 
 

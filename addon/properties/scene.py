@@ -92,31 +92,9 @@ class HapticSceneProperties(Imported, PropertyGroup):
     impacts: BoolProperty(
         name="Impacts", description="Collisions make temporary sources that play the impact signal once", default=True, update=changed
     )
-    impact_signal: EnumProperty(
-        name="Signal",
-        description="What impacts feel like",
-        update=changed,
-        items=(
-            ("MATERIALS", "By Material", "As the materials that meet: metal on stone rings, wood on soil thuds; plain where unknown"),
-            ("PLAIN", "Plain", "A short knock of 150 Hz, whatever meets"),
-        ),
-    )
-    minimum_energy: FloatProperty(
-        name="Least Energy (J)",
-        description="Collisions weaker than this, in joules, make no source; 5 J is a light contact",
-        default=5.0,
-        min=0.0,
-        soft_max=100.0,
-        update=edited("minimum_energy"),
-    )
-    maximum_energy: FloatProperty(
-        name="Full Energy (J)",
-        description="A collision of this energy, in joules, plays the impact signal at full strength",
-        default=100.0,
-        min=0.001,
-        soft_max=1000.0,
-        update=edited("maximum_energy"),
-    )
+    impact_signal: EnumProperty(name="Signal", description="What impacts feel like", update=changed, items=rules.SIGNAL_ITEMS)
+    minimum_energy: rules.least_energy("minimum_energy")
+    maximum_energy: rules.full_energy("maximum_energy")
     impact_energy: EnumProperty(
         name="Energy",
         description="The energy that a collision is judged by",
@@ -126,15 +104,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
             ("normal", "Of the Blow", "What comes together at the contact: the same however fast both travel side by side"),
         ),
     )
-    refractory_time: FloatProperty(
-        name="Refractory (s)",
-        description="After an impact the same two objects make no other for so many seconds, however they bounce",
-        default=0.1,
-        min=0.0,
-        soft_max=2.0,
-        precision=3,
-        update=edited("refractory_time"),
-    )
+    refractory_time: rules.refractory("refractory_time")
     impact_table: PointerProperty(type=rules.HapticImpactTable)
     show_overlay: BoolProperty(name="Overlay", description="Draw the haptic graph over the 3D viewport", default=True, update=view_changed)
     show_intra: BoolProperty(

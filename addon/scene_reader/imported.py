@@ -33,6 +33,9 @@ RULES = {
 }
 """Numbers of `ContactSettings` by the properties of a scene that hold them."""
 
+OF_IMPACTS = ("least_energy", "full_energy", "refractory", "bend", "variation")
+"""Numbers of a rule for impacts, which its properties and the core call alike."""
+
 NEAR = 1e-5
 """Difference in metres, or in elements of a rotation, below which an object is where the file put it: Blender rounds to single
 precision."""
@@ -314,9 +317,7 @@ _STORED: Mapping[str, dict[str, Any]] = {
     ),
     "rule": _object(
         signal=_ref("signal"),
-        numbers=_object(
-            others=False, **{name: _ref(f"impact_rule/properties/{name}") for name in ("least_energy", "full_energy", "refractory")}
-        ),
+        numbers=_object(others=False, **{name: _ref(f"impact_rule/properties/{name}") for name in OF_IMPACTS}),
     ),
     "device": _object(profile=_ref("name"), extras=_ref("extras")),
     "contacts": _object(

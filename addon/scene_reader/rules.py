@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import lru_cache
 from itertools import islice
+from pathlib import Path
 from typing import Any, TypeVar
 
 import bpy
@@ -11,11 +13,12 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Scene
 
 from ...core.formats import registry
-from ...core.scene.impact_rule import ImpactRule, ImpactTemplates
+from ...core.scene.impact_rule import RANGES, ImpactRule, ImpactTemplates
 from ...core.scene.rule_table import MOST_ROWS, Rule, RuleTable, Side
 from ...core.scene.values import HapticObject
-from ...core.signals import Signal
-from .imported import ImportedRule, exact, imported_rule
+from ...core.signals import LONGEST, Signal
+from ..blender.single_precision import shortest
+from .imported import OF_IMPACTS, ImportedRule, exact, imported_rule
 from .problem import Problem
 
 Does = TypeVar("Does")
@@ -60,8 +63,9 @@ def read_impact_rule(row: Any) -> tuple[ImpactRule, str]:
         template = _template(row, kept.signal)
     except (OSError, ValueError) as error:
         fault = str(error)
-    numbers = {name: exact(row, name, kept.numbers) for name in ("least_energy", "full_energy", "refractory")}
-    return ImpactRule(**numbers, template=template), fault
+    numbers: dict[str, Any] = {name: exact(row, name, kept.numbers) for name in OF_IMPACTS}
+    numbers |= {name: tuple(map(shortest, getattr(row, name))) for name in RANGES}
+    return ImpactRule(template=template, seed=row.seed, **numbers), fault
 
 
 def _template(row: Any, kept: Signal | None) -> ImpactTemplates | Signal:
@@ -71,7 +75,19 @@ def _template(row: Any, kept: Signal | None) -> ImpactTemplates | Signal:
         return TEMPLATES[row.template]
     if not row.filepath:
         raise ValueError(iface_("its signal is a file, but none is chosen"))
-    channels = registry.read(bpy.path.abspath(row.filepath)).channels
+    path = Path(bpy.path.abspath(row.filepath))
+    if not path.is_file():
+        raise ValueError(iface_("there is no file {}").format(path))
+    state = path.stat()
+    return _read(path, state.st_mtime_ns, state.st_size)
+
+
+@lru_cache(maxsize=16)
+def _read(path: Path, changed: int, size: int) -> Signal:
+    """The first vibration in a file, as it is since it was ``changed``."""
+    channels = registry.read(path).channels
     if not channels:
-        raise ValueError(iface_("there is no vibration in its file"))
+        raise ValueError(iface_("there is no vibration in {}").format(path.name))
+    if channels[0].duration > LONGEST:
+        raise ValueError(iface_("{} lasts longer than a minute").format(path.name))
     return channels[0].to_signal()

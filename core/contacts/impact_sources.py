@@ -28,14 +28,15 @@ class Templates:
     objects: Mapping[str, HapticObject]
     plain: Signal
 
-    def of(self, first: str, second: str) -> Signal:
-        """The signal of an impact of two objects."""
+    def of(self, first: str, second: str, impact: Impact) -> tuple[Signal, float]:
+        """The signal and the amplitude of an impact of two objects."""
         a, b = self.objects[first], self.objects[second]
-        template = self.settings.impact_rule((a.name, a.material), (b.name, b.material)).template
-        if isinstance(template, Signal):
-            return template
-        known = template is ImpactTemplates.BY_MATERIAL and a.impact_material and b.impact_material
-        return impact_template(a.impact_material, b.impact_material) if known else self.plain
+        rule = self.settings.impact_rule((a.name, a.material), (b.name, b.material))
+        template = rule.template
+        if not isinstance(template, Signal):
+            known = template is ImpactTemplates.BY_MATERIAL and a.impact_material and b.impact_material
+            template = impact_template(a.impact_material, b.impact_material) if known else self.plain
+        return rule.played(template, impact.amplitude, (first, second), impact.time)
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,10 +67,11 @@ class Sounding:
 
     def playing(self, templates: Templates) -> Sounding:
         """The same impact, by these templates."""
-        signal = templates.of(self.source.object, self.source.second_object or "")
-        if signal == self.source.signal:
+        signal, amplitude = templates.of(self.source.object, self.source.second_object or "", self.impact)
+        if signal == self.source.signal and amplitude == self.source.amplitude:
             return self
-        return replace(self, source=replace(self.source, signal=signal), end=self.impact.time + signal.duration)
+        source = replace(self.source, signal=signal, amplitude=amplitude)
+        return replace(self, source=source, end=self.impact.time + signal.duration)
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass, replace
+import struct
+from dataclasses import dataclass
+from hashlib import blake2b
 
-from ..signals import Signal
+from ..signals import LONGEST, Signal, Struck
 
 
 class ImpactTemplates(enum.StrEnum):
@@ -16,27 +18,73 @@ class ImpactTemplates(enum.StrEnum):
     BY_MATERIAL = "by_material"  # of the two impact materials, the plain one where either is unknown
 
 
+Curve = tuple[float, float]
+"""A value that goes with the strength of impacts: of the weakest, and of those of full energy."""
+
+RANGES = {"gain": (0.0, 1.0), "pitch": (0.25, 4.0), "decay": (0.01, 1.0), "brightness": (0.0, 1.0)}
+"""What the curves may range over."""
+BENDS = (0.1, 10.0)
+
+_QUIETEST = 1e-4
+
+
 @dataclass(frozen=True, slots=True)
 class ImpactRule:
-    """An impact is a begin of contact with at least ``least_energy`` (E_min) joules; ``full_energy`` (E_max) gives amplitude 1. A pair
-    makes no second impact within ``refractory`` seconds. ``template``: what it plays."""
+    """An impact is a begin of contact with at least ``least_energy`` (E_min) joules. A pair makes no second impact within ``refractory``
+    seconds. ``template``: what it plays, with amplitude ``gain``, and with ``pitch``, ``decay`` and ``brightness`` as `Struck` has them:
+    each is weak + (full - weak) s at strength s = min(energy / ``full_energy``, 1)^``bend``. ``variation`` in [0, 1]: by what part impacts
+    differ, chosen by ``seed``."""
 
     least_energy: float = 5.0
     full_energy: float = 100.0
     refractory: float = 0.1
     template: ImpactTemplates | Signal = ImpactTemplates.BY_MATERIAL
+    gain: Curve = (0.0, 1.0)
+    pitch: Curve = (1.0, 1.0)
+    decay: Curve = (1.0, 1.0)
+    brightness: Curve = (1.0, 1.0)
+    bend: float = 1.0
+    variation: float = 0.0
+    seed: int = 0
 
     def __post_init__(self) -> None:
         if not isinstance(self.template, Signal):
             object.__setattr__(self, "template", ImpactTemplates(self.template))
-        elif not self.template.duration < math.inf:
-            raise ValueError("template: the signal of an impact must end")
+        elif not self.template.duration <= LONGEST:
+            raise ValueError(f"template: the signal of an impact must end within {LONGEST:g} seconds")
+        elif not self.template.peak >= _QUIETEST:
+            raise ValueError("template: the signal of an impact must not be silent")
         for key in ("least_energy", "refractory"):
             if not 0 <= getattr(self, key) < math.inf:
                 raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")
         if not 0 < self.full_energy < math.inf:
             raise ValueError(f"full_energy: must be finite and > 0, got {self.full_energy!r}")
+        for key, (low, high) in {**RANGES, "bend": BENDS, "variation": (0.0, 1.0)}.items():
+            values = getattr(self, key) if key in RANGES else (getattr(self, key),)
+            if not all(low <= value <= high for value in values):
+                raise ValueError(f"{key}: must be from {low:g} to {high:g}, got {getattr(self, key)!r}")
 
     def limits(self) -> ImpactRule:
         """What decides on impacts alone."""
-        return replace(self, template=ImpactTemplates.PLAIN)
+        return ImpactRule(self.least_energy, self.full_energy, self.refractory)
+
+    def played(self, template: Signal, energy: float, names: tuple[str, str], onset: float) -> tuple[Signal, float]:
+        """The signal and the amplitude of an impact between two objects at ``onset`` [s]; ``energy``: part of the full one, up to 1."""
+        strength = energy**self.bend
+        gain, pitch, decay, brightness = (weak + (full - weak) * strength for weak, full in (getattr(self, key) for key in RANGES))
+        higher, shorter, weaker = _chances(self.seed, names, onset) if self.variation else (0.5, 0.0, 0.0)
+        pitch *= 1.0 + self.variation * (2.0 * higher - 1.0)
+        decay *= 1.0 - self.variation * shorter
+        amplitude = gain * (1.0 - self.variation * weaker)
+        if pitch == decay == brightness == 1.0:
+            return template, amplitude
+        low, high = RANGES["pitch"]
+        return Struck(template, min(max(pitch, low), high), max(decay, RANGES["decay"][0]), brightness), amplitude
+
+
+def _chances(seed: int, names: tuple[str, str], onset: float) -> tuple[float, float, float]:
+    """Three numbers in [0, 1] that depend on nothing else: the same for the same impact, whatever is rendered and wherever."""
+    first, second = sorted(names)
+    text = f"{seed}\0{first}\0{second}\0{round(1000.0 * onset)}"
+    a, b, c = (number / (2**32 - 1) for number in struct.unpack("<3I", blake2b(text.encode(), digest_size=12).digest()))
+    return a, b, c

@@ -9,13 +9,16 @@ from .noise import Noise
 from .oscillators import Oscillator, Pulse, Saw, Sine, Square, Triangle
 from .sampled import Sampled
 from .serialization import SIGNAL_KINDS, signal_from_dict
+from .struck import CORNER, LONGEST, Struck
 from .templates import DEFAULT_IMPACT, DEFAULT_PERSISTENT, IMPACT_MATERIALS, ImpactMaterial, impact_material, impact_template
 from .wav import decoded_wav, read_wav
 
 __all__ = [
+    "CORNER",
     "DEFAULT_IMPACT",
     "DEFAULT_PERSISTENT",
     "IMPACT_MATERIALS",
+    "LONGEST",
     "SIGNAL_KINDS",
     "Adsr",
     "Automation",
@@ -38,6 +41,7 @@ __all__ = [
     "Signal",
     "Sine",
     "Square",
+    "Struck",
     "Sum",
     "Triangle",
     "decoded_wav",

@@ -13,12 +13,13 @@ from .impacts import DecayingSine, Impulse
 from .noise import Noise
 from .oscillators import Pulse, Saw, Sine, Square, Triangle
 from .sampled import Sampled
+from .struck import Struck
 
 SIGNAL_KINDS: Mapping[str, type[Signal]] = {
     cls.kind: cls
     for cls in (
         Sine, Square, Triangle, Saw, Pulse, Noise, Constant, Adsr, Keyed, Decay, Impulse, DecayingSine, Sampled,
-        Gain, Delay, Product, Sum, Sequence, Loop,
+        Gain, Delay, Product, Sum, Sequence, Loop, Struck,
     )
 }  # fmt: skip
 """The class of each `signal` name."""

@@ -27,6 +27,7 @@ from haptic_tracing.core.signals import (
     Signal,
     Sine,
     Square,
+    Struck,
     Sum,
     Triangle,
     signal_from_dict,
@@ -75,6 +76,10 @@ def finite(signal: Signal) -> Signal:
     return signal if signal.duration < 100.0 else Product((signal, Constant(1.0, 0.3)))
 
 
+def brief(signal: Signal) -> Signal:
+    return signal if signal.duration < 10.0 else Product((signal, Constant(1.0, 0.3)))
+
+
 def composed(inner: st.SearchStrategy[Signal]) -> st.SearchStrategy[Signal]:
     return st.one_of(
         st.builds(Gain, inner, parameters(-1.0, 1.0)),
@@ -82,6 +87,7 @@ def composed(inner: st.SearchStrategy[Signal]) -> st.SearchStrategy[Signal]:
         st.builds(lambda a, b: Product((Gain(a, 1e-3), Gain(b, 1e-3))), inner, inner),
         st.builds(lambda a, b: Sum((a, b)), inner, inner),
         st.builds(lambda a, b: Sequence((finite(a), b)), inner, inner),
+        st.builds(lambda a, p, d, b: Struck(Gain(brief(a), 1e-3), p, d, b), inner, numbers(0.25, 4), numbers(0.01, 1), numbers(0, 1)),
         st.builds(lambda a, n, c: Loop(finite(a), n, c * finite(a).duration), inner, st.none() | st.integers(1, 5), numbers(0, 0.5)),
     )
 

@@ -1,0 +1,86 @@
+"""A template as it sounds when it is struck at another strength: other pitch, decay and brightness."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import ClassVar
+
+import numpy as np
+
+from ..arrays import FloatArray
+from .base import Signal, check_signal
+from .envelopes import SILENCE
+from .limits import checked_number
+from .sampled import OVERSHOOT, Sampled
+
+LONGEST = 60.0
+"""Seconds that a template may last."""
+CORNER = 100.0
+"""Hertz above which brightness acts."""
+_RATE = 8000.0
+"""Samples a second from which the decay of a template is found, and of what is left of it below the corner."""
+
+
+@dataclass(frozen=True, slots=True)
+class Struck(Signal):
+    """`of`, played `pitch` times as fast, so that all its frequencies are higher by that, with its decay time times `decay` and what lies
+    above `CORNER` times `brightness`.
+
+    The decay time of any signal is that of the decaying tone whose energy has the same centre in time, the integral of t x² over that of x²
+    being half of it. A shorter one takes an envelope exp(-t (1 / decay - 1) / decay time). Brightness b is a shelf of first order,
+    (1 + b j f / CORNER) / (1 + j f / CORNER), of the template before its pitch is changed.
+
+    pitch: 0.25 to 4. decay: 0.01 to 1. brightness: 0 to 1. of: ends within `LONGEST` seconds.
+    """
+
+    kind: ClassVar[str] = "struck"
+
+    of: Signal
+    pitch: float = 1.0
+    decay: float = 1.0
+    brightness: float = 1.0
+
+    def __post_init__(self) -> None:
+        check_signal("of", self.of)
+        if not self.of.duration <= LONGEST:
+            raise ValueError(f"of: must end within {LONGEST:g} seconds")
+        object.__setattr__(self, "pitch", checked_number("pitch", self.pitch, 0.25, 4.0))
+        object.__setattr__(self, "decay", checked_number("decay", self.decay, 0.01, 1.0))
+        object.__setattr__(self, "brightness", checked_number("brightness", self.brightness, 0.0, 1.0))
+
+    @property
+    def duration(self) -> float:
+        whole, damping = self.of.duration / self.pitch, self._damping
+        return min(whole, -math.log(SILENCE) / damping) if damping else whole
+
+    @property
+    def peak(self) -> float:
+        return self.of.peak * (OVERSHOOT - (OVERSHOOT - 1.0) * self.brightness)
+
+    @property
+    def _damping(self) -> float:
+        """1/s."""
+        return 0.0 if self.decay == 1.0 else (1.0 / self.decay - 1.0) * self.pitch / _analysed(self.of)[0]
+
+    def values(self, times: FloatArray, step: float) -> FloatArray:
+        own, step = times * self.pitch, step * self.pitch
+        result = self.of.at(own, step)
+        if self.brightness < 1.0:
+            result = self.brightness * result + (1.0 - self.brightness) * _analysed(self.of)[1].at(own, step)
+        return result if self.decay == 1.0 else result * np.exp(times * -self._damping)
+
+
+@lru_cache(maxsize=32)
+def _analysed(template: Signal) -> tuple[float, Sampled]:
+    """The decay time of a template [s], and what a low-pass of first order leaves of it below the corner."""
+    samples = template.sample(0, max(round(template.duration * _RATE), 1), _RATE)
+    energy = samples * samples
+    times = np.arange(len(samples)) / _RATE
+    centre = float(energy @ times) / max(float(energy.sum()), 1e-300)
+    # Response of y' = 2 pi corner (x - y) to an impulse, by the trapezoidal rule.
+    part = math.exp(-2.0 * math.pi * CORNER / _RATE)
+    response = (1.0 - part) / 2.0 * part ** np.arange(round(math.log(SILENCE) / math.log(part)))
+    response[1:] += response[:-1]
+    return max(2.0 * centre, 1.0 / _RATE), Sampled(np.convolve(samples, response)[: len(samples)], _RATE)
