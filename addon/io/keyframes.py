@@ -14,7 +14,7 @@ from ...core.arrays import FloatArray
 from ...core.contacts.shapes import pose_matrix
 from ...core.formats.scene.poses import PoseRow
 from ...core.formats.scene.recording import RecordedFrame, Recording
-from ...core.scene.values import HapticScene, Pose, Vector
+from ...core.scene.values import HapticScene, Pose, SourceKind, Vector
 
 Keys = dict[int, tuple[float, ...]]
 """By frame."""
@@ -27,7 +27,7 @@ STILL = 1e-4
 @dataclass(frozen=True, slots=True)
 class _Changes:
     """What changes, by name: poses and (κ, ρ) of objects, amplitudes of sources, gains of listeners; places and the objects they are on by
-    ``source <name>`` and ``listener <name>``."""
+    ``source <name>`` and ``listener <name>``; objects and listeners that appear or are removed: 1 where they are there, else 0."""
 
     poses: dict[str, Keys]
     properties: dict[str, Keys]
@@ -35,6 +35,8 @@ class _Changes:
     gains: dict[str, Keys]
     places: dict[str, Keys]
     carriers: dict[str, str]
+    objects_there: dict[str, Keys]
+    listeners_there: dict[str, Keys]
 
     @classmethod
     def of(cls, scene: HapticScene, recording: Recording) -> _Changes:
@@ -48,17 +50,38 @@ class _Changes:
             gains={item.name: {first: (item.gain,)} for item in scene.listeners},
             places={key: {first: item.position} for key, item in attached},
             carriers={key: item.object for key, item in attached},
+            objects_there={item.name: {first: (1.0,)} for item in scene.objects},
+            listeners_there={item.name: {first: (1.0,)} for item in scene.listeners},
         )
+        for there, items in (
+            (changes.objects_there, (item for frame in recording.frames for item in frame.objects)),
+            (changes.listeners_there, (item for frame in recording.frames for item in frame.listeners)),
+        ):
+            there.update((item.name, {first: (0.0,)}) for item in items if item.name not in there)
         for frame in recording.frames:
-            changes._add(frame)
+            changes._add(frame, first)
         return changes
 
-    def _add(self, change: RecordedFrame) -> None:
+    def _add(self, change: RecordedFrame, first: int) -> None:
         number = change.number
+        for name in change.removed_objects:
+            self.objects_there[name][number] = (0.0,)
+        for name in change.removed_listeners:
+            self.listeners_there[name][number] = (0.0,)
+        for item in change.objects:
+            self.objects_there[item.name][number] = (1.0,)
+            self.poses.setdefault(item.name, {})[number] = _row(item.pose)
+            self.properties.setdefault(item.name, {})[number] = (item.kappa, item.rho)
+        for listener in change.listeners:
+            self.listeners_there[listener.name][number] = (1.0,)
+            self.gains.setdefault(listener.name, {})[number] = (listener.gain,)
+            self.places.setdefault(f"listener {listener.name}", {})[number] = listener.position
+            self.carriers.setdefault(f"listener {listener.name}", listener.object)
         for source in change.sources:
-            self.amplitudes[source.name] = {number: (source.amplitude,)}
-            self.places[f"source {source.name}"] = {number: source.position}
-            self.carriers[f"source {source.name}"] = source.object
+            before: Keys = {first: (0.0,)} if source.kind is SourceKind.PERSISTENT else {}
+            self.amplitudes.setdefault(source.name, before)[number] = (source.amplitude,)
+            self.places.setdefault(f"source {source.name}", {})[number] = source.position
+            self.carriers.setdefault(f"source {source.name}", source.object)
         for name, row in change.poses.items():
             self.poses[name][number] = row
         for name, pair in change.properties.items():
@@ -87,6 +110,8 @@ def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[s
     _write_all(changes.properties, objects, "", ("haptics.kappa", "haptics.rho"))
     _write_all(changes.amplitudes, attached, "source ", ("haptics.source.amplitude",))
     _write_all(changes.gains, attached, "listener ", ("haptics.listener.gain",))
+    _write_all(changes.objects_there, objects, "", ("haptics.enabled",))
+    _write_all(changes.listeners_there, attached, "listener ", ("haptics.listener.enabled",))
     for key, keys in changes.places.items():
         carrier = changes.carriers[key]
         local = _local(keys, changes.poses[carrier])

@@ -48,9 +48,9 @@ def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list
     try:
         builder.add_materials()
         builder.add_objects()
-        for source in export.need_scene().sources:
+        for source in builder.haptic.sources:
             builder.add_source(source)
-        for listener in export.need_scene().listeners:
+        for listener in builder.haptic.listeners:
             builder.add_listener(listener)
         builder.add_devices()
         builder.add_emitters()
@@ -70,7 +70,7 @@ class _Builder:
 
     def __init__(self, export: Export, scene: bpy.types.Scene) -> None:
         self.export, self.scene = export, scene
-        self.haptic = export.need_scene()
+        self.haptic = export.need_scene() if export.recording is None else export.recording.with_all(export.need_scene())
         self.collection: Collection = bpy.data.collections.new(export.name)
         scene.collection.children.link(self.collection)
         self.objects: dict[str, Object] = {}
@@ -255,7 +255,8 @@ class _Builder:
             return
         begun = [source for frame in recording.frames for source in frame.sources]
         for source in begun:
-            self.add_source(source)
+            if f"source {source.name}" not in self.attached:
+                self.add_source(source)
         if any(source.second_object is not None for source in (*self.haptic.sources, *begun)):
             self.scene.haptics.impacts = False
         set_frame_rate(self.scene, recording.frame_rate)
@@ -263,7 +264,8 @@ class _Builder:
         self.scene.frame_start, self.scene.frame_end = recording.frame_start, max(last, recording.frame_start)
         if self.scene.frame_start != recording.frame_start:
             self.lose("negative frames, Blender plays from 0", f"{recording.frame_start} to {last}")
-        moved = replace(self.haptic, objects=tuple(replace(item, pose=self.poses[item.name]) for item in self.haptic.objects))
+        first_scene = self.export.need_scene()
+        moved = replace(first_scene, objects=tuple(replace(item, pose=self.poses[item.name]) for item in first_scene.objects))
         for loss in write_keyframes(moved, recording, self.objects, self.attached):
             self.lose("not carried over", loss)
         self.scene.frame_set(first)

@@ -28,4 +28,10 @@ def require_unique(names: Sequence[str], kind: str, key: str) -> None:
     if len(set(names)) == len(names):
         return
     index = next(i for i, name in enumerate(names) if name in names[:i])
-    raise PlacedError((key, index, "name"), f"there is {'an' if kind[0] in 'aeiou' else 'a'} {kind} {names[index]!r} already")
+    require_new(names[index], names[:index], kind, (key, index, "name"))
+
+
+def require_new(name: str, known: Container[str], kind: str, place: Place) -> None:
+    """Raise PlacedError where there is a thing of that name already."""
+    if name in known:
+        raise PlacedError(place, f"there is {'an' if kind[0] in 'aeiou' else 'a'} {kind} {name!r} already")

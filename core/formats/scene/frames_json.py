@@ -7,13 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ...scene.references import Place, PlacedError, require_known
-from ...scene.values import Contact, HapticScene, Pose, Source
+from ...scene.references import Place, PlacedError, require_known, require_new
+from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source
 from ..io.error import errors_in
 from .motion import unpacked
 from .poses import Poses
-from .recording import RecordedFrame, Recording, pair_of
-from .values_json import item_to_dict, read_contact, read_function, read_source, read_value
+from .recording import RecordedFrame, Recording, is_on, pair_of
+from .values_json import item_to_dict, read_contact, read_function, read_listener, read_object, read_source, read_value
 
 
 def frame_to_dict(frame: RecordedFrame) -> dict[str, Any]:
@@ -30,6 +30,10 @@ def frame_to_dict(frame: RecordedFrame) -> dict[str, Any]:
         "contacts": [item_to_dict(contact) for contact in frame.contacts],
         "parted": [list(pair) for pair in frame.parted],
         "sources": [item_to_dict(source) for source in frame.sources],
+        "objects": [item_to_dict(item) for item in frame.objects],
+        "listeners": [item_to_dict(item) for item in frame.listeners],
+        "removed_objects": list(frame.removed_objects),
+        "removed_listeners": list(frame.removed_listeners),
     }
     return {key: value for key, value in form.items() if key == "frame" or value}
 
@@ -38,7 +42,8 @@ def recording_from_dict(document: Mapping[str, Any], scene: HapticScene, file: s
     """The frames of a validated document, or None where it has none. Raises FormatError."""
     with errors_in(file):
         frames = document.get("frames", [])
-        moving = unpacked(document.get("motions", []), {item.name for item in scene.objects})
+        known = {item.name for item in scene.objects} | {form["name"] for frame in frames for form in frame.get("objects", ())}
+        moving = unpacked(document.get("motions", []), known)
         if not frames:
             if moving:
                 raise PlacedError(("frames",), "is required where there are motions")
@@ -46,21 +51,10 @@ def recording_from_dict(document: Mapping[str, Any], scene: HapticScene, file: s
         if "frame_rate" not in document:
             raise PlacedError(("frame_rate",), "is required where there are frames")
         reader = _FrameReader(scene)
-        recorded = tuple(_moved(reader.frame(form, ("frames", i)), moving, ("frames", i)) for i, form in enumerate(frames))
+        recorded = tuple(reader.moved(reader.frame(form, ("frames", i)), moving, ("frames", i)) for i, form in enumerate(frames))
         if moving:
             raise PlacedError(("motions",), f"frame {min(moving)} is not among the frames")
         return Recording(float(document["frame_rate"]), int(document.get("frame_start", recorded[0].number)), recorded)
-
-
-def _moved(frame: RecordedFrame, moving: dict[int, Poses], place: Place) -> RecordedFrame:
-    """A frame with the poses of its motions, which are removed from ``moving``."""
-    poses = moving.pop(frame.number, None)
-    if poses is None:
-        return frame
-    for name in frame.poses:
-        if name in poses:
-            raise PlacedError((*place, "poses", name), "a motion has a pose for this frame, too")
-    return replace(frame, poses={**poses, **frame.poses} if frame.poses else poses)
 
 
 class _FrameReader:
@@ -68,8 +62,8 @@ class _FrameReader:
 
     def __init__(self, scene: HapticScene) -> None:
         self.objects = {item.name for item in scene.objects}
-        self.sources = {item.name for item in scene.sources}
-        self.listeners = {item.name for item in scene.listeners}
+        self.sources = {item.name: item for item in scene.sources}
+        self.listeners = {item.name: item.object for item in scene.listeners}
         self.touching = {pair_of(contact) for contact in scene.contacts}
         self.last: int | None = None
 
@@ -78,6 +72,9 @@ class _FrameReader:
         if self.last is not None and number <= self.last:
             raise PlacedError((*place, "frame"), f"must come after {self.last}, the frame before")
         self.last = number
+        parted = self._parted(form, place)
+        self._remove(form, place)
+        objects, listeners = self._objects(form, place), self._listeners(form, place)
         sources = self._sources(form, place)
         self._check_names(form, place)
         for name, row in form.get("poses", {}).items():
@@ -95,17 +92,64 @@ class _FrameReader:
             listener_positions={name: (x, y, z) for name, (x, y, z) in form.get("listener_positions", {}).items()},
             gains=form.get("gains", {}),
             contacts=contacts,
-            parted=self._parted(form, contacts, place),
+            parted=parted,
             sources=sources,
+            objects=objects,
+            listeners=listeners,
+            removed_objects=tuple(form.get("removed_objects", ())),
+            removed_listeners=tuple(form.get("removed_listeners", ())),
         )
+
+    def moved(self, frame: RecordedFrame, moving: dict[int, Poses], place: Place) -> RecordedFrame:
+        """The frame that was read last with the poses of its motions, which are removed from ``moving``."""
+        poses = moving.pop(frame.number, None)
+        if poses is None:
+            return frame
+        if not self.objects.issuperset(poses.names):
+            name = next(name for name in poses.names if name not in self.objects)
+            raise PlacedError(("motions",), f"there is no object {name!r} in frame {frame.number}")
+        for name in frame.poses:
+            if name in poses:
+                raise PlacedError((*place, "poses", name), "a motion has a pose for this frame, too")
+        return replace(frame, poses={**poses, **frame.poses} if frame.poses else poses)
+
+    def _remove(self, form: Mapping[str, Any], place: Place) -> None:
+        """Forget objects with what is on them, and listeners."""
+        for kind, known in (("object", self.objects), ("listener", self.listeners)):
+            for i, name in enumerate(form.get(f"removed_{kind}s", ())):
+                require_known(name, known, kind, (*place, f"removed_{kind}s", i))
+        gone = set(form.get("removed_objects", ()))
+        self.objects -= gone
+        listeners = gone and {name for name, carrier in self.listeners.items() if carrier in gone}
+        for name in {*listeners, *form.get("removed_listeners", ())}:
+            del self.listeners[name]
+        for name in [name for name, item in self.sources.items() if gone and is_on(item, gone)]:
+            del self.sources[name]
+        self.touching -= {pair for pair in self.touching if gone and not gone.isdisjoint(pair)}
+
+    def _objects(self, form: Mapping[str, Any], place: Place) -> tuple[HapticObject, ...]:
+        """The objects that appear."""
+        objects = tuple(read_object(item, (*place, "objects", i)) for i, item in enumerate(form.get("objects", ())))
+        for i, item in enumerate(objects):
+            require_new(item.name, self.objects, "object", (*place, "objects", i, "name"))
+            self.objects.add(item.name)
+        return objects
+
+    def _listeners(self, form: Mapping[str, Any], place: Place) -> tuple[Listener, ...]:
+        """The listeners that appear."""
+        listeners = tuple(read_listener(item, (*place, "listeners", i)) for i, item in enumerate(form.get("listeners", ())))
+        for i, item in enumerate(listeners):
+            require_new(item.name, self.listeners, "listener", (*place, "listeners", i, "name"))
+            require_known(item.object, self.objects, "object", (*place, "listeners", i, "object"))
+            self.listeners[item.name] = item.object
+        return listeners
 
     def _sources(self, form: Mapping[str, Any], place: Place) -> tuple[Source, ...]:
         """The sources that begin; they exist from now on."""
         sources = tuple(read_source(source, (*place, "sources", i)) for i, source in enumerate(form.get("sources", [])))
         for i, source in enumerate(sources):
-            if source.name in self.sources:
-                raise PlacedError((*place, "sources", i, "name"), f"there is a source {source.name!r} already")
-            self.sources.add(source.name)
+            require_new(source.name, self.sources, "source", (*place, "sources", i, "name"))
+            self.sources[source.name] = source
             require_known(source.object, self.objects, "object", (*place, "sources", i, "object"))
             if source.second_object is not None:
                 require_known(source.second_object, self.objects, "object", (*place, "sources", i, "second_object"))
@@ -127,14 +171,14 @@ class _FrameReader:
         for i, contact in enumerate(contacts):
             for k, name in enumerate(contact.objects):
                 require_known(name, self.objects, "object", (*place, "contacts", i, "objects", k))
+        self.touching.update(pair_of(contact) for contact in contacts)
         return contacts
 
-    def _parted(self, form: Mapping[str, Any], contacts: tuple[Contact, ...], place: Place) -> tuple[tuple[str, str], ...]:
-        """The pairs that part; those that touch are known from now on."""
+    def _parted(self, form: Mapping[str, Any], place: Place) -> tuple[tuple[str, str], ...]:
+        """The pairs that part."""
         parted = tuple((min(pair), max(pair)) for pair in form.get("parted", []))
         for i, pair in enumerate(parted):
             if pair not in self.touching:
                 raise PlacedError((*place, "parted", i), f"{pair[0]!r} and {pair[1]!r} did not touch")
             self.touching.remove(pair)
-        self.touching.update(pair_of(contact) for contact in contacts)
         return parted

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -32,7 +32,8 @@ class RecordedFrame:
     poses: by object, position x, y, z and rotation w, x, y, z. properties: (kappa, rho) by object. functions: propagation function by
     object. amplitudes and source_positions: by source; a source of two objects has a position on each. listener_positions and gains: by
     listener. contacts: all contacts of every pair of objects whose contacts changed. parted: pairs that no longer touch. sources: those
-    that begin; a temporary source ends when its signal has ended.
+    that begin; a temporary source ends when its signal has ended. removed_objects, removed_listeners: names of those that are there no
+    longer, with all that is on them. objects, listeners: those that appear, after the removals.
     """
 
     number: int
@@ -46,6 +47,10 @@ class RecordedFrame:
     contacts: tuple[Contact, ...] = ()
     parted: tuple[Pair, ...] = ()
     sources: tuple[Source, ...] = ()
+    objects: tuple[HapticObject, ...] = ()
+    listeners: tuple[Listener, ...] = ()
+    removed_objects: tuple[str, ...] = ()
+    removed_listeners: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +60,16 @@ class Recording:
     frame_rate: float
     frame_start: int
     frames: tuple[RecordedFrame, ...]
+
+    def with_all(self, scene: HapticScene) -> HapticScene:
+        """The scene with every object and listener that appears, as it is when it first does."""
+        objects = {item.name: item for frame in reversed(self.frames) for item in reversed(frame.objects)}
+        listeners = {item.name: item for frame in reversed(self.frames) for item in reversed(frame.listeners)}
+        return replace(
+            scene,
+            objects=tuple((objects | {item.name: item for item in scene.objects}).values()),
+            listeners=tuple((listeners | {item.name: item for item in scene.listeners}).values()),
+        )
 
     def time_of(self, frame: int) -> float:
         """Seconds."""
@@ -114,6 +129,11 @@ def _apply(
     listeners: dict[str, Listener],
     contacts: dict[Pair, tuple[Contact, ...]],
 ) -> None:
+    for pair in change.parted:
+        contacts.pop(pair, None)
+    _remove(change, objects, sources, listeners, contacts)
+    objects.update((item.name, item) for item in change.objects)
+    listeners.update((item.name, item) for item in change.listeners)
     for name, (x, y, z, qw, qx, qy, qz) in change.poses.items():
         objects[name] = replace(objects[name], pose=Pose((x, y, z), (qw, qx, qy, qz)))
     for name, (kappa, rho) in change.properties.items():
@@ -130,9 +150,35 @@ def _apply(
         listeners[name] = replace(listeners[name], position=position)
     for name, gain in change.gains.items():
         listeners[name] = replace(listeners[name], gain=gain)
-    for pair in change.parted:
-        contacts.pop(pair, None)
     contacts.update(_by_pair(change.contacts))
+
+
+def _remove(
+    change: RecordedFrame,
+    objects: dict[str, HapticObject],
+    sources: dict[str, Source],
+    listeners: dict[str, Listener],
+    contacts: dict[Pair, tuple[Contact, ...]],
+) -> None:
+    """Remove objects with all that is on them, and listeners."""
+    for name in change.removed_listeners:
+        listeners.pop(name, None)
+    gone = set(change.removed_objects)
+    if not gone:
+        return
+    for name in gone:
+        objects.pop(name, None)
+    for name in [name for name, item in sources.items() if is_on(item, gone)]:
+        del sources[name]
+    for name in [name for name, item in listeners.items() if item.object in gone]:
+        del listeners[name]
+    for pair in [pair for pair in contacts if not gone.isdisjoint(pair)]:
+        del contacts[pair]
+
+
+def is_on(source: Source, objects: Set[str]) -> bool:
+    """Whether a source is on one of the objects."""
+    return source.object in objects or source.second_object in objects
 
 
 def traced(scene: HapticScene, recording: Recording, sample_rate: float = SAMPLE_RATE) -> Iterator[FrameResult]:
@@ -158,22 +204,18 @@ def frame_of(scene: HapticScene, number: int, time: float, detect: bool) -> Fram
 class SceneRecorder:
     """Records the changes of a scene frame by frame.
 
-    An object, source or listener belongs to the scene from the frame in which it is first seen. A persistent source that disappears gets
-    the amplitude 0 until it is back; objects and listeners stay.
+    A persistent source that disappears while its object stays gets the amplitude 0 until it is back.
     """
 
     def __init__(self, frame_rate: float, frame_start: int, settings: Settings | None = None) -> None:
         self._rate, self._start = frame_rate, frame_start
         self._settings = settings or Settings()
-        self._first_objects: dict[str, HapticObject] = {}
         self._objects: dict[str, tuple[float, float, PoseRow | None, ModulationFunction]] = {}
         self._sources: dict[str, Source] = {}
-        self._first_sources: tuple[Source, ...] = ()
-        self._first_listeners: dict[str, Listener] = {}
         self._listeners: dict[str, Listener] = {}
         self._contacts: dict[Pair, bytes] = {}
         self._functions: dict[ModulationFunction, int] = {}
-        self._first_contacts: tuple[Contact, ...] = ()
+        self._first = HapticScene(settings=self._settings)
         self._frames: list[RecordedFrame] = []
 
     def add_result(self, result: FrameResult, objects: Sequence[HapticObject]) -> None:
@@ -200,32 +242,55 @@ class SceneRecorder:
         parted = tuple(pair for pair in self._contacts if pair not in touching)
         moved = _contacts_of(contacts, rows, names, set(changed))
         self._contacts = touching
+        gone = self._removed_objects(objects)
+        removed = tuple(sorted(self._listeners.keys() - {item.name for item in listeners}))
+        for name in removed:
+            del self._listeners[name]
+        appearing = tuple(item for item in objects if item.name not in self._objects)
+        hearing = tuple(_placed(item) for item in listeners if item.name not in self._listeners)
         poses, properties, functions = self._changed_objects(objects)
         new, amplitudes, source_positions = self._changed_sources(sources)
         listener_positions, gains = self._changed_listeners(listeners)
         if begun:
-            self._first_contacts, self._first_sources = moved, new
+            self._first = HapticScene(objects=appearing, contacts=moved, sources=new, listeners=hearing, settings=self._settings)
             self._frames.append(RecordedFrame(number))
         else:
             self._frames.append(
                 RecordedFrame(
-                    number, poses, properties, functions, amplitudes, source_positions, listener_positions, gains, moved, parted, new
+                    number,
+                    poses,
+                    properties,
+                    functions,
+                    amplitudes,
+                    source_positions,
+                    listener_positions,
+                    gains,
+                    moved,
+                    parted,
+                    new,
+                    appearing,
+                    hearing,
+                    gone,
+                    removed,
                 )
             )
 
     def scene(self) -> HapticScene:
         """The scene in the first frame."""
-        return HapticScene(
-            objects=tuple(self._first_objects.values()),
-            contacts=self._first_contacts,
-            sources=self._first_sources,
-            listeners=tuple(self._first_listeners.values()),
-            settings=self._settings,
-        )
+        return self._first
 
     def recording(self) -> Recording:
         """The changes since the first frame."""
         return Recording(self._rate, self._start, tuple(self._frames))
+
+    def _removed_objects(self, objects: Sequence[HapticObject]) -> tuple[str, ...]:
+        """The names of objects that are gone; the sources on them are forgotten, so that they begin anew."""
+        gone = self._objects.keys() - {item.name for item in objects}
+        for name in gone:
+            del self._objects[name]
+        for name in [name for name, item in self._sources.items() if gone and is_on(item, gone)]:
+            del self._sources[name]
+        return tuple(sorted(gone))
 
     def _changed_objects(
         self, objects: Sequence[HapticObject]
@@ -238,7 +303,6 @@ class SceneRecorder:
             before = self._objects.get(item.name)
             self._objects[item.name] = (item.kappa, item.rho, row, item.propagation)
             if before is None:
-                self._first_objects[item.name] = item
                 continue
             if row is not None and row != before[2]:
                 poses[item.name] = row
@@ -275,17 +339,21 @@ class SceneRecorder:
         positions: dict[str, Vector] = {}
         gains: dict[str, float] = {}
         for item in listeners:
-            rounded = replace(item, position=_rounded(item.position))
+            rounded = _placed(item)
             before = self._listeners.get(item.name)
             self._listeners[item.name] = rounded
             if before is None:
-                self._first_listeners[item.name] = rounded
                 continue
             if rounded.position != before.position:
                 positions[item.name] = rounded.position
             if rounded.gain != before.gain:
                 gains[item.name] = rounded.gain
         return positions, gains
+
+
+def _placed(item: Listener) -> Listener:
+    """A listener at its rounded position."""
+    return replace(item, position=_rounded(item.position))
 
 
 def _rounded(vector: Sequence[float]) -> Vector:

@@ -2,6 +2,7 @@
 
 import json
 
+import bpy
 import pytest
 from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.addon.session import session
@@ -123,3 +124,31 @@ def test_rules_of_a_file_become_properties_and_stay_to_the_last_digit(scene, tmp
     (found,) = again["objects"]
     assert found["impact_material"] == "rubber" and found.get("motion", "dynamic") == "dynamic"
     assert again["convention"]["axes"] == "right-handed, z up" and "minimum_energy" not in again["extras"]["blender"]
+
+
+def test_what_is_switched_on_and_off_comes_and_goes(scene, add_box, add_empty, tmp_path):
+    """A crate with a drill and a hand on it, both objects of Blender, is haptic in some frames only: in the file, and back in Blender."""
+    scene.frame_start, scene.frame_end = 1, 12
+    floor = add_box("floor", (0, 0, -0.5), (4, 4, 1))
+    floor.haptics.source.enabled = True
+    foot = add_empty("foot", (0, 1, 0.5), parent=floor)
+    crate = add_box("crate", (0, 0, 0.5), (1, 1, 1))
+    hand = add_empty("hand", (0, 0, 0.5), parent=crate)
+    drill = add_empty("drill", (0.5, 0, 0.5), parent=crate)
+    drill.haptics.source.enabled = foot.haptics.listener.enabled = True
+    for frame, there in ((1, False), (4, True), (8, False), (10, True)):
+        crate.haptics.enabled = hand.haptics.listener.enabled = there
+        crate.keyframe_insert("haptics.enabled", frame=frame)
+        hand.keyframe_insert("haptics.listener.enabled", frame=frame)
+    exported(tmp_path / "crate.json", frames="RANGE", frame_start=1, frame_end=12)
+    expected = [gains(result) for result in in_blender(scene)]
+    assert sorted({len(each) for each in expected}) == [1, 4]
+    export = read_export(tmp_path / "crate.json")
+    assert [item.name for item in export.scene.objects] == ["floor"]
+    for ours, theirs in zip(expected, traced(export.scene, export.recording), strict=True):
+        assert gains(theirs) == pytest.approx(ours, rel=1e-12)
+    imported(tmp_path / "crate.json")
+    for ours, result in zip(expected, in_blender(bpy.context.scene), strict=True):
+        again = gains(result)
+        assert {pair: again[pair] for pair in ours} == pytest.approx(ours, rel=1e-4)
+        assert not any(gain for pair, gain in again.items() if pair not in ours)

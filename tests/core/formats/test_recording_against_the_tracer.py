@@ -166,6 +166,58 @@ def test_missing_frames_change_nothing_and_impacts_end_by_themselves():
     assert [source.name for source in list(states(export.scene, later))[-1][1].sources] == ["hammer"]
 
 
+def test_objects_and_listeners_that_come_and_go(tmp_path):
+    """A crate with a drill and a hand on it stands on the ground in some frames; the hand lets go in others."""
+    ground = HapticObject("ground", 0.2, 0.9, shape=Box((4, 4, 1)), pose=Pose((0, 0, -0.5)), mass=None)
+    crate = HapticObject("crate", 0.3, 0.8, shape=Box((1, 1, 1)), pose=Pose((0.0, 0.0, 0.5)), mass=2.0)
+    bodies = (Body("ground", ground.shape, None, Motion.STATIC), Body("crate", crate.shape, 2.0))
+    tracer, recorder, expected = Tracer(), SceneRecorder(RATE, 1), []
+    for number in range(1, 13):
+        count = 2 if number in (3, 4, 5, 9, 10, 11) else 1
+        objects = (ground, replace(crate, kappa=0.3 + 0.01 * number))[:count]
+        sources = (Source("motor", "ground", (1, 1, 0)), Source("drill", "crate", (0, 0, 1), amplitude=0.7))[:count]
+        listeners = (Listener("foot", "ground", (-1, 0, 0)),) * (number != 7) + (Listener("hand", "crate", (0.5, 0, 1)),) * (count == 2)
+        transforms = np.array([pose_matrix(item.pose) for item in objects])
+        frame = Frame(number, (number - 1) / RATE, objects, sources, listeners, bodies=bodies[:count], transforms=transforms)
+        expected.append(tracer.step(frame))
+        recorder.add_result(expected[-1], objects)
+    write_export(Export("crate", recorder.scene(), recording=recorder.recording()), tmp_path / "crate.json")
+    export = read_export(tmp_path / "crate.json")
+    assert export.recording == recorder.recording() and [item.name for item in export.scene.objects] == ["ground"]
+    for ours, theirs in zip(expected, traced(export.scene, export.recording), strict=True):
+        assert theirs.objects == ours.objects
+        assert [item.name for item in theirs.listeners] == [item.name for item in ours.listeners]
+        heard = dict(zip((item.name for item in theirs.sources), theirs.gains.tolist(), strict=True))
+        for source, row in zip(ours.sources, ours.gains.tolist(), strict=True):
+            assert heard.pop(source.name) == pytest.approx(row, rel=1e-12)
+        assert not heard  # nothing is left of what was on the crate
+
+
+@pytest.mark.parametrize(
+    ("frame", "expected"),
+    [
+        ({"removed_objects": ["moon"]}, "/frames/2/removed_objects/0: there is no object 'moon'"),
+        ({"removed_listeners": ["ear"]}, "/frames/2/removed_listeners/0: there is no listener 'ear'"),
+        ({"removed_objects": ["crate"], "gains": {"seat": 1}}, "/frames/2/gains/seat: there is no listener 'seat'"),
+        ({"removed_objects": ["ground"], "amplitudes": {"hammer": 1}}, "/frames/2/amplitudes/hammer: there is no source 'hammer'"),
+        ({"removed_objects": ["crate"], "poses": {"crate": [0, 0, 0, 1, 0, 0, 0]}}, "/frames/2/poses/crate: there is no object 'crate'"),
+        ({"objects": [{"name": "crate", "kappa": 0, "rho": 1}]}, "/frames/2/objects/0/name: there is an object 'crate' already"),
+        (
+            {"listeners": [{"name": "ear", "object": "moon", "position": [0, 0, 0]}]},
+            "/frames/2/listeners/0/object: there is no object 'moon'",
+        ),
+    ],
+)
+def test_what_comes_and_goes_wrongly_is_named_with_its_place(tmp_path, frame, expected):
+    write_export(small(), tmp_path / "small.json")
+    document = json.loads((tmp_path / "small.json").read_text("utf-8"))
+    document["frames"] = [*document["frames"][:2], {"frame": 4, **frame}]
+    (tmp_path / "broken.json").write_text(json.dumps(document), "utf-8")
+    with pytest.raises(FormatError) as caught:
+        read_export(tmp_path / "broken.json")
+    assert str(caught.value).startswith(f"{tmp_path / 'broken.json'}: {expected}")
+
+
 @pytest.mark.parametrize(
     ("path", "value", "expected"),
     [
