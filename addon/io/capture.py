@@ -85,7 +85,7 @@ class Capture:
 
     def _results(self) -> Generator[FrameResult, None, None]:
         if self._track is None:
-            with closing(timeline.steps(self.scene, self.start, self.end)) as steps:
+            with closing(timeline.steps(self.scene, self.start, self.end, self._tracks is None)) as steps:
                 for step in steps:
                     yield step.result
             return

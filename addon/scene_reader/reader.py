@@ -184,11 +184,16 @@ class SceneReader:
         changed = False
         again = sorted(rows)
         scales = rigid_transforms(raw[np.array(again, dtype=np.int64)])[1] if again else np.zeros((0, 3))
+        switched = False
         for row, scale in zip(again, scales, strict=True):
             tagged = self._read_object(row, bpy.data.objects[row], depsgraph, scale)
             if tagged != self._tagged[row]:
+                switched |= (tagged.object is None) != (self._tagged[row].object is None)
                 self._tagged[row] = tagged
                 changed = True
+        if switched:  # what other objects carry may now be on another one, or on none
+            for row, known in self._tagged.items():
+                self._tagged[row] = self._read_object(row, bpy.data.objects[row], depsgraph, np.array(known.scale))
         if changed:
             lists = TaggedLists.of(self._tagged, lists)  # of the same rows
         if len(moved) or lists is not self._lists:

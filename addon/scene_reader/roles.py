@@ -6,16 +6,22 @@ from collections.abc import Iterable
 
 from bpy.types import Object, Scene
 
+from ..blender.compatibility import animated_paths
 from ..changes import revisions
 
 _MOST_SCENES = 64
 """Number of scenes stored as untagged."""
 
 
+_SWITCHES = frozenset({"haptics.enabled", "haptics.source.enabled", "haptics.listener.enabled"})
+
+
 def is_tagged(obj: Object) -> bool:
-    """True where the object has any haptic role."""
+    """True where the object has any haptic role, or its animation switches one on and off."""
     haptics = obj.haptics
-    return haptics.enabled or haptics.source.enabled or haptics.listener.enabled
+    if haptics.enabled or haptics.source.enabled or haptics.listener.enabled:
+        return True
+    return obj.animation_data is not None and not _SWITCHES.isdisjoint(animated_paths(obj) or ())
 
 
 def solo_roles(objects: Iterable[Object]) -> frozenset[str]:

@@ -75,13 +75,14 @@ def results(scene: Scene, start: int, end: int) -> Generator[FrameResult, None, 
                 yield _checked(frame, session.result_of(scene), own.problems, result)
 
 
-def steps(scene: Scene, start: int, end: int) -> Generator[Step, None, None]:
+def steps(scene: Scene, start: int, end: int, listeners_may_change: bool = False) -> Generator[Step, None, None]:
     """The same, the scene standing in the frame that comes."""
     result: FrameResult | None = None
     began = time.perf_counter()
     with closing(_frames(scene, start, end)) as frames:
         for frame in frames:
-            result = _checked(frame, session.result_of(scene), session.problems_of(scene), result)
+            before = None if listeners_may_change else result
+            result = _checked(frame, session.result_of(scene), session.problems_of(scene), before)
             total, traced = 1000 * (time.perf_counter() - began), sum(result.milliseconds.values())
             yield Step(result, total - traced, traced)
             began = time.perf_counter()
@@ -156,7 +157,7 @@ def _checked(frame: int, result: FrameResult | None, problems: tuple[Problem, ..
     if result is None or result.number != frame:
         raise ValueError(f"Frame {frame} can't be traced: {problems[0].message if problems else 'no object is tagged'}")
     if before is not None and [item.name for item in before.listeners] != [item.name for item in result.listeners]:
-        raise ValueError(f"The listeners change at frame {frame}")
+        raise ValueError(f"The listeners change at frame {frame}: keep them all switched on, and set Gain to 0 where nothing is to be felt")
     return result
 
 
