@@ -152,3 +152,32 @@ def test_what_is_switched_on_and_off_comes_and_goes(scene, add_box, add_empty, t
         again = gains(result)
         assert {pair: again[pair] for pair in ours} == pytest.approx(ours, rel=1e-4)
         assert not any(gain for pair, gain in again.items() if pair not in ours)
+
+
+def test_a_listener_on_a_bone_moves_in_the_file_as_its_bone(scene, add_box, tmp_path):
+    scene.frame_start, scene.frame_end = 1, 8
+    floor = add_box("floor", (0, 0, -0.5), (4, 4, 1))
+    floor.haptics.source.enabled = True
+    body = add_box("body", (0, 0, 0.5), (1, 1, 1))
+    rig = bpy.data.objects.new("rig", bpy.data.armatures.new("rig"))
+    scene.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    rig.data.edit_bones.new("arm").tail = (0, 0, 1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    rig.haptics.body = body
+    hand = bpy.data.objects.new("hand", None)
+    scene.collection.objects.link(hand)
+    hand.parent, hand.parent_type, hand.parent_bone = rig, "BONE", "arm"
+    hand.haptics.listener.enabled = True
+    for frame, angle in ((1, 0.0), (8, 1.0)):
+        rig.pose.bones["arm"].rotation_mode = "XYZ"
+        rig.pose.bones["arm"].rotation_euler.x = angle
+        rig.pose.bones["arm"].keyframe_insert("rotation_euler", frame=frame)
+    exported(tmp_path / "arm.json", frames="RANGE", frame_start=1, frame_end=8)
+    export = read_export(tmp_path / "arm.json")
+    felt = set()
+    for ours, theirs in zip(in_blender(scene), traced(export.scene, export.recording), strict=True):
+        assert gains(theirs) == pytest.approx(gains(ours), rel=1e-12)
+        felt.update(gains(ours).values())
+    assert len(felt) == 8 and min(felt) > 0
