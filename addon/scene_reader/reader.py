@@ -192,8 +192,8 @@ class SceneReader:
                 self._tagged[row] = tagged
                 changed = True
         if switched:  # what other objects carry may now be on another one, or on none
-            for row, known in self._tagged.items():
-                self._tagged[row] = self._read_object(row, bpy.data.objects[row], depsgraph, np.array(known.scale))
+            for row, before in self._tagged.items():
+                self._tagged[row] = self._read_object(row, bpy.data.objects[row], depsgraph, np.array(before.scale))
         if changed:
             lists = TaggedLists.of(self._tagged, lists)  # of the same rows
         if len(moved) or lists is not self._lists:
