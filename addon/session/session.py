@@ -153,7 +153,8 @@ def _submit(session: Session, begun: _Begun, frame: Frame) -> None:
     """Let the worker trace a frame, and compute what is shown of it."""
     session.job = begun, frame
     session.begun = worker.submit(_step, session, begun, frame)
-    worker.submit(_follow, session)
+    if session.derived:
+        worker.submit(_follow, session)
 
 
 def give_up() -> None:

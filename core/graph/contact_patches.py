@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,6 +41,12 @@ class MergedPatches:
     graph: HapticGraph
     node: IntArray
     merged: IntArray
+
+    def unmerged(self, paths: Mapping[tuple[int, int], tuple[int, ...]]) -> Mapping[tuple[int, int], tuple[int, ...]]:
+        """Paths through ``graph`` as nodes of the given graph."""
+        if self.graph.node_count == len(self.merged):
+            return paths
+        return {pair: tuple(self.node[list(nodes)].tolist()) for pair, nodes in paths.items()}
 
 
 def merge_patches(graph: HapticGraph) -> MergedPatches:

@@ -246,8 +246,8 @@ class HapticGraph:
 
     def node_distances(self, a: IntArray, b: IntArray) -> FloatArray:
         """Distances in metres between nodes ``a[i]`` and ``b[i]``."""
-        x, y, z = self.node_position.T
-        return _lengths(x[a] - x[b], y[a] - y[b], z[a] - z[b])
+        places = self.node_position.T
+        return _lengths(*(places.take(a, axis=1) - places.take(b, axis=1)))
 
     def intra_gain(self, index: int, node: int, others: slice | IntArray) -> FloatArray:
         """Gains of the intra-connections from ``node`` to other nodes of object ``index``."""

@@ -118,9 +118,10 @@ def _unconstrained_paths(graph: HapticGraph, wanted: Sequence[Pair], limit: floa
         trees = shortest_paths(graph, part, np.full(len(part), limit + SLACK), target_nodes)
         result.relaxed += trees.relaxed
         result.visited = max(result.visited, trees.visited())
+        numbers = {number: root for root, number in enumerate((rows if forward else columns)[first : first + at_once])}
         for row, column in wanted:
-            root = (rows.index(row) if forward else columns.index(column)) - first
-            if 0 <= root < len(part):
+            root = numbers.get(row if forward else column)
+            if root is not None:
                 path = _nearest(graph, trees, root, (listener_nodes[column],) if forward else graph.sources[row].nodes)
                 if path:
                     found[row, column] = path if forward else path[::-1]
@@ -128,6 +129,8 @@ def _unconstrained_paths(graph: HapticGraph, wanted: Sequence[Pair], limit: floa
 
 
 def _nearest(graph: HapticGraph, trees: ShortestPaths, root: int, targets: Sequence[int]) -> Path:
+    if len(targets) == 1:
+        return trees.path(graph, root, targets[0])
     arrival = trees.cost[root]
     return trees.path(graph, root, min(targets, key=lambda node: (arrival[node], node)))
 

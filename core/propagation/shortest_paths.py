@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import heapq
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -90,12 +91,15 @@ class _Relaxation:
         self.arrival = np.full((rows, self.count), math.inf)
         self.entry = np.full((rows, self.count), -1, dtype=np.int64)
         self.arrivals, self.entries = self.arrival.reshape(-1), self.entry.reshape(-1)
-        self.limits = limits
+        self.limits = np.minimum(limits, sys.float_info.max)
         self.complete = complete or bool(graph.table.special)
-        self.others = graph.start[1:] - graph.start[:-1] - 1  # per object: nodes besides one that it is entered through
-        self.special = np.zeros(len(self.others), dtype=np.bool_)
-        self.special[list(graph.table.special)] = True
         self.loss = np.maximum(0.0, graph.table.loss)
+        # Per node, as all that follows: of its object the first node, and the number of nodes besides itself.
+        index = graph.node_object
+        self.first = graph.start[index]
+        self.others = graph.start[index + 1] - self.first - 1
+        self.special = np.isin(index, list(graph.table.special)) if graph.table.special else None
+        self.node_loss, self.node_decay = self.loss[index], graph.table.decay[index]
         crossing = np.maximum(0.0, np.append(graph.transmission_loss, math.inf))
         self.crossing = crossing[graph.contact]  # per node: cost of its inter-connection; contact -1 takes the appended infinity
         self.relaxed = 0
@@ -113,7 +117,7 @@ def shortest_paths(
         targets: nodes of interest; a row stops where none of them can get cheaper, and is complete only as far as they need. None: all.
         complete: costs are right also for the nodes through which an object is entered.
     """
-    work = _Relaxation(graph, len(roots), np.array(limits, dtype=np.float64), complete)
+    work = _Relaxation(graph, len(roots), limits, complete)
     row = np.array([r for r, nodes in enumerate(roots) for _ in nodes], dtype=np.int64)
     node = np.array([n for nodes in roots for n in nodes], dtype=np.int64)
     pending = row, node, np.zeros(len(node))
@@ -134,29 +138,30 @@ def shortest_paths(
 
 def _relax_cheapest(work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
     """Relax the cheapest pending entries. Returns the entries pending afterwards."""
-    graph = work.graph
-    index = graph.node_object[node]
     within = cost <= work.limits[row]
-    useful = within & (work.special[index] | (work.arrivals[row * work.count + node] > cost + work.loss[index]))
+    useful = work.arrivals[row * work.count + node] > cost + work.node_loss[node]
+    if work.special is not None:
+        useful |= work.special[node]
+    useful &= within
     batches = []
     if work.complete:
         back = (within & ~useful & (work.entry[row, node] >= 0)).nonzero()[0]
-        back = back[graph.partner[work.entry[row[back], node[back]]] >= 0]
+        back = back[work.graph.partner[work.entry[row[back], node[back]]] >= 0]
         if len(back):
             other = work.entry[row[back], node[back]]
             batches.append(_relax(work, row[back], node[back], cost[back], np.arange(len(back)), other))
     if not useful.all():
-        row, node, cost, index = row[useful], node[useful], cost[useful], index[useful]
+        row, node, cost = row[useful], node[useful], cost[useful]
     if len(row):
-        size = work.others[index]
+        size = work.others[node]
         if size.sum() > BATCH:
             order = np.lexsort((node, row, cost))
             now = max(1, int(size[order].cumsum().searchsorted(BATCH, side="right")))
             later, order = order[now:], order[:now]
             batches.append((row[later], node[later], cost[later]))
-            row, node, cost, index, size = row[order], node[order], cost[order], index[order], size[order]
+            row, node, cost, size = row[order], node[order], cost[order], size[order]
         which = np.arange(len(row)).repeat(size)
-        other = ranges(graph.start[index], size)
+        other = ranges(work.first[node], size)
         other += other >= node[which]  # all nodes of the object but the entry itself
         batches.append(_relax(work, row, node, cost, which, other))
     if len(batches) == 1:
@@ -175,22 +180,21 @@ def _relax(
     work.relaxed += len(other)
     begin = node[which]
     distance = graph.node_distances(begin, other)
-    index = graph.node_object[node]
-    candidate = (cost + work.loss[index])[which] + graph.table.decay[index][which] * distance
+    candidate = (cost + work.node_loss[node])[which] + work.node_decay[begin] * distance
     if graph.table.spreading is not None:
-        exponent, reference, extent = graph.table.spreading.take(index[which], axis=1)
+        exponent, reference, extent = graph.table.spreading.take(graph.node_object[begin], axis=1)
         candidate += exponent * np.log1p(np.minimum(distance, extent) / reference)
-    if graph.table.special:
-        chosen = work.special[index][which].nonzero()[0]
+    if work.special is not None:
+        chosen = work.special[begin].nonzero()[0]
         candidate[chosen] = cost[which[chosen]] + np.maximum(0.0, intra_costs(graph, begin[chosen], other[chosen]))
     place = (row * work.count)[which] + other
     better = ((candidate < arrivals[place]) & (candidate <= work.limits[row][which])).nonzero()[0]
-    place, candidate = place[better], candidate[better]
+    place, candidate, begin = place[better], candidate[better], begin[better]
     # Several connections to one node: the cheapest wins, among equal ones that from the lowest entry.
     np.minimum.at(arrivals, place, candidate)
-    cheapest = (candidate == arrivals[place]).nonzero()[0]
-    better, place, candidate = better[cheapest], place[cheapest], candidate[cheapest]
-    begin = begin[better]
+    cheapest = candidate == arrivals[place]
+    if not cheapest.all():
+        better, place, candidate, begin = better[cheapest], place[cheapest], candidate[cheapest], begin[cheapest]
     entries[place] = begin
     first = entries[place] == begin
     if not first.all():
@@ -199,7 +203,7 @@ def _relax(
         better, candidate = better[first], candidate[first]
     row, other = row[which[better]], other[better]
     onwards = candidate + work.crossing[other]
-    go = ((onwards <= work.limits[row]) & (onwards < math.inf)).nonzero()[0]
+    go = (onwards <= work.limits[row]).nonzero()[0]
     return row[go], graph.partner[other[go]], onwards[go]
 
 

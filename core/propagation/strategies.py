@@ -121,7 +121,7 @@ class _Run:
             error_bound=np.where(gains.error >= LARGEST, math.inf, gains.error),
             paths=gains.paths,
             limited=gains.limited,
-            best_path={pair: tuple(patches.node[list(nodes)].tolist()) for pair, nodes in best.nodes.items()},
+            best_path=patches.unmerged(best.nodes),
             strategy=tuple(str(strategy) for strategy in self.strategies),
             band_gain=gains.bands,
             delay=_delays(patches.graph, self.wanted.shape, best) if delays else None,
@@ -142,18 +142,22 @@ class _Run:
         graph, gains = patches.graph, self.gains
         best = best_paths(
             graph,
-            [(int(row), int(column)) for row, column in np.argwhere(self.wanted)],
+            [(row, column) for row, column in np.argwhere(self.wanted).tolist()],
             most_connections(self.settings),
             self.settings.threshold,
             self.budget,
             amplified,
             {} if known is None else {row: (known.forward, number) for number, row in enumerate(rows)},
         )
-        for pair in best.nodes.keys() | best.bound.keys():
-            if self.strategies[pair[0]] is Strategy.BEST_PATH:
-                gains.gain[pair], gains.error[pair] = gain_and_error(best.cost.get(pair), best.bound.get(pair))
-                gains.paths[pair] = pair in best.nodes
-                if gains.bands is not None and pair in best.nodes:
+        pairs = [pair for pair in best.nodes.keys() | best.bound.keys() if self.strategies[pair[0]] is Strategy.BEST_PATH]
+        if pairs:
+            places = tuple(np.array(pairs).T)
+            values = [gain_and_error(best.cost.get(pair), best.bound.get(pair)) for pair in pairs]
+            gains.gain[places], gains.error[places] = np.array(values).T
+            gains.paths[places] = [pair in best.nodes for pair in pairs]
+        if gains.bands is not None:
+            for pair in pairs:
+                if pair in best.nodes:
                     gains.bands[pair] = gains.gain[pair] * path_bands(graph, best.nodes[pair])
         return best
 

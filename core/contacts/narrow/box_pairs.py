@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
 from .body_patches import PairPatches
 from .box_axes import best_axes
-from .boxes import box_contacts, corner_contacts
+from .boxes import BoxContacts, box_contacts, corner_contacts
 from .cores import CoreTable, Kind
 from .frames import COLUMN, product, relative, turned, turned_back
 
@@ -25,6 +25,25 @@ class Boxes:
     half_b: FloatArray
     radius_a: FloatArray
     radius_b: FloatArray
+
+
+_AT_ONCE = 1536
+"""Most pairs whose contacts are computed at a time: arrays of more leave the cache, and their memory goes back to the system each time."""
+
+
+def _contacts(boxes: Boxes, limit: FloatArray) -> BoxContacts:
+    """Contacts up to ``limit`` (k,)."""
+    count = len(boxes.rows)
+    parts = max(1, -(-count // _AT_ONCE))
+    found = []
+    for k in range(parts):
+        part = slice(count * k // parts, count * (k + 1) // parts)
+        placed = boxes.rotation[..., part], boxes.offset[:, part], boxes.half_a[:, part], boxes.half_b[:, part]
+        found.append(box_contacts(*placed, limit[part]))
+        corner_contacts(found[-1], *placed)
+    if parts == 1:
+        return found[0]
+    return BoxContacts(*(np.concatenate([getattr(part, f.name) for part in found], axis=-1) for f in fields(BoxContacts)))
 
 
 class BoxPairs:
@@ -91,8 +110,7 @@ class BoxPairs:
         """
         rows = boxes.rows
         radius = boxes.radius_a + boxes.radius_b
-        found = box_contacts(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b, limit[rows] + radius)
-        corner_contacts(found, boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b)
+        found = _contacts(boxes, limit[rows] + radius)
         area, normal, centre = found.area, found.normal, found.centre
         first, second = pairs[rows].T
         if np.any(radius > 0):
