@@ -21,7 +21,6 @@ from .graph.object_frames import ObjectFrames, local_centres
 from .message import Message
 from .scene.choices import Strategy
 from .scene.functions import ModulationFunction
-from .scene.impact_rule import ImpactRule
 from .scene.rule_table import RuleTable
 from .scene.rules import ImpactTemplates
 from .scene.values import HapticObject, Listener, Settings, Source, Vector
@@ -98,16 +97,17 @@ class CollisionDetector:
         self._remembered: dict[int, FrameImpacts] = {}
         self._rules: tuple[tuple[Body, ...], ContactSettings] | None = None
         self._unnamed: tuple[tuple[Body, ...], tuple[Body, ...]] = (), ()  # bodies, and the same without materials
-        self._limits: tuple[RuleTable[ImpactRule], RuleTable[ImpactRule]] = RuleTable(), RuleTable()  # and the same without templates
+        self._known: tuple[ContactSettings | None, ContactSettings] = None, settings  # the settings, and of these what is `_tracked`
         self._last: Frame | None = None
 
     @property
     def _tracked(self) -> ContactSettings:
         """What contacts and impacts are found by: the settings without what is made of impacts."""
-        table = self.settings.impact_table
-        if self._limits[0] is not table:
-            self._limits = table, RuleTable(tuple(replace(row, does=row.does.limits()) for row in table.rows))
-        return replace(self.settings, impacts=True, templates=ImpactTemplates.PLAIN, impact_table=self._limits[1])
+        if self._known[0] is not self.settings:
+            rows = tuple(replace(row, does=row.does.limits()) for row in self.settings.impact_table.rows)
+            tracked = replace(self.settings, impacts=True, templates=ImpactTemplates.PLAIN, impact_table=RuleTable(rows))
+            self._known = self.settings, tracked
+        return self._known[1]
 
     @property
     def remembers(self) -> bool:
@@ -128,7 +128,7 @@ class CollisionDetector:
             if self._unnamed[0] is not bodies:
                 self._unnamed = bodies, tuple(replace(body, material="") for body in bodies)
             bodies = self._unnamed[1]
-        return bodies, replace(self._tracked, patch_points=False)
+        return bodies, self._tracked if not self._tracked.patch_points else replace(self._tracked, patch_points=False)
 
     def forget_impacts(self) -> None:
         """Something that makes impacts has changed."""

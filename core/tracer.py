@@ -134,11 +134,4 @@ class _Stopwatch:
 
 def _statistics(propagated: Propagated, collisions: Collisions) -> dict[str, int | float]:
     """Return the counts of what a frame had and of what was done and skipped."""
-    return {
-        "objects": len(propagated.graph.table.names),
-        "contacts": len(collisions.contacts),
-        "nodes": propagated.graph.node_count,
-        "intra_connections": propagated.graph.intra_connection_count(),
-        **collisions.statistics,
-        **propagated.propagation.statistics,
-    }
+    return {**collisions.statistics, **propagated.propagation.statistics}

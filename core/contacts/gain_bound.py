@@ -62,41 +62,40 @@ class GainBound:
     def _away(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """Distances (p,) of regions from ``low`` to ``high`` (3, p) from the nearest start; for many starts a lower bound, the distance
         from their bounding box."""
-        starts = [(position, position) for position in self.positions]
-        if len(starts) > _FEW:
-            starts = [(self.positions.min(axis=0), self.positions.max(axis=0))]
-        nearest = np.full(low.shape[1], np.inf)
-        for begin, end in starts:
-            away = np.maximum(low - end[:, None], begin[:, None] - high)
-            np.maximum(away, 0.0, out=away)
-            np.minimum(nearest, np.einsum("ip,ip->p", away, away), out=nearest)
-        return np.asarray(np.sqrt(nearest))
+        begin = end = self.positions.T[:, :, None]  # (3, starts, 1)
+        if len(self.positions) > _FEW:
+            begin, end = begin.min(axis=1, keepdims=True), end.max(axis=1, keepdims=True)
+        away = np.maximum(np.maximum(low[:, None] - end, begin - high[:, None]), 0.0)
+        return np.asarray(np.sqrt(np.einsum("isp,isp->sp", away, away).min(axis=0)))
 
     def _reached(self, first: IntArray, second: IntArray, fading: FloatArray, limit: float) -> BoolArray:
         """Which pairs a signal reaches through others with a gain of at least ``limit``, of which ``fading`` (p,) is due to distance."""
         count, bodies_in_all = len(first), len(self.factor)
-        ends, others = np.concatenate([first, second]), np.concatenate([second, first])
-        order = np.argsort(ends, kind="stable")
-        pair, other = order % max(count, 1), others[order]
-        begin = np.zeros(bodies_in_all + 1, dtype=np.int64)
-        np.cumsum(np.bincount(ends, minlength=bodies_in_all), out=begin[1:])
+        ends = np.concatenate([first, second])
+        order = ends.argsort(kind="stable")
+        other = np.concatenate([second, first])[order]
+        pair = order % max(count, 1)
+        fade = fading[pair]
+        many_of = np.bincount(ends, minlength=bodies_in_all)
+        begin = many_of.cumsum() - many_of
         entering = np.zeros(bodies_in_all)
         np.maximum.at(entering, self.bodies, self.strengths)
         reached, stronger_now = np.zeros(count, dtype=np.bool_), np.zeros(bodies_in_all, dtype=np.bool_)
-        bodies = np.unique(self.bodies)
+        bodies = np.flatnonzero(entering)
         while len(bodies):
-            many = begin[bodies + 1] - begin[bodies]
-            steps = np.arange(many.sum()) + np.repeat(begin[bodies] - (np.cumsum(many) - many), many)
-            value = np.repeat(entering[bodies] * self.factor[bodies], many)
-            arrived = (value * fading[pair[steps]] >= limit) & (value > 0)
+            many = many_of[bodies]
+            steps = (begin[bodies] - many.cumsum() + many).repeat(many)
+            steps += np.arange(len(steps))
+            value = (entering[bodies] * self.factor[bodies]).repeat(many)
+            arrived = ((value * fade[steps] >= limit) & (value > 0)).nonzero()[0]
             steps, value = steps[arrived], value[arrived] * self.transmission
             reached[pair[steps]] = True
             # Stronger by more than rounding, so that the search ends on rings of bodies.
             ahead = other[steps]
-            stronger = value > entering[ahead] * (1 + 1e-12)
+            stronger = (value > entering[ahead] * (1 + 1e-12)).nonzero()[0]
             ahead = ahead[stronger]
             np.maximum.at(entering, ahead, value[stronger])
             stronger_now[ahead] = True
-            bodies = np.flatnonzero(stronger_now)
+            bodies = stronger_now.nonzero()[0]
             stronger_now[bodies] = False
         return reached

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -21,9 +22,13 @@ class ObjectFrames:
     axes: FloatArray
 
     @classmethod
+    @lru_cache(maxsize=4)
     def unknown(cls, count: int) -> ObjectFrames:
         """No shapes: the axes are those of the world."""
-        return cls(np.full((count, 3), np.nan), np.tile(np.eye(3), (count, 1, 1)))
+        centre, axes = np.full((count, 3), np.nan), np.tile(np.eye(3), (count, 1, 1))
+        centre.setflags(write=False)
+        axes.setflags(write=False)
+        return cls(centre, axes)
 
     @classmethod
     def of_objects(cls, objects: Sequence[HapticObject]) -> ObjectFrames:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -53,14 +54,13 @@ class Mixdown:
 
 def listener_mixes(listeners: Sequence[Listener]) -> tuple[ListenerMix, ...]:
     """The mixes of listeners, for a `Renderer`."""
-    return tuple(ListenerMix(item.name, mixing_method(item), item.s_max, limiter=item.limiter) for item in listeners)
+    return tuple(_mix(item.name, item.mixing, item.mixing_expression, item.s_max, item.limiter) for item in listeners)
 
 
-def mixing_method(listener: Listener) -> MixingMethod:
-    """The mixing method of a listener. Raises ValueError for an unknown one."""
-    if listener.mixing == "custom":
-        return MixingExpression(listener.mixing_expression, listener.s_max)
-    return listener.mixing  # type: ignore[return-value]
+@lru_cache(maxsize=1024)  # the same ones in every frame
+def _mix(name: str, mixing: str, expression: str, s_max: float, limiter: bool) -> ListenerMix:
+    method: MixingMethod = MixingExpression(expression, s_max) if mixing == "custom" else mixing  # type: ignore[assignment]
+    return ListenerMix(name, method, s_max, limiter=limiter)
 
 
 def source_voices(

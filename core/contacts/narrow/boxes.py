@@ -55,20 +55,27 @@ def box_contacts(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, h
     result = BoxContacts(best.distance, np.zeros((3, count)), np.zeros((3, count)), np.zeros(count), best.distance > limit)
     result.normal[2] = 1.0
     axis = best.axis
+    # Each centre is ``lying`` where the faces overlap, moved by ``share`` of the way to the mean of the nearest corners.
+    lying, share = result.centre.copy(), np.zeros(count)
     near = best.distance <= limit
     edges = np.flatnonzero(near & (axis >= FIRST_EDGE_AXIS))
     if len(edges):
         boxes = _rows(edges, rotation, offset, half_a, half_b)
-        _edges(result, edges, axis[edges], *boxes)
+        normal = _edges(result, edges, axis[edges], *boxes)
+        lying[:, edges], share[edges] = result.centre[:, edges], 1.0
         # Where the faces that the edges belong to are nearly parallel, the patch is theirs.
-        normal = result.normal[:, edges]
         alignment = np.abs(np.concatenate([normal, np.einsum("ijp,ip->jp", boxes[0], normal)]))
         face = alignment.argmax(axis=0)
         axis[edges] = np.where(pick(alignment, face) > _FACING, face + _OF_EDGES, FIRST_EDGE_AXIS)
     faces = np.flatnonzero(near & (axis != FIRST_EDGE_AXIS))
     if len(faces):
-        _faces(result, faces, axis[faces], *_rows(faces, rotation, offset, half_a, half_b))
-    return result
+        _faces(result, lying, share, faces, axis[faces], *_rows(faces, rotation, offset, half_a, half_b))
+    narrow = np.flatnonzero(share > 0)
+    if len(narrow):
+        found = result.normal.take(narrow, axis=1), result.centre.take(narrow, axis=1), result.distance[narrow]
+        mean = _mean_of_nearest(*found, *_rows(narrow, rotation, offset, half_a, half_b))
+        lying[:, narrow] += share[narrow] * (mean - lying[:, narrow])
+    return BoxContacts(result.distance, result.normal, lying, result.area, result.exact)
 
 
 def _rows(
@@ -81,7 +88,15 @@ def _rows(
 
 
 def _faces(
-    result: BoxContacts, rows: IntArray, axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
+    result: BoxContacts,
+    lying: FloatArray,
+    share: FloatArray,
+    rows: IntArray,
+    axis: IntArray,
+    rotation: FloatArray,
+    offset: FloatArray,
+    half_a: FloatArray,
+    half_b: FloatArray,
 ) -> None:
     """Contacts of the pairs with the ``axis`` of a face; where edges are nearest, their patch alone. ``face`` is the box that the face
     belongs to, ``other`` the box over it."""
@@ -125,31 +140,27 @@ def _faces(
         normal[:, back] = np.einsum("ijp,jp->ip", turn_back, normal[:, back])
     # The centre of a sliver would jump as the bodies tremble.
     length = np.minimum(np.maximum(face[0], face[1]), np.maximum(other[0], other[1]))
-    share = np.square(np.clip(1.0 - area / (2 * _SLIVER * length), 0.0, 1.0))
-    narrow = np.flatnonzero((share > 0) & (exact | by_edges))
-    if len(narrow):
-        boxes = _rows(narrow, rotation, offset, half_a, half_b)
-        mean = _mean_of_nearest(normal[:, narrow], middle[:, narrow], distance[narrow], *boxes)
-        mean = np.where(by_edges[narrow], result.centre[:, rows[narrow]], mean)
-        middle[:, narrow] += share[narrow] * (mean - middle[:, narrow])
+    thin = np.where(exact | by_edges, np.square(np.clip(1.0 - area / (2 * _SLIVER * length), 0.0, 1.0)), 0.0)
     if by_edges.any():
         patched = np.flatnonzero(by_edges & (area > 0))
-        result.centre[:, rows[patched]], result.area[rows[patched]] = middle[:, patched], area[patched]
+        over = rows[patched]
+        lying[:, over], share[over], result.area[over] = middle[:, patched], thin[patched], area[patched]
         own = np.flatnonzero(~by_edges)
-        rows, distance, normal, middle, area, exact = rows[own], distance[own], normal[:, own], middle[:, own], area[own], exact[own]
-    result.distance[rows], result.area[rows], result.exact[rows] = distance, area, exact
-    result.normal[:, rows], result.centre[:, rows] = normal, middle
+        rows, distance, normal, middle, area = rows[own], distance[own], normal[:, own], middle[:, own], area[own]
+        exact, thin = exact[own], thin[own]
+    result.distance[rows], result.area[rows], result.exact[rows], share[rows] = distance, area, exact, thin
+    result.normal[:, rows] = normal
+    result.centre[:, rows] = lying[:, rows] = middle
 
 
 def _edges(
     result: BoxContacts, rows: IntArray, axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
-) -> None:
-    """Pairs whose best axis is that of two edges: the nearest points of the two."""
+) -> FloatArray:
+    """Pairs whose best axis is that of two edges: the nearest points of the two. Returns the normals."""
     points = edge_points(axis, rotation, offset, half_a, half_b)
-    middle, distance = (points.first + points.second) / 2, result.distance[rows]
-    result.normal[:, rows] = points.normal
-    result.centre[:, rows] = _mean_of_nearest(points.normal, middle, distance, rotation, offset, half_a, half_b)
-    result.exact[rows] = points.within | (distance <= 0)
+    result.normal[:, rows], result.centre[:, rows] = points.normal, (points.first + points.second) / 2
+    result.exact[rows] = points.within | (result.distance[rows] <= 0)
+    return points.normal
 
 
 def _nearness(excess: FloatArray) -> FloatArray:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.scene.scene_json import scene_from_dict
-from haptic_tracing.core.render.mixdown import mixing_method
+from haptic_tracing.core.render.mixdown import listener_mixes
 from haptic_tracing.core.render.mixing import (
     MixingExpression,
     check_mixing,
@@ -196,7 +196,8 @@ def test_formulas_are_checked_while_they_are_written(formula: str, words: str | 
 
 
 def test_a_listener_with_a_wrong_formula_is_refused() -> None:
-    assert mixing_method(Listener("hand", "box", mixing="custom", mixing_expression="sum", s_max=0.5)) == MixingExpression("sum", 0.5)
+    (mix,) = listener_mixes([Listener("hand", "box", mixing="custom", mixing_expression="sum", s_max=0.5)])
+    assert mix.method == MixingExpression("sum", 0.5)
     for formula in ("", "sum +", "loud"):
         with pytest.raises(ValueError, match=r"^mixing_expression: "):
             Listener("hand", "box", mixing="custom", mixing_expression=formula)
