@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray, ranges
 
 _FEW = 8
 """Number of starts up to which each is examined by itself."""
@@ -84,8 +84,7 @@ class GainBound:
         bodies = np.flatnonzero(entering)
         while len(bodies):
             many = many_of[bodies]
-            steps = (begin[bodies] - many.cumsum() + many).repeat(many)
-            steps += np.arange(len(steps))
+            steps = ranges(begin[bodies], many)
             value = (entering[bodies] * self.factor[bodies]).repeat(many)
             arrived = ((value * fade[steps] >= limit) & (value > 0)).nonzero()[0]
             steps, value = steps[arrived], value[arrived] * self.transmission
