@@ -26,6 +26,9 @@ from .scene.rules import ImpactTemplates
 from .scene.values import HapticObject, Listener, Settings, Source, Vector
 from .signals import Signal
 
+EXACT_FRAMES = 32
+"""Frames whose number is a multiple of this are `Frame.exact`: those after them can be traced without those before, to the same bits."""
+
 
 @dataclass(frozen=True, slots=True)
 class Frame:
@@ -36,7 +39,7 @@ class Frame:
     are dropped. Either bodies move, then ``transforms`` (n, 4, 4) are the rigid world transforms of ``bodies``, which are ``objects`` in
     the same order; or ``contacts`` are given, which number the objects by their sorted names. ``authored`` contacts replace detected
     ones. ``recall``: a frame that does not follow has the impacts that it had when it was last stepped to, see `CollisionDetector`.
-    ``fresh``: contacts and gains are computed anew, also where hardly anything has moved since they were.
+    ``exact``: contacts and gains are computed anew also where things have moved by less than counts otherwise.
     """
 
     number: int
@@ -51,7 +54,7 @@ class Frame:
     continuous: bool = True
     authored: AuthoredContacts | None = None
     recall: bool = False
-    fresh: bool = False
+    exact: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,7 +184,7 @@ class CollisionDetector:
             kept = self._recalled(frame.number, frame.transforms) if self.settings.impacts else None
         recalled = () if kept is None else self._sources.recall(kept, self._templates(frame))
         reach = self._reach(frame, frame.transforms) if self.lazy and frame.authored is None else None
-        found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, self.settings.impacts, frame.fresh)
+        found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, self.settings.impacts, frame.exact)
         contacts = self._numbered(found, frame.authored)
         broad, total = found.statistics.broad_seconds, perf_counter() - begun
         if found.impacts:

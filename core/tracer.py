@@ -13,7 +13,7 @@ from time import perf_counter
 import numpy as np
 
 from .collisions import CollisionDetector, Collisions, Frame
-from .contacts.tracker import ContactSettings
+from .contacts.tracker import STILL, ContactSettings
 from .graph.haptic_graph import ObjectTable, build_graph
 from .propagation import propagate
 from .propagation.reuse import Inputs, Propagated
@@ -72,7 +72,7 @@ class Tracer:
             self._start = next(t for t in (collisions.start, self._time, frame.time) if t is not None)
         watch = _Stopwatch(dict(collisions.milliseconds))
         inputs = Inputs(table, collisions.contacts, frame.sources + collisions.sources, frame.listeners, frame.settings, collisions.frames)
-        propagated = self._propagate(inputs, frame.fresh, watch)
+        propagated = self._propagate(inputs, frame.exact, watch)
         block = None
         if not again:
             block = self._mixdown.render(self._time, frame.time, inputs.sources, frame.listeners, propagated.propagation)
@@ -106,10 +106,10 @@ class Tracer:
             self._table = ObjectTable.of(frame.objects, frame.settings.epsilon)
         return self._table
 
-    def _propagate(self, inputs: Inputs, fresh: bool, watch: _Stopwatch) -> Propagated:
-        """Return graph and gains, those of the last frame where its inputs were the same, unless they shall be ``fresh``."""
+    def _propagate(self, inputs: Inputs, exact: bool, watch: _Stopwatch) -> Propagated:
+        """Return graph and gains, those of the last frame where its inputs were the same, ``exact``: to the bit."""
         known = self._propagated
-        if known is None or fresh or not known.inputs.same_as(inputs):
+        if known is None or not known.inputs.same_as(inputs, 0.0 if exact else STILL):
             graph = build_graph(inputs.table, inputs.contacts, inputs.sources, inputs.listeners, inputs.frames)
             watch.lap("graph")
             known = self._propagated = Propagated(inputs, graph, propagate(graph, inputs.settings, sounding_only=True))

@@ -93,11 +93,6 @@ class SceneReader:
         """Read everything at the next call, as something authored has changed."""
         self._session_ids = None
 
-    def restart(self) -> None:
-        """Read everything at the next call as if it were the first one, but for shapes of unchanged meshes."""
-        self._tagged.clear()
-        self.forget()
-
     def forget_shapes(self) -> None:
         """Read every mesh at the next call."""
         self._shapes.clear()
@@ -112,8 +107,8 @@ class SceneReader:
         """True where the last reading found nothing tagged, and nothing has changed since."""
         return self._session_ids is not None and not self._tagged
 
-    def read(self, scene: Scene, depsgraph: Depsgraph) -> Reading:
-        """The scene as it stands in ``depsgraph``."""
+    def read(self, scene: Scene, depsgraph: Depsgraph, exact: bool = False) -> Reading:
+        """The scene as it stands in ``depsgraph``; ``exact``: also what has moved by less than counts otherwise."""
         ids = session_ids()
         raw = raw_matrices(len(ids))
         if self._session_ids is None or not np.array_equal(self._session_ids, ids):
@@ -122,7 +117,7 @@ class SceneReader:
             objects = [tagged.object for tagged in self._tagged.values() if tagged.object is not None]
             self._impact_table, self._rule_problems = read_table(scene, "impact_table", objects, read_impact_rule)
             self._session_ids = ids
-        lists = self._read_changed(depsgraph, raw)
+        lists = self._read_changed(depsgraph, raw, exact)
         now, duration = seconds_of(scene, scene.frame_current), frame_seconds(scene)
         heard = [item for item in self._placed if is_audible(item, now, duration)]
         contact_settings = read_contact_settings(scene, self._impact_table)
@@ -157,7 +152,7 @@ class SceneReader:
         self._lists = None
         self._instance_problems = _instance_problems(depsgraph)
 
-    def _read_changed(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> TaggedLists:
+    def _read_changed(self, depsgraph: Depsgraph, raw: NDArray[np.float32], exact: bool) -> TaggedLists:
         """Read animated values, changed scales and meshes, and all transforms."""
         lists = self._lists or TaggedLists.of(self._tagged)
         raw_tagged = raw.take(lists.rows, axis=0)
@@ -166,7 +161,7 @@ class SceneReader:
             rows, moved = set(), np.arange(len(lists.rows))  # everything has just been read
         else:
             # Where simulations at rest tremble, the matrix of before stays.
-            rows, moved = animated, np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= _UNMOVED).all(axis=1))
+            rows, moved = animated, np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= (0 if exact else _UNMOVED)).all(axis=1))
         if len(moved) == len(lists.rows):
             self._raw = raw_tagged
             self._rigid, scales = rigid_transforms(raw_tagged)
@@ -252,7 +247,8 @@ class SceneReader:
         return values != before
 
     def _scale(self, row: int, scale: FloatArray) -> FloatArray:
-        """The object's scale in the world; the known one where only rounding differs, so that what turns keeps its shape."""
+        """The object's scale in the world to six digits; the known one where only rounding differs, so that what turns keeps its shape."""
+        scale = np.array([float(f"{side:.6g}") for side in scale.tolist()])
         known = np.array(self._tagged[row].scale) if row in self._tagged else scale
         return known if np.all(np.abs(scale - known) <= 1e-5 * np.abs(known)) else scale
 

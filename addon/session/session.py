@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from bpy.types import Depsgraph, Scene
 
 from ...core.arrays import FloatArray
+from ...core.collisions import EXACT_FRAMES
 from ...core.modalities.modality_scene import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
@@ -44,10 +45,6 @@ class _Begun:
 
 
 _serials = itertools.count(1)
-
-FRESH_FRAMES = 32
-"""Where the add-on steps through a scene, poses and contacts are held where hardly anything moves, but no longer than from one multiple of
-this to the next: so a range can be traced without all frames before it, to the same bits."""
 
 
 def of(scene: Scene) -> Session:
@@ -206,11 +203,9 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
         if not session.tracer.collisions.remembers or session.motion != motion_of(scene):
             session.tracer.collisions.forget_impacts()
             session.motion = None
-    fresh = is_stepped(scene) and (session.frame is None or scene.frame_current % FRESH_FRAMES == 0)
-    if fresh:
-        session.reader.restart()
+    exact = scene.frame_current % EXACT_FRAMES == 0 or (is_stepped(scene) and session.frame is None)
     started = time.perf_counter()
-    reading = None if session.reader.is_empty else session.reader.read(scene, depsgraph)
+    reading = None if session.reader.is_empty else session.reader.read(scene, depsgraph, exact)
     if reading is None or session.reader.is_empty:
         session.reading, session.result, session.problems, session.frame, session.shown = None, None, (), None, None
         session.failure = ()
@@ -231,7 +226,7 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     read_milliseconds = 1000 * (time.perf_counter() - started)
     begun = _Begun(session.serial, reading, others, errors, read_milliseconds, 1000 * sessions.evaluation_seconds())
     session.begun_at = time.monotonic()
-    _submit(session, begun, replace(frame_of(scene, reading, continuous), recall=recall, fresh=fresh))
+    _submit(session, begun, replace(frame_of(scene, reading, continuous), recall=recall, exact=exact))
 
 
 def keep_impacts(scene: Scene) -> None:

@@ -192,6 +192,7 @@ class ContactTracker:
         self._airborne = self._dynamic.copy()
         self._last_impact: dict[int, tuple[float, float]] = {}  # time [s] and speed of approach [m/s] by key
         self._queries = 0
+        self._same = _SAME
         self._begun = 0.0
         self._last: FrameContacts | None = None
         self._reported = np.zeros((3, 0), dtype=np.int64)
@@ -229,7 +230,7 @@ class ContactTracker:
         wanted: BoolArray | GainBound | None = None,
         continuous: bool = True,
         impacts: bool = True,
-        fresh: bool = False,
+        exact: bool = False,
     ) -> FrameContacts:
         """The contacts at ``time`` [s] under rigid world ``transforms`` (n, 4, 4), scale being in the shapes.
 
@@ -238,7 +239,7 @@ class ContactTracker:
                 pair that was not examined in the last frame gets no slack.
             continuous: False where this step does not follow the last one; history is then dropped.
             impacts: False where none are looked for. What touches meanwhile makes an impact only once it has parted.
-            fresh: every contact is computed anew, also of bodies that have moved by rounding only.
+            exact: contacts are computed anew of all bodies that have moved, and be it by rounding.
 
         A body whose transform is not finite is left out, with a warning.
         """
@@ -249,13 +250,13 @@ class ContactTracker:
             self.reset()
         self._queries = 0
         self._begun = perf_counter()
-        if fresh:
-            self._flat[:] = np.nan
-            self._pairs.known[:] = False
         moved, warnings = self._update_poses(time, transforms)
-        if fresh:
+        self._same = _SAME
+        if exact:
+            self._same = 0.0
             self._rest[:] = self._flat
-        if self._last is not None and len(moved) == 0 and _same(wanted, self._last_wanted):
+            self._pairs.version[:] = -1
+        elif self._last is not None and len(moved) == 0 and _same(wanted, self._last_wanted):
             return self._unchanged(warnings)
         paths, able = self._near_pairs(moved, impacts)
         lively = self._lively() if impacts else np.zeros(len(self.bodies), dtype=np.bool_)
@@ -533,7 +534,8 @@ class ContactTracker:
         # Whether a pair has parted depends on the past, by the slack; its contact only on the poses.
         pairs = self._pairs
         state = np.stack([pairs.key[rows], self._version[pairs.larger[rows]], self._version[pairs.smaller[rows]]])
-        if self._last is not None and np.array_equal(state, self._reported):
+        computed = self._same == 0 and self._queries > 0
+        if self._last is not None and not computed and np.array_equal(state, self._reported):
             return self._last.contacts
         self._reported = state
         return self._contact_set(rows)
@@ -593,7 +595,7 @@ class ContactTracker:
         travel, change = place - values[_PLACE], turn.reshape(9, -1) - values[_TURN]
         motion = np.sqrt(np.einsum("ip,ip->p", travel, travel)) + radius * np.sqrt(np.einsum("ip,ip->p", change, change) / 2)
         apart = pairs.values[_DISTANCE, rows] - motion > limit
-        return np.asarray(pairs.known[rows] & np.where(before, motion <= _SAME, apart) & (pairs.touching[rows] == before))
+        return np.asarray(pairs.known[rows] & np.where(before, motion <= self._same, apart) & (pairs.touching[rows] == before))
 
     def _patches(self, larger: IntArray, smaller: IntArray, turn: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
         """Patches by the narrow phase. A medium and a body in it touch at the centre of the intersection of their bounds, without area or

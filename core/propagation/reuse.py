@@ -26,11 +26,13 @@ class Inputs(NamedTuple):
     settings: Settings
     frames: ObjectFrames | None
 
-    def same_as(self, other: Inputs) -> bool:
-        """Whether nothing differs but positions by less than `STILL`."""
+    def same_as(self, other: Inputs, still: float = STILL) -> bool:
+        """Whether nothing differs but positions, by at most ``still`` metres."""
         if self.table is not other.table or self.contacts is not other.contacts or self.settings != other.settings:
             return False
-        return _same(self.sources, other.sources) and _same(self.listeners, other.listeners) and _same_frames(self.frames, other.frames)
+        if not _same(self.sources, other.sources, still) or not _same(self.listeners, other.listeners, still):
+            return False
+        return _same_frames(self.frames, other.frames, still)
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,19 +44,19 @@ class Propagated:
     propagation: Propagation
 
 
-def _same(first: Sequence[Source | Listener], second: Sequence[Source | Listener]) -> bool:
-    return len(first) == len(second) and all(a is b or _same_item(a, b) for a, b in zip(first, second, strict=True))
+def _same(first: Sequence[Source | Listener], second: Sequence[Source | Listener], still: float) -> bool:
+    return len(first) == len(second) and all(a is b or _same_item(a, b, still) for a, b in zip(first, second, strict=True))
 
 
-def _same_frames(one: ObjectFrames | None, other: ObjectFrames | None) -> bool:
-    """Whether neither centres [m] nor the ends of axes of a metre differ by more than `STILL`."""
+def _same_frames(one: ObjectFrames | None, other: ObjectFrames | None, still: float) -> bool:
+    """Whether neither centres [m] nor the ends of axes of a metre differ by more than ``still``."""
     if one is None or other is None:
         return one is other
     pairs = (one.centre, other.centre), (one.axes, other.axes)
-    return all(np.allclose(a, b, rtol=0.0, atol=STILL, equal_nan=True) for a, b in pairs)
+    return all(np.allclose(a, b, rtol=0.0, atol=still, equal_nan=True) for a, b in pairs)
 
 
-def _same_item(a: Source | Listener, b: Source | Listener) -> bool:
+def _same_item(a: Source | Listener, b: Source | Listener, still: float) -> bool:
     if type(a) is not type(b):
         return False
     for key in _FIELDS[type(a)]:
@@ -64,7 +66,7 @@ def _same_item(a: Source | Listener, b: Source | Listener) -> bool:
         if not key.endswith("position") or one is None or other is None:
             if one != other:
                 return False
-        elif any(abs(x - y) > STILL for x, y in zip(one, other, strict=True)):
+        elif any(abs(x - y) > still for x, y in zip(one, other, strict=True)):
             return False
     return True
 

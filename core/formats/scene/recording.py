@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ...arrays import FloatArray
+from ...collisions import EXACT_FRAMES
 from ...contacts.contact_set import ContactSet
 from ...contacts.shapes import pose_matrix
 from ...contacts.tracker import Body
@@ -186,7 +187,8 @@ def traced(scene: HapticScene, recording: Recording, sample_rate: float = SAMPLE
     tracer = Tracer(scene.rules, sample_rate=sample_rate)
     detect = not scene.contacts and not any(frame.contacts or frame.parted for frame in recording.frames)
     for number, state in states(scene, recording):
-        yield tracer.step(frame_of(state, number, recording.time_of(number), detect))
+        frame = frame_of(state, number, recording.time_of(number), detect)
+        yield tracer.step(replace(frame, exact=number % EXACT_FRAMES == 0))
 
 
 def frame_of(scene: HapticScene, number: int, time: float, detect: bool) -> Frame:
