@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -118,6 +119,18 @@ def _merge(parser: Parser) -> None:
     _add_format_options(parser, "--option")
 
 
+def _sweep(parser: Parser) -> None:
+    wanted = "what is varied, or the table of a sweep to draw"
+    parser.add_argument("study", nargs="+", metavar="STUDY.toml | plot TABLE.parquet", help=wanted)
+    parser.add_argument("--on", default="local", metavar="local | tcp://SCHEDULER", help="this machine, or a Dask cluster (local)")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, metavar="N", help="processes on this machine (one per core)")
+    parser.add_argument("--tracks", action="store_true", help="keep the tracks of every variant as WAV files, too")
+    parser.add_argument("--out", default="out", type=Path, metavar="FOLDER", help="where results, table and pictures are written (out)")
+    parser.add_argument("--over", metavar="COLUMN", help="plot: the parameter along the axis (the first with several numbers)")
+    wish = "plot: print the variant nearest to these levels in dB; may be repeated"
+    parser.add_argument("--wish", action="append", default=[], metavar="LISTENER=LEVEL", help=wish)
+
+
 def _demo(parser: Parser) -> None:
     parser.add_argument("--out", default="out", type=Path, metavar="FOLDER", help="where the results are written (out)")
     parser.add_argument("--start", type=int, help="first frame (the scene's)")
@@ -171,6 +184,12 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "add up the parts of a bake",
         "Write what the parts of a bake add up to, the same to the bit as the bake in one go.",
         _merge,
+    ),
+    "sweep": Subcommand(
+        "trace many variants of scenes side by side, and plot what they give",
+        "Trace every combination of scenes, settings, materials and seeds of a study into one table, on this machine or on a Dask cluster; "
+        "or draw such a table.",
+        _sweep,
     ),
     "demo": Subcommand(
         "trace the paper's first figure: a jackhammer felt on a bench",

@@ -1,0 +1,44 @@
+"""A study against its scenes, before anything is traced."""
+
+from __future__ import annotations
+
+from itertools import zip_longest
+
+from bpy.types import Scene
+
+from ..trace import open_file, start_blender
+from .study import Study
+from .task import frames_of, vary
+
+
+def check(study: Study) -> float:
+    """Give every scene every value once. Returns the bytes of the tracks of all variants.
+
+    Raises ValueError that names the scene and what it has not, or what is out of range.
+    """
+    start_blender()
+    size = 0.0
+    for path in study.scenes:
+        scene = open_file(str(path))
+        try:
+            _check_values(scene, study)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+        first, last = frames_of(scene, {"frames": study.frames})
+        listeners = sum(obj.haptics.listener.enabled for obj in scene.objects)
+        size += BYTES_PER_SECOND * listeners * (last - first) * scene.render.fps_base / scene.render.fps
+    return size * study.count / len(study.scenes)
+
+
+BYTES_PER_SECOND = 4 * 8000
+"""Of a listener's track."""
+
+
+def _check_values(scene: Scene, study: Study) -> None:
+    ranges = {**study.settings, **study.random}
+    for values in zip_longest(*ranges.values(), fillvalue=None):
+        settings = {path: value for path, value in zip(ranges, values, strict=True) if value is not None}
+        vary(scene, {"mode": None, "settings": settings, "materials": {}})
+    for materials in zip_longest(*study.materials.values(), fillvalue=None):
+        made_of = {name: material for name, material in zip(study.materials, materials, strict=True) if material is not None}
+        vary(scene, {"mode": None, "settings": {}, "materials": made_of})

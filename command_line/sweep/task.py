@@ -1,0 +1,133 @@
+"""One variant of a study, traced in a process of its own: ``python -m haptic_tracing.command_line.sweep.task``.
+
+The task is one line of JSON on standard input, which stays open: when it closes, whoever asked has died, and this process ends as well.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+from collections import defaultdict
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from bpy.types import Scene
+
+from ...addon.authoring import materials as library
+from ...addon.session import timeline
+from ...core.formats import registry
+from ...core.formats.export import Export
+from ...core.formats.io.atomic import write_bytes
+from ...core.formats.tracks.listener_tracks import Tracks
+from ...core.formats.tracks.track_recorder import TrackRecorder
+from ...core.render.frame_result import FrameResult
+from ...core.scene.materials import MATERIALS
+from ...core.scene.values import SourceKind
+from .. import one_line
+from ..part_file import checksum_of
+from ..setting import assign
+from ..trace import open_file, start_blender
+
+
+def main() -> int:
+    """Trace the task on standard input. Exit code 0; 2 with the reason on stderr where it can't be traced."""
+    task = json.loads(sys.stdin.readline())
+    threading.Thread(target=_end_with_the_asker, daemon=True).start()
+    try:
+        start_blender()
+        _trace(task)
+    except (ValueError, OSError) as error:
+        print(one_line(str(error)), file=sys.stderr)
+        return 2
+    return 0
+
+
+def _end_with_the_asker() -> None:
+    sys.stdin.read()
+    os._exit(1)
+
+
+def vary(scene: Scene, variant: Mapping[str, Any]) -> None:
+    """Give the open scene the mode, materials and settings of a variant. Raises ValueError that names what can't be set."""
+    if variant["mode"] is not None:
+        scene.haptics.mode = variant["mode"]
+    for name, material in variant["materials"].items():
+        obj = scene.objects.get(name)
+        if obj is None or not obj.is_editable:
+            raise ValueError(f"materials: there is no object '{name}' that can be edited")
+        library.apply([obj], library.preset_in(scene, MATERIALS[material]))
+    for path, value in variant["settings"].items():
+        try:
+            assign(scene, f"{path}={value}")
+        except ValueError as error:
+            raise ValueError(str(error).removeprefix("--set ")) from None
+
+
+def frames_of(scene: Scene, variant: Mapping[str, Any]) -> tuple[int, int]:
+    """First and last frame of a variant of the open scene."""
+    first, last = variant["frames"] or (scene.frame_start, scene.frame_end)
+    return first, last
+
+
+def _trace(task: Mapping[str, Any]) -> None:
+    """Trace a variant; write its tracks where wished, then its result."""
+    variant, folder, key = task["variant"], Path(task["folder"]), task["key"]
+    if checksum_of(Path(variant["scene"])) != variant["blend"]:
+        raise ValueError(f"{variant['scene']}: has changed since the study began")
+    scene = open_file(variant["scene"])
+    vary(scene, variant)
+    recorder, felt = TrackRecorder(), _Felt()
+    for step in timeline.steps(scene, *frames_of(scene, variant)):
+        recorder.add(step.result)
+        felt.add(step.result, step.tracing_milliseconds)
+    tracks = recorder.tracks()
+    if task["tracks"] and tracks.listeners:
+        registry.write("wav", Export(key, tracks=tracks), folder / "tracks", {"encoding": "float32"})
+    write_bytes(folder / "results" / f"{key}.json", json.dumps(felt.result(tracks), allow_nan=False).encode())
+
+
+class _Felt:
+    """Gains and their error bounds over the frames of a variant."""
+
+    def __init__(self) -> None:
+        self._gains: dict[str, Any] = defaultdict(float)
+        self._error: Any = 0.0
+        self._milliseconds: list[float] = []
+
+    def add(self, result: FrameResult, milliseconds: float) -> None:
+        """Add a frame that took ``milliseconds`` to trace."""
+        self._milliseconds.append(milliseconds)
+        for row, source in enumerate(result.sources):
+            if source.kind is SourceKind.PERSISTENT:
+                self._gains[source.name] = self._gains[source.name] + result.gains[row]
+                self._error = np.maximum(self._error, source.amplitude * result.propagation.error_bound[row])
+
+    def result(self, tracks: Tracks) -> dict[str, Any]:
+        """The median time of a frame; per listener RMS and peak of its samples, impacts, mean gains of persistent sources (amplitudes
+        included), and the greatest error bound of any of these gains in any frame, None where there is no bound."""
+        count = len(self._milliseconds)
+        errors = np.broadcast_to(self._error, len(tracks.listeners))
+        return {
+            "milliseconds": float(np.median(self._milliseconds)),
+            "frames": count,
+            "listeners": [
+                {
+                    "listener": item.name,
+                    "body_part": item.body_part,
+                    "rms": float(np.sqrt(np.mean(np.square(tracks.samples[row], dtype=np.float64)))) if tracks.count else 0.0,
+                    "peak": float(np.abs(tracks.samples[row]).max(initial=0.0)),
+                    "impacts": len(item.impacts),
+                    "gains": {name: float(total[row]) / count for name, total in sorted(self._gains.items())},
+                    "error_bound": float(errors[row]) if np.isfinite(errors[row]) else None,
+                }
+                for row, item in enumerate(tracks.listeners)
+            ],
+        }
+
+
+if __name__ == "__main__":
+    sys.exit(main())
