@@ -14,9 +14,10 @@ from bpy.types import Scene
 from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
+from ...core.render.waves import FULL_SCALE
 from ...core.scene.body import BODY_PART
 from ..blender import compatibility
-from .track import FULL_SCALE, HapticTrack
+from .track import HapticTrack
 
 NAME = "Haptics"
 _HEADROOM = 0.9

@@ -24,12 +24,11 @@ from ...core.formats.io.strict_json import parse_json
 from ...core.graph.haptic_graph import ObjectTable, build_graph
 from ...core.propagation import Propagation
 from ...core.render.frame_result import FrameResult
+from ...core.render.waves import FULL_SCALE, as_integers
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 
 MAGIC = b"HAPTRACK"
 VERSION = 1
-FULL_SCALE = 32767
-"""Integer value of the sample 1.0: steps of 1/32767 are 90 dB below full scale, far below the threshold of feeling."""
 MAX_BYTES = 1 << 28
 """Largest size of the samples: 256 MB are 4.6 hours of one listener, 28 minutes of ten."""
 MAX_FRAMES, MAX_LISTENERS, MAX_SOURCES, MAX_HEADER = 1_000_000, 1_000, 100_000, 1 << 26
@@ -336,7 +335,7 @@ class TrackRecorder:
         else:
             if self._first_sample is None:
                 self._first_sample = result.first_sample
-            self._blocks.append(np.rint(np.clip(result.block, -1, 1) * FULL_SCALE).astype(np.int16))
+            self._blocks.append(as_integers(result.block))
         self._places.append([listener.position for listener in result.listeners])
         for source, gains in zip(result.sources, result.gains, strict=True):
             item = TrackSource(source.name, source.object, source.second_object, source.onset)

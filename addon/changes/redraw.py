@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 
 import bpy
@@ -9,24 +10,36 @@ from bpy.types import Area
 
 SIDEBAR_TAB = "Haptics"
 """Tab of the 3D viewport's sidebar that holds the add-on's panels."""
+_TIMELINE_SECONDS = 0.1
+
+_redrawn: dict[str, float] = {}  # when that was requested last [s]
 
 
 def redraw_viewports() -> None:
-    """Request a redraw of every 3D viewport of every window."""
-    for area in _viewports():
+    """Request a redraw of every 3D viewport of every window, and of the timelines, which have a lane."""
+    for area in _areas("VIEW_3D", "DOPESHEET_EDITOR"):
         area.tag_redraw()
+
+
+def redraw_timelines() -> None:
+    """Request a redraw of the lanes over timelines; while the timeline plays Blender redraws its playhead alone. A few times a second."""
+    now = time.perf_counter()
+    if now - _redrawn.get("timelines", 0.0) >= _TIMELINE_SECONDS:
+        _redrawn["timelines"] = now
+        for area in _areas("DOPESHEET_EDITOR"):
+            area.tag_redraw()
 
 
 def redraw_sidebars() -> None:
     """Request a redraw of the sidebar of every 3D viewport."""
-    for area in _viewports():
+    for area in _areas("VIEW_3D"):
         for region in area.regions:
             if region.type == "UI":
                 region.tag_redraw()
 
 
-def _viewports() -> Iterator[Area]:
+def _areas(*kinds: str) -> Iterator[Area]:
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
-            if area.type == "VIEW_3D":
+            if area.type in kinds:
                 yield area

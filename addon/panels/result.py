@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.types import Context, Panel, UILayout
+from bpy.types import Context, Header, Panel, UILayout
 
 from ...core.message import Metres
 from ...core.scene.choices import Mode
@@ -173,6 +173,7 @@ class HAPTIC_PT_meters(HapticsPanel, Panel):
         row.prop(chosen, "show_scope", toggle=True)
         row.prop(chosen, "show_body", toggle=True)
         row.prop(chosen, "corner", text="")
+        layout.prop(chosen, "show_lane")
         if sessions.shown(scene) is None:
             return
         _draw_pictures(layout, context)
@@ -237,6 +238,12 @@ class HAPTIC_PT_statistics(HapticsPanel, Panel):
         column.separator()
         for name, value in result.statistics.items():
             draw_pair(column, name.replace("_", " ").capitalize(), f"{value:g}")
+
+
+def draw_lane_switch(self: Header, context: Context) -> None:
+    """Entry of the header of Timeline and Dope Sheet: show the lane over it."""
+    if sessions.known(context.scene) is not None:
+        self.layout.prop(context.scene.haptics.meters, "show_lane", text="", icon="FORCE_HARMONIC")
 
 
 def _gain_text(gains: FloatArray, index: int) -> str:

@@ -23,6 +23,13 @@ class HapticMetersProperties(PropertyGroup):
     show_body: BoolProperty(
         name="Body", description="Draw a body whose parts light up where they feel something", default=True, update=view_changed
     )
+    show_lane: BoolProperty(
+        name="Timeline of Touch",
+        description="Draw over Timeline and Dope Sheet what each listener feels: waves and impacts of the frames baked or played, and in "
+        "orange the threshold of feeling",
+        default=True,
+        update=view_changed,
+    )
     corner: EnumProperty(
         name="Corner",
         description="Corner of the viewport in which the meters are drawn; the legend stands on the other side",

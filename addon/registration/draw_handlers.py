@@ -1,16 +1,19 @@
-"""What is drawn over the 3D viewport: the haptic graph, then the meters, then labels and legend where these leave room."""
+"""What is drawn over the 3D viewport: the haptic graph, then the meters, then labels and legend where these leave room; and the lane over
+timelines."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from bpy.types import SpaceView3D
+import bpy
+from bpy.types import SpaceDopeSheetEditor, SpaceView3D
 
+from ..bake import waves
 from ..gateway import is_loaded
 from ..session import session
-from ..view import meters, overlay
+from ..view import lane, meters, overlay
 
-_handlers: list[tuple[Any, str]] = []
+_handlers: list[tuple[Any, Any, str]] = []
 
 
 def _draw_view() -> None:
@@ -29,15 +32,27 @@ def _draw_redo_panel() -> None:
         meters.draw_redo_panel()
 
 
+def _draw_lane() -> None:
+    if is_loaded(session) and bpy.context.scene is not None:
+        lane.draw(waves.waves_of(bpy.context.scene))
+
+
+_STAGES = (
+    (SpaceView3D, _draw_view, "WINDOW", "POST_VIEW"),
+    (SpaceView3D, _draw_pixels, "WINDOW", "POST_PIXEL"),
+    (SpaceView3D, _draw_redo_panel, "HUD", "POST_PIXEL"),
+    (SpaceDopeSheetEditor, _draw_lane, "WINDOW", "POST_PIXEL"),
+)
+
+
 def register() -> None:
     """Start drawing, once."""
     if not _handlers:
-        stages = ((_draw_view, "WINDOW", "POST_VIEW"), (_draw_pixels, "WINDOW", "POST_PIXEL"), (_draw_redo_panel, "HUD", "POST_PIXEL"))
-        for function, region, stage in stages:
-            _handlers.append((SpaceView3D.draw_handler_add(function, (), region, stage), region))
+        _handlers.extend((space, space.draw_handler_add(function, (), region, stage), region) for space, function, region, stage in _STAGES)
 
 
 def unregister() -> None:
     """Stop drawing."""
     while _handlers:
-        SpaceView3D.draw_handler_remove(*_handlers.pop())
+        space, *handler = _handlers.pop()
+        space.draw_handler_remove(*handler)

@@ -1,16 +1,17 @@
-"""The add-on's entries in Blender's own menus."""
+"""The add-on's entries in Blender's own menus and headers."""
 
 from __future__ import annotations
 
 import bpy
 
-from ..panels import file_menus, object_menus
+from ..panels import file_menus, object_menus, result
 
 _ENTRIES = (
     ("TOPBAR_MT_file_export", file_menus.draw_export),
     ("TOPBAR_MT_file_import", file_menus.draw_import),
     ("VIEW3D_MT_object", object_menus.draw_object_menu),
     ("VIEW3D_MT_add", object_menus.draw_add_menu),
+    ("DOPESHEET_HT_header", result.draw_lane_switch),
 )
 
 

@@ -104,3 +104,8 @@ def test_samples(play):
 def test_solo_and_mute(play):
     seen = played_through(play(SCENARIOS / "solo.py"))
     assert all(seen.values()), seen
+
+
+def test_timeline_of_touch(play):
+    seen = played_through(play(SCENARIOS / "timeline.py"))
+    assert all(seen.values()), seen

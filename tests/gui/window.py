@@ -98,6 +98,19 @@ class Window:
         yield from self.press("Z", ctrl=True, shift=True)
         yield 0.3
 
+    def play_frames(self, count: int) -> Steps:
+        """Play the timeline until so many frames have passed, or a minute."""
+        scene = bpy.context.scene
+        passed = {scene.frame_current}
+        bpy.ops.screen.animation_play()
+        for _ in range(600):
+            yield
+            passed.add(scene.frame_current)
+            if max(passed) - min(passed) >= count:
+                break
+        bpy.ops.screen.animation_cancel(restore_frame=False)
+        yield 1.0
+
     def open_only(self, *wanted: str) -> None:
         """These panels are open and the add-on's others are closed; call it before the sidebar is drawn for the first time."""
         panels = [getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("HAPTIC_PT_")]
@@ -204,7 +217,7 @@ def main(scenario_path: str, folder: str) -> None:
 
     def finish(error: str | None) -> None:
         report = {"error": error, "seconds": time.monotonic() - started, "seen": window.seen}
-        (window.folder / "report.json").write_text(json.dumps(report, indent=1), encoding="utf-8")
+        (window.folder / "report.json").write_text(json.dumps(report, indent=1, default=bool), encoding="utf-8")
         bpy.ops.wm.quit_blender()
 
     def turn() -> float | None:

@@ -9,9 +9,9 @@ from haptic_tracing.addon.bake import playback, storage
 from haptic_tracing.addon.bake.baking import Baking
 from haptic_tracing.addon.bake.curves import FREQUENCY, INTENSITY, felt
 from haptic_tracing.addon.bake.sound import write_stereo
-from haptic_tracing.addon.bake.track import FULL_SCALE
 from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.session import session, timeline
+from haptic_tracing.core.render.waves import FULL_SCALE
 from haptic_tracing.core.signals.wav import wav_channels
 from haptic_tracing.core.tracer import Tracer
 

@@ -1,58 +1,81 @@
 """A made-up DualSense is felt while the timeline plays, and is silent and released at pause, undo, panic and another file."""
 
 import sys
-import time
-from types import SimpleNamespace
 
 import bpy
 
 ZERO = bytes([2, 2]) + bytes(37) + bytes([4]) + bytes(8)
 RELEASE = bytes([2]) + bytes(47)
 
+# In the place of hidapi's module, in Blender, which looks for devices, and in the guard process, which writes to them.
+MODULE = """
+from pathlib import Path
+from types import SimpleNamespace
+
+
+def enumerate(*_):
+    names = {"serial_number": "", "product_string": "Made up"}
+    numbers = {"vendor_id": 0x054C, "product_id": 0x0CE6, "usage_page": 1, "usage": 5, "interface_number": 3, "bus_type": 1}
+    return [{"path": b"/dev/null", **names, **numbers}]
+
+
+def log(line):
+    with open(Path(__file__).with_name("reports"), "a") as file:
+        file.write(line + "\\n")
+
+
+def write(data):
+    log(bytes(data).hex())
+    return len(data)
+
+
+def device():
+    return SimpleNamespace(
+        open_path=lambda path: None,
+        write=write,
+        send_feature_report=write,
+        get_feature_report=lambda report, length: [],
+        read=lambda length, timeout: [],
+        error=lambda: "",
+        close=lambda: log("closed"),
+    )
+"""
+
 
 class Pad:
-    """hidapi's module and its one device, which keeps every report and its time."""
+    """What the made-up device was sent: its reports, since it was asked last, and how often it was closed."""
 
-    def __init__(self):
-        self.written, self.times, self.closed = [], [], 0
+    def __init__(self, folder):
+        folder.mkdir()
+        name = "hidraw" if sys.platform.startswith("linux") else "hid"
+        (folder / f"{name}.py").write_text(MODULE)
+        self.log = folder / "reports"
+        self.log.touch()
+        sys.modules.pop(name, None)
+        sys.path.insert(0, str(folder))
+        self.asked = 0
 
-    def enumerate(self, *_):
-        names = {"serial_number": "", "product_string": "Made up"}
-        numbers = {"vendor_id": 0x054C, "product_id": 0x0CE6, "usage_page": 1, "usage": 5, "interface_number": 3, "bus_type": 1}
-        return [{"path": b"/dev/null", **names, **numbers}]
+    @property
+    def written(self):
+        return [bytes.fromhex(line) for line in self.log.read_text().split() if line != "closed"]
 
-    def device(self):
-        def close():
-            self.closed += 1
-
-        return SimpleNamespace(
-            open_path=lambda path: None,
-            write=self.write,
-            send_feature_report=self.write,
-            get_feature_report=lambda report, length: [],
-            read=lambda length, timeout: [],
-            error=lambda: "",
-            close=close,
-        )
-
-    def write(self, data):
-        self.written.append(bytes(data))
-        self.times.append(time.perf_counter())
-        return len(data)
+    @property
+    def closed(self):
+        return self.log.read_text().count("closed")
 
     def is_silent(self):
         return self.written[-2:] == [ZERO, RELEASE]
 
     def sounds(self):
         """Whether anything was felt since it was asked last."""
-        felt = any(report[3] or report[4] for report in self.written)
-        self.written.clear()
+        written = self.written
+        felt = any(report[3] or report[4] for report in written[self.asked :])
+        self.asked = len(written)
         return felt
 
 
 def steps(window):
-    pad = Pad()
-    sys.modules["hidraw" if sys.platform.startswith("linux") else "hid"] = pad
+    pad = Pad(window.folder / "pad")
     scene = window.module("sample_scenes").build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
     outputs = window.module("addon.live_output.outputs")
