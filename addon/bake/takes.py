@@ -1,0 +1,82 @@
+"""Takes: bakes kept under a name, one of which is played, and how they differ."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from bpy.types import Scene
+
+from ...core.render.waves import FULL_SCALE
+from ..changes.events import file_changed
+from ..session.derived import Background, Latest
+from . import storage
+from .playback import show_current
+from .track import HapticTrack
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """The RMS levels [dB of full scale] of a listener over all of two takes, minus infinity for silence; nan where it is not in one."""
+
+    listener: str
+    here: float
+    there: float
+
+
+_kept: dict[int, Background[tuple[Difference, ...]]] = {}  # by session id of the scene
+
+
+def keep(scene: Scene) -> None:
+    """Keep the scene's bake as a take, where it is none yet."""
+    bake = scene.haptics.bake
+    if bake.track is not None and all(take.track != bake.track for take in bake.takes):
+        take = bake.takes.add()
+        names = {other.name for other in bake.takes}
+        take.name = next(name for name in (f"Take {number}" for number in range(1, len(names) + 2)) if name not in names)
+        take.track = bake.track
+
+
+def play(scene: Scene, index: int) -> None:
+    """Play a take from the current frame on; the one played before is kept, and compared with."""
+    keep(scene)
+    bake = scene.haptics.bake
+    if bake.track != bake.takes[index].track:
+        bake.compared, bake.track = bake.track, bake.takes[index].track
+    bake.use_track = True
+    show_current(scene)
+
+
+def remove(scene: Scene, index: int) -> None:
+    """Remove a take; while it is played it stays as the scene's bake."""
+    bake = scene.haptics.bake
+    text = bake.takes[index].track
+    if bake.compared == text:
+        bake.compared = None
+    bake.takes.remove(index)
+    if text is not None and text.is_editable and text.users == 0:
+        bpy.data.texts.remove(text)
+
+
+def differences(scene: Scene) -> Latest[tuple[Difference, ...]] | None:
+    """How the take that is played differs from the one played before, without waiting; None before it is known."""
+    texts = scene.haptics.bake.track, scene.haptics.bake.compared
+    here, there = (storage.track_in(text) for text in texts)
+    if here is None or there is None:
+        return None
+    key = tuple(storage.stamp_of(text) for text in texts)
+    return _kept.setdefault(scene.session_uid, Background()).latest(key, lambda before: _differences(here, there))
+
+
+def _differences(here: HapticTrack, there: HapticTrack) -> tuple[Difference, ...]:
+    levels = [dict(zip((item.name for item in track.listeners), _levels(track), strict=True)) for track in (here, there)]
+    return tuple(Difference(name, *(known.get(name, float("nan")) for known in levels)) for name in {**levels[0], **levels[1]})
+
+
+def _levels(track: HapticTrack) -> list[float]:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return [20 * float(np.log10(np.sqrt(np.mean(np.square(row, dtype=np.float64))) / FULL_SCALE)) for row in track.samples]
+
+
+file_changed.subscribe(_kept.clear)
