@@ -25,6 +25,7 @@ MODULES = (
     "addon.bake.playback",
     "addon.bake.sound",
     "addon.bake.storage",
+    "addon.bake.takes",
     "addon.bake.waves",
     "addon.io.capture",
     "addon.io.frame_scene",

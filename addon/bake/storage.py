@@ -19,7 +19,7 @@ _read: dict[int, tuple[str, HapticTrack | None, str]] = {}  # by session id of t
 def keep(scene: Scene, track: HapticTrack) -> None:
     """Store a track with the scene, in place of an earlier one."""
     text = scene.haptics.bake.track
-    if text is None or not text.is_editable or _belongs_to_another(text, scene):
+    if text is None or not text.is_editable or _is_kept_elsewhere(text, scene):
         text = bpy.data.texts.new(f"Haptic Track {scene.name}")
         scene.haptics.bake.track = text
     text.use_fake_user = False
@@ -40,17 +40,26 @@ def drop(scene: Scene) -> None:
 
 def track_of(scene: Scene) -> HapticTrack | None:
     """The scene's track; None where there is none, or none that can be read."""
-    return _kept(scene)[0]
+    return track_in(scene.haptics.bake.track)
+
+
+def track_in(text: Text | None) -> HapticTrack | None:
+    """The track in a text; None where there is none, or none that can be read."""
+    return _kept(text)[0]
 
 
 def trouble(scene: Scene) -> str:
     """Why the scene's track can't be read; "" where it can, or where there is none."""
-    return _kept(scene)[1]
+    return _kept(scene.haptics.bake.track)[1]
 
 
 def stamp(scene: Scene) -> str:
     """Identifier of the scene's bake, different for each; "" where there is none."""
-    text = scene.haptics.bake.track
+    return stamp_of(scene.haptics.bake.track)
+
+
+def stamp_of(text: Text | None) -> str:
+    """Identifier of the bake in a text."""
     value = None if text is None else text.get(_STAMP)
     return value if isinstance(value, str) else ""
 
@@ -60,12 +69,11 @@ def forget() -> None:
     _read.clear()
 
 
-def _kept(scene: Scene) -> tuple[HapticTrack | None, str]:
-    text = scene.haptics.bake.track
+def _kept(text: Text | None) -> tuple[HapticTrack | None, str]:
     if text is None:
         return None, ""
     known = _read.get(text.session_uid)
-    mark = stamp(scene)
+    mark = stamp_of(text)
     if known is None or known[0] != mark:
         known = (mark, *_decoded(text.get(_DATA)))
         _read[text.session_uid] = known
@@ -82,8 +90,10 @@ def _decoded(data: Any) -> tuple[HapticTrack | None, str]:
         return None, message[:1].upper() + message[1:]
 
 
-def _belongs_to_another(text: Text, scene: Scene) -> bool:
-    return any(other.haptics.bake.track == text for other in bpy.data.scenes if other != scene)
+def _is_kept_elsewhere(text: Text, scene: Scene) -> bool:
+    """Whether another scene has the bake in a text, or any scene as a take."""
+    bakes = [(other, other.haptics.bake) for other in bpy.data.scenes]
+    return any((other != scene and bake.track == text) or any(take.track == text for take in bake.takes) for other, bake in bakes)
 
 
 def _summary(scene: Scene, track: HapticTrack) -> str:

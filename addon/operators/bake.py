@@ -6,9 +6,10 @@ from contextlib import suppress
 from typing import Any
 
 import bpy
+from bpy.props import IntProperty
 from bpy.types import Context, Event, Operator, Timer
 
-from ..bake import baking, curves, playback, sound, storage
+from ..bake import baking, curves, playback, sound, storage, takes
 from ..blender.polling import UNDO, poll_object_mode
 from ..changes.redraw import redraw_viewports
 
@@ -145,7 +146,59 @@ class HAPTIC_OT_delete_bake(Operator):
         return {"FINISHED"}
 
 
-CLASSES = (HAPTIC_OT_bake, HAPTIC_OT_delete_bake)
+class HAPTIC_OT_keep_take(Operator):
+    """Keep this bake under a name; the next one takes a place of its own"""
+
+    bl_idname = "haptic.keep_take"
+    bl_label = "Keep as Take"
+    bl_options = UNDO
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        bake = context.scene.haptics.bake
+        if bake.track is None or any(take.track == bake.track for take in bake.takes):
+            cls.poll_message_set("Bake first: what is baked is kept" if bake.track is None else "This bake is a take already")
+            return False
+        return True
+
+    def execute(self, context: Context) -> set[str]:
+        takes.keep(context.scene)
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_play_take(Operator):
+    """Play this take from the same place on, and compare it with the one played before"""
+
+    bl_idname = "haptic.play_take"
+    bl_label = "Play Take"
+    bl_options = {*UNDO, "INTERNAL"}
+
+    index: IntProperty(name="Take", options={"HIDDEN"}, min=0)
+
+    def execute(self, context: Context) -> set[str]:
+        if self.index >= len(context.scene.haptics.bake.takes):
+            return {"CANCELLED"}
+        takes.play(context.scene, self.index)
+        return {"FINISHED"}
+
+
+class HAPTIC_OT_remove_take(Operator):
+    """Remove this take; while it is played it stays as the scene's bake"""
+
+    bl_idname = "haptic.remove_take"
+    bl_label = "Remove Take"
+    bl_options = {*UNDO, "INTERNAL"}
+
+    index: IntProperty(name="Take", options={"HIDDEN"}, min=0)
+
+    def execute(self, context: Context) -> set[str]:
+        if self.index >= len(context.scene.haptics.bake.takes):
+            return {"CANCELLED"}
+        takes.remove(context.scene, self.index)
+        return {"FINISHED"}
+
+
+CLASSES = (HAPTIC_OT_bake, HAPTIC_OT_delete_bake, HAPTIC_OT_keep_take, HAPTIC_OT_play_take, HAPTIC_OT_remove_take)
 
 
 def stop() -> None:

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Panel, Scene, UILayout
 
-from ..bake import playback, storage
+from ..bake import playback, storage, takes
 from ..blender.text import wrapped
 from ..operators.bake import running
-from .drawing import HapticsPanel
+from ..view import levels
+from .drawing import HapticsPanel, draw_pair
+from .texts import fitted
 
 if TYPE_CHECKING:
     from ..bake.track import HapticTrack
+
+
+_MOST_TAKES = 20
 
 
 class HAPTIC_PT_bake(HapticsPanel, Panel):
@@ -68,4 +74,45 @@ def _draw_track(layout: UILayout, scene: Scene, track: HapticTrack | None) -> No
     layout.operator("haptic.delete_bake", icon="TRASH")
 
 
-CLASSES = (HAPTIC_PT_bake,)
+class HAPTIC_PT_takes(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_takes"
+    bl_parent_id = "HAPTIC_PT_bake"
+    bl_label = "Takes"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return running() is None and (context.scene.haptics.bake.track is not None or len(context.scene.haptics.bake.takes) > 0)
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        bake = context.scene.haptics.bake
+        layout.operator("haptic.keep_take", icon="ADD")
+        column = layout.column(align=True)
+        for index, take in enumerate(bake.takes[:_MOST_TAKES]):
+            row = column.row(align=True)
+            row.operator("haptic.play_take", text="", icon="PLAY", depress=take.track == bake.track).index = index
+            row.prop(take, "name", text="")
+            row.operator("haptic.remove_take", text="", icon="X").index = index
+        other = next((index for index, take in enumerate(bake.takes) if take.track == bake.compared), None)
+        if other is not None and bake.compared != bake.track:
+            words = iface_("Switch to {}").format(bake.takes[other].name)
+            layout.operator("haptic.play_take", text=words, icon="ARROW_LEFTRIGHT", translate=False).index = other
+            _draw_differences(layout, context.scene, bake.takes[other].name)
+
+
+def _draw_differences(layout: UILayout, scene: Scene, other: str) -> None:
+    """Draw each listener's level over the whole take, and how much more or less that is than in the other."""
+    latest = takes.differences(scene)
+    if latest is None or not latest.is_current:
+        layout.label(text="Comparing...", icon="SORTTIME")
+        return
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    draw_pair(column, iface_("Level"), iface_("compared with {}").format(fitted(other, 0.3)), 0.35)
+    for item in latest.value:
+        change = item.here - item.there
+        words = f"{change:+.1f} dB".replace("-", "\N{MINUS SIGN}") if math.isfinite(change) else "\N{EM DASH}"
+        draw_pair(column, fitted(item.listener, 0.45), f"{levels.decibels(item.here) if item.here == item.here else ''}   {words}", 0.45)
+
+
+CLASSES = (HAPTIC_PT_bake, HAPTIC_PT_takes)

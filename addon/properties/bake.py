@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bpy.props import BoolProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 from bpy.types import Context, PropertyGroup, Sound, Text
 
 from ..changes.events import track_switched
@@ -12,8 +12,18 @@ def _played_otherwise(self: PropertyGroup, context: Context) -> None:
     track_switched(context.scene)
 
 
+class HapticTake(PropertyGroup):
+    """A bake that is kept under its name."""
+
+    name: StringProperty(name="Name", description="Name of the take", default="")
+    track: PointerProperty(type=Text, name="Track", description="Where the haptic track is kept: a text with the track as its property")
+
+
 class HapticBakeProperties(PropertyGroup):
     """The bake of a scene."""
+
+    takes: CollectionProperty(type=HapticTake, name="Takes", description="Bakes that are kept under a name")
+    compared: PointerProperty(type=Text, name="Compared", description="The take that was played before")
 
     track: PointerProperty(type=Text, name="Track", description="Where the haptic track is kept: a text with the track as its property")
     sound: PointerProperty(type=Sound, name="Sound", description="The track as sound, packed into the file")
@@ -57,4 +67,4 @@ class HapticFeltProperties(PropertyGroup):
     )
 
 
-CLASSES = (HapticBakeProperties, HapticFeltProperties)
+CLASSES = (HapticTake, HapticBakeProperties, HapticFeltProperties)

@@ -75,6 +75,7 @@ def wave_strip(rows: Sequence[Row], x: FloatArray, parts: Columns, numbers: Sequ
     it has no thickness, where there is silence a pixel's."""
     middle, half = _places(rows)
     low, high = (_heights().take(values[list(numbers)].view(np.uint16)) * half for values in (parts.low, parts.high))
+    low[:, 1:], high[:, 1:] = np.minimum(low[:, 1:], high[:, :-1]), np.maximum(high[:, 1:], low[:, :-1])  # one line, however steep
     thin = np.where(parts.known, _SILENCE, 0.0)
     return _strip(x, middle + np.where(parts.known, low, 0.0) - thin, middle + np.where(parts.known, high, 0.0) + thin)
 

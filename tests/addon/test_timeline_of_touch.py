@@ -44,5 +44,8 @@ def test_heights_are_decibels_and_what_is_not_known_has_none():
     strip = wave_strip([row], x, parts, [0])[1:-1].reshape(4, 2, 2)
     tall = (strip[:, 1, 1] - strip[:, 0, 1]).tolist()
     assert tall == pytest.approx([2 * row.half + 1, 1, 1, 0], abs=0.05)  # full scale, 60 dB less, silence
+    jump = np.array([[0, FULL_SCALE, 0, FULL_SCALE]], dtype=np.int16)  # a column of samples that are all alike reaches the one before
+    strip = wave_strip([row], x, Columns(jump, jump, parts.threshold, np.full(4, True)), [0])[1:-1].reshape(4, 2, 2)
+    assert (strip[:, 1, 1] - strip[:, 0, 1]).tolist() == pytest.approx([1, *3 * [row.half + 1]])
     lower, upper = threshold_strip([row], x, parts, [0]).reshape(2, -1, 2)
     assert upper[1:3, 1].mean() - row.middle == pytest.approx(row.half / 2) == row.middle - lower[1:3, 1].mean()

@@ -1,4 +1,4 @@
-"""Baking with its progress bar, cancelled and done; the meters; the four modes by their buttons; undo and redo of a bake."""
+"""Takes played in turn. Baking with its progress bar, cancelled and done; the meters; the four modes by their buttons; undo and redo of a bake."""
 
 import bpy
 
@@ -49,3 +49,25 @@ def steps(window):
     window.seen["felt"] = any(level.is_felt for level in window.module("addon.view.watched").levels_of(scene))
     yield from window.use_scale(2.0)
     yield from window.screenshot("meters-2x")
+    yield from window.use_scale(1.0)
+
+    # Two takes, the second with half the amplitude, played in turn by their buttons.
+    bake = scene.haptics.bake
+    bake.use_range, bake.frame_start, bake.frame_end = True, 30, 50
+    scene.haptics.bake.use_track = True
+    for amplitude in (1.0, 0.5):
+        scene.objects["Jackhammer"].haptics.source.amplitude = amplitude
+        with window.context():
+            bpy.ops.haptic.bake("EXEC_DEFAULT")
+            bpy.ops.haptic.keep_take()
+    window.view.spaces.active.show_region_ui = False
+    yield 0.5
+    window.open_only("HAPTIC_PT_bake", "HAPTIC_PT_takes")
+    yield from window.show_sidebar()
+    yield from window.click_button("haptic.play_take")
+    yield 1.0
+    window.seen["the other take plays"] = bake.track == bake.takes[0].track and playback.is_from_track(session.result_of(scene), 40)
+    window.seen["from the same place"] = scene.frame_current == 40
+    difference = window.module("addon.bake.takes").differences(scene)
+    window.seen["with the difference"] = difference is not None and all(0 < item.here - item.there < 7 for item in difference.value)
+    yield from window.screenshot("takes")
