@@ -90,8 +90,8 @@ class HAPTIC_PT_takes(HapticsPanel, Panel):
         column = layout.column(align=True)
         for index, take in enumerate(bake.takes[:_MOST_TAKES]):
             row = column.row(align=True)
-            row.operator("haptic.play_take", text="", icon="PLAY", depress=take.track == bake.track).index = index
             row.prop(take, "name", text="")
+            row.operator("haptic.play_take", text="", icon="PLAY", depress=take.track == bake.track).index = index
             row.operator("haptic.remove_take", text="", icon="X").index = index
         other = next((index for index, take in enumerate(bake.takes) if take.track == bake.compared), None)
         if other is not None and bake.compared != bake.track:

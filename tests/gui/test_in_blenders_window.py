@@ -109,3 +109,8 @@ def test_solo_and_mute(play):
 def test_timeline_of_touch(play):
     seen = played_through(play(SCENARIOS / "timeline.py"))
     assert all(seen.values()), seen
+
+
+def test_gizmos(play):
+    seen = played_through(play(SCENARIOS / "gizmos.py"))
+    assert all(seen.values()), seen

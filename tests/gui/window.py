@@ -114,7 +114,12 @@ class Window:
     def open_only(self, *wanted: str) -> None:
         """These panels are open and the add-on's others are closed; call it before the sidebar is drawn for the first time."""
         panels = [getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("HAPTIC_PT_")]
-        panels.sort(key=lambda panel: bool(getattr(panel, "bl_parent_id", "")))
+
+        def depth(panel: type) -> int:
+            parent = getattr(panel, "bl_parent_id", "")
+            return 1 + depth(getattr(bpy.types, parent)) if parent else 0
+
+        panels.sort(key=depth)
         for panel in reversed(panels):
             bpy.utils.unregister_class(panel)
         for panel in panels:

@@ -1,9 +1,10 @@
-"""Takes played in turn. Baking with its progress bar, cancelled and done; the meters; the four modes by their buttons; undo and redo of a bake."""
+"""Baking with its progress bar, cancelled and done; takes played in turn; meters; modes by their buttons; undo and redo of a bake."""
 
 import bpy
 
 
 def steps(window):
+    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_result", "HAPTIC_PT_bake", "HAPTIC_PT_takes")
     scene = window.module("sample_scenes").build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
     window.view.spaces.active.region_3d.view_perspective = "CAMERA"
@@ -60,10 +61,8 @@ def steps(window):
         with window.context():
             bpy.ops.haptic.bake("EXEC_DEFAULT")
             bpy.ops.haptic.keep_take()
-    window.view.spaces.active.show_region_ui = False
-    yield 0.5
-    window.open_only("HAPTIC_PT_bake", "HAPTIC_PT_takes")
-    yield from window.show_sidebar()
+    yield from window.show_sidebar("Haptics")
+    yield from window.scroll_sidebar(60)
     yield from window.click_button("haptic.play_take")
     yield 1.0
     window.seen["the other take plays"] = bake.track == bake.takes[0].track and playback.is_from_track(session.result_of(scene), 40)

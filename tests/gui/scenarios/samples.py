@@ -9,8 +9,10 @@ def steps(window):
     sessions, samples = window.module("addon.session.sessions"), window.module("sample_scenes").SAMPLES
     window.open_only("HAPTIC_PT_scene")
     yield from window.show_sidebar()
-    took = {}
+    took, shown = {}, []
+    window.module("sample_scenes.staging").show = shown.append
     for name in samples:
+        shown.clear()
         window.view.spaces.active.region_3d.view_perspective = "PERSP"
         begun = time.monotonic()
         with window.context():
@@ -19,8 +21,22 @@ def steps(window):
         scene = bpy.context.window.scene
         yield from window.wait_until(lambda scene=scene: sessions.shown(scene) is not None)
         framed = window.view.spaces.active.region_3d.view_perspective == "CAMERA" and scene.camera is not None
+        window.seen[f"{name} shows progress"] = len(shown) > 30 and shown == sorted(shown) and shown[-1] > 0.9
         window.seen[f"{name} frames itself"] = scene.name == samples[name].title and framed
         window.seen[f"{name} is traced"] = sessions.shown(scene) is not None
         if name in ("hammer_nail", "dishwasher_kitchen", "rails", "pile"):
             yield from window.screenshot(name)
+    # The menu has a thumbnail over each button; a click builds the scene.
+    for menu in ("samples", "materials", "signals"):
+        if menu == "signals":
+            source = next(obj for obj in bpy.context.scene.objects if obj.haptics.source.enabled)
+            bpy.context.view_layer.objects.active = source
+        window.point_at_view()
+        yield 0.3
+        with window.context():
+            bpy.ops.wm.call_menu(name=f"HAPTIC_MT_{menu}")
+        yield 1.5
+        window.save_picture(f"menu-{menu}")
+        yield from window.press("ESC")
+        yield 0.3
     print("seconds", {name: round(seconds, 1) for name, seconds in took.items()})
