@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import manual
 import wheels
 
 ROOT = wheels.ROOT
@@ -35,6 +36,7 @@ def build(output: Path) -> list[Path]:
     problems = wheels.missing_wheels()
     if problems:
         raise SystemExit(f"missing from wheels/: {', '.join(problems)}; fetch them with packaging/wheels.py")
+    manual.write(ROOT / "docs", ROOT / "manual")
     tags = blender_scripts() / "modules" / "_bpy_internal" / "extensions" / "tags.py"
     output.mkdir(parents=True, exist_ok=True)
     for old in output.glob("haptic_tracing-*.zip"):

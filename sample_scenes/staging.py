@@ -2,14 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import bpy
 from bpy.types import Material, Mesh, Object, Scene
 from mathutils import Euler, Vector
 
+from ..addon.blender.progress import show
 from .geometry import Geometry, Point, to_mesh
 from .materials import Substance, tag
+
+_expected: list[int] = []  # the number of objects of the sample that is being built
+
+
+@contextmanager
+def progress(objects: int) -> Iterator[None]:
+    """Show progress at the mouse pointer while about so many objects are placed."""
+    manager = bpy.context.window_manager
+    manager.progress_begin(0, 1)
+    _expected.append(objects)
+    try:
+        yield
+    finally:
+        _expected.clear()
+        manager.progress_end()
+
+
+def _link(scene: Scene, obj: Object) -> None:
+    scene.collection.objects.link(obj)
+    if _expected:
+        show(min(len(scene.objects) / _expected[0], 1.0))
 
 
 def place(
@@ -35,7 +58,7 @@ def place_mesh(
 ) -> Object:
     """A new object in ``scene`` of a mesh that others may share."""
     obj = bpy.data.objects.new(name, mesh)
-    scene.collection.objects.link(obj)
+    _link(scene, obj)
     obj.location = location
     obj.rotation_euler = rotation
     obj.parent = parent
@@ -53,7 +76,7 @@ def place_empty(
 ) -> Object:
     """A new empty in ``scene``, relative to ``parent``, turned by ``heading`` about z."""
     obj = bpy.data.objects.new(name, None)
-    scene.collection.objects.link(obj)
+    _link(scene, obj)
     obj.empty_display_type = kind
     obj.empty_display_size = size
     obj.location = location

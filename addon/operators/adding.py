@@ -138,14 +138,7 @@ class HAPTIC_OT_add_sample(Operator):
 
     def execute(self, context: Context) -> set[str]:
         started = time.perf_counter()
-        window = context.window
-        if window is not None:
-            window.cursor_set("WAIT")
-        try:
-            scene = build_sample(self.sample)
-        finally:
-            if window is not None:
-                window.cursor_set("DEFAULT")
+        scene = build_sample(self.sample)
         _frame(context, scene)
         message = _rpt("{} built in {:.1f} seconds: press play. Your own scene is in the scene menu at the top right")
         self.report({"INFO"}, message.format(scene.name, time.perf_counter() - started))

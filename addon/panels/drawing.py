@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Object, UILayout
 
+from ..blender.documentation import page_url
 from ..changes.redraw import SIDEBAR_TAB
 from ..scene_reader.roles import haptic_carrier
 from ..session import sessions
@@ -18,8 +21,15 @@ class HapticsPanel:
     bl_region_type = "UI"
     bl_category = SIDEBAR_TAB
 
+    def draw_header_preset(self: Any, context: Context) -> None:
+        """Draw the button that opens the panel's page of the documentation."""
+        module = type(self).__module__.rpartition(".")[2]
+        self.layout.operator("wm.url_open", text="", icon="HELP", emboss=False).url = page_url(_PAGES.get(module, f"panels/{module}"))
+
 
 _SHOWN_PROBLEMS = 5
+_PAGES = {"live_output": "devices", "export": "formats", "gltf": "formats", "modalities": "panels/warmth"}
+"""The page of the panels in a module, where it is not that of its name."""
 
 
 def draw_carrier(layout: UILayout, obj: Object, verb: str) -> None:

@@ -10,6 +10,7 @@ from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.materials import MATERIALS
 from ..view import levels, watched
 from .drawing import HapticsPanel
+from .thumbnails import cell
 
 
 class HAPTIC_UL_materials(UIList):
@@ -37,9 +38,9 @@ class HAPTIC_MT_materials(Menu):
         layout.operator("haptic.guess_material", icon="VIEWZOOM")
         layout.operator("haptic.new_material", icon="ADD")
         layout.separator()
-        flow = layout.column_flow(columns=2)
+        grid = layout.grid_flow(row_major=True, columns=5)
         for name, material in MATERIALS.items():
-            properties = flow.operator("haptic.apply_material", text=material.title)
+            properties = cell(grid, f"material-{name}").operator("haptic.apply_material", text=material.title)
             properties.preset, properties.target = name, target
 
 

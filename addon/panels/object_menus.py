@@ -9,6 +9,7 @@ from bpy.types import Context, Menu
 from ...sample_scenes import SAMPLES
 from ..operators.adding import SOURCE_ITEMS
 from ..properties.scene import MODE_ITEMS
+from .thumbnails import cell
 
 # Operators on the selection, on the scene, on materials; unknown ones are left out.
 _SELECTION = (
@@ -92,8 +93,9 @@ class HAPTIC_MT_samples(Menu):
     bl_label = "Sample Scenes"
 
     def draw(self, context: Context) -> None:
+        grid = self.layout.grid_flow(row_major=True, columns=3)
         for sample in SAMPLES.values():
-            self.layout.operator("haptic.add_sample", text=sample.title).sample = sample.name
+            cell(grid, f"sample-{sample.name}").operator("haptic.add_sample", text=sample.title).sample = sample.name
 
 
 class HAPTIC_MT_mode_pie(Menu):

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, Panel
+from bpy.types import Context, Panel, UILayout
 
+from ..blender.documentation import page_url
+from ..scene_reader import roles
+from ..session import sessions
 from .answer import draw_answer, draw_progress
 from .drawing import HapticsPanel, draw_problems
 from .hints import draw_hint
@@ -22,6 +25,8 @@ class HAPTIC_PT_scene(HapticsPanel, Panel):
         layout = self.layout
         draw_progress(layout, context)
         draw_answer(layout, context)
+        if sessions.shown(context.scene) is None and not roles.is_any_tagged(context.scene):
+            _draw_card(layout)
         draw_hint(layout, context)
         draw_problems(layout, context)
         column = layout.column(align=True)
@@ -33,6 +38,16 @@ class HAPTIC_PT_scene(HapticsPanel, Panel):
         playing = context.screen is not None and context.screen.is_animation_playing
         row.operator("screen.animation_play", text="Pause" if playing else "Play", icon="PAUSE" if playing else "PLAY")
         row.menu("HAPTIC_MT_samples")
+
+
+def _draw_card(layout: UILayout) -> None:
+    """Draw what a newcomer may begin with."""
+    box = layout.box()
+    box.label(text="New here? Look, try, or read", icon="HEART")
+    column = box.column(align=True)
+    column.menu("HAPTIC_MT_samples", icon="SCENE_DATA")
+    column.operator("wm.url_open", text="Quick Start", icon="PLAY").url = page_url("tutorial")
+    column.operator("wm.url_open", text="Documentation", icon="HELP").url = page_url("index")
 
 
 class HAPTIC_PT_propagation(HapticsPanel, Panel):

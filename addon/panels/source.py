@@ -2,9 +2,24 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, Panel
+from bpy.types import Context, Menu, Panel
 
 from .drawing import HapticsPanel, draw_carrier
+from .thumbnails import cell
+
+
+class HAPTIC_MT_signals(Menu):
+    bl_idname = "HAPTIC_MT_signals"
+    bl_label = "Signals"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return context.object is not None
+
+    def draw(self, context: Context) -> None:
+        grid = self.layout.grid_flow(row_major=True, columns=3)
+        for kind in ("SINE", "PULSE", "NOISE"):
+            cell(grid, f"signal-{kind}").prop_enum(context.object.haptics.source, "signal", kind)
 
 
 class HAPTIC_PT_source(HapticsPanel, Panel):
@@ -26,7 +41,9 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
         if not source.enabled:
             return
         layout.prop(source, "amplitude")
-        layout.prop(source, "signal")
+        row = layout.row(align=True)
+        row.prop(source, "signal")
+        row.menu("HAPTIC_MT_signals", text="", icon="IMGDISPLAY")
         if source.signal == "FILE":
             layout.prop(source, "filepath")
         elif source.signal not in ("NOISE", "KEPT"):
@@ -38,4 +55,4 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
         draw_carrier(layout, context.object, "Shakes")
 
 
-CLASSES = (HAPTIC_PT_source,)
+CLASSES = (HAPTIC_MT_signals, HAPTIC_PT_source)

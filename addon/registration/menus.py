@@ -1,9 +1,10 @@
-"""The add-on's entries in Blender's own menus and headers."""
+"""The add-on's entries in Blender's own menus and headers, and in its manual."""
 
 from __future__ import annotations
 
 import bpy
 
+from ..blender.documentation import manual_map
 from ..panels import file_menus, object_menus, result
 
 _ENTRIES = (
@@ -16,12 +17,14 @@ _ENTRIES = (
 
 
 def register() -> None:
-    """Append the entries."""
+    """Append the entries, and give F1 its pages."""
     for menu, entry in _ENTRIES:
         getattr(bpy.types, menu).append(entry)
+    bpy.utils.register_manual_map(manual_map)
 
 
 def unregister() -> None:
     """Remove them."""
+    bpy.utils.unregister_manual_map(manual_map)
     for menu, entry in reversed(_ENTRIES):
         getattr(bpy.types, menu).remove(entry)

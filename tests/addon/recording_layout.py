@@ -38,6 +38,10 @@ class RecordingLayout:
         _check_icon(icon)
         self.properties.append(name)
 
+    def prop_enum(self, data: Any, name: str, value: str, **_: Any) -> None:
+        assert value in data.bl_rna.properties[name].enum_items, f"{data.bl_rna.identifier}.{name} is never {value}"
+        self.properties.append(name)
+
     def prop_search(self, data: Any, name: str, search_data: Any, search: str, **_: Any) -> None:
         assert name in data.bl_rna.properties, f"{data.bl_rna.identifier} has no property {name}"
         assert search in search_data.bl_rna.properties, f"{search_data.bl_rna.identifier} has no property {search}"

@@ -4,7 +4,7 @@ import zipfile
 import pytest
 
 PLATFORMS = ("linux_x64", "macos_arm64", "macos_x64", "windows_x64")
-TOP_LEVEL = {"blender_manifest.toml", "__init__.py", "LICENSE", "addon", "core", "sample_scenes", "wheels"}
+TOP_LEVEL = {"blender_manifest.toml", "__init__.py", "LICENSE", "addon", "core", "manual", "sample_scenes", "wheels"}
 WHEEL_PLATFORM = {"linux_x64": "manylinux", "macos_arm64": "macosx", "macos_x64": "macosx", "windows_x64": "win_amd64"}
 
 
@@ -21,6 +21,8 @@ def test_holds_only_what_runs_in_blender(zips, root, platform):
     assert [name for name in names if "__pycache__" in name or "/." in name] == []
     source = {str(path.relative_to(root).as_posix()) for part in ("addon", "core") for path in (root / part).rglob("*.py")}
     assert source <= set(names)
+    pages = {path.relative_to(root / "docs").with_suffix(".html").as_posix() for path in (root / "docs" / "panels").glob("*.md")}
+    assert {f"manual/{page}" for page in (*pages, "index.html", "tutorial.html")} <= set(names)
 
 
 @pytest.mark.parametrize("platform", PLATFORMS)
