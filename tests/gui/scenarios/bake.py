@@ -55,7 +55,7 @@ def steps(window):
     # Two takes, the second with half the amplitude, played in turn by their buttons.
     bake = scene.haptics.bake
     bake.use_range, bake.frame_start, bake.frame_end = True, 30, 50
-    scene.haptics.bake.use_track = True
+    scene.haptics.bake.use_track, scene.haptics.mode = True, "HT"
     for amplitude in (1.0, 0.5):
         scene.objects["Jackhammer"].haptics.source.amplitude = amplitude
         with window.context():
@@ -69,4 +69,5 @@ def steps(window):
     window.seen["from the same place"] = scene.frame_current == 40
     difference = window.module("addon.bake.takes").differences(scene)
     window.seen["with the difference"] = difference is not None and all(0 < item.here - item.there < 7 for item in difference.value)
+    yield from window.scroll_sidebar(60)
     yield from window.screenshot("takes")
