@@ -15,6 +15,7 @@ from .contacts.contact_set import ContactSet
 from .contacts.gain_bound import GainBound
 from .contacts.impact_sources import MOST_FRAMES, FrameImpacts, ImpactSources, Templates
 from .contacts.tracker import Body, ContactSettings, ContactTracker, FrameContacts, Impact
+from .contacts.transmissions import TransmissionRules
 from .graph.gain_bounds import object_bounds, signal_gain_bound
 from .graph.haptic_graph import ObjectTable
 from .graph.object_frames import ObjectFrames, local_centres
@@ -97,6 +98,7 @@ class CollisionDetector:
         self._found: FrameContacts | None = None
         self._authored: AuthoredContacts | None = None
         self._contacts = ContactSet.empty()
+        self._passed: tuple[ObjectTable, TransmissionRules] | None = None
         self._remembered: dict[int, FrameImpacts] = {}
         self._rules: tuple[tuple[Body, ...], ContactSettings] | None = None
         self._unnamed: tuple[tuple[Body, ...], tuple[Body, ...]] = (), ()  # bodies, and the same without materials
@@ -109,6 +111,7 @@ class CollisionDetector:
         if self._known[0] is not self.settings:
             rows = tuple(replace(row, does=row.does.limits()) for row in self.settings.impact_table.rows)
             tracked = replace(self.settings, impacts=True, templates=ImpactTemplates.PLAIN, impact_table=RuleTable(rows))
+            tracked = replace(tracked, transmission_table=RuleTable())
             self._known = self.settings, tracked
         return self._known[1]
 
@@ -169,8 +172,8 @@ class CollisionDetector:
         """
         if frame.contacts is not None or not frame.bodies or frame.transforms is None:
             self._sources.clear()
-            frames = ObjectFrames.of_objects(table.objects) if _asks_for_frames(frame.settings) else None
-            return Collisions(ContactSet.empty() if frame.contacts is None else frame.contacts, frames)
+            contacts = ContactSet.empty() if frame.contacts is None else frame.contacts
+            return Collisions(contacts, ObjectFrames.of_objects(table.objects) if _asks_for_frames(frame.settings, contacts) else None)
         begun = perf_counter()
         tracker = self._follow(frame.bodies, table)
         kept = None
@@ -183,9 +186,11 @@ class CollisionDetector:
             self._sources.clear()
             kept = self._recalled(frame.number, frame.transforms) if self.settings.impacts else None
         recalled = () if kept is None else self._sources.recall(kept, self._templates(frame))
-        reach = self._reach(frame, frame.transforms) if self.lazy and frame.authored is None else None
+        rules = self._transmissions(table)
+        # The force of a contact depends on all the others.
+        reach = self._reach(frame, frame.transforms) if self.lazy and frame.authored is None and not rules.uses_force else None
         found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, self.settings.impacts, frame.exact)
-        contacts = self._numbered(found, frame.authored)
+        contacts = self._numbered(found, frame.authored, rules)
         broad, total = found.statistics.broad_seconds, perf_counter() - begun
         if found.impacts:
             self._sources.add(found.impacts, [body.name for body in frame.bodies], frame.transforms, self._templates(frame))
@@ -194,7 +199,7 @@ class CollisionDetector:
         self._last = frame
         return Collisions(
             contacts=contacts,
-            frames=self._numbering.frames(frame.transforms) if _asks_for_frames(frame.settings) else None,
+            frames=self._numbering.frames(frame.transforms) if _asks_for_frames(frame.settings, contacts) else None,
             impacts=found.impacts or recalled,
             sources=self._sources.sources(frame.transforms),
             statistics={
@@ -243,12 +248,18 @@ class CollisionDetector:
             self._found = None
         return tracker
 
-    def _numbered(self, found: FrameContacts, authored: AuthoredContacts | None) -> ContactSet:
+    def _transmissions(self, table: ObjectTable) -> TransmissionRules:
+        """Return the functions of contacts by the rules of the scene, the same object while these and the objects are the same."""
+        rows = self.settings.transmission_table
+        if self._passed is None or self._passed[0] is not table or self._passed[1].table is not rows:
+            self._passed = table, TransmissionRules(rows, [(item.name, item.material) for item in table.objects], self.transmission)
+            self._found = None
+        return self._passed[1]
+
+    def _numbered(self, found: FrameContacts, authored: AuthoredContacts | None, rules: TransmissionRules) -> ContactSet:
         """Return the contacts between objects instead of bodies, the authored ones in place of those detected."""
         if self._found is None or found.contacts is not self._found.contacts or authored is not self._authored:
-            self._contacts = replace(found.contacts, pairs=self._numbering.objects[found.contacts.pairs])
-            if self.transmission is not None:
-                self._contacts = replace(self._contacts, transmissions=(self.transmission,))
+            self._contacts = rules.over(replace(found.contacts, pairs=self._numbering.objects[found.contacts.pairs]))
             if authored is not None:
                 self._contacts = authored.over(self._contacts)
         self._found, self._authored = found, authored
@@ -266,7 +277,8 @@ class CollisionDetector:
         bodies = np.concatenate([np.array([body for body, _ in starts], dtype=np.int64), bodies])
         positions = np.concatenate([np.array([position for _, position in starts], dtype=np.float64).reshape(-1, 3), positions])
         bounds = self._numbering.gain_bounds(frame.settings)
-        return signal_gain_bound(bounds, bodies, positions, frame.settings, self.transmission, self.settings.impacts)
+        functions = self._transmissions(self._numbering.table).functions
+        return signal_gain_bound(bounds, bodies, positions, frame.settings, functions, self.settings.impacts)
 
 
 class _Numbering:
@@ -298,8 +310,8 @@ class _Numbering:
         return self._bounds[1]
 
 
-def _asks_for_frames(settings: Settings) -> bool:
-    return settings.strategy is Strategy.ENERGY_BALANCE
+def _asks_for_frames(settings: Settings, contacts: ContactSet) -> bool:
+    return settings.strategy is Strategy.ENERGY_BALANCE or any(function.uses_force for function in contacts.transmissions)
 
 
 def _same_names(first: Sequence[Body], second: Sequence[Body]) -> bool:

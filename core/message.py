@@ -45,6 +45,7 @@ class Cause(enum.StrEnum):
     SUM_DIVERGES = enum.auto()
     SUM_BUDGET = enum.auto()
     GAIN_OVERFLOW = enum.auto()
+    FORCE_UNKNOWN = enum.auto()
     # Losses between listeners and actuators
     NO_ACTUATOR = enum.auto()
     NO_BODY_PART = enum.auto()

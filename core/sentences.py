@@ -45,6 +45,8 @@ ENGLISH: Mapping[Cause, str] = {
     Cause.SUM_DIVERGES: "a sum over paths grows without bound: its gain is a lower bound; the strategy Energy Balance suits such a scene",
     Cause.SUM_BUDGET: "the search ended at its limit before a sum over paths was certain: its gain is a lower bound, see the error bounds",
     Cause.GAIN_OVERFLOW: "a gain is too large for a number: it is given as 1e300, a lower bound",
+    Cause.FORCE_UNKNOWN: "what presses '{first}' and '{second}' together can't be known: bodies need a mass, must rest on what carries "
+    "them, and at most 150 may hang together; as many contacts pass as if pressed by the reference force: {count}",
     Cause.NO_ACTUATOR: "not felt: no device has an actuator at {body_part}",
     Cause.NO_BODY_PART: "not felt: no actuator is chosen, and the listener has no body part",
     Cause.ACTUATOR_GONE: "not felt through {actuators}: not connected",

@@ -110,7 +110,8 @@ class Tracer:
         """Return graph and gains, those of the last frame where its inputs were the same, ``exact``: to the bit."""
         known = self._propagated
         if known is None or not known.inputs.same_as(inputs, 0.0 if exact else STILL):
-            graph = build_graph(inputs.table, inputs.contacts, inputs.sources, inputs.listeners, inputs.frames)
+            gravity = self.collisions.settings.gravity
+            graph = build_graph(inputs.table, inputs.contacts, inputs.sources, inputs.listeners, inputs.frames, gravity)
             watch.lap("graph")
             known = self._propagated = Propagated(inputs, graph, propagate(graph, inputs.settings, sounding_only=True))
         else:

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import manual
+
 import wheels
 
 ROOT = wheels.ROOT

@@ -8,12 +8,14 @@ from typing import Any, TypeVar
 from bpy.types import Object
 
 from ...core.modalities.modality_scene import ModalityScene
+from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import RANGES, ImpactRule, ImpactTemplates
 from ...core.scene.rule_table import RuleTable
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..blender.single_precision import shortest
-from ..properties.function import PARAMETERS
+from ..properties.function import CONTACT_PARAMETERS, PARAMETERS
+from ..properties.function import TRANSMISSIONS as CONTACTS
 from ..scene_reader.functions import function_of_properties, stands_for
 from ..scene_reader.imported import OF_IMPACTS, text_of
 from ..scene_reader.rules import TEMPLATES
@@ -117,6 +119,13 @@ def write_table(rows: Any, table: RuleTable[Does], write: Callable[[Any, Does], 
             setattr(row, f"{name}_kind", "OBJECT" if side.object else "MATERIAL" if side.material else "ANY")
             setattr(row, name, side.object or side.material)
         write(row, rule.does)
+
+
+def write_transmission(row: Any, function: ModulationFunction) -> None:
+    """Make a row's properties those of ``function``, in single precision; functions that are none of contacts pass everything."""
+    row.function = function.name if function.name in CONTACTS else "identity"
+    for key, name in CONTACT_PARAMETERS.get(row.function, {}).items():
+        setattr(row, name, function.to_dict()[key])
 
 
 def write_impact_rule(row: Any, rule: ImpactRule) -> None:

@@ -23,14 +23,23 @@ from ..blender.single_precision import shortest
 from ..properties.actuators import MUTED as ACTUATORS_MUTED
 from ..properties.materials import add_material, own_values
 from ..properties.modalities import SHOWN
-from ..scene_reader.functions import read_function
+from ..scene_reader.functions import read_function, read_transmission, stands_for
 from ..scene_reader.imported import RULES, file_contacts, near, text_of, text_of_contacts, text_with
 from ..scene_reader.rules import TEMPLATES
 from .devices import take_devices
 from .frame_scene import EXTRAS, MUTED
 from .keyframes import local_place, write_keyframes
 from .materials import take_materials
-from .property_writer import write_body, write_impact_rule, write_listener, write_modality, write_numbers, write_source, write_table
+from .property_writer import (
+    write_body,
+    write_impact_rule,
+    write_listener,
+    write_modality,
+    write_numbers,
+    write_source,
+    write_table,
+    write_transmission,
+)
 from .shape_mesh import surface
 
 SMALLEST = 0.1
@@ -192,6 +201,10 @@ class _Builder:
         haptics.patch_points, haptics.impacts, haptics.impact_energy = rules.patch_points, rules.impacts, rules.energy.value
         haptics.impact_signal = next(name for name, templates in TEMPLATES.items() if templates is rules.templates)
         write_table(haptics.impact_table, rules.impact_table, write_impact_rule)
+        write_table(haptics.transmission_table, rules.transmission_table, write_transmission)
+        for row, rule in zip(haptics.transmission_table.items, rules.transmission_table.rows, strict=True):
+            if not stands_for(read_transmission(row)[0], rule.does):
+                self.lose("what its function does beside what the panel has", str(rule.does.name))
         scene.use_gravity = any(rules.gravity)
         if scene.use_gravity:
             scene.gravity = rules.gravity

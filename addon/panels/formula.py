@@ -11,7 +11,7 @@ from bpy.types import UILayout
 
 from ...core.scene import functions
 from ..blender.text import wrapped
-from ..properties.function import PARAMETERS
+from ..properties.function import CONTACT_PARAMETERS
 from ..translations.sentences import sentence
 
 if TYPE_CHECKING:
@@ -19,26 +19,21 @@ if TYPE_CHECKING:
 
 
 @lru_cache(maxsize=256)
-def _checked(source: str, kappa: float, rho: float, epsilon: float) -> Finding | None:
+def _checked(source: str, kappa: float, rho: float, epsilon: float, on_contact: bool) -> Finding | None:
     """The fault of a formula, cached as panels ask at every redraw."""
-    return functions.check_expression(source, kappa, rho, epsilon)
+    return functions.check_expression(source, kappa, rho, epsilon, on_contact)
 
 
-def draw_parameters(layout: UILayout, group: Any, kappa: float, rho: float, epsilon: float) -> None:
+def draw_parameters(layout: UILayout, group: Any, kappa: float, rho: float, epsilon: float, on_contact: bool = False) -> None:
     """Draw the parameters of the chosen function; a formula over the whole width, with its fault."""
     if group.function == "expression":
         row = layout.row()
         row.use_property_split = False
         row.prop(group, "expression", text="")
-        draw_formula(layout, group.expression, kappa, rho, epsilon)
+        draw_finding(layout, group.expression, _checked(group.expression, kappa, rho, epsilon, on_contact))
         return
-    for parameter in PARAMETERS.get(group.function, {}).values():
+    for parameter in CONTACT_PARAMETERS.get(group.function, {}).values():
         layout.prop(group, parameter)
-
-
-def draw_formula(layout: UILayout, source: str, kappa: float, rho: float, epsilon: float) -> Finding | None:
-    """Draw the fault of a function's formula, where there is one. Returns the fault."""
-    return draw_finding(layout, source, _checked(source, kappa, rho, epsilon))
 
 
 def draw_finding(layout: UILayout, source: str, finding: Finding | None) -> Finding | None:

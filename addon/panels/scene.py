@@ -9,6 +9,7 @@ from ..scene_reader import roles
 from ..session import sessions
 from .answer import draw_answer, draw_progress
 from .drawing import HapticsPanel, draw_problems
+from .formula import draw_parameters
 from .hints import draw_hint
 from .rules import draw_table
 
@@ -70,9 +71,6 @@ class HAPTIC_PT_propagation(HapticsPanel, Panel):
         column.prop(haptics, "threshold")
         column.prop(haptics, "max_connections")
         column.prop(haptics, "epsilon")
-        column = layout.column(align=True)
-        column.prop(haptics, "contact_tolerance")
-        column.prop(haptics, "patch_points")
 
 
 class HAPTIC_PT_impacts(HapticsPanel, Panel):
@@ -129,6 +127,27 @@ class HAPTIC_PT_impact_table(HapticsPanel, Panel):
             column.prop(rule, "seed")
 
 
+class HAPTIC_PT_contacts(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_contacts"
+    bl_parent_id = "HAPTIC_PT_scene"
+    bl_label = "Contacts"
+    bl_description = "What contacts between some objects pass on; everything where no rule fits, the most specific rule counts"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        haptics = context.scene.haptics
+        column = layout.column(align=True)
+        column.prop(haptics, "contact_tolerance")
+        column.prop(haptics, "patch_points")
+        rule = draw_table(layout, context, "transmission_table")
+        if rule is not None:
+            layout.prop(rule, "function")
+            draw_parameters(layout, rule, 0.0, 1.0, haptics.epsilon, on_contact=True)
+
+
 class HAPTIC_PT_overlay(HapticsPanel, Panel):
     bl_idname = "HAPTIC_PT_overlay"
     bl_parent_id = "HAPTIC_PT_scene"
@@ -152,4 +171,4 @@ class HAPTIC_PT_overlay(HapticsPanel, Panel):
         layout.operator("haptic.graph_to_geometry", icon="MESH_DATA")
 
 
-CLASSES = (HAPTIC_PT_scene, HAPTIC_PT_propagation, HAPTIC_PT_impacts, HAPTIC_PT_impact_table, HAPTIC_PT_overlay)
+CLASSES = (HAPTIC_PT_scene, HAPTIC_PT_propagation, HAPTIC_PT_contacts, HAPTIC_PT_impacts, HAPTIC_PT_impact_table, HAPTIC_PT_overlay)

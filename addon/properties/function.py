@@ -15,11 +15,19 @@ FUNCTIONS = {
     "expression": ("Expression", "Your own formula of x, d, kappa, rho, epsilon"),
     "physical": ("Physical", "Spreads and fades as measured materials do, by loss factor, wave speed and kind of wave"),
     "conduction": ("Conduction", "e^(-m d) with m = √(2 h / (k t)): fades as heat does that leaks into the air on its way"),
+    "impedance": (
+        "Impedance",
+        "2 √(Z1 Z2) / (Z1 + Z2), Z density times speed, of two physical materials; else everything",
+    ),
+    "resilient": ("Resilient Layer", "What a mass on a spring passes on: everything up to its resonance, less and less above it"),
+    "normal_force": ("Pressing Force", "(F / reference)^exponent, at most 1, with the force that presses resting objects together"),
 }
 """Title and description of each function of the core, by its name. Files hold a choice by its place in this order."""
 
-VIBRATION_FUNCTIONS = tuple(name for name in FUNCTIONS if name != "conduction")
-"""Those that vibration can pass through."""
+VIBRATION_FUNCTIONS = tuple(FUNCTIONS)[:7]
+"""Those of objects that vibration passes through."""
+TRANSMISSIONS = ("impedance", "identity", "constant", "linear", "exponential", "expression", "resilient", "normal_force")
+"""Those of contacts."""
 
 PARAMETERS = {
     "exponential": {"alpha": "alpha"},
@@ -30,6 +38,7 @@ PARAMETERS = {
         "wave": "wave",
         "loss_factor": "loss_factor",
         "phase_speed": "phase_speed",
+        "density": "density",
         "thickness": "plate_thickness",
         "absorption": "absorption",
         "material_k": "material_k",
@@ -37,7 +46,14 @@ PARAMETERS = {
         "extent": "extent",
     },
 }
-"""Which properties are the parameters of which function, by their names in the core."""
+"""Which properties are the parameters of which function of an object, by their names in the core."""
+
+CONTACT_PARAMETERS = {
+    **PARAMETERS,
+    "resilient": {"stiffness": "stiffness", "load": "load", "loss_factor": "layer_loss", "fall_off": "fall_off"},
+    "normal_force": {"reference": "reference", "exponent": "exponent"},
+}
+"""The same of a contact."""
 
 
 def function_property(names: tuple[str, ...], default: str) -> EnumProperty:
@@ -82,4 +98,54 @@ class FunctionParameters:
         default="x * exp(-0.2 * d)",
         maxlen=500,
         update=edited("expression"),
+    )
+
+
+class ContactParameters(FunctionParameters):
+    """Mixin: the parameters of the functions of contacts."""
+
+    stiffness: FloatProperty(
+        name="Stiffness (N/m)",
+        description="Stiffness of the layer: a foam mat under a chair's leg 10,000, a rubber pad 1,000,000",
+        default=1e5,
+        min=1e-3,
+        max=1e12,
+        soft_max=1e8,
+        update=edited("stiffness"),
+    )
+    load: FloatProperty(
+        name="Load", description="Mass that the layer carries", default=10.0, min=1e-6, soft_max=1e4, unit="MASS", update=edited("load")
+    )
+    layer_loss: FloatProperty(
+        name="Loss Factor",
+        description="Damping of the layer: rubber 0.1, foam 0.2; more passes less at the resonance, and more above it where Fall-Off is 12",
+        default=0.2,
+        min=0.0,
+        soft_max=1.0,
+        update=edited("layer_loss"),
+    )
+    fall_off: FloatProperty(
+        name="Fall-Off (dB)",
+        description="Decibels per octave that are lost far above the resonance; 12 is that of a spring",
+        default=12.0,
+        min=0.0,
+        max=48.0,
+        update=edited("fall_off"),
+    )
+    reference: FloatProperty(
+        name="Reference (N)",
+        description="Force in newtons from which on everything passes",
+        default=10.0,
+        min=1e-6,
+        soft_max=1e4,
+        update=edited("reference"),
+    )
+    exponent: FloatProperty(
+        name="Exponent",
+        description="1/3: stiffness of smooth round bodies (Hertz); 1: of rough ones",
+        default=1 / 3,
+        min=0.0,
+        max=4.0,
+        precision=3,
+        update=edited("exponent"),
     )

@@ -37,6 +37,14 @@ class PhysicalParameters:
         soft_max=6000.0,
         update=edited("phase_speed"),
     )
+    density: FloatProperty(
+        name="Density (kg/m³)",
+        description="With the speed it gives the impedance that contacts may depend on: steel 7850, water 1000, foam 40",
+        default=1000.0,
+        min=0.1,
+        soft_max=20000.0,
+        update=edited("density"),
+    )
     plate_thickness: FloatProperty(
         name="Thickness",
         description="Thickness of the plate",

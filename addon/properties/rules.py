@@ -12,9 +12,13 @@ from bpy.props import CollectionProperty, EnumProperty, FloatProperty, FloatVect
 from bpy.types import PropertyGroup
 
 from .callbacks import changed, edited
+from .function import TRANSMISSIONS, ContactParameters, function_property
 from .imported import Imported
 
-TABLES = (("impact_table", "Impacts", "What impacts between some objects need and play"),)
+TABLES = (
+    ("impact_table", "Impacts", "What impacts between some objects need and play"),
+    ("transmission_table", "Contacts", "What contacts between some objects pass on"),
+)
 """The tables by their names in the properties of a scene."""
 
 SIDE_ITEMS = (
@@ -136,4 +140,16 @@ class HapticImpactTable(TableRows, PropertyGroup):
     items: CollectionProperty(type=HapticImpactRule)
 
 
-CLASSES = (HapticImpactRule, HapticImpactTable)
+class HapticTransmissionRule(RuleScope, ContactParameters, Imported, PropertyGroup):
+    """What contacts between some objects pass on."""
+
+    function: function_property(TRANSMISSIONS, "impedance")
+
+
+class HapticTransmissionTable(TableRows, PropertyGroup):
+    """The rules of a scene for contacts."""
+
+    items: CollectionProperty(type=HapticTransmissionRule)
+
+
+CLASSES = (HapticImpactRule, HapticImpactTable, HapticTransmissionRule, HapticTransmissionTable)

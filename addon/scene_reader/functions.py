@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import Any
 
-from ...core.scene.functions import ModulationFunction, Spectrum, function_from_dict
+from ...core.scene.functions import TRANSMISSIONS, Identity, ModulationFunction, Spectrum, function_from_dict
 from ..blender.single_precision import shortest
-from ..properties.function import PARAMETERS
+from ..properties.function import CONTACT_PARAMETERS, PARAMETERS
 from .imported import imported_object
 
 
@@ -43,6 +43,15 @@ def function_of_properties(haptics: Any) -> ModulationFunction:
     if haptics.material.use_bands:
         parameters["band_decays"] = tuple(map(shortest, haptics.material.band_decays))
     return function_from_dict({"function": haptics.function, **parameters})
+
+
+def read_transmission(row: Any) -> tuple[ModulationFunction, str]:
+    """The function of a rule of contacts; everything passes where it is invalid, with the reason."""
+    parameters = {key: _typed(getattr(row, name)) for key, name in CONTACT_PARAMETERS.get(row.function, {}).items()}
+    try:
+        return function_from_dict({"function": row.function, **parameters}, TRANSMISSIONS), ""
+    except ValueError as error:
+        return Identity(), str(error)
 
 
 def _typed(value: Any) -> Any:

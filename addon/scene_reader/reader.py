@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
 from ...core.contacts.tracker import Body
+from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import ImpactRule
 from ...core.scene.rule_table import RuleTable
 from ...core.scene.values import Listener, Source
@@ -26,6 +27,7 @@ from ..blender.progress import progress
 from ..blender.time import frame_seconds, seconds_of
 from .animated_frequency import AnimatedFrequencies
 from .collision_shapes import collision_shape, mesh_checksum
+from .functions import read_transmission
 from .imported import imported_object, near
 from .imported_contacts import ImportedContacts
 from .objects import read_listener, read_object, read_source
@@ -86,6 +88,7 @@ class SceneReader:
         self._imported = ImportedContacts()
         self._instance_problems: tuple[Problem, ...] = ()
         self._impact_table: RuleTable[ImpactRule] = RuleTable()
+        self._transmission_table: RuleTable[ModulationFunction] = RuleTable()
         self._rule_problems: list[Problem] = []
         self.solo_roles: frozenset[str] = frozenset()
 
@@ -116,11 +119,13 @@ class SceneReader:
             self._imported.read(scene)
             objects = [tagged.object for tagged in self._tagged.values() if tagged.object is not None]
             self._impact_table, self._rule_problems = read_table(scene, "impact_table", objects, read_impact_rule)
+            self._transmission_table, problems = read_table(scene, "transmission_table", objects, read_transmission)
+            self._rule_problems += problems
             self._session_ids = ids
         lists = self._read_changed(depsgraph, raw, exact)
         now, duration = seconds_of(scene, scene.frame_current), frame_seconds(scene)
         heard = [item for item in self._placed if is_audible(item, now, duration)]
-        contact_settings = read_contact_settings(scene, self._impact_table)
+        contact_settings = read_contact_settings(scene, self._impact_table, self._transmission_table)
         if "source" in self.solo_roles:
             contact_settings = replace(contact_settings, impacts=False)
         return Reading(

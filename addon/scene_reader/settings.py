@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from bpy.types import Scene
 
 from ...core.contacts.tracker import ContactSettings
+from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import ImpactRule
 from ...core.scene.rule_table import RuleTable
 from ...core.scene.values import Settings
@@ -27,11 +30,13 @@ def read_settings(scene: Scene) -> Settings:
     )
 
 
-def read_contact_settings(scene: Scene, impact_table: RuleTable[ImpactRule]) -> ContactSettings:
-    """What counts as a contact and as an impact in a scene with this table."""
+def read_contact_settings(
+    scene: Scene, impact_table: RuleTable[ImpactRule], transmission_table: RuleTable[ModulationFunction]
+) -> ContactSettings:
+    """What counts as a contact and as an impact in a scene with these tables."""
     haptics, imported = scene.haptics, _imported(scene)
     x, y, z = (shortest(g) for g in scene.gravity) if scene.use_gravity else (0.0, 0.0, 0.0)
-    return ContactSettings(
+    settings = ContactSettings(
         tolerance=exact(haptics, "contact_tolerance", imported.numbers),
         least_energy=exact(haptics, "minimum_energy", imported.numbers),
         full_energy=max(exact(haptics, "maximum_energy", imported.numbers), 1e-3),
@@ -43,8 +48,9 @@ def read_contact_settings(scene: Scene, impact_table: RuleTable[ImpactRule]) -> 
         impacts=haptics.impacts,
         templates=TEMPLATES[haptics.impact_signal],
         impact_table=impact_table,
-        **({} if imported.slack is None else {"slack": imported.slack}),
+        transmission_table=transmission_table,
     )
+    return settings if imported.slack is None else replace(settings, slack=imported.slack)
 
 
 def _imported(scene: Scene) -> ImportedScene:

@@ -11,6 +11,7 @@ from ..scene.values import HapticScene, Pose
 from .contact_set import ContactSet
 from .shapes import pose_matrix
 from .tracker import Body, ContactTracker, Motion
+from .transmissions import TransmissionRules
 
 
 def contacts_of_scene(scene: HapticScene, tolerance: float | None = None, patch_points: bool | None = None) -> ContactSet:
@@ -30,4 +31,5 @@ def contacts_of_scene(scene: HapticScene, tolerance: float | None = None, patch_
     frame = tracker.update(0.0, transforms)
     if frame.warnings:
         raise ValueError(f"{frame.warnings[0].object}: its transform is not finite")
-    return replace(frame.contacts, pairs=np.array(chosen, dtype=np.int64)[frame.contacts.pairs])
+    contacts = replace(frame.contacts, pairs=np.array(chosen, dtype=np.int64)[frame.contacts.pairs])
+    return TransmissionRules(rules.transmission_table, [(item.name, item.material) for item in scene.objects]).over(contacts)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
@@ -40,7 +42,7 @@ def signal_gain_bound(
     bodies: IntArray,
     positions: FloatArray,
     settings: Settings,
-    transmission: ModulationFunction | None = None,
+    transmissions: Sequence[ModulationFunction] = (),
     impacts: bool = True,
 ) -> GainBound:
     """The gain bound of signals from the given sources.
@@ -50,14 +52,12 @@ def signal_gain_bound(
         bodies: (k,) numbers of the bodies that sources are on.
         positions: (k, 3) places of the sources [m, world].
         settings: mode, strategy and threshold.
-        transmission: function of all contacts; None for the identity.
+        transmissions: functions that contacts may have; without any, the identity.
         impacts: whether impacts of the frame make sources, too.
     """
     if settings.mode not in (Mode.HT, Mode.SD):
         bodies, positions, impacts = bodies[:0], positions[:0], False
-    passed = 1.0
-    if transmission is not None:
-        passed = np.inf if transmission.name == "expression" else transmission.bounds(0.0, 0.0, 1.0, settings.epsilon)[1]
+    most = [np.inf if f.name == "expression" else f.bounds(0.0, 0.0, 1.0, settings.epsilon)[1] for f in transmissions]
     return GainBound(
         bodies=bodies,
         positions=positions,
@@ -65,6 +65,6 @@ def signal_gain_bound(
         factor=bounds[0],
         decay=bounds[1],
         threshold=0.0 if _balances_energy(settings) else settings.threshold,
-        transmission=passed,
+        transmission=max(most, default=1.0),
         from_impacts=impacts,
     )

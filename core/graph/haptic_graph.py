@@ -16,10 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray
+from ..contacts.authored import rows_of
 from ..contacts.contact_set import ContactSet
+from ..contacts.forces import contact_forces
 from ..scene.bands import BAND_COUNT
-from ..scene.functions import ModulationFunction, Spectrum
-from ..scene.values import HapticObject, HapticScene, Listener, Source, SourceKind
+from ..scene.functions import ModulationFunction
+from ..scene.rules import Motion
+from ..scene.values import HapticObject, HapticScene, Listener, Source, SourceKind, Vector
 from .object_frames import ObjectFrames
 
 if TYPE_CHECKING:
@@ -81,7 +84,7 @@ class ObjectTable:
         forms = np.array([(math.nan, math.nan) if pair is None else pair for pair in pairs], dtype=np.float64).reshape(-1, 2)
         spreading = np.array([o.propagation.spreading_law() for o in ordered], dtype=np.float64).reshape(-1, 3).T
         bands, decays, slowness = _spectrum_arrays(
-            [o.propagation.spectrum for o in ordered], [o.propagation.band_decays(o.kappa, o.rho) for o in ordered]
+            [o.propagation for o in ordered], [o.propagation.band_decays(o.kappa, o.rho) for o in ordered]
         )
         return cls(
             names=tuple(o.name for o in ordered),
@@ -153,12 +156,13 @@ class ObjectTable:
 
 
 def _spectrum_arrays(
-    spectra: Sequence[Spectrum], band_decays: Sequence[tuple[float, ...]]
+    functions: Sequence[ModulationFunction], band_decays: Sequence[tuple[float, ...]]
 ) -> tuple[FloatArray | None, FloatArray | None, FloatArray | None]:
     """Band gains (n, bands), band decays (n, bands) and slowness (n,) of functions; each None where none of them uses it."""
     gains = decays = slowness = None
-    if any(s.band_gains for s in spectra):
-        gains = np.array([s.band_gains or (1.0,) * BAND_COUNT for s in spectra], dtype=np.float64)
+    spectra, band_gains = [f.spectrum for f in functions], [f.band_gains() for f in functions]
+    if any(band_gains):
+        gains = np.array([values or (1.0,) * BAND_COUNT for values in band_gains], dtype=np.float64)
     if any(band_decays):
         decays = np.array([values or (0.0,) * BAND_COUNT for values in band_decays], dtype=np.float64)
     if any(s.wave_speed for s in spectra):
@@ -197,6 +201,8 @@ class HapticGraph:
         sources, listeners: by name, with their nodes.
         listener_nodes: (l,) node of each listener.
         frames: where the objects lie.
+        forces: (c,) that press the contacts together [N], NaN where that can't be known, 0 of those whose function does not ask; None where
+            none does.
     """
 
     table: ObjectTable
@@ -216,6 +222,7 @@ class HapticGraph:
     listeners: tuple[str, ...]
     listener_nodes: IntArray
     frames: ObjectFrames
+    forces: FloatArray | None = None
 
     @property
     def node_count(self) -> int:
@@ -300,9 +307,15 @@ def _lengths(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
 
 
 def build_graph(
-    table: ObjectTable, contacts: ContactSet, sources: Sequence[Source], listeners: Sequence[Listener], frames: ObjectFrames | None = None
+    table: ObjectTable,
+    contacts: ContactSet,
+    sources: Sequence[Source],
+    listeners: Sequence[Listener],
+    frames: ObjectFrames | None = None,
+    gravity: Vector = (0.0, 0.0, -9.81),
 ) -> HapticGraph:
-    """The haptic graph of one frame. ``contacts`` and ``frames`` number objects as ``table`` does; frames may be unknown.
+    """The haptic graph of one frame. ``contacts`` and ``frames`` number objects as ``table`` does; frames may be unknown. ``gravity``
+    [m/s^2] presses resting contacts together, where a function asks how much.
 
     Nodes are put into a canonical order (object, kind, contact by objects and position), so that the result does not depend on the order
     in which contacts were found. Raises ValueError that names the argument for an object that is not in the table, a contact of an object
@@ -336,10 +349,9 @@ def build_graph(
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
     partner, contact = _inter_connections(rank, count)
-    source_nodes: list[list[int]] = [[] for _ in sources]
-    for entry, (number, _, _) in enumerate(source_entries):
-        source_nodes[number].append(int(rank[2 * count + entry]))
-    transmission, loss, band_gains, delay = _transmissions(table, contacts)
+    frames = frames or ObjectFrames.unknown(len(table.names))
+    forces = _forces(table, contacts, frames, gravity)
+    transmission, loss, band_gains, delay = _transmissions(table, contacts, forces)
     return HapticGraph(
         table=table,
         start=np.concatenate([[0], np.cumsum(np.bincount(node_object, minlength=len(table.names)))]),
@@ -354,11 +366,20 @@ def build_graph(
         share=contacts.share,
         contact_band_gains=band_gains,
         contact_delay=delay,
-        sources=tuple(SourceNodes(s.name, tuple(n), s.amplitude, s.kind) for s, n in zip(sources, source_nodes, strict=True)),
+        sources=_source_nodes(sources, [number for number, _, _ in source_entries], rank[2 * count :].tolist()),
         listeners=tuple(listener.name for listener in listeners),
         listener_nodes=rank[2 * count + len(source_entries) :].copy(),
-        frames=frames or ObjectFrames.unknown(len(table.names)),
+        frames=frames,
+        forces=forces,
     )
+
+
+def _source_nodes(sources: Sequence[Source], numbers: Sequence[int], nodes: Sequence[int]) -> tuple[SourceNodes, ...]:
+    """The sources with their ``nodes``, of which the first belong to the sources of these ``numbers``."""
+    of_source: list[list[int]] = [[] for _ in sources]
+    for number, node in zip(numbers, nodes, strict=False):
+        of_source[number].append(node)
+    return tuple(SourceNodes(s.name, tuple(n), s.amplitude, s.kind) for s, n in zip(sources, of_source, strict=True))
 
 
 def _inter_connections(rank: IntArray, count: int) -> tuple[IntArray, IntArray]:
@@ -374,7 +395,7 @@ def graph_of_scene(scene: HapticScene) -> HapticGraph:
     """The haptic graph of a scene with authored contacts."""
     table = ObjectTable.of(scene.objects, scene.settings.epsilon)
     contacts = ContactSet.from_contacts(scene.contacts, table.index())
-    return build_graph(table, contacts, scene.sources, scene.listeners, ObjectFrames.of_objects(table.objects))
+    return build_graph(table, contacts, scene.sources, scene.listeners, ObjectFrames.of_objects(table.objects), scene.rules.gravity)
 
 
 def _check(
@@ -443,17 +464,33 @@ def _ascending(pairs: IntArray) -> bool:
     return bool((key[1:] > key[:-1]).all())
 
 
-def _transmissions(table: ObjectTable, contacts: ContactSet) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
+def _forces(table: ObjectTable, contacts: ContactSet, frames: ObjectFrames, gravity: Vector) -> FloatArray | None:
+    """Pressing forces of the contacts, where a function asks for them. What lies in a medium is not carried by it."""
+    asks = np.array([function.uses_force for function in contacts.transmissions])[contacts.transmission]
+    if not asks.any():
+        return None
+    masses = [(math.nan if o.mass is None else o.mass) if o.motion is Motion.DYNAMIC else 0.0 for o in table.objects]
+    solid = np.logical_not(np.array([o.medium for o in table.objects])[contacts.pairs].any(axis=1))
+    forces = np.full(len(contacts), math.nan)
+    forces[solid] = contact_forces(rows_of(contacts, solid), np.array(masses), frames.centre, gravity)
+    return np.where(asks, forces, 0.0)
+
+
+def _transmissions(
+    table: ObjectTable, contacts: ContactSet, forces: FloatArray | None
+) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
     """Gain, loss, band gains and delay of each inter-connection, weights of the contacts included. A function of kappa and rho sees the
     mean of the two objects; ``angle`` is the contact normal's angle to the vertical."""
-    gains, losses, band_gains, delay = _function_gains(table, contacts)
+    gains, losses, band_gains, delay = _function_gains(table, contacts, forces)
     if np.any(contacts.weight < 1):
         with np.errstate(divide="ignore"):
             gains, losses = gains * contacts.weight, losses - np.log(contacts.weight)
     return gains, losses, band_gains, delay
 
 
-def _function_gains(table: ObjectTable, contacts: ContactSet) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
+def _function_gains(
+    table: ObjectTable, contacts: ContactSet, forces: FloatArray | None
+) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
     """The same of the transmission functions alone."""
     gains = np.ones(len(contacts), dtype=np.float64)
     losses = np.zeros(len(contacts), dtype=np.float64)
@@ -464,15 +501,13 @@ def _function_gains(table: ObjectTable, contacts: ContactSet) -> tuple[FloatArra
         if function.name == "identity":
             continue
         chosen = np.flatnonzero(contacts.transmission == number)
-        gains[chosen] = _transmission_gains(table, contacts, function, chosen, distance[chosen])
+        gains[chosen] = _transmission_gains(table, contacts, function, chosen, distance[chosen], forces)
         with np.errstate(divide="ignore"):
             losses[chosen] = -np.log(gains[chosen])
-        if function.name in ("constant", "exponential"):  # whose logarithm is known better than that of a rounded gain
+        if function.name in ("constant", "exponential", "resilient"):  # whose logarithm is known better than that of a rounded gain
             _, decay = function.log_linear(0.0, 0.0, table.epsilon) or (0.0, 0.0)
             losses[chosen] = function.loss(0.0, 0.0, table.epsilon) + decay * distance[chosen]
-    bands, decays, slowness = _spectrum_arrays(
-        [f.spectrum for f in contacts.transmissions], [f.spectrum.band_decays for f in contacts.transmissions]
-    )
+    bands, decays, slowness = _spectrum_arrays(contacts.transmissions, [f.spectrum.band_decays for f in contacts.transmissions])
     kind = contacts.transmission
     band_gains = None if bands is None else bands[kind]
     if decays is not None:
@@ -481,14 +516,23 @@ def _function_gains(table: ObjectTable, contacts: ContactSet) -> tuple[FloatArra
 
 
 def _transmission_gains(
-    table: ObjectTable, contacts: ContactSet, function: ModulationFunction, chosen: IntArray, distance: FloatArray
+    table: ObjectTable,
+    contacts: ContactSet,
+    function: ModulationFunction,
+    chosen: IntArray,
+    distance: FloatArray,
+    forces: FloatArray | None,
 ) -> FloatArray:
     kappa, rho = (np.array([getattr(o, key) for o in table.objects]) for key in ("kappa", "rho"))
     pairs = contacts.pairs[chosen]
+    first, second = np.array([o.propagation.impedance for o in table.objects])[pairs].T
+    met = (first > 0) & (second > 0)
     parameters = {
         "area": contacts.area[chosen],
         "depth": contacts.depth[chosen],
         "angle": np.arccos(np.minimum(1.0, np.abs(contacts.normal[chosen, 2]))),
+        "match": np.where(met, 2 * np.sqrt(first * second) / np.where(met, first + second, 1.0), 1.0),
+        "force": np.full(len(chosen), math.nan) if forces is None else forces[chosen],
     }
     kappa, rho = kappa[pairs].mean(axis=1), rho[pairs].mean(axis=1)
     try:

@@ -223,6 +223,7 @@ class _Run:
             warnings.append(Message.of(Cause.SUM_BUDGET))
         if np.any(gains.gain >= LARGEST):
             warnings.append(Message.of(Cause.GAIN_OVERFLOW))
+        warnings += _unknown_force(self.graph)
         return tuple(warnings)
 
     def _limited_message(self, row: int, radius: WalkRadius) -> Message:
@@ -243,6 +244,15 @@ class _Run:
             else:
                 taps[pair] = ((path_delay(graph, nodes), float(self.gains.gain[pair])),)
         return taps
+
+
+def _unknown_force(graph: HapticGraph) -> list[Message]:
+    """That the force of a contact, which its function asks for, can't be known: of the first of these contacts."""
+    unknown = [] if graph.forces is None else np.flatnonzero(np.isnan(graph.forces)).tolist()
+    if not unknown:
+        return []
+    first, second = (graph.table.names[int(graph.node_object[node])] for node in np.flatnonzero(graph.contact == unknown[0])[:2])
+    return [Message.of(Cause.FORCE_UNKNOWN, first, first=first, second=second, count=len(unknown))]
 
 
 def _delays(graph: HapticGraph, shape: tuple[int, ...], best: BestPaths) -> FloatArray:

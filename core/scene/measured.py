@@ -97,6 +97,7 @@ def physical(name: str, size: tuple[float, float, float], in_a_building: bool = 
         wave=wave,
         loss_factor=damping.loss_factor,
         phase_speed=damping.speed,
+        density=material.density,
         thickness=max(thickness, 1e-4),
         absorption=IN_A_BUILDING if in_a_building else 0.0,
         material_k=material.k,

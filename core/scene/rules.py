@@ -6,6 +6,7 @@ import enum
 import math
 from dataclasses import dataclass, field
 
+from .functions import ModulationFunction
 from .impact_rule import ImpactRule
 from .impact_rule import ImpactTemplates as ImpactTemplates
 from .rule_table import RuleTable
@@ -35,6 +36,7 @@ class ContactSettings:
     says how it is computed. A pair makes no second impact within ``refractory`` seconds. ``gravity`` [m/s^2] accelerates dynamic bodies
     where too few frames show how they fall; ``time_scale``: simulated seconds per second of the timeline. ``impacts``: impacts make
     temporary sources, which play the ``templates``. Where a row of ``impact_table`` fits a pair, its values count instead.
+    ``transmission_table``: what found contacts of a pair pass on; where no row fits, everything.
     """
 
     tolerance: float = 0.01
@@ -49,6 +51,7 @@ class ContactSettings:
     impacts: bool = True
     templates: ImpactTemplates = ImpactTemplates.PLAIN
     impact_table: RuleTable[ImpactRule] = field(default_factory=RuleTable)
+    transmission_table: RuleTable[ModulationFunction] = field(default_factory=RuleTable)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "energy", ImpactEnergy(self.energy))

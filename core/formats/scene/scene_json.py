@@ -141,8 +141,9 @@ def scene_to_dict(scene: HapticScene) -> dict[str, Any]:
     if not scene.settings.localise:
         del settings["localise"]
     rules = {key.name: json_value(getattr(scene.rules, key.name)) for key in fields(ContactSettings)}
-    if not scene.rules.impact_table.rows:
-        del rules["impact_table"]
+    for table in ("impact_table", "transmission_table"):
+        if not rules[table]:
+            del rules[table]
     document = {"format": FORMAT, "version": VERSION, "convention": CONVENTION, "settings": settings, "rules": rules, **scene_items(scene)}
     return {**document, "extras": json_value(scene.extras)} if scene.extras else document
 

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ...contacts.shapes import Shape, shape_from_dict
-from ...scene.functions import ModulationFunction, function_from_dict
+from ...scene.functions import FUNCTIONS, TRANSMISSIONS, ModulationFunction, function_from_dict
 from ...scene.impact_rule import ImpactRule
 from ...scene.references import Place, PlacedError
 from ...scene.rule_table import Rule, RuleTable, Side
@@ -27,9 +27,11 @@ def read_value(make: Callable[..., T], form: Mapping[str, Any], place: Place) ->
     return _placed(lambda: make(**{key: tuple(v) if isinstance(v, list) else v for key, v in form.items()}), form, place)
 
 
-def read_function(form: Mapping[str, Any], place: Place) -> ModulationFunction:
-    """A propagation or transmission function."""
-    return _placed(lambda: function_from_dict(form), form, place)
+def read_function(
+    form: Mapping[str, Any], place: Place, functions: Mapping[str, type[ModulationFunction]] = FUNCTIONS
+) -> ModulationFunction:
+    """A propagation function, or another one of ``functions``."""
+    return _placed(lambda: function_from_dict(form, functions), form, place)
 
 
 def read_object(form: Mapping[str, Any], place: Place) -> HapticObject:
@@ -51,7 +53,7 @@ def read_contact(form: Mapping[str, Any], place: Place) -> Contact:
     """A contact; its normal is normalised."""
     arguments = dict(form)
     if "transmission" in form:
-        arguments["transmission"] = read_function(form["transmission"], (*place, "transmission"))
+        arguments["transmission"] = read_function(form["transmission"], (*place, "transmission"), TRANSMISSIONS)
     if "normal" in form:
         length = math.hypot(*form["normal"])
         if length < 1e-12:
@@ -74,6 +76,9 @@ def read_rules(form: Mapping[str, Any], place: Place) -> ContactSettings:
     arguments = dict(form)
     if "impact_table" in form:
         arguments["impact_table"] = read_table(form["impact_table"], (*place, "impact_table"), _read_impact_rule)
+    if "transmission_table" in form:
+        rows = form["transmission_table"]
+        arguments["transmission_table"] = read_table(rows, (*place, "transmission_table"), _read_transmission)
     return read_value(ContactSettings, arguments, place)
 
 
@@ -85,6 +90,10 @@ def read_table(forms: Sequence[Mapping[str, Any]], place: Place, read: Callable[
         first, second = (*sides, Side(), Side())[:2]
         rows.append(Rule((first, second), read({key: value for key, value in form.items() if key != "between"}, (*place, i))))
     return RuleTable(tuple(rows))
+
+
+def _read_transmission(form: Mapping[str, Any], place: Place) -> ModulationFunction:
+    return read_function(form["transmission"], (*place, "transmission"), TRANSMISSIONS)
 
 
 def _read_impact_rule(form: Mapping[str, Any], place: Place) -> ImpactRule:
@@ -122,6 +131,10 @@ def item_to_dict(item: Any) -> dict[str, Any]:
     return form
 
 
+def _does_to_dict(does: ImpactRule | ModulationFunction) -> dict[str, Any]:
+    return {"transmission": does.to_dict()} if isinstance(does, ModulationFunction) else item_to_dict(does)
+
+
 def scene_items(scene: HapticScene) -> dict[str, list[dict[str, Any]]]:
     """The JSON lists of a scene."""
     return {key: [item_to_dict(item) for item in getattr(scene, key)] for key in ("objects", "contacts", "sources", "listeners")}
@@ -141,7 +154,7 @@ def json_value(value: Any) -> Any:
         case ModulationFunction() | Shape() | Signal():
             return value.to_dict()
         case RuleTable():
-            return [{"between": [item_to_dict(side) for side in row.between], **item_to_dict(row.does)} for row in value.rows]
+            return [{"between": [item_to_dict(side) for side in row.between], **_does_to_dict(row.does)} for row in value.rows]
         case Mapping():
             return {key: json_value(member) for key, member in value.items()}
         case list() | tuple():

@@ -5,14 +5,16 @@ function of their contact. A function returns the gain of a signal over a distan
 """
 
 from .checking import Finding, check_expression, excerpt
+from .contacts import Impedance, NormalForce, Resilient
 from .expression import MIXING_VARIABLES, compile_expression
 from .modulation import Conduction, Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction, Spectrum
 from .physical import Physical, Wave
-from .registry import FUNCTIONS, function_from_dict
+from .registry import FUNCTIONS, TRANSMISSIONS, function_from_dict
 
 __all__ = [
     "FUNCTIONS",
     "MIXING_VARIABLES",
+    "TRANSMISSIONS",
     "Conduction",
     "Constant",
     "Exponential",
@@ -20,9 +22,12 @@ __all__ = [
     "Finding",
     "HapticTracing",
     "Identity",
+    "Impedance",
     "Linear",
     "ModulationFunction",
+    "NormalForce",
     "Physical",
+    "Resilient",
     "Spectrum",
     "Wave",
     "check_expression",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...message import Cause, Message
-from .expression import ExpressionError, compile_expression
+from .expression import CONTACT_VARIABLES, ExpressionError, compile_expression
 
 FARTHEST = 100.0
 """Metres up to which a formula is tried."""
@@ -25,17 +25,19 @@ class Finding:
 def check_expression(source: str, kappa: float, rho: float, epsilon: float, on_contact: bool = False) -> Finding | None:
     """What is wrong with a formula for these properties, or None. It is tried from 0 to `FARTHEST` metres.
 
-    ``on_contact``: it is of a contact, which has area, depth and angle; an object has none.
+    ``on_contact``: it is of a contact, which has area, depth, angle and force; an object has none.
     """
     try:
         compiled = compile_expression(source)
     except ExpressionError as error:
         return Finding(error.message, error.column)
-    if compiled.uses_contact and not on_contact:
-        name = next(name for name in ("area", "depth", "angle") if name in source)
+    if compiled.uses(*CONTACT_VARIABLES) and not on_contact:
+        name = next(name for name in CONTACT_VARIABLES if compiled.uses(name))
         return Finding(Message.of(Cause.FORMULA_CONTACT_VARIABLE, name=name), source.index(name), usable=True)
     distance = np.concatenate([[0.0], np.geomspace(1e-3, FARTHEST, 200)])
-    gains = compiled.evaluate(distance, {"kappa": kappa, "rho": rho, "epsilon": epsilon, "area": 0.01, "depth": 0.0, "angle": 0.0})
+    gains = compiled.evaluate(
+        distance, {"kappa": kappa, "rho": rho, "epsilon": epsilon, "area": 0.01, "depth": 0.0, "angle": 0.0, "force": 1.0}
+    )
     for bad, cause in ((~np.isfinite(gains), Cause.FORMULA_NOT_FINITE), (gains < 0, Cause.FORMULA_NEGATIVE)):
         if bad.any():
             return Finding(Message.of(cause, distance=f"{distance[bad][0]:.3g}"))

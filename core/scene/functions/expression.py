@@ -20,7 +20,9 @@ from ...sentences import sentence
 from . import interval
 from .interval import Interval
 
-VARIABLES = ("x", "d", "kappa", "rho", "epsilon", "area", "depth", "angle")
+CONTACT_VARIABLES = ("area", "depth", "angle", "force")
+"""Variables that only a contact has."""
+VARIABLES = ("x", "d", "kappa", "rho", "epsilon", *CONTACT_VARIABLES)
 """Variables of a modulation function."""
 MIXING_VARIABLES = ("sum", "weighted", "strongest", "power", "s_max")
 """Variables of a mixing formula: at every sample the results of the other mixing methods, unlimited, and the listener's ceiling."""
@@ -98,11 +100,9 @@ class CompiledExpression:
         """Guaranteed bounds of the formula over the given intervals of its variables."""
         return _bounds(self.tree, variables)
 
-    @property
-    def uses_contact(self) -> bool:
-        """True where it needs area, depth or angle, which only a contact has."""
-        names = {node.id for node in ast.walk(self.tree) if isinstance(node, ast.Name)}
-        return bool(names & {"area", "depth", "angle"})
+    def uses(self, *variables: str) -> bool:
+        """Whether it needs one of the ``variables``."""
+        return any(isinstance(node, ast.Name) and node.id in variables for node in ast.walk(self.tree))
 
 
 def compile_expression(source: str, variables: Collection[str] = VARIABLES) -> CompiledExpression:

@@ -94,8 +94,9 @@ class ModulationFunction:
     def gain(
         self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
     ) -> FloatArray:
-        """Gains over ``distance`` (metres, >= 0, any shape). ``contact`` gives area (m^2), depth (m) and angle (rad) of a contact.
-        ``kappa``, ``rho`` and those three are numbers or arrays like ``distance``."""
+        """Gains over ``distance`` (metres, >= 0, any shape). ``contact`` gives area (m^2), depth (m), angle (rad) and, where it is used,
+        force (N, NaN: unknown) of a contact, and match, the gain where the impedances of its two bodies meet. ``kappa``, ``rho`` and those
+        are numbers or arrays like ``distance``."""
         pair = self.log_linear(0.0, 0.0, epsilon)
         assert pair is not None
         factor, decay = pair
@@ -108,6 +109,20 @@ class ModulationFunction:
         factor, decay = pair
         ends = (factor, factor * math.exp(-min(decay * max_distance, 745.0)))
         return min(ends), max(ends)
+
+    def band_gains(self) -> tuple[float, ...]:
+        """Factor of each frequency band beside the gain, applied once; () where all are 1."""
+        return self.spectrum.band_gains
+
+    @property
+    def impedance(self) -> float:
+        """Density times wave speed of the body [kg/(m^2 s)], 0 where the function knows nothing of it."""
+        return 0.0
+
+    @property
+    def uses_force(self) -> bool:
+        """Whether the gain of a contact depends on the force that presses it together."""
+        return False
 
     def band_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
         """Attenuation of each frequency band beside that of the gain, in 1/m; () where all bands fade alike."""
@@ -212,7 +227,7 @@ class Linear(ModulationFunction):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expression(ModulationFunction):
-    """A designer's formula over ``x, d, kappa, rho, epsilon`` and, on a contact, ``area, depth, angle``.
+    """A designer's formula over ``x, d, kappa, rho, epsilon`` and, on a contact, ``area, depth, angle, force`` (1 N where it is unknown).
 
     With ``x`` (a sample of the signal) it must be proportional to it, ``x * exp(-d)``; without, it is the gain itself, ``exp(-d)``.
     """
@@ -224,11 +239,16 @@ class Expression(ModulationFunction):
     def __post_init__(self) -> None:
         object.__setattr__(self, "compiled", compile_expression(self.expression))
 
+    @property
+    def uses_force(self) -> bool:
+        return self.compiled.uses("force")
+
     def gain(
         self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
     ) -> FloatArray:
         """Raises ValueError where the formula gives a negative or non-finite gain."""
-        values = {"kappa": kappa, "rho": rho, "epsilon": epsilon, **(contact or _NO_CONTACT)}
+        values = {"kappa": kappa, "rho": rho, "epsilon": epsilon, **_NO_CONTACT, **(contact or {})}
+        values["force"] = np.nan_to_num(values["force"], nan=1.0)
         gains = self.compiled.evaluate(np.asarray(distance, dtype=np.float64), values)
         if not np.all(np.isfinite(gains)):
             raise ValueError(f"expression: {self.expression!r} has no finite value at d = {_first(distance, ~np.isfinite(gains)):g} m")
@@ -247,6 +267,7 @@ class Expression(ModulationFunction):
             "area": Interval(0.0, math.inf),
             "depth": Interval(0.0, math.inf),
             "angle": Interval(0.0, math.pi),
+            "force": Interval(0.0, math.inf),
         }
         result = self.compiled.bounds(variables)
         return max(0.0, result.low), result.high
@@ -276,7 +297,7 @@ class Conduction(ModulationFunction):
         return 1.0, math.sqrt(2.0 * self.exchange / (self.conductivity * self.thickness))
 
 
-_NO_CONTACT = {"area": 0.0, "depth": 0.0, "angle": 0.0}
+_NO_CONTACT: Mapping[str, Value] = {"area": 0.0, "depth": 0.0, "angle": 0.0, "force": 1.0}
 
 
 def _first(distance: FloatArray, where: BoolArray) -> float:

@@ -47,12 +47,14 @@ class Physical(ModulationFunction):
 
     Lengths in metres: ``thickness`` of the plate, ``reference_distance`` r0 (the radius of the region that is driven), ``extent`` of the
     body (0: without end). ``phase_speed`` in m/s, of extensional, surface or shear waves; it sets no delay, which is the spectrum's.
+    ``density`` in kg/m^3 gives, with that speed, the impedance that contacts may depend on.
     """
 
     name: ClassVar[str] = "physical"
     wave: Wave = Wave.SOLID
     loss_factor: float = 0.01
     phase_speed: float = 1000.0
+    density: float = 1000.0
     thickness: float = 0.1
     absorption: float = 0.0
     material_k: float = 0.5
@@ -66,7 +68,7 @@ class Physical(ModulationFunction):
             raise ValueError(f"wave: expected one of {', '.join(Wave)}, got {self.wave!r}") from None
         for key in ("loss_factor", "absorption", "extent"):
             require(key, getattr(self, key))
-        for key in ("phase_speed", "thickness", "reference_distance"):
+        for key in ("phase_speed", "density", "thickness", "reference_distance"):
             require(key, getattr(self, key))
             if getattr(self, key) == 0:
                 raise ValueError(f"{key}: must be greater than 0")
@@ -86,6 +88,10 @@ class Physical(ModulationFunction):
         k = np.asarray(transfer_coefficient(np.asarray(kappa), np.asarray(rho)), dtype=np.float64)
         blocked = k <= 0
         return np.where(blocked, math.inf, alpha * (np.log(np.where(blocked, 1.0, k)) / math.log(self.material_k)))
+
+    @property
+    def impedance(self) -> float:
+        return self.density * self.phase_speed
 
     def spreading(self, distance: FloatArray) -> FloatArray:
         """``(1 + min(d, extent) / r0)^-g``."""

@@ -6,12 +6,16 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
+from .contacts import Impedance, NormalForce, Resilient
 from .modulation import Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction, Spectrum
 from .physical import Physical
 
 FUNCTIONS: dict[str, type[ModulationFunction]] = {
     cls.name: cls for cls in (Identity, Constant, Linear, Exponential, HapticTracing, Expression, Physical)
 }
+"""Those of objects."""
+TRANSMISSIONS: dict[str, type[ModulationFunction]] = {**FUNCTIONS, **{cls.name: cls for cls in (Impedance, Resilient, NormalForce)}}
+"""Those of contacts."""
 _SPECTRUM_KEYS = ("band_gains", "band_decays", "wave_speed")
 
 

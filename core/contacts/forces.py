@@ -1,0 +1,127 @@
+"""The forces of resting contacts, estimated from what they carry.
+
+Every body that physics moves is at rest: the forces and torques of its contacts balance its weight. A contact pushes, never pulls, and its
+friction is at most the force that it presses with. That leaves open how redundant supports share a load; of all possible forces those with
+the least sum of squares are taken, which symmetric supports share alike.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..arrays import BoolArray, FloatArray, IntArray
+from ..least_squares import bounded_least_squares
+from .contact_set import ContactSet
+
+MOST_BODIES = 150
+"""Bodies that hang together by contacts, above which their forces are not estimated: time grows with the cube of their number."""
+
+UNBALANCED = 0.05
+"""Part of a body's weight that its contacts may leave uncarried; where more is left it does not rest on them."""
+
+_FRICTION = 0.5
+_ROUNDS = 3
+"""Times that friction is bounded by the pressing forces of the round before."""
+_RELUCTANCE = 0.3
+"""Friction carries only what pressing does not: the size of a frictional force beside a pressing one that counts as much."""
+_SOFTNESS = 1e-7
+_TORQUE = 0.3
+"""Weight of a torque beside a force; patches are squares here, which hold torques a little otherwise than what they stand for."""
+
+
+def contact_forces(contacts: ContactSet, mass: FloatArray, centre: FloatArray, gravity: tuple[float, float, float]) -> FloatArray:
+    """The force (n,) in newtons with which each contact presses, NaN where it can't be known.
+
+    mass: (o,) of the bodies that physics moves [kg], 0 of those that hold whatever lies on them, NaN where it is unknown. centre: (o, 3) of
+    mass [m, world].
+    """
+    forces = np.full(len(contacts), np.nan)
+    movable = mass > 0
+    known = np.isfinite(mass) & (np.isfinite(centre).all(axis=1) | ~movable)
+    group = _groups(contacts.pairs, movable)
+    fixed = ~movable[contacts.pairs].any(axis=1)
+    for label in np.unique(group[movable]).tolist():
+        bodies = np.flatnonzero(movable & (group == label))
+        rows = np.flatnonzero((movable[contacts.pairs] & (group[contacts.pairs] == label)).any(axis=1) & ~fixed)
+        if len(bodies) <= MOST_BODIES and known[contacts.pairs[rows]].all() and len(rows):
+            forces[rows] = _of_group(contacts, rows, bodies, mass, centre, np.array(gravity))
+    return forces
+
+
+def _groups(pairs: IntArray, movable: BoolArray) -> IntArray:
+    """A label (o,) for each object, the same for movable ones that hang together."""
+    label = np.arange(len(movable))
+    between = pairs[movable[pairs].all(axis=1)]
+    while True:
+        least = label[between].min(axis=1)
+        before = label.copy()
+        np.minimum.at(label, between.reshape(-1), np.repeat(least, 2))
+        label = label[label]
+        if np.array_equal(label, before):
+            return label
+
+
+def _of_group(
+    contacts: ContactSet, rows: IntArray, bodies: IntArray, mass: FloatArray, centre: FloatArray, gravity: FloatArray
+) -> FloatArray:
+    """The pressing forces of the contacts ``rows`` between ``bodies`` that hang together; NaN at bodies that they do not balance."""
+    place = np.full(len(mass), -1)
+    place[bodies] = np.arange(len(bodies))
+    strength = float(np.linalg.norm(gravity))
+    points, offsets = _pressed_points(contacts, rows)
+    directions = _directions(contacts.normal[rows])
+    unit, size = float(mass[bodies].mean()) * max(strength, 1e-9), _spread(points, rows)
+    # A column per direction and point: 4 points press along the normal, and friction acts at the middle.
+    matrix = np.zeros((6 * len(bodies), 6 * len(rows)))
+    for side, sign in ((0, -1.0), (1, 1.0)):
+        body = contacts.pairs[rows, side]
+        moved = np.flatnonzero(place[body] >= 0)
+        for column in range(6):
+            push = sign * directions[max(column - 3, 0)][moved]
+            arm = points[moved] + (offsets[column][moved] if column < 4 else 0.0) - centre[body[moved]]
+            first = 6 * place[body[moved]]
+            for axis in range(3):
+                matrix[first + axis, column * len(rows) + moved] = push[:, axis]
+                matrix[first + 3 + axis, column * len(rows) + moved] = _TORQUE / size * np.cross(arm, push)[:, axis]
+    target = np.zeros((len(bodies), 6))
+    target[:, :3] = -mass[bodies, None] * gravity / unit
+    solved = _balanced(matrix, target.reshape(-1), len(rows))
+    pressed = solved[: 4 * len(rows)].reshape(4, -1).sum(axis=0)
+    left = np.linalg.norm((matrix @ solved - target.reshape(-1)).reshape(-1, 6)[:, :3], axis=1) * unit
+    falls = np.zeros(len(mass), dtype=np.bool_)
+    falls[bodies] = left > UNBALANCED * mass[bodies] * strength
+    return np.where(falls[contacts.pairs[rows]].any(axis=1), np.nan, pressed * unit)
+
+
+def _balanced(matrix: FloatArray, target: FloatArray, count: int) -> FloatArray:
+    """Pressing forces at 4 points and friction in 2 directions (6 * count,) that come nearest to the target."""
+    scale = np.repeat([2.0, _RELUCTANCE], [4 * count, 2 * count])  # four quarters of a force weigh together as the force does
+    low, high = np.repeat([0.0, -np.inf], [4 * count, 2 * count]), np.full(6 * count, np.inf)
+    solved = np.zeros(6 * count)
+    for _ in range(_ROUNDS):
+        solved = scale * bounded_least_squares(matrix * scale, target, low, high, _SOFTNESS)
+        most = _FRICTION * np.tile(solved[: 4 * count].reshape(4, -1).sum(axis=0), 2) / _RELUCTANCE
+        low[4 * count :], high[4 * count :] = -most, most
+    return solved
+
+
+def _pressed_points(contacts: ContactSet, rows: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Middles (k, 3) of contacts, and offsets (4, k, 3) to the corners of half the square that has the patch's area."""
+    _, first, second = _directions(contacts.normal[rows])
+    half = np.sqrt(contacts.area[rows])[:, None] / 2
+    return contacts.positions[rows].mean(axis=1), np.stack([half * (a * first + b * second) for a in (-1, 1) for b in (-1, 1)])
+
+
+def _directions(normal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Normals and two tangents (k, 3)."""
+    axis = np.eye(3)[np.abs(normal).argmin(axis=1)]
+    first = np.cross(normal, axis)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return normal, first, np.cross(normal, first)
+
+
+def _spread(points: FloatArray, rows: IntArray) -> float:
+    """A length [m] of the size of the levers."""
+    return max(float(np.linalg.norm(np.ptp(points, axis=0))) / math.sqrt(len(rows)), 1e-3)

@@ -1,0 +1,100 @@
+"""Functions of contacts: how much passes from one body into the other, by what they are made of, what lies between them, and the force."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ..bands import BAND_CENTRES
+from .modulation import ModulationFunction, Value, require
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Impedance(ModulationFunction):
+    """``2 sqrt(Z1 Z2) / (Z1 + Z2)``: the root of the part of the power that passes where two materials of impedance ``Z = density speed``
+    meet. 1 where one of them is unknown (`ModulationFunction.impedance`)."""
+
+    name: ClassVar[str] = "impedance"
+
+    def gain(
+        self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
+    ) -> FloatArray:
+        return np.ones(np.shape(distance)) * (contact or {}).get("match", 1.0)
+
+    def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+        return 0.0, 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Resilient(ModulationFunction):
+    """A soft layer under a load: the transmissibility of a mass on a damped spring,
+    ``sqrt((1 + n^2) / ((1 - (f / f0)^2)^2 + n^2))`` with ``f0 = sqrt(stiffness / load) / (2 pi)`` and loss factor n, at most 1.
+
+    stiffness: N/m. load: kg. fall_off: decibels per octave far above the resonance; 12 is the spring's own.
+    """
+
+    name: ClassVar[str] = "resilient"
+    stiffness: float = 1e5
+    load: float = 10.0
+    loss_factor: float = 0.2
+    fall_off: float = 12.0
+
+    def __post_init__(self) -> None:
+        for key in ("stiffness", "load", "loss_factor", "fall_off"):
+            require(key, getattr(self, key))
+        for key in ("stiffness", "load"):
+            if getattr(self, key) == 0:
+                raise ValueError(f"{key}: must be greater than 0")
+
+    @property
+    def resonance(self) -> float:
+        """f0 in hertz."""
+        return math.sqrt(self.stiffness / self.load) / (2 * math.pi)
+
+    def transmissibility(self, frequency: float) -> float:
+        """The gain at a frequency in hertz."""
+        ratio, damped = (frequency / self.resonance) ** 2, self.loss_factor**2
+        passed = (1 + damped) / ((1 - ratio) ** 2 + damped) if ratio != 1 or damped else math.inf
+        return float(min(1.0, passed) ** (self.fall_off / 24))
+
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+        return max(map(self.transmissibility, BAND_CENTRES)), 0.0
+
+    def band_gains(self) -> tuple[float, ...]:
+        """The gain of each band relative to the highest one."""
+        bands = np.array([self.transmissibility(centre) for centre in BAND_CENTRES])
+        return tuple((bands / bands.max() * np.array(self.spectrum.band_gains or 1.0)).tolist())
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NormalForce(ModulationFunction):
+    """``(force / reference) ** exponent``, at most 1: 1/3 as the stiffness of smooth round bodies grows (Hertz), 1 as that of rough ones
+    (Greenwood and Williamson). reference: newtons; 1 where the force is unknown."""
+
+    name: ClassVar[str] = "normal_force"
+    reference: float = 10.0
+    exponent: float = 1 / 3
+
+    def __post_init__(self) -> None:
+        for key in ("reference", "exponent"):
+            require(key, getattr(self, key))
+        if self.reference == 0:
+            raise ValueError("reference: must be greater than 0 N")
+
+    @property
+    def uses_force(self) -> bool:
+        return True
+
+    def gain(
+        self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
+    ) -> FloatArray:
+        force = np.nan_to_num((contact or {}).get("force", math.nan), nan=self.reference)
+        return np.ones(np.shape(distance)) * np.minimum(force / self.reference, 1.0) ** self.exponent
+
+    def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+        return 0.0, 1.0

@@ -1,0 +1,83 @@
+"""The table of contacts in Blender: impedances of physical materials, the force of a rigid body, and the same through a file."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import pytest
+from haptic_tracing.addon.session import session
+
+
+@pytest.fixture
+def standing(add_box, scene):
+    """A source on a floor, a listener on a box upon it."""
+    floor, box = add_box("Floor", (0, 0, -0.5), (4, 4, 1)), add_box("Box", (0, 0, 0.5), (1, 1, 1))
+    floor.haptics.source.enabled = box.haptics.listener.enabled = True
+    for obj in (floor, box):
+        obj.haptics.function = "constant"
+        obj.haptics.constant = 1.0
+    bpy.context.view_layer.update()
+    return floor, box
+
+
+def add_rule(scene, function, **values):
+    assert bpy.ops.haptic.add_rule(table="transmission_table") == {"FINISHED"}
+    row = scene.haptics.transmission_table.items[-1]
+    row.first_kind = "ANY"
+    row.second_kind = "ANY"
+    row.function = function
+    for name, value in values.items():
+        setattr(row, name, value)
+    bpy.context.view_layer.update()
+    return row
+
+
+def gain(scene):
+    return float(session.result_of(scene).propagation.gain[0, 0])
+
+
+def test_without_a_rule_everything_passes(standing, scene):
+    assert gain(scene) == pytest.approx(1.0)
+
+
+def test_impedances_of_physical_materials(standing, scene):
+    for obj, density, speed in zip(standing, (7850.0, 1100.0), (5100.0, 60.0), strict=True):
+        obj.haptics.function = "physical"
+        obj.haptics.wave, obj.haptics.loss_factor = "rod", 0.0
+        obj.haptics.density, obj.haptics.phase_speed = density, speed
+    add_rule(scene, "impedance")
+    one, other = 7850.0 * 5100.0, 1100.0 * 60.0
+    assert gain(scene) == pytest.approx(2 * math.sqrt(one * other) / (one + other), rel=1e-5)
+
+
+def test_a_heavier_box_passes_more(standing, scene):
+    _, box = standing
+    with bpy.context.temp_override(object=box, active_object=box, selected_objects=[box]):
+        bpy.ops.rigidbody.object_add()
+    box.rigid_body.mass = 2.0
+    add_rule(scene, "normal_force", reference=1000.0, exponent=1.0)
+    assert gain(scene) == pytest.approx(2.0 * 9.81 / 1000.0, rel=1e-3)
+    box.rigid_body.mass = 20.0
+    bpy.context.view_layer.update()
+    assert gain(scene) == pytest.approx(20.0 * 9.81 / 1000.0, rel=1e-3)
+
+
+def test_a_formula_of_a_contact_may_use_its_area(standing, scene):
+    add_rule(scene, "expression", expression="min(1, area / 4)")
+    assert gain(scene) == pytest.approx(0.25, rel=1e-3)
+
+
+def test_rules_come_back_from_a_file(standing, scene, tmp_path):
+    row = add_rule(scene, "resilient", stiffness=2e4, load=8.0)
+    row.first_kind, row.first = "OBJECT", "Box"
+    path = str(tmp_path / "scene.json")
+    assert bpy.ops.export_scene.haptic_scene(filepath=path) == {"FINISHED"}
+    before = session.result_of(scene).contacts.transmissions
+    scene.haptics.transmission_table.items.clear()
+    assert bpy.ops.import_scene.haptic_scene(filepath=path) == {"FINISHED"}
+    bpy.context.view_layer.update()
+    rows = bpy.context.scene.haptics.transmission_table.items
+    assert [(r.first_kind, r.first, r.function) for r in rows] == [("OBJECT", "Box", "resilient")]
+    assert before[-1].load == pytest.approx(8.0)
+    assert rows[0].load == pytest.approx(8.0) and rows[0].stiffness == pytest.approx(2e4)
