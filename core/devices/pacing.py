@@ -90,7 +90,8 @@ class SampleQueue:
         """The next ``count`` samples, silence where there are no more, without a jump at the seam."""
         self.fill(count)
         taken, self.samples = self.samples[:, :count], self.samples[:, count:]
-        played = np.pad(taken, ((0, 0), (0, count - taken.shape[1])))
+        played = np.zeros((len(taken), count))
+        played[:, : taken.shape[1]] = taken
         self.dry = taken.shape[1] < count
         if self.dry:
             join(played, taken.shape[1], taken[:, -1:] if taken.shape[1] else self.last)

@@ -42,7 +42,7 @@ def played(scene, plug, connect) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     plug()
     connect()
     sent: list[np.ndarray] = []
-    outputs.running()["dualsense"].send = sent.append
+    outputs.running()["dualsense"].send = lambda block, _sent=None: sent.append(block)
 
     def play() -> np.ndarray:
         scene.frame_set(1)

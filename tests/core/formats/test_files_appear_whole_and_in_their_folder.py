@@ -94,38 +94,51 @@ def test_a_failure_while_writing_leaves_what_was_there(tmp_path, failure):
 
 
 WRITER = """
-import resource, signal, sys
+import os, resource, signal, sys
 import numpy as np
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.values import HapticObject, HapticScene
 
-name, folder, most = sys.argv[1], sys.argv[2], int(sys.argv[3])
 noise = np.random.default_rng(0).normal(0, 0.1, (2, 80_000)).clip(-1, 1)
 tracks = Tracks((ListenerTrack("hand", "hand.L", [[0.5, 0.5]]), ListenerTrack("ear", "ear.L")), 8000, noise)
-options = {"tracks": "inline"} if name == "scene" else {}
 sys.dont_write_bytecode = True  # else modules imported under the limit leave cut files in the cache
 export = Export("scene", HapticScene((HapticObject("a", 0, 1),)), tracks)
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
-try:
-    registry.write(name, export, folder, options)
-except OSError as error:
-    print("refused")
+for case in sys.argv[1:]:
+    name, most, folder = case.split(" ", 2)
+    if os.fork() == 0:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (int(most), int(most)))
+        try:
+            registry.write(name, export, folder, {"tracks": "inline"} if name == "scene" else {})
+        except OSError as error:
+            os._exit(REFUSED)
+        os._exit(0)
+    print(os.waitstatus_to_exitcode(os.wait()[1]))
 """
+REFUSED = 77
+
+
+@pytest.fixture(scope="module")
+def full_disks(tmp_path_factory):
+    """The folder and the exit code of a process for each format and each largest file that the system allows it."""
+    cases = {(name, most): tmp_path_factory.mktemp("full") for name in registry.FORMATS for most in (1, 1000)}
+    command = [sys.executable, "-c", WRITER.replace("REFUSED", str(REFUSED)), *(f"{n} {m} {f}" for (n, m), f in cases.items())]
+    codes = map(int, subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+    return {case: (folder, code) for (case, folder), code in zip(cases.items(), codes, strict=True)}
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="only Unix can refuse to let a file grow")
 @pytest.mark.parametrize("name", list(registry.FORMATS))
 @pytest.mark.parametrize("most", [1, 1000])
-def test_a_disk_that_takes_no_more_gets_no_half_file(tmp_path, name, most):
+def test_a_disk_that_takes_no_more_gets_no_half_file(full_disks, name, most):
     """The system itself refuses to let any file grow beyond ``most`` bytes, in the midst of writing."""
-    done = subprocess.run([sys.executable, "-c", WRITER, name, str(tmp_path), str(most)], capture_output=True, text=True, check=True)
-    left = [path for path in tmp_path.rglob("*") if path.is_file()]
+    folder, code = full_disks[name, most]
+    left = [path for path in folder.rglob("*") if path.is_file()]
     # What is there is whole: small side files, written before the large one that the disk did not take.
-    assert done.stdout == "refused\n" and all(path.suffix != ".part" for path in left), (left, done.stderr)
+    assert code == REFUSED and all(path.suffix != ".part" for path in left), (left, code)
     for path in left:
         assert json.loads(path.read_bytes()) if path.suffix != ".ohm" else path.read_bytes().startswith(b"OHM ")
 
