@@ -30,21 +30,29 @@ def test_saved_file_has_its_rigid_bodies_baked(tmp_path):
     assert all(obj.haptics.enabled for obj in dominoes)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
         (("pyramid",), "invalid choice: 'pyramid'"),
         (("pile", "--output", "pile.txt"), "ends in .blend"),
         (("pile", "--output", "nowhere/pile.blend"), "there is no folder"),
-        (("rails", "--count", "3"), "give no count"),
     ],
 )
-def test_what_is_wrong_is_said_in_one_line(arguments, reason, tmp_path):
-    answer = run(*arguments, cwd=tmp_path)
+def test_what_is_wrong_is_said_in_one_line(arguments, reason, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["sample", *arguments]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert reason in said
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+def test_a_count_where_there_is_none_to_choose_is_said_in_one_line(tmp_path):
+    answer = run("rails", "--count", "3", cwd=tmp_path)
     assert answer.returncode == 2
     assert answer.stderr.count("\n") == 1
-    assert reason in answer.stderr
+    assert "give no count" in answer.stderr
     assert list(tmp_path.iterdir()) == []
 
 
