@@ -13,7 +13,6 @@ from bpy_extras.io_utils import ExportHelper
 
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import FORMATS, named
-from ...core.formats.tracks.comparison import sentences
 from ..bake import playback
 from ..blender import job
 from ..blender.text import wrapped
@@ -214,7 +213,7 @@ def track_writer(name: str, folder: Path, options: dict[str, Any]) -> Callable[[
     def write(export: Export, running: job.Job) -> list[job.Report]:
         def consent(poor: registry.Written) -> bool:
             question = _iface("The new files keep little of the vibration. Replace {}?").format(shown(poor.files))
-            return running.ask((question, *sentences(poor.fidelity)))
+            return running.ask((question, *registry.sentences(poor.fidelity)))
 
         done = registry.write(name, export, folder, options, consent, running.progress)
         return written(done.files, done.losses) if done.files else [({"WARNING"}, _rpt("Nothing was replaced"))]

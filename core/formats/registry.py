@@ -20,7 +20,8 @@ from .io.catalogue import Format, named
 from .io.error import FormatError
 from .io.options import Value, complete
 from .io.staging import staging
-from .tracks.comparison import Comparison, Fidelity, sentences
+from .tracks.comparison import Comparison, Fidelity
+from .tracks.comparison import sentences as sentences
 from .tracks.vibration_file import VibrationFile
 
 
