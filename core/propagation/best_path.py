@@ -81,9 +81,10 @@ def best_paths(
         left = wanted
     else:
         candidates = _unconstrained_paths(graph, [pair for pair in wanted if pair[0] not in known], limit, result)
-        for row, column in wanted:
-            if row in known and (path := known[row][0].path(graph, known[row][1], int(graph.listener_nodes[column]))):
-                candidates[row, column] = path
+        for row, (trees, number) in known.items():
+            columns = [column for other, column in wanted if other == row]
+            paths = trees.paths(graph, [(number, (node,)) for node in graph.listener_nodes[columns].tolist()])
+            candidates.update({(row, column): path for column, path in zip(columns, paths, strict=True) if path})
         judged = bool(graph.table.special)
         left = [pair for pair, path in candidates.items() if len(path) > 2 * crossings + 2 or (judged and crosses_twice(graph, path))]
         for pair in left:
@@ -119,20 +120,12 @@ def _unconstrained_paths(graph: HapticGraph, wanted: Sequence[Pair], limit: floa
         result.relaxed += trees.relaxed
         result.visited = max(result.visited, trees.visited())
         numbers = {number: root for root, number in enumerate((rows if forward else columns)[first : first + at_once])}
-        for row, column in wanted:
-            root = numbers.get(row if forward else column)
-            if root is not None:
-                path = _nearest(graph, trees, root, (listener_nodes[column],) if forward else graph.sources[row].nodes)
-                if path:
-                    found[row, column] = path if forward else path[::-1]
+        pairs = [pair for pair in wanted if pair[0 if forward else 1] in numbers]
+        places = ((numbers[row], (listener_nodes[column],)) if forward else (numbers[column], graph.sources[row].nodes) for row, column in pairs)
+        for pair, path in zip(pairs, trees.paths(graph, list(places)), strict=True):
+            if path:
+                found[pair] = path if forward else path[::-1]
     return found
-
-
-def _nearest(graph: HapticGraph, trees: ShortestPaths, root: int, targets: Sequence[int]) -> Path:
-    if len(targets) == 1:
-        return trees.path(graph, root, targets[0])
-    arrival = trees.cost[root]
-    return trees.path(graph, root, min(targets, key=lambda node: (arrival[node], node)))
 
 
 def _search_row(

@@ -66,20 +66,20 @@ class ShortestPaths:
         """Number of nodes reached, the largest over the sets of roots."""
         return int(np.count_nonzero(self.entry >= 0, axis=1).max(initial=0))
 
-    def path(self, graph: HapticGraph, row: int, target: int) -> tuple[int, ...]:
-        """Nodes of the shortest path from a root of the row to ``target``; () where nothing arrives."""
-        entry, partner = self.entry[row].data, graph.partner.data
-        if entry[target] < 0:
-            return ()
-        nodes = [target]
-        node = target
-        while True:
-            node = entry[node]
-            nodes.append(node)
-            node = partner[node]
-            if node < 0:
-                return tuple(reversed(nodes))
-            nodes.append(node)
+    def paths(self, graph: HapticGraph, ends: Sequence[tuple[int, Sequence[int]]]) -> list[tuple[int, ...]]:
+        """Nodes of the shortest paths from a root of each row to the nearer of its one or two targets; () where nothing arrives."""
+        row, node, other = np.array([(row, targets[0], targets[-1]) for row, targets in ends], dtype=np.int64).reshape(-1, 3).T
+        cost, another = self.cost[row, node], self.cost[row, other]
+        node = np.where((another < cost) | ((another == cost) & (other < node)), other, node)
+        node = np.where(self.entry[row, node] >= 0, node, -1)
+        steps = [node]
+        while np.any(node >= 0):
+            begin = np.where(node >= 0, self.entry[row, node], -1)
+            node = np.where(begin >= 0, graph.partner[begin], -1)
+            steps += [begin, node]
+        backwards = np.array(steps).T
+        lengths = (backwards >= 0).sum(axis=1).tolist()
+        return [tuple(nodes[:length][::-1]) for nodes, length in zip(backwards.tolist(), lengths, strict=True)]
 
 
 class _Relaxation:

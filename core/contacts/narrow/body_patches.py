@@ -112,8 +112,10 @@ def _outline(points: list[FloatArray], normal: FloatArray) -> FloatArray:
     every = np.concatenate(points)
     u, v = (axis[:, 0] for axis in contact_plane(normal[:, None]))
     flat = np.stack([every @ u, every @ v], axis=1)
-    _, first = np.unique(np.round(flat, 5), axis=0, return_index=True)
-    chosen = np.sort(first)
+    first: dict[tuple[float, ...], int] = {}
+    for number, place in enumerate(np.round(flat, 5).tolist()):
+        first.setdefault(tuple(place), number)
+    chosen = np.array(list(first.values()))
     chosen = chosen[hull_2d(flat[chosen])]
     if len(chosen) > MAX_PATCH_POINTS:
         chosen = chosen[np.linspace(0, len(chosen), MAX_PATCH_POINTS, endpoint=False).astype(int)]

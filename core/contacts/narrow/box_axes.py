@@ -96,3 +96,15 @@ def edge_points(axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a
     on_a = np.where(of_i, np.clip(s, -most_s, most_s), on_a)
     on_b += way * np.clip(t, -most_t, most_t)
     return EdgePoints(normal, on_a, on_b, within)
+
+
+def axis_normals(axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> FloatArray:
+    """Unit normals (3, p) from first to second along each ``axis`` (p,)."""
+    k = axis % 3
+    normal = np.where(axis < 3, k == COLUMN, pick(rotation.reshape(9, -1), 3 * COLUMN + k))
+    normal *= np.where(np.einsum("ip,ip->p", normal, offset) < 0, -1.0, 1.0)
+    edges = np.flatnonzero(axis >= FIRST_EDGE_AXIS)
+    if len(edges):
+        boxes = rotation[..., edges], offset[:, edges], half_a[:, edges], half_b[:, edges]
+        normal[:, edges] = edge_points(axis[edges], *boxes).normal
+    return normal

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
 from .body_patches import PairPatches
-from .box_axes import best_axes
+from .box_axes import axis_normals, best_axes
 from .boxes import BoxContacts, box_contacts, corner_contacts
 from .cores import CoreTable, Kind
 from .frames import COLUMN, product, relative, turned, turned_back
@@ -99,8 +99,9 @@ class BoxPairs:
         boxes = self.chosen(pairs, rotation, offset)
         if boxes is None:
             return None
-        found = box_contacts(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b, np.full(len(pairs), np.inf))
-        return found.distance - (boxes.radius_a + boxes.radius_b), found.normal
+        placed = boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b
+        best = best_axes(*placed)
+        return best.distance - (boxes.radius_a + boxes.radius_b), axis_normals(best.axis, *placed)
 
     def write_patches(self, boxes: Boxes, pairs: IntArray, limit: FloatArray, result: PairPatches) -> IntArray:
         """Write the distances and patches of boxes into ``result``.

@@ -84,7 +84,8 @@ def _search(search_graph: SearchGraph, limits: PathLimits, ahead: FloatArray, ro
 def _only_paths(graph: HapticGraph, listeners: Sequence[int], forward: ShortestPaths, row: int, limit: float) -> PathSums:
     """The sums in a forest of contacts of one point each, where the best path to a listener is the only one."""
     sums = PathSums(np.zeros((len(listeners), lanes_of(graph))), np.zeros(len(listeners)), np.zeros(len(listeners), dtype=np.int64), 0)
-    paths = {number: path for number, node in enumerate(listeners) if (path := forward.path(graph, row, node))}
+    found = forward.paths(graph, [(row, (node,)) for node in listeners])
+    paths = {number: path for number, path in enumerate(found) if path}
     for (number, path), cost in zip(paths.items(), path_costs(graph, list(paths.values())), strict=True):
         if cost <= limit - SLACK:
             sums.gain[number] = math.exp(-cost)
