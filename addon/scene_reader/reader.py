@@ -17,7 +17,7 @@ from bpy.types import Depsgraph, Object, Scene
 from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
-from ...core.contacts.tracker import Body
+from ...core.contacts.tracker import Body, ContactSettings
 from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import ImpactRule
 from ...core.scene.rule_table import RuleTable
@@ -76,6 +76,7 @@ class SceneReader:
         self._session_ids: NDArray[np.int32] | None = None
         self._tagged: dict[int, Tagged] = {}  # by row
         self._shapes: dict[int, tuple[Any, Any, Any]] = {}  # by session id: what it was built from, its mesh's checksum, and the shape
+        self._contact_settings = ContactSettings()
         self._doubtful: set[int] = set()  # session ids of objects whose geometry may have changed
         self._frequencies = AnimatedFrequencies()
         self._animated: dict[int, tuple[Any, ...]] = {}  # by row: what its animated properties were last
@@ -128,6 +129,9 @@ class SceneReader:
         contact_settings = read_contact_settings(scene, self._impact_table, self._transmission_table)
         if "source" in self.solo_roles:
             contact_settings = replace(contact_settings, impacts=False)
+        if contact_settings == self._contact_settings:
+            contact_settings = self._contact_settings  # so that collisions know them again
+        self._contact_settings = contact_settings
         return Reading(
             objects=lists.objects,
             bodies=lists.bodies,

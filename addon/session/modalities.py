@@ -10,7 +10,7 @@ from ...core.modalities import Modality
 from ...core.modalities.modality_scene import ModalityScene
 from ...core.modalities.propagation import Felt, feel
 from ...core.render.frame_result import FrameResult
-from ...core.scene.values import Settings
+from ...core.scene.values import HapticObject, Settings
 from ..properties.modalities import SHOWN
 from ..scene_reader.modalities import read_modality
 
@@ -20,12 +20,12 @@ def wanted_in(scene: Scene) -> list[Modality]:
     return [modality for modality in SHOWN if getattr(scene.haptics.modalities, modality.name).enabled]
 
 
-def read(scene: Scene, names: set[str]) -> tuple[tuple[ModalityScene, ...], tuple[str, ...]]:
-    """What the haptic objects ``names`` are like for the modalities that are switched on, and what is wrong with that."""
+def read(scene: Scene, objects: Sequence[HapticObject]) -> tuple[tuple[ModalityScene, ...], tuple[str, ...]]:
+    """What the haptic ``objects`` are like for the modalities that are switched on, and what is wrong with that."""
     found, errors = [], []
     for modality in wanted_in(scene):
         try:
-            found.append(read_modality(modality, scene, names))
+            found.append(read_modality(modality, scene, {item.name for item in objects}))
         except ValueError as error:
             errors.append(f"{modality.title}: {error}")
     return tuple(found), tuple(errors)

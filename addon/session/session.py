@@ -210,7 +210,7 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
         session.reading, session.result, session.problems, session.frame, session.shown = None, None, (), None, None
         session.failure = ()
         return
-    others, errors = modalities.read(scene, {item.name for item in reading.objects})
+    others, errors = modalities.read(scene, reading.objects)
     session.reading = reading
     session.tracer.collisions.lazy = live and not others
     session.tracer.collisions.settings = reading.contact_settings

@@ -137,7 +137,7 @@ def is_interactive() -> bool:
 
 def done_within(future: Future[Any], seconds: float) -> bool:
     """Wait for a job, but no longer than so many seconds; whether it has ended."""
-    return bool(wait((future,), seconds).done)
+    return future.done() or bool(wait((future,), seconds).done)
 
 
 def redraw_after(seconds: float) -> None:

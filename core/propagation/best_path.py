@@ -121,8 +121,10 @@ def _unconstrained_paths(graph: HapticGraph, wanted: Sequence[Pair], limit: floa
         result.visited = max(result.visited, trees.visited())
         numbers = {number: root for root, number in enumerate((rows if forward else columns)[first : first + at_once])}
         pairs = [pair for pair in wanted if pair[0 if forward else 1] in numbers]
-        places = ((numbers[row], (listener_nodes[column],)) if forward else (numbers[column], graph.sources[row].nodes) for row, column in pairs)
-        for pair, path in zip(pairs, trees.paths(graph, list(places)), strict=True):
+        ways: list[tuple[int, tuple[int, ...]]] = [
+            (numbers[row], (listener_nodes[column],)) if forward else (numbers[column], graph.sources[row].nodes) for row, column in pairs
+        ]
+        for pair, path in zip(pairs, trees.paths(graph, ways), strict=True):
             if path:
                 found[pair] = path if forward else path[::-1]
     return found

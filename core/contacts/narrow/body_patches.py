@@ -115,7 +115,7 @@ def _outline(points: list[FloatArray], normal: FloatArray) -> FloatArray:
     first: dict[tuple[float, ...], int] = {}
     for number, place in enumerate(np.round(flat, 5).tolist()):
         first.setdefault(tuple(place), number)
-    chosen = np.array(list(first.values()))
+    chosen: IntArray = np.array(list(first.values()))
     chosen = chosen[hull_2d(flat[chosen])]
     if len(chosen) > MAX_PATCH_POINTS:
         chosen = chosen[np.linspace(0, len(chosen), MAX_PATCH_POINTS, endpoint=False).astype(int)]
