@@ -15,6 +15,7 @@ import pyarrow as pa
 from matplotlib import pyplot as plt
 
 from ...core.formats.io.atomic import atomic_file
+from . import wishes
 from .table import read_table, varied_columns
 
 mpl.use("svg")
@@ -25,12 +26,12 @@ def run(args: argparse.Namespace, path: Path) -> int:
     """Draw both pictures of a table, and print what is nearest to the wished levels. Exit code 0."""
     table = read_table(path)
     rows = table.to_pylist()
-    wishes = _wishes(args.wish, rows)
+    wished, varied = wishes.parsed(args.wish, rows), _differing(rows, varied_columns(table))
     over = args.over or _first_number(table)
     if over is not None and over not in varied_columns(table):
         raise ValueError(f"--over: {path} has no column {over}; it has {', '.join(varied_columns(table))}")
     args.out.mkdir(parents=True, exist_ok=True)
-    pictures = [(f"{path.stem}.time.svg", _time_against_error(rows, varied_columns(table)))]
+    pictures = [(f"{path.stem}.time.svg", _time_against_error(rows))]
     if over is not None:
         pictures.insert(0, (f"{path.stem}.levels.svg", _levels(rows, over)))
     for name, figure in pictures:
@@ -38,25 +39,11 @@ def run(args: argparse.Namespace, path: Path) -> int:
             figure.savefig(file, format="svg")
         plt.close(figure)
         print(f"wrote {args.out / name}")
-    for row in pareto(rows):
-        print(f"fastest for its error: {_words(row, varied_columns(table))}: {row['milliseconds']:.2f} ms, error {row['error_bound']:.3g}")
-    if wishes:
-        _print_nearest(nearest(rows, wishes), wishes, varied_columns(table))
+    for number, row in enumerate(pareto(rows), 1):
+        print(f"{number}: fastest for its error, {row['milliseconds']:.2f} ms, {row['error_bound']:.3g}: {_words(row, varied)}")
+    if wished:
+        _print_answer(rows, wished, varied)
     return 0
-
-
-def _wishes(texts: Sequence[str], rows: Sequence[Row]) -> dict[str, float]:
-    """Levels in dB by listener. Raises ValueError for what is not LISTENER=LEVEL of a listener in the table."""
-    known, wishes = sorted({row["listener"] for row in rows}), {}
-    for text in texts:
-        name, _, level = text.rpartition("=")
-        try:
-            wishes[name] = float(level)
-        except ValueError:
-            wishes[name] = math.nan
-        if name not in known or not math.isfinite(wishes[name]):
-            raise ValueError(f"--wish {text}: must be LISTENER=LEVEL in dB, of {', '.join(known)}")
-    return wishes
 
 
 def _first_number(table: pa.Table) -> str | None:
@@ -76,10 +63,10 @@ def _levels(rows: Sequence[Row], over: str) -> Any:
         values = sorted(by_value)
         (line,) = axes.plot(values, [sum(by_value[value]) / len(by_value[value]) for value in values], marker="o", label=listener)
         ends = [min(by_value[value]) for value in values], [max(by_value[value]) for value in values]
-        axes.fill_between(values, *ends, color=line.get_color(), alpha=0.15, linewidth=0)
+        axes.fill_between(values, *ends, color=line.get_color(), alpha=0.06, linewidth=0)
     axes.set(xlabel=over, ylabel="level [dB]", title="Level of each listener: mean and range over all else that varies")
     if levels:
-        axes.legend(fontsize="small")
+        figure.legend(loc="outside right upper", fontsize="small")
     return figure
 
 
@@ -104,37 +91,40 @@ def pareto(rows: Sequence[Row]) -> list[Row]:
     return found
 
 
-def _time_against_error(rows: Sequence[Row], varied: Sequence[str]) -> Any:
+def _time_against_error(rows: Sequence[Row]) -> Any:
+    """All variants, and those that are the fastest for their error with their numbers."""
     figure, axes = plt.subplots(layout="constrained")
     every, best = by_variant(rows), pareto(rows)
     axes.plot([row["milliseconds"] for row in every], [row["error_bound"] for row in every], "o", color="lightgray")
     axes.plot([row["milliseconds"] for row in best], [row["error_bound"] for row in best], "o-", color="tab:blue")
-    for row in best:
-        axes.annotate(_words(row, varied), (row["milliseconds"], row["error_bound"]), fontsize="x-small")
+    for number, row in enumerate(best, 1):
+        axes.annotate(str(number), (row["milliseconds"], row["error_bound"]), (4, 4), textcoords="offset points")
     axes.set(xlabel="tracing a frame, median [ms]", ylabel="greatest error bound of a gain", title="Run time against error")
     axes.set_yscale("symlog", linthresh=1e-12)
     return figure
 
 
-def nearest(rows: Sequence[Row], wishes: Mapping[str, float]) -> list[Row]:
-    """The rows of the wished listeners of the variant whose levels differ least from the wishes, in squares of dB."""
-    variants: dict[str, dict[str, Row]] = defaultdict(dict)
-    for row in rows:
-        if row["listener"] in wishes and row["level"] is not None:
-            variants[row["key"]][row["listener"]] = row
-    whole = [variant for variant in variants.values() if len(variant) == len(wishes)]
-    if not whole:
-        raise ValueError(f"--wish: in no variant is anything felt by all of {', '.join(wishes)}")
-    best = min(whole, key=lambda variant: sum((variant[name]["level"] - level) ** 2 for name, level in wishes.items()))
-    return [best[name] for name in wishes]
+def _print_answer(rows: Sequence[Row], wished: Mapping[str, float], varied: Sequence[str]) -> None:
+    variants = wishes.felt_variants(rows, wished)
+    best = wishes.nearest(variants, wished)
+    print(f"nearest to the wishes: {_words(next(iter(best.values())), varied)}")
+    for name, level in wished.items():
+        print(f"  {name}: {best[name]['level']:.1f} dB, {best[name]['level'] - level:+.1f} dB from {level:.1f} dB")
+    found = wishes.between(variants, wished, varied)
+    if found is not None:
+        print(f"between the variants, by a linear fit that misses them by up to {found.error:.2g} dB: {_named(found.settings)}")
+        for name, level in wished.items():
+            print(f"  {name}: {found.levels[name]:.1f} dB expected, {found.levels[name] - level:+.1f} dB from {level:.1f} dB")
 
 
-def _print_nearest(best: Sequence[Row], wishes: Mapping[str, float], varied: Sequence[str]) -> None:
-    print(f"nearest to the wishes: {_words(best[0], varied)}")
-    for row in best:
-        wished = wishes[row["listener"]]
-        print(f"  {row['listener']}: {row['level']:.1f} dB, {row['level'] - wished:+.1f} dB from {wished:.1f} dB")
+def _differing(rows: Sequence[Row], varied: Sequence[str]) -> list[str]:
+    """What has several values."""
+    return [name for name in varied if len({row[name] for row in rows}) > 1]
 
 
 def _words(row: Row, varied: Sequence[str]) -> str:
-    return ", ".join(f"{name} {row[name]}" for name in varied if row[name] is not None)
+    return _named({name: row[name] for name in varied if row[name] is not None})
+
+
+def _named(values: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}" for name, value in values.items())

@@ -23,7 +23,7 @@ pytest.importorskip("pyarrow", reason="haptic-tracing[sweep] is not installed")
 distributed = pytest.importorskip("distributed", reason="haptic-tracing[sweep] is not installed")
 
 from haptic_tracing.command_line import sweep
-from haptic_tracing.command_line.sweep import checking, plot, scheduling, table
+from haptic_tracing.command_line.sweep import checking, plot, scheduling, table, wishes
 from haptic_tracing.command_line.sweep.study import Study, Variant, read_study
 
 
@@ -228,14 +228,31 @@ def test_the_nearest_variant_and_the_fastest_for_their_error(results):
         (0.1, "hand", -20), (0.1, "foot", 0), (0.5, "hand", -40), (0.5, "foot", -20), (0.9, "hand", -60), (0.9, "foot", -40),
     ]  # fmt: skip
     # Distances to (-50, -24): sqrt(30² + 24²), sqrt(10² + 4²), sqrt(10² + 16²).
-    assert {row["key"] for row in plot.nearest(rows, {"hand": -50.0, "foot": -24.0})} == {"1"}
+    wished = {"hand": -50.0, "foot": -24.0}
+    assert wishes.nearest(wishes.felt_variants(rows, wished), wished)["hand"]["key"] == "1"
     assert [row["key"] for row in plot.pareto(rows)] == ["0", "2"]  # the second is slower and less exact than the first
+
+
+def test_settings_between_variants_where_levels_are_linear():
+    """hand = -10 a + 4 b - 20 and foot = 2 a + 2 b - 40: the wished levels are those of a = 0.3, b = 1.5."""
+    listeners = {"hand": (-10, 4, -20), "foot": (2, 2, -40)}
+    variants = [
+        {name: {"a": a, "b": b, "kind": kind, "level": x * a + y * b + z} for name, (x, y, z) in listeners.items()}
+        for kind in ("x", "y") for a in (0.0, 0.5, 1.0) for b in (1, 2)
+    ]  # fmt: skip
+    wished = {name: x * 0.3 + y * 1.5 + z for name, (x, y, z) in listeners.items()}
+    found = wishes.between(variants, wished, ["a", "b", "kind"])
+    assert found.settings == pytest.approx({"a": 0.3, "b": 1.5}, abs=1e-6)
+    assert found.levels == pytest.approx(wished, abs=1e-6) and found.error < 1e-12
+    beyond = wishes.between(variants, {"hand": 0.0, "foot": -30.0}, ["a", "b", "kind"])
+    assert 0 <= beyond.settings["a"] <= 1 and 1 <= beyond.settings["b"] <= 2
+    assert wishes.between(variants[:3], wished, ["a", "b", "kind"]) is None
 
 
 def test_plot_draws_and_answers(results, tmp_path, capsys):
     assert main(["sweep", "plot", str(results), "--out", str(tmp_path), "--wish", "hand=-41"]) == 0
     said = capsys.readouterr().out
-    assert "nearest to the wishes: scene a, kappa 0.5, kind x" in said and "hand: -40.0 dB, +1.0 dB from -41.0 dB" in said
+    assert "nearest to the wishes: kappa 0.5\n" in said and "hand: -40.0 dB, +1.0 dB from -41.0 dB" in said
     assert {path.name for path in tmp_path.glob("*.svg")} == {"table.levels.svg", "table.time.svg"}
 
 
