@@ -2,9 +2,9 @@
 
     python -m benchmarks.bench_scale
 
-The model: a process costs `start` seconds of a processor before its first frame and `frame` for each that it traces; both are fitted to two
-bakes, of 2 and of `FRAMES` frames, and then predict parts of a bake, and sweeps beside what a sweep of one variant costs beyond its variant. Processor time is that of all processes and threads: what
-else the machine does counts little there, as it does in `passed`.
+The model: a process costs `start` seconds of a processor before its first frame and `frame` for each that it traces. Both are fitted to
+two bakes, of 2 and of `FRAMES` frames; they then predict parts of a bake, and sweeps, given what a sweep of one variant costs beside that
+variant. Processor time is that of all processes and threads: what else the machine does counts little there, unlike in `passed`.
 """
 
 from __future__ import annotations
