@@ -69,7 +69,7 @@ def _make_folders(folder: Path, variants: int, tracks: float) -> None:
         (folder / name).mkdir(parents=True, exist_ok=True)
     needed, free = _RESULT_BYTES * variants + tracks, shutil.disk_usage(folder).free
     if needed > free:
-        raise ValueError(f"{folder}: {variants} variants need about {needed / 1e6:.0f} MB, and {free / 1e6:.0f} MB are free")
+        raise ValueError(f"{folder}: {variants} variants need about {needed / 1e6:.3g} MB, and {free / 1e6:.3g} MB are free")
 
 
 _RESULT_BYTES = 16_384

@@ -49,6 +49,8 @@ def write_table(path: Path, folder: Path, keyed: Sequence[tuple[str, Variant]]) 
 
 def read_table(path: Path) -> pa.Table:
     """Read a table. Raises ValueError where it is none of a sweep, and OSError."""
+    if not path.is_file():
+        raise ValueError(f"{path}: there is no such file")
     try:
         table = pq.read_table(path)
     except pa.ArrowInvalid as error:
