@@ -17,13 +17,12 @@ from .. import register, unregister
 from ..addon.changes.suspension import suspended
 from ..addon.io.capture import Capture
 from ..addon.io.frame_scene import scene_of_result, written_export
-from ..addon.session import session, timeline
-from ..addon.session.timeline import ImpactFelt, Played
+from ..addon.session import session
 from ..addon.view.picture import draw_picture
 from ..core.formats.haptic_scene import read_export, write_export
-from ..core.formats.tracks.listener_tracks import Tracks
 from ..core.formats.tracks.wav import write_wav
 from ..core.render.frame_result import FrameResult
+from .playing import ImpactFelt, Played, play
 
 
 def run(args: argparse.Namespace) -> int:
@@ -42,10 +41,15 @@ def start_blender() -> None:
 
 
 def open_file(file: str) -> Scene:
-    """Open a Blender file, and return its scene."""
-    if not Path(file).is_file():
+    """Open a Blender file without running its scripts, and return its scene. Raises ValueError where it can't be opened."""
+    path = Path(file).resolve()
+    if not path.is_file():
         raise ValueError(f"{file}: there is no such file")
-    return timeline.open_blend(str(Path(file).resolve()))
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path), use_scripts=False, load_ui=False)
+    except RuntimeError as error:
+        raise ValueError(f"{path}: {str(error).strip().removeprefix('Error: ')}") from None
+    return bpy.context.scene
 
 
 def trace_and_report(args: argparse.Namespace, name: str) -> int:
@@ -62,13 +66,13 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
                 capture.add(own.result)
             bar.update()
 
-        played = timeline.play(scene, start, end, played_frame)
+        played = play(scene, start, end, played_frame)
 
     written = [args.out / f"{name}.json", args.out / f"{name}.wav"]
     last = written_export(name, scene, scene_of_result(played.last, played.last_reading, scene))
     write_export(capture.export(name) if args.whole else last, written[0])
     read_export(written[0])  # validates what was written
-    write_wav(Tracks.of(played), written[1])
+    write_wav(played.tracks(), written[1])
     if not args.no_picture:
         written.append(args.out / f"{name}.png")
         with suspended():

@@ -189,7 +189,7 @@ def test_the_command_line_finds_the_same_gains_in_the_export(seesaw, traced, tmp
 
 
 def test_the_same_timeline_played_twice_gives_the_same_bits(add_box, add_empty, scene):
-    from haptic_tracing.addon.session import timeline
+    from haptic_tracing.command_line.playing import play
 
     bpy.ops.rigidbody.world_add()
     ground = add_box("ground", (0, 0, -0.5), (10, 10, 1), "PASSIVE")
@@ -197,8 +197,8 @@ def test_the_same_timeline_played_twice_gives_the_same_bits(add_box, add_empty, 
     ground.haptics.source.enabled = True
     listener = add_empty("skin", (0.1, 0, 0.5), ground)
     listener.haptics.listener.enabled = True
-    first = timeline.play(scene, 1, 30)
-    second = timeline.play(scene, 1, 30)
+    first = play(scene, 1, 30)
+    second = play(scene, 1, 30)
     assert first.samples.shape == (1, round(29 / 24 * 8000)) or abs(first.samples.shape[1] - 29 / 24 * 8000) < 1
     assert first.samples.tobytes() == second.samples.tobytes()
     assert len(first.impacts) == 1

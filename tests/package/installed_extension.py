@@ -55,7 +55,7 @@ def demo(folder: Path) -> dict[str, object]:
     session = importlib.import_module(f"{MODULE}.addon.session.session")
     scene = samples.build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
-    played = timeline.play(scene, scene.frame_start, scene.frame_start + 30)
+    blocks = [step.result.block for step in timeline.steps(scene, scene.frame_start, scene.frame_start + 30)]
     scene.frame_set(scene.frame_start)
     result = session.result_of(scene)
     exported = folder / "demo.json"
@@ -67,7 +67,7 @@ def demo(folder: Path) -> dict[str, object]:
             for s, source in enumerate(result.sources)
             for i, listener in enumerate(result.listeners)
         ],
-        "loudest": float(abs(played.samples).max()),
+        "loudest": max(float(abs(block).max(initial=0.0)) for block in blocks if block is not None),
         "scene": str(exported),
     }
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Container, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+from ...scene.functions import ModulationFunction
 from ...scene.references import Place, PlacedError, require_known, require_new
 from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source
 from ..io.error import errors_in
@@ -18,24 +19,22 @@ from .values_json import item_to_dict, read_contact, read_function, read_listene
 
 def frame_to_dict(frame: RecordedFrame) -> dict[str, Any]:
     """The JSON object of a frame, without what did not change."""
-    form: dict[str, Any] = {
-        "frame": frame.number,
-        "poses": {name: list(row) for name, row in frame.poses.items()},
-        "properties": {name: list(pair) for name, pair in frame.properties.items()},
-        "functions": {name: function.to_dict() for name, function in frame.functions.items()},
-        "amplitudes": dict(frame.amplitudes),
-        "source_positions": {name: [list(position) for position in positions] for name, positions in frame.source_positions.items()},
-        "listener_positions": {name: list(position) for name, position in frame.listener_positions.items()},
-        "gains": dict(frame.gains),
-        "contacts": [item_to_dict(contact) for contact in frame.contacts],
-        "parted": [list(pair) for pair in frame.parted],
-        "sources": [item_to_dict(source) for source in frame.sources],
-        "objects": [item_to_dict(item) for item in frame.objects],
-        "listeners": [item_to_dict(item) for item in frame.listeners],
-        "removed_objects": list(frame.removed_objects),
-        "removed_listeners": list(frame.removed_listeners),
-    }
-    return {key: value for key, value in form.items() if key == "frame" or value}
+    changes = {key.name: getattr(frame, key.name) for key in fields(frame) if key.name != "number"}
+    return {"frame": frame.number, **{key: _form(value) for key, value in changes.items() if value}}
+
+
+def _form(value: Any) -> Any:
+    """What changed, as JSON: by name, or a list of items, pairs or names."""
+    match value:
+        case float() | int() | str() | (float() | int(), *_):
+            return value
+        case tuple():
+            return [_form(change) for change in value]
+        case Mapping():
+            return {name: _form(change) for name, change in value.items()}
+        case ModulationFunction():
+            return value.to_dict()
+    return item_to_dict(value)
 
 
 def recording_from_dict(document: Mapping[str, Any], scene: HapticScene, file: str | Path) -> Recording | None:

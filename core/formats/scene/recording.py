@@ -84,30 +84,16 @@ def pair_of(contact: Contact) -> Pair:
 
 def states(scene: HapticScene, recording: Recording) -> Iterator[tuple[int, HapticScene]]:
     """Every frame number from the first to the last recorded, with the scene in it: its sounding sources and its contacts."""
-    objects = {item.name: item for item in scene.objects}
-    sources = {item.name: item for item in scene.sources}
-    listeners = {item.name: item for item in scene.listeners}
-    contacts: dict[Pair, tuple[Contact, ...]] = _by_pair(scene.contacts)
+    state = _State(scene)
     frames = iter(recording.frames)
     change = next(frames, None)
     number = change.number if change else 0
     while change is not None:
         if change.number == number:
-            _apply(change, objects, sources, listeners, contacts)
+            state.apply(change)
             change = next(frames, None)
-        time = recording.time_of(number)
-        for name in [name for name, item in sources.items() if _is_over(item, time - 1 / recording.frame_rate)]:
-            del sources[name]
-        yield (
-            number,
-            replace(
-                scene,
-                objects=tuple(objects.values()),
-                sources=tuple(sources.values()),
-                listeners=tuple(listeners.values()),
-                contacts=tuple(contact for touching in contacts.values() for contact in touching),
-            ),
-        )
+        state.end_sources(recording.time_of(number) - 1 / recording.frame_rate)
+        yield number, state.scene()
         number += 1
 
 
@@ -123,58 +109,67 @@ def _by_pair(contacts: Sequence[Contact]) -> dict[Pair, tuple[Contact, ...]]:
     return result
 
 
-def _apply(
-    change: RecordedFrame,
-    objects: dict[str, HapticObject],
-    sources: dict[str, Source],
-    listeners: dict[str, Listener],
-    contacts: dict[Pair, tuple[Contact, ...]],
-) -> None:
-    for pair in change.parted:
-        contacts.pop(pair, None)
-    _remove(change, objects, sources, listeners, contacts)
-    objects.update((item.name, item) for item in change.objects)
-    listeners.update((item.name, item) for item in change.listeners)
-    for name, (x, y, z, qw, qx, qy, qz) in change.poses.items():
-        objects[name] = replace(objects[name], pose=Pose((x, y, z), (qw, qx, qy, qz)))
-    for name, (kappa, rho) in change.properties.items():
-        objects[name] = replace(objects[name], kappa=kappa, rho=rho)
-    for name, function in change.functions.items():
-        objects[name] = replace(objects[name], propagation=function)
-    sources.update((source.name, source) for source in change.sources)
-    for name, amplitude in change.amplitudes.items():
-        sources[name] = replace(sources[name], amplitude=amplitude)
-    for name, positions in change.source_positions.items():
-        second = positions[1] if len(positions) > 1 else sources[name].second_position
-        sources[name] = replace(sources[name], position=positions[0], second_position=second)
-    for name, position in change.listener_positions.items():
-        listeners[name] = replace(listeners[name], position=position)
-    for name, gain in change.gains.items():
-        listeners[name] = replace(listeners[name], gain=gain)
-    contacts.update(_by_pair(change.contacts))
+class _State:
+    """A scene while it changes: what there is, by name, and the contacts by pairs of objects."""
 
+    def __init__(self, scene: HapticScene) -> None:
+        self._scene = scene
+        self._objects = {item.name: item for item in scene.objects}
+        self._sources = {item.name: item for item in scene.sources}
+        self._listeners = {item.name: item for item in scene.listeners}
+        self._contacts = _by_pair(scene.contacts)
 
-def _remove(
-    change: RecordedFrame,
-    objects: dict[str, HapticObject],
-    sources: dict[str, Source],
-    listeners: dict[str, Listener],
-    contacts: dict[Pair, tuple[Contact, ...]],
-) -> None:
-    """Remove objects with all that is on them, and listeners."""
-    for name in change.removed_listeners:
-        listeners.pop(name, None)
-    gone = set(change.removed_objects)
-    if not gone:
-        return
-    for name in gone:
-        objects.pop(name, None)
-    for name in [name for name, item in sources.items() if is_on(item, gone)]:
-        del sources[name]
-    for name in [name for name, item in listeners.items() if item.object in gone]:
-        del listeners[name]
-    for pair in [pair for pair in contacts if not gone.isdisjoint(pair)]:
-        del contacts[pair]
+    def scene(self) -> HapticScene:
+        """The scene as it stands."""
+        return replace(
+            self._scene,
+            objects=tuple(self._objects.values()),
+            sources=tuple(self._sources.values()),
+            listeners=tuple(self._listeners.values()),
+            contacts=tuple(contact for touching in self._contacts.values() for contact in touching),
+        )
+
+    def end_sources(self, time: float) -> None:
+        """Remove the temporary sources that have ended before ``time``."""
+        for name in [name for name, item in self._sources.items() if _is_over(item, time)]:
+            del self._sources[name]
+
+    def apply(self, change: RecordedFrame) -> None:
+        """Go on to the next recorded frame."""
+        for pair in change.parted:
+            self._contacts.pop(pair, None)
+        self._remove(change)
+        objects, sources, listeners = self._objects, self._sources, self._listeners
+        objects.update((item.name, item) for item in change.objects)
+        listeners.update((item.name, item) for item in change.listeners)
+        for name, (x, y, z, qw, qx, qy, qz) in change.poses.items():
+            objects[name] = replace(objects[name], pose=Pose((x, y, z), (qw, qx, qy, qz)))
+        for name, (kappa, rho) in change.properties.items():
+            objects[name] = replace(objects[name], kappa=kappa, rho=rho)
+        for name, function in change.functions.items():
+            objects[name] = replace(objects[name], propagation=function)
+        sources.update((source.name, source) for source in change.sources)
+        for name, amplitude in change.amplitudes.items():
+            sources[name] = replace(sources[name], amplitude=amplitude)
+        for name, positions in change.source_positions.items():
+            second = positions[1] if len(positions) > 1 else sources[name].second_position
+            sources[name] = replace(sources[name], position=positions[0], second_position=second)
+        for name, position in change.listener_positions.items():
+            listeners[name] = replace(listeners[name], position=position)
+        for name, gain in change.gains.items():
+            listeners[name] = replace(listeners[name], gain=gain)
+        self._contacts.update(_by_pair(change.contacts))
+
+    def _remove(self, change: RecordedFrame) -> None:
+        """Remove objects with all that is on them, and listeners."""
+        for name in change.removed_listeners:
+            self._listeners.pop(name, None)
+        gone = set(change.removed_objects)
+        if gone:
+            self._objects = {name: item for name, item in self._objects.items() if name not in gone}
+            self._sources = {name: item for name, item in self._sources.items() if not is_on(item, gone)}
+            self._listeners = {name: item for name, item in self._listeners.items() if item.object not in gone}
+            self._contacts = {pair: touching for pair, touching in self._contacts.items() if gone.isdisjoint(pair)}
 
 
 def is_on(source: Source, objects: Set[str]) -> bool:
@@ -219,10 +214,6 @@ class SceneRecorder:
         self._functions: dict[ModulationFunction, int] = {}
         self._first = HapticScene(settings=self._settings)
         self._frames: list[RecordedFrame] = []
-
-    def add_result(self, result: FrameResult, objects: Sequence[HapticObject]) -> None:
-        """Add a traced frame; ``objects`` have their poses in this frame. Raises ValueError unless frame numbers ascend."""
-        self.add(result.number, objects, result.sources, result.listeners, result.contacts, result.objects)
 
     def add(
         self,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,32 +20,6 @@ CHUNK = 2**18
 
 def _no_impacts() -> FloatArray:
     return np.zeros((0, 2))
-
-
-class Felt(Protocol):
-    """An impact and the gains of its source at the listeners, its amplitude included."""
-
-    @property
-    def source(self) -> Source: ...
-    @property
-    def gains(self) -> FloatArray: ...
-
-
-class Played(Protocol):
-    """Samples and impacts of a played range of frames."""
-
-    @property
-    def listeners(self) -> Sequence[str]: ...
-    @property
-    def body_parts(self) -> Sequence[str]: ...
-    @property
-    def samples(self) -> NDArray[np.floating]: ...
-    @property
-    def sample_rate(self) -> float: ...
-    @property
-    def start(self) -> float: ...
-    @property
-    def impacts(self) -> Sequence[Felt]: ...
 
 
 def strengths(source: Source, gains: FloatArray) -> list[float]:
@@ -136,16 +110,6 @@ class Tracks:
         for _, block in self.blocks():
             if not np.isfinite(block).all():
                 raise ValueError("samples: must be finite")
-
-    @classmethod
-    def of(cls, played: Played) -> Tracks:
-        """The tracks of a played range of frames."""
-        felt = [(impact.source.onset - played.start, strengths(impact.source, impact.gains)) for impact in played.impacts]
-        listeners = (
-            ListenerTrack(name, body_part, sorted_impacts((time, row[number]) for time, row in felt))
-            for number, (name, body_part) in enumerate(zip(played.listeners, played.body_parts, strict=True))
-        )
-        return cls(tuple(listeners), round(played.sample_rate), played.samples, played.start)
 
     @property
     def count(self) -> int:

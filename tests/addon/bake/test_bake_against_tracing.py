@@ -11,6 +11,7 @@ from haptic_tracing.addon.bake.curves import FREQUENCY, INTENSITY, felt
 from haptic_tracing.addon.bake.sound import write_stereo
 from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.session import session, timeline
+from haptic_tracing.command_line.playing import play
 from haptic_tracing.core.render.waves import FULL_SCALE
 from haptic_tracing.core.signals.wav import wav_channels
 from haptic_tracing.core.tracer import Tracer
@@ -21,7 +22,7 @@ def _curve(obj, path):
 
 
 def test_samples_are_those_that_playing_gives(shaken):
-    played = timeline.play(shaken, 1, 24)
+    played = play(shaken, 1, 24)
     shaken.frame_set(5)
     assert bpy.ops.haptic.bake() == {"FINISHED"}
     assert shaken.frame_current == 5
@@ -237,8 +238,8 @@ def test_rigid_bodies_run_up_to_a_later_start(scene, add_box):
     add_box("floor", (0, 0, -0.1), (4, 4, 0.2), "PASSIVE").haptics.source.enabled = True
     ball = add_box("ball", (0, 0, 2.5), (0.5, 0.5, 0.5), "ACTIVE", mass=20.0)
     ball.haptics.listener.enabled = True
-    whole = timeline.play(scene, 1, 40)
-    late = timeline.play(scene, 10, 40)
+    whole = play(scene, 1, 40)
+    late = play(scene, 10, 40)
     assert [impact.source.onset for impact in late.impacts] == pytest.approx([impact.source.onset for impact in whole.impacts], abs=1e-6)
     assert len(whole.impacts) >= 1
 

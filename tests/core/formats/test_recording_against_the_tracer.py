@@ -25,6 +25,10 @@ RATE = 24.0
 FRAMES = range(1, 61)
 
 
+def record(recorder, result, objects):
+    recorder.add(result.number, objects, result.sources, result.listeners, result.contacts, result.objects)
+
+
 def recorded_tracks(results):
     recorder = TrackRecorder()
     for result in results:
@@ -57,7 +61,7 @@ def first_run():
         listeners = (seat, Listener("lid", "crate.1", moved[2].pose.position))
         transforms = np.array([pose_matrix(item.pose) for item in moved])
         results.append(tracer.step(Frame(number, time, tuple(moved), (source,), listeners, bodies=bodies, transforms=transforms)))
-        recorder.add_result(results[-1], moved)
+        record(recorder, results[-1], moved)
     return results, recorder
 
 
@@ -180,7 +184,7 @@ def test_objects_and_listeners_that_come_and_go(tmp_path):
         transforms = np.array([pose_matrix(item.pose) for item in objects])
         frame = Frame(number, (number - 1) / RATE, objects, sources, listeners, bodies=bodies[:count], transforms=transforms)
         expected.append(tracer.step(frame))
-        recorder.add_result(expected[-1], objects)
+        record(recorder, expected[-1], objects)
     write_export(Export("crate", recorder.scene(), recording=recorder.recording()), tmp_path / "crate.json")
     export = read_export(tmp_path / "crate.json")
     assert export.recording == recorder.recording() and [item.name for item in export.scene.objects] == ["ground"]

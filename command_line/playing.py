@@ -1,0 +1,105 @@
+"""What playing a frame range of a Blender file gives: the samples of all listeners, the impacts and the time that it took."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+
+import numpy as np
+from bpy.types import Scene
+
+from ..addon.blender.time import seconds_of
+from ..addon.scene_reader.reading import Reading
+from ..addon.session import session
+from ..addon.session.timeline import steps
+from ..core.arrays import FloatArray
+from ..core.formats.tracks.listener_tracks import ListenerTrack, Tracks, sorted_impacts, strengths
+from ..core.render.frame_result import FrameResult
+from ..core.scene.values import Source
+
+
+@dataclass(frozen=True, slots=True)
+class ImpactFelt:
+    """A temporary source at the frame where it began: its gains at the listeners, amplitude included, and the objects of its best paths."""
+
+    source: Source
+    gains: FloatArray
+    paths: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """What playing a frame range gave. ``samples`` (l, n) of ``listeners``; ``start`` [s] of the first sample; per frame (f,) Blender's own
+    and the tracer's milliseconds."""
+
+    listeners: tuple[str, ...]
+    body_parts: tuple[str, ...]
+    samples: FloatArray
+    sample_rate: float
+    start: float
+    impacts: tuple[ImpactFelt, ...]
+    blender_milliseconds: FloatArray
+    tracing_milliseconds: FloatArray
+    last: FrameResult
+    last_reading: Reading
+    liveliest: FrameResult  # the frame of the strongest impact; the last one where there was none
+
+    def tracks(self) -> Tracks:
+        """The samples with the impacts among them."""
+        felt = [(impact.source.onset - self.start, strengths(impact.source, impact.gains)) for impact in self.impacts]
+        listeners = (
+            ListenerTrack(name, body_part, sorted_impacts((time, row[number]) for time, row in felt))
+            for number, (name, body_part) in enumerate(zip(self.listeners, self.body_parts, strict=True))
+        )
+        return Tracks(tuple(listeners), round(self.sample_rate), self.samples, self.start)
+
+
+def play(scene: Scene, start: int, end: int, progress: Callable[[int], None] = lambda frame: None) -> Played:
+    """What playing the frames ``start`` to ``end`` gives, see `steps`. ``progress`` is told every frame."""
+    blocks: list[FloatArray] = []
+    blender, tracing = [], []
+    impacts: list[ImpactFelt] = []
+    result: FrameResult | None = None
+    liveliest: FrameResult | None = None
+    reading: Reading | None = None
+    with closing(steps(scene, start, end)) as played:
+        for step in played:
+            result = step.result
+            reading = session.of(scene).reading
+            blender.append(step.blender_milliseconds)
+            tracing.append(step.tracing_milliseconds)
+            impacts += _new_impacts(result)
+            if result.impacts and (liveliest is None or _strength(result) > _strength(liveliest)):
+                liveliest = result
+            if result.block is not None:
+                blocks.append(result.block)
+            progress(result.number)
+    if result is None or reading is None:
+        raise ValueError(f"The frame range {start} to {end} is empty")
+    return Played(
+        listeners=tuple(listener.name for listener in result.listeners),
+        body_parts=tuple(listener.body_part for listener in result.listeners),
+        samples=np.concatenate(blocks, axis=1) if blocks else np.zeros((len(result.listeners), 0)),
+        sample_rate=result.sample_rate,
+        start=seconds_of(scene, start),
+        impacts=tuple(impacts),
+        blender_milliseconds=np.array(blender),
+        tracing_milliseconds=np.array(tracing),
+        last=result,
+        last_reading=reading,
+        liveliest=liveliest or result,
+    )
+
+
+def _strength(result: FrameResult) -> float:
+    return max(impact.energy for impact in result.impacts)
+
+
+def _new_impacts(result: FrameResult) -> list[ImpactFelt]:
+    """The temporary sources that this frame began."""
+    first = len(result.sources) - len(result.impacts)
+    return [
+        ImpactFelt(result.sources[s], result.gains[s], tuple(result.path_objects(s, i) for i in range(len(result.listeners))))
+        for s in range(first, len(result.sources))
+    ]
