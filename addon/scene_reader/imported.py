@@ -1,6 +1,7 @@
 """Values of an imported file that Blender's properties can't hold, stored as JSON beside them in the .blend.
 
-The text may come from a stranger's .blend file: `_stored` checks all of it, by the definitions that scene files are checked by.
+The text may come from a stranger's .blend file: `stored` checks all of it by ``stored.schema.json``, whose definitions are
+those that scene files are checked by.
 """
 
 from __future__ import annotations
@@ -9,15 +10,16 @@ import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cache, lru_cache
-from typing import Any, cast
+from pathlib import Path
+from typing import Any, TypeVar, cast
 
 from ...core.contacts.shapes import Shape, shape_from_dict
 from ...core.formats.io.schema import load_schema
 from ...core.formats.io.strict_json import parse_json
 from ...core.formats.scene.recording import pair_of
-from ...core.formats.scene.scene_json import FORMAT, SCHEMA, VERSION, scene_from_dict
+from ...core.formats.scene.scene_json import FORMAT, VERSION, scene_from_dict
 from ...core.formats.scene.values_json import item_to_dict
 from ...core.scene.functions import Identity, ModulationFunction, function_from_dict
 from ...core.scene.rules import Motion
@@ -43,6 +45,7 @@ precision."""
 Numbers = Mapping[str, float]
 """Numbers of the file in double precision, by property."""
 Pair = tuple[str, str]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,65 +159,36 @@ def text_with(text: str, emitters: Mapping[str, Vector], numbers: Numbers) -> st
 @lru_cache(maxsize=4096)
 def imported_object(text: str) -> ImportedObject:
     """Raises ValueError where the text is damaged."""
-    form = stored(text, "object")
-    with _damaged():
-        shape, pose, function = (form.get(key) for key in ("shape", "pose", "function"))
-        return ImportedObject(
-            shape=None if shape is None else shape_from_dict(shape),
-            mass=_float(form, "mass"),
-            pose=None if pose is None else Pose(tuple(pose["position"]), tuple(pose["rotation"])),
-            function=None if function is None else function_from_dict(function),
-            numbers=_numbers(form),
-            emitters={name: _vector(place) for name, place in form.get("emitters", {}).items()},
-            extras=form.get("extras", {}),
-            motion=Motion(form["motion"]) if "motion" in form else None,
-            impact_material=form.get("impact_material", ""),
-        )
+    return _imported(ImportedObject, text, "object")
 
 
 @lru_cache(maxsize=4096)
 def imported_source(text: str) -> ImportedSource:
     """Raises ValueError where the text is damaged."""
-    form = stored(text, "source")
-    with _damaged():
-        return ImportedSource(
-            signal=signal_from_dict(form["signal"]) if "signal" in form else None,
-            kind=SourceKind(form.get("kind", "persistent")),
-            onset=_float(form, "onset") or 0.0,
-            second_object=form.get("second_object"),
-            second_position=_place(form, "second_position"),
-            position=_place(form, "position"),
-            numbers=_numbers(form),
-            extras=form.get("extras", {}),
-        )
+    return _imported(ImportedSource, text, "source")
 
 
 @lru_cache(maxsize=4096)
 def imported_listener(text: str) -> ImportedListener:
     """Raises ValueError where the text is damaged."""
-    form = stored(text, "listener")
-    return ImportedListener(_place(form, "position"), _numbers(form), form.get("extras", {}))
+    return _imported(ImportedListener, text, "listener")
 
 
 @lru_cache(maxsize=8)
 def imported_scene(text: str) -> ImportedScene:
     """Raises ValueError where the text is damaged."""
-    form = stored(text, "scene")
-    return ImportedScene(_float(form, "tolerance"), _float(form, "slack"), _numbers(form), form.get("extras", {}))
+    return _imported(ImportedScene, text, "scene")
 
 
 @lru_cache(maxsize=1024)
 def imported_rule(text: str) -> ImportedRule:
     """Raises ValueError where the text is damaged."""
-    form = stored(text, "rule")
-    with _damaged():
-        return ImportedRule(signal_from_dict(form["signal"]) if "signal" in form else None, _numbers(form))
+    return _imported(ImportedRule, text, "rule")
 
 
 def imported_device(text: str) -> ImportedDevice:
     """Raises ValueError where the text is damaged."""
-    form = stored(text, "device")
-    return ImportedDevice(form.get("profile"), form.get("extras", {}))
+    return _imported(ImportedDevice, text, "device")
 
 
 @lru_cache(maxsize=8)
@@ -231,7 +205,7 @@ def file_contacts(text: str) -> FileContacts:
         return FileContacts(
             contacts=contacts,
             transmissions={pair_of(item): item.transmission for item in reversed((*found, *later)) if item.transmission != Identity()},
-            tolerance=_float(form, "tolerance") or 0.0,
+            tolerance=float(form.get("tolerance", 0.0)),
             patch_points=form.get("patch_points", False),
         )
 
@@ -248,16 +222,15 @@ def _contacts(forms: Any) -> tuple[Contact, ...]:
     return scene_from_dict({"format": FORMAT, "version": VERSION, "objects": objects, "contacts": forms}, "imported").contacts
 
 
+def _imported(make: Callable[..., T], text: str, kind: str) -> T:
+    """What a text stores, as the dataclass ``make``; what a later version of the add-on stored besides is left out."""
+    form = stored(text, kind)
+    with _damaged():
+        return make(**{key.name: _VALUES[key.name](form[key.name]) for key in fields(make) if key.name in form})  # type: ignore[arg-type]
+
+
 def _numbers(form: Mapping[str, Any]) -> Numbers:
-    return {name: float(value) for name, value in form.get("numbers", {}).items()}
-
-
-def _float(form: Mapping[str, Any], key: str) -> float | None:
-    return float(form[key]) if key in form else None
-
-
-def _place(form: Mapping[str, Any], key: str) -> Vector | None:
-    return _vector(form[key]) if key in form else None
+    return {name: float(value) for name, value in form.items()}
 
 
 def _vector(place: Any) -> Vector:
@@ -265,95 +238,37 @@ def _vector(place: Any) -> Vector:
     return x, y, z
 
 
-def _ref(name: str) -> dict[str, str]:
-    return {"$ref": f"#/$defs/{name}"}
-
-
-def _object(required: tuple[str, ...] = (), /, others: Any = True, **properties: Any) -> dict[str, Any]:
-    return {"type": "object", "properties": properties, "required": list(required), "additionalProperties": others}
-
-
-def _list(items: dict[str, Any], count: int | None = None) -> dict[str, Any]:
-    return {"type": "array", "items": items} | ({} if count is None else {"minItems": count, "maxItems": count})
-
-
-# What is stored, by whose it is, by the definitions of scene files. A later version of the add-on may store more.
-_STORED: Mapping[str, dict[str, Any]] = {
-    "object": _object(
-        shape=_ref("object/properties/shape"),
-        mass=_ref("object/properties/mass"),
-        pose={"allOf": [_ref("pose"), {"required": ["position", "rotation"]}]},
-        function=_ref("function"),
-        numbers=_object(others=_ref("metres"), kappa=_ref("unit"), rho=_ref("unit")),
-        emitters=_object(others=_ref("position")),
-        extras=_ref("extras"),
-        motion=_ref("object/properties/motion"),
-        impact_material=_ref("object/properties/impact_material"),
-    ),
-    "source": _object(
-        signal=_ref("signal"),
-        kind=_ref("source/properties/kind"),
-        onset=_ref("seconds"),
-        second_object=_ref("name"),
-        second_position=_ref("position"),
-        position=_ref("position"),
-        numbers=_object(others=False, amplitude=_ref("unit"), priority=_ref("source/properties/priority")),
-        extras=_ref("extras"),
-    ),
-    "listener": _object(
-        position=_ref("position"),
-        numbers=_object(others=False, **{name: _ref(f"listener/properties/{name}") for name in ("radius", "gain", "s_max")}),
-        extras=_ref("extras"),
-    ),
-    "scene": _object(
-        tolerance=_ref("settings/properties/tolerance"),
-        slack=_ref("rules/properties/slack"),
-        numbers=_object(
-            others=False,
-            **{name: _ref(f"settings/properties/{name}") for name in ("threshold", "epsilon", "localise")},
-            **{name: _ref(f"rules/properties/{rule}") for name, rule in RULES.items()},
-        ),
-        extras=_ref("extras"),
-    ),
-    "rule": _object(
-        signal=_ref("signal"),
-        numbers=_object(others=False, **{name: _ref(f"impact_rule/properties/{name}") for name in OF_IMPACTS}),
-    ),
-    "device": _object(profile=_ref("name"), extras=_ref("extras")),
-    "contacts": _object(
-        contacts={"type": "array", "items": _ref("contact")},
-        later={"type": "array", "items": _ref("contact")},
-        tolerance=_ref("length"),
-        patch_points={"type": "boolean"},
-    ),
-    "impacts": _object(
-        ("frame", "start", "motion", "impacts"),
-        frame={"type": "integer"},
-        start=_ref("seconds"),
-        motion={"type": "string"},
-        impacts=_list(
-            _object(
-                ("objects", "time", "positions", "normal", "energy", "amplitude", "local", "poses"),
-                objects=_list(_ref("name"), 2),
-                time=_ref("seconds"),
-                positions=_list(_ref("position"), 2),
-                normal=_ref("position"),
-                energy={"type": "number", "minimum": 0, "maximum": 1e30},
-                amplitude=_ref("unit"),
-                local=_list(_ref("position"), 2),
-                poses=_list(_list({"type": "number", "minimum": -1e9, "maximum": 1e9}, 12), 2),
-            )
-        ),
-    ),
+_VALUES: Mapping[str, Callable[[Any], Any]] = {
+    "shape": shape_from_dict,
+    "mass": float,
+    "pose": lambda form: Pose(tuple(form["position"]), tuple(form["rotation"])),
+    "function": function_from_dict,
+    "numbers": _numbers,
+    "emitters": lambda form: {name: _vector(place) for name, place in form.items()},
+    "extras": dict,
+    "motion": Motion,
+    "impact_material": str,
+    "signal": signal_from_dict,
+    "kind": SourceKind,
+    "onset": float,
+    "second_object": str,
+    "second_position": _vector,
+    "position": _vector,
+    "tolerance": float,
+    "slack": float,
+    "profile": str,
 }
+"""What makes a value of the stored one, by key."""
 
 
 @cache
 def _validator(kind: str) -> Callable[[Any], Any]:
     import fastjsonschema
 
-    definition = {"$schema": "http://json-schema.org/draft-07/schema#", "$defs": load_schema(SCHEMA)["$defs"]} | _STORED[kind]
-    validate: Callable[[Any], Any] = fastjsonschema.compile(definition, use_default=False)
+    schema = json.loads(Path(__file__).with_name("stored.schema.json").read_text("utf-8"))
+    definition = {key: schema[key] for key in ("$schema", "$id")} | schema["$defs"][kind]
+    handlers = {"https": lambda uri: load_schema(uri.rpartition("/")[2].removesuffix(".schema.json"))}
+    validate: Callable[[Any], Any] = fastjsonschema.compile(definition, handlers, use_default=False)
     return validate
 
 

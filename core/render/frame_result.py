@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..arrays import FloatArray
 from ..contacts.contact_set import ContactSet
 from ..contacts.tracker import Impact
@@ -58,11 +56,3 @@ class FrameResult:
     def path_objects(self, source: int, listener: int) -> tuple[str, ...]:
         """The objects of the best path from a source to a listener, () where there is none."""
         return objects_on(self.graph, self.propagation.best_path.get((source, listener), ()))
-
-    def peak(self, listener: int) -> float:
-        """Largest absolute sample of the frame at a listener, 0 where nothing was rendered."""
-        return 0.0 if self.block is None or not self.block.shape[1] else float(np.abs(self.block[listener]).max())
-
-    def rms(self, listener: int) -> float:
-        """Root of the mean square of the frame's samples at a listener, 0 where nothing was rendered."""
-        return 0.0 if self.block is None or not self.block.shape[1] else float(np.sqrt(np.mean(self.block[listener] ** 2)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -55,9 +55,9 @@ class Group:
         longest = np.maximum(self.delays_before, self.delays)
         return np.asarray(np.where(self.audible, longest, 0.0).max(axis=1, initial=0.0))
 
-    def weights(self, priorities: Mapping[Hashable, float]) -> list[float]:
-        """Return the weights in a listener's mix: its own by source key, else the voices' priorities."""
-        return _weights(self.streams, self.voices, priorities)
+    def weights(self) -> list[float]:
+        """Return the weights in a mix by priorities."""
+        return _weights(self.streams, self.voices)
 
 
 class _Last(NamedTuple):
@@ -69,9 +69,9 @@ class _Last(NamedTuple):
 
 
 class Groups:
-    """Follows voices from frame to frame. weighted: by listener whose gains include weights, the weights by source key."""
+    """Follows voices from frame to frame. weighted: the listeners whose gains include priorities."""
 
-    def __init__(self, listener_count: int, sample_rate: float, weighted: Mapping[int, Mapping[Hashable, float]]) -> None:
+    def __init__(self, listener_count: int, sample_rate: float, weighted: Sequence[int]) -> None:
         self._listener_count = listener_count
         self._sample_rate = sample_rate
         self._weighted = weighted
@@ -177,8 +177,8 @@ class Groups:
         amplitudes = [voice.amplitude for voice in given]
         if amplitudes.count(1.0) < len(given):
             end[: len(given)].T[...] *= amplitudes
-        for listener, priorities in self._weighted.items():
-            end[:, listener].T[...] *= _weights(streams, voices, priorities)
+        for listener in self._weighted:
+            end[:, listener].T[...] *= _weights(streams, voices)
         return end
 
     def _lines(self, frame: Frame, streams: list[Stream], shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray, tuple[Bend, ...]]:
@@ -213,9 +213,6 @@ class Groups:
         return np.array(before, dtype=np.float64), np.array(after, dtype=np.float64)
 
 
-def _weights(streams: Sequence[Stream], voices: Sequence[Voice | None], priorities: Mapping[Hashable, float]) -> list[float]:
-    """Return the weights of streams: those by source key in `priorities`, else the voices' own priorities."""
-    return [
-        priorities.get(stream.key, stream.priority if voice is None else voice.priority)
-        for stream, voice in zip(streams, voices, strict=True)
-    ]
+def _weights(streams: Sequence[Stream], voices: Sequence[Voice | None]) -> list[float]:
+    """Return the priorities of voices, of streams that fade out the last one."""
+    return [stream.priority if voice is None else voice.priority for stream, voice in zip(streams, voices, strict=True)]

@@ -38,21 +38,9 @@ class History:
         self.feed(result)
         self._samples = samples[:, -round(SECONDS * result.sample_rate) :]
 
-    def clear(self) -> None:
-        """Drop all samples."""
-        self._samples, self.listeners, self._end = np.zeros((0, 0)), (), None
-
-    def samples(self, listener: str, seconds: float = SECONDS) -> FloatArray:
-        """The last ``seconds`` of a listener, (n,); fewer where there are fewer."""
-        if listener not in self.listeners:
-            return np.zeros(0)
-        samples: FloatArray = self.all(seconds)[self.listeners.index(listener)]
-        return samples
-
-    def all(self, seconds: float = SECONDS) -> FloatArray:
-        """The last ``seconds`` of every listener, (l, n)."""
-        count = min(round(seconds * self.sample_rate), self._samples.shape[1])
-        return self._samples[:, self._samples.shape[1] - count :]
+    def all(self) -> FloatArray:
+        """The last second of every listener, (l, n); fewer samples where there are fewer."""
+        return self._samples
 
 
 def still_samples(result: FrameResult, seconds: float) -> FloatArray:

@@ -113,7 +113,7 @@ class DelayedPaths:
         return self._voices[:, listeners]
 
 
-class SteadyPaths:
+class SteadyPaths(TonePaths):
     """Paths of steady tones with bands or delays: the filter of a band is a gain, and a delay a turn of phase."""
 
     def __init__(self, frame: Frame, group: Group) -> None:
@@ -131,15 +131,7 @@ class SteadyPaths:
             lag_step = drift * ((frame.ramp[-1] - frame.ramp[0]) / max(count - 1, 1))
         start = frequency * (frame.times[0] - onset - late) + phase
         step = frequency * (1.0 / rate - lag_step)
-        self._paths = TonePaths(start.T, step.T, (factors[..., 0] * amplitude).transpose(0, 2, 1), curves, count)
-
-    def summed(self) -> FloatArray:
-        """Return the sum over voices, shape (n_listeners, n)."""
-        return self._paths.summed()
-
-    def at_listeners(self, listeners: list[int]) -> FloatArray:
-        """Return the voices as they reach some listeners, shape (n_voices, n_chosen, n)."""
-        return self._paths.at_listeners(listeners)
+        super().__init__(start.T, step.T, (factors[..., 0] * amplitude).transpose(0, 2, 1), curves, count)
 
 
 def _travelled(stream: Stream, times: FloatArray, factors: FloatArray, curves: Sequence[FloatArray]) -> FloatArray:

@@ -7,8 +7,8 @@ symmetric filters ahead of it. Only gains and delays are carried from frame to f
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -30,26 +30,18 @@ _SNAP = 1e-6
 class ListenerMix:
     """How a listener mixes what reaches it.
 
-    s_max: the largest magnitude of a sample, > 0. gain: from 0 to 1e6, applied to the mix before the limit.
-    priorities: weights by source key, for `weighted` and custom methods; a source not in it has its voice's priority.
+    s_max: the largest magnitude of a sample, > 0.
     limiter: turn down smoothly (Limiter) instead of cutting at s_max.
     """
 
     name: str
     method: MixingMethod = "cumulative"
     s_max: float = 1.0
-    gain: float = 1.0
-    priorities: Mapping[Hashable, float] = field(default_factory=dict)
     limiter: bool = False
 
     def __post_init__(self) -> None:
         if not 0.0 < self.s_max <= MAX_GAIN:
             raise ValueError(f"s_max: must be above 0 and at most {MAX_GAIN:g}, not {self.s_max:g}")
-        if not 0.0 <= self.gain <= MAX_GAIN:
-            raise ValueError(f"gain: must be from 0 to {MAX_GAIN:g}, not {self.gain:g}")
-        for key, priority in self.priorities.items():
-            if not 0.0 <= priority <= MAX_GAIN:
-                raise ValueError(f"priorities: that of {key!r} must be from 0 to {MAX_GAIN:g}, not {priority:g}")
         if not callable(self.method) and self.method not in ("cumulative", "weighted", "strongest", "power"):
             raise ValueError(f"method: unknown mixing method {self.method!r}")
 
@@ -76,12 +68,11 @@ class Renderer:
         self.sample_rate = float(sample_rate)
         s_max = np.array([listener.s_max for listener in self.listeners], dtype=np.float64)
         limited = np.array([listener.limiter for listener in self.listeners], dtype=bool)
-        self._gain = np.array([listener.gain for listener in self.listeners], dtype=np.float64)[:, None]
         self._cut = np.where(limited, np.inf, s_max)[:, None]
         self._limiter = Limiter(s_max, self.sample_rate) if limited.any() else None
         self.latency = self._limiter.latency if self._limiter else 0
         self._unsummed = _by_method(self.listeners)
-        weighted = {index: listener.priorities for index, listener in enumerate(self.listeners) if listener.method == "weighted"}
+        weighted = [index for index, listener in enumerate(self.listeners) if listener.method == "weighted"]
         self._groups = Groups(len(self.listeners), self.sample_rate, weighted)
         self._next: int | None = None
 
@@ -105,11 +96,6 @@ class Renderer:
         self._groups.advance(frame, groups)
         return self._limiter.process(block) if self._limiter else block
 
-    def flush(self) -> FloatArray:
-        """Return the last `latency` samples, shape (n_listeners, latency)."""
-        empty = np.zeros((len(self.listeners), self.latency))
-        return self._limiter.process(empty) if self._limiter else empty
-
     def _frame(self, start: float, end: float) -> Frame:
         if not (-MAX_TIME <= start <= end <= MAX_TIME and end - start <= MAX_FRAME):
             raise ValueError(f"end: {end!r} must be 0 to {MAX_FRAME:g} seconds after start {start!r}, both within ±{MAX_TIME:g}")
@@ -129,12 +115,10 @@ class Renderer:
             each = [group.at_listeners(listeners) for group in groups] or [np.empty((0, len(listeners), count))]
             voices = np.concatenate(each) if len(each) > 1 else each[0]
             if callable(method):
-                priorities = self.listeners[listeners[0]].priorities
-                weights = np.array([weight for group in groups for weight in group.group.weights(priorities)])
+                weights = np.array([weight for group in groups for weight in group.group.weights()])
                 total[listeners[0]] = mixed(method, voices[:, 0], weights)
             else:
                 total[listeners] = mixed(method, voices, np.ones(len(voices)))
-        total *= self._gain
         np.minimum(total, self._cut, out=total)
         return np.maximum(total, -self._cut, out=total)
 

@@ -11,7 +11,7 @@ from .sampled import Sampled
 from .serialization import SIGNAL_KINDS, signal_from_dict
 from .struck import CORNER, LONGEST, Struck
 from .templates import DEFAULT_IMPACT, DEFAULT_PERSISTENT, IMPACT_MATERIALS, ImpactMaterial, impact_material, impact_template
-from .wav import decoded_wav, read_wav
+from .wav import read_wav
 
 __all__ = [
     "CORNER",
@@ -44,7 +44,6 @@ __all__ = [
     "Struck",
     "Sum",
     "Triangle",
-    "decoded_wav",
     "impact_material",
     "impact_template",
     "ramp",

@@ -29,29 +29,16 @@ def read_wav(path: str | Path, sample_rate: float = 8000.0) -> Sampled:
     try:
         if path.stat().st_size > MAX_BYTES:
             raise ValueError("larger than 1 GiB")
-        samples, rate = decoded_wav(path.read_bytes())
-        if len(samples) * sample_rate / rate > MAX_SAMPLES:
-            raise ValueError(f"longer than {MAX_SAMPLES / sample_rate:g} seconds")
+        with path.open("rb") as file:
+            wav = WavFile(file)
+            if wav.count * sample_rate / wav.rate > MAX_SAMPLES:
+                raise ValueError(f"longer than {MAX_SAMPLES / sample_rate:g} seconds")
+            samples = wav.read(0, wav.count).mean(axis=1)
         if not np.isfinite(samples).all():
             raise ValueError("has samples that are not finite")
-        return Sampled(resample(samples, rate, sample_rate), sample_rate)
+        return Sampled(resample(samples, wav.rate, sample_rate), sample_rate)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
-
-
-def decoded_wav(data: bytes) -> tuple[FloatArray, float]:
-    """Return the samples, shape (n,) with n >= 1, channels averaged, and the sample rate of a WAV file's bytes.
-
-    Raises ValueError if they are broken or of another encoding.
-    """
-    channels, rate = wav_channels(data)
-    return np.asarray(channels.mean(axis=1)), rate
-
-
-def wav_channels(data: bytes) -> tuple[FloatArray, float]:
-    """Return the samples, shape (n, channels) with n >= 1, and the sample rate of a WAV file's bytes. Raises ValueError."""
-    wav = WavFile(io.BytesIO(data))
-    return wav.read(0, wav.count), wav.rate
 
 
 class WavFile:

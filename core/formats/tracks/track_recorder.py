@@ -3,13 +3,33 @@
 from __future__ import annotations
 
 import tempfile
-from typing import IO
+from collections.abc import Sequence
+from typing import IO, Protocol
 
 import numpy as np
 
-from ...render.frame_result import FrameResult
-from ...scene.values import Listener, SourceKind
+from ...arrays import FloatArray
+from ...scene.values import Listener, Source, SourceKind
 from .listener_tracks import ListenerTrack, Tracks, sorted_impacts, strengths
+
+
+class Heard(Protocol):
+    """What is recorded of a `FrameResult`."""
+
+    @property
+    def number(self) -> int: ...
+    @property
+    def sources(self) -> Sequence[Source]: ...
+    @property
+    def listeners(self) -> tuple[Listener, ...]: ...
+    @property
+    def gains(self) -> FloatArray: ...
+    @property
+    def block(self) -> FloatArray | None: ...
+    @property
+    def first_sample(self) -> int: ...
+    @property
+    def sample_rate(self) -> float: ...
 
 
 class TrackRecorder:
@@ -23,7 +43,7 @@ class TrackRecorder:
         self._count = 0
         self._impacts: dict[str, tuple[float, list[float]]] = {}
 
-    def add(self, result: FrameResult) -> None:
+    def add(self, result: Heard) -> None:
         """Add a frame. Raises ValueError unless it follows the frame before and has the same listeners."""
         if not self._sample_rate:
             self._listeners, self._sample_rate = result.listeners, round(result.sample_rate)

@@ -89,8 +89,8 @@ def test_renderer_holds_s_max_and_keeps_listeners_together() -> None:
     renderer = Renderer(listeners)
     assert renderer.latency == 40
     voices = [Voice("blow", DecayingSine(120.0, 0.05), np.ones(3), onset=0.1017), Voice("hum", Sine(60.0), np.full(3, 0.4), onset=0.0)]
-    blocks = [renderer.render_frame(number / 25, (number + 1) / 25, voices) for number in range(25)]
-    samples = np.concatenate([*blocks, renderer.flush()], axis=1)[:, renderer.latency :]
+    blocks = [renderer.render_frame(number / 25, (number + 1) / 25, voices) for number in range(26)]
+    samples = np.concatenate(blocks, axis=1)[:, renderer.latency : renderer.latency + 8000]
     assert samples.shape == (3, 8000)
     times = np.arange(8000) / RATE
     since = times - 0.1017

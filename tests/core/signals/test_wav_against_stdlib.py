@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import struct
 import wave
 from pathlib import Path
@@ -9,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.io.wavfile
-from haptic_tracing.core.signals import decoded_wav, read_wav
+from haptic_tracing.core.signals import read_wav
+from haptic_tracing.core.signals.wav import WavFile
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -60,6 +62,11 @@ def test_other_rates_are_resampled(tmp_path: Path) -> None:
 def riff(*chunks: tuple[bytes, bytes]) -> bytes:
     body = b"".join(name + struct.pack("<I", len(data)) + data + b"\0" * (len(data) % 2) for name, data in chunks)
     return b"RIFF" + struct.pack("<I", 4 + len(body)) + b"WAVE" + body
+
+
+def decoded_wav(data: bytes) -> tuple[np.ndarray, float]:
+    wav = WavFile(io.BytesIO(data))
+    return wav.read(0, wav.count).mean(axis=1), wav.rate
 
 
 FORMAT = struct.pack("<HHIIHH", 1, 1, 8000, 16_000, 2, 16)
