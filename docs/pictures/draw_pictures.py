@@ -12,10 +12,11 @@ import bpy
 import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.changes.suspension import suspended
-from haptic_tracing.addon.session import session, timeline
+from haptic_tracing.addon.session import session
 from haptic_tracing.addon.view import cycles_picture, picture
 from haptic_tracing.addon.view.options import shown_options
 from haptic_tracing.addon.view.png import write_png
+from haptic_tracing.command_line.playing import play
 from haptic_tracing.sample_scenes import build_sample
 
 FOLDER = Path(__file__).parent
@@ -27,7 +28,7 @@ def main() -> None:
     haptic_tracing.register()
     scene = build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
-    played = timeline.play(scene, scene.frame_start, scene.frame_end)
+    played = play(scene, scene.frame_start, scene.frame_end)
     result = played.liveliest
     scene.frame_set(result.number)
     if not picture.starts_gpu():

@@ -15,10 +15,10 @@ import bpy
 import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.changes.suspension import suspended
-from haptic_tracing.addon.session import timeline
 from haptic_tracing.addon.view import overlay, picture
 from haptic_tracing.addon.view.colour_map import GainScale
 from haptic_tracing.addon.view.options import shown_options
+from haptic_tracing.command_line.playing import play
 from haptic_tracing.core.scene.functions import HapticTracing
 from haptic_tracing.core.scene.materials import MATERIALS
 from haptic_tracing.core.signals import Noise, Pulse, Sine
@@ -38,7 +38,7 @@ def keep(kind: str, name: str, pixels: np.ndarray) -> None:
 def sample(name: str) -> np.ndarray:
     scene = build_sample(name)
     bpy.context.window.scene = scene
-    result = timeline.play(scene, scene.frame_start, min(scene.frame_end, scene.frame_start + 2 * scene.render.fps)).liveliest
+    result = play(scene, scene.frame_start, min(scene.frame_end, scene.frame_start + 2 * scene.render.fps)).liveliest
     scene.frame_set(result.number)
     with suspended(), mock.patch.object(overlay, "draw_annotations"):
         wide = picture.viewport_picture(scene, result, (4 * SIZE, 3 * SIZE), shown_options(scene))

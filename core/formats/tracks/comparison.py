@@ -124,7 +124,7 @@ class Comparison:
 
     def __init__(self, tracks: Tracks, measures: Measures, progress: Callable[[float], None] | None = None) -> None:
         self.kind, self.low, self.high = measures.kind, measures.low, measures.high
-        self._progress, self._count, self._total = progress, 0, max(tracks.samples.size, 1)
+        self._progress, self._count, self._total = progress, 0, max(len(tracks.listeners) * tracks.count, 1)
         self._rate = tracks.sample_rate
         self.thinning = 1 if self.kind is Kind.SAMPLES else max(self._rate // LOWEST_RATE, 1)
         self._listeners = [_Listener(track.name, track.impacts[:, 0], self._rate, self.thinning, self.kind) for track in tracks.listeners]
