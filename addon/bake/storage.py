@@ -31,9 +31,11 @@ def keep(scene: Scene, track: HapticTrack) -> None:
 
 
 def drop(scene: Scene) -> None:
-    """Remove the scene's track."""
-    text = scene.haptics.bake.track
-    scene.haptics.bake.track = None
+    """Remove the scene's track, and the take that it is."""
+    bake = scene.haptics.bake
+    text, bake.track = bake.track, None
+    for index in [k for k, take in enumerate(bake.takes) if take.track == text]:
+        bake.takes.remove(index)
     if text is not None and text.is_editable and text.users == 0:
         bpy.data.texts.remove(text)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import bpy
 import numpy as np
 from bpy.types import Scene
 
@@ -46,17 +45,6 @@ def play(scene: Scene, index: int) -> None:
         bake.compared, bake.track = bake.track, bake.takes[index].track
     bake.use_track = True
     show_current(scene)
-
-
-def remove(scene: Scene, index: int) -> None:
-    """Remove a take; while it is played it stays as the scene's bake."""
-    bake = scene.haptics.bake
-    text = bake.takes[index].track
-    if bake.compared == text:
-        bake.compared = None
-    bake.takes.remove(index)
-    if text is not None and text.is_editable and text.users == 0:
-        bpy.data.texts.remove(text)
 
 
 def differences(scene: Scene) -> Latest[tuple[Difference, ...]] | None:

@@ -7,22 +7,16 @@ from pathlib import Path
 
 _ROOT = Path(__file__).parents[2]
 
-_PAGES = (
-    ("bpy.ops.haptic.*material*", "panels/materials"),
-    ("bpy.ops.haptic.*wish*", "panels/materials"),
-    ("bpy.ops.haptic.*bake*", "panels/bake"),
-    ("bpy.ops.haptic.*take*", "panels/bake"),
-    ("bpy.ops.haptic.*device*", "devices"),
-    ("bpy.ops.haptic.*", "panels/scene"),
-    ("bpy.ops.*_scene.haptic_*", "formats"),
-    ("bpy.types.hapticmaterial*", "panels/materials"),
-    *((f"bpy.types.haptic{kind}*", f"panels/{kind}") for kind in ("source", "listener", "object", "bake", "scene")),
-    ("bpy.types.haptictake*", "panels/bake"),
-    ("bpy.types.hapticmeters*", "panels/result"),
-    ("bpy.types.haptic*devi*", "devices"),
-    ("bpy.types.hapticliveoutput*", "devices"),
-)
-"""Operators and properties, by their lower-case names with wildcards, and their page; the first that fits counts."""
+_PAGES = {
+    "panels/materials": "ops.haptic.*material types.hapticmaterial ops.haptic.*wish",
+    "panels/bake": "ops.haptic.*bake ops.haptic.*take types.hapticbake types.haptictake",
+    "panels/result": "ops.haptic.set_mode types.hapticmeters",
+    "devices": "ops.haptic.*device types.haptic*devi types.hapticlive",
+    "panels/scene": "ops.haptic. types.hapticscene",
+    "formats": "ops.import_scene.haptic ops.export_scene.haptic",
+    **{f"panels/{kind}": f"types.haptic{kind}" for kind in ("source", "listener", "object")},
+}
+"""Pages, and how the lower-case names of their operators and properties begin, with wildcards; the first that fits counts."""
 
 
 @cache
@@ -34,4 +28,4 @@ def page_url(page: str) -> str:
 
 def manual_map() -> tuple[str, tuple[tuple[str, str], ...]]:
     """For `bpy.utils.register_manual_map`."""
-    return "", tuple((pattern, page_url(page)) for pattern, page in _PAGES)
+    return "", tuple((f"bpy.{name}*", page_url(page)) for page, names in _PAGES.items() for name in names.split())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 
 import bpy
@@ -10,24 +9,12 @@ from bpy.types import Area
 
 SIDEBAR_TAB = "Haptics"
 """Tab of the 3D viewport's sidebar that holds the add-on's panels."""
-_TIMELINE_SECONDS = 0.1
-
-_redrawn: dict[str, float] = {}  # when that was requested last [s]
 
 
 def redraw_viewports() -> None:
     """Request a redraw of every 3D viewport of every window, and of the timelines, which have a lane."""
     for area in _areas("VIEW_3D", "DOPESHEET_EDITOR"):
         area.tag_redraw()
-
-
-def redraw_timelines() -> None:
-    """Request a redraw of the lanes over timelines; while the timeline plays Blender redraws its playhead alone. A few times a second."""
-    now = time.perf_counter()
-    if now - _redrawn.get("timelines", 0.0) >= _TIMELINE_SECONDS:
-        _redrawn["timelines"] = now
-        for area in _areas("DOPESHEET_EDITOR"):
-            area.tag_redraw()
 
 
 def redraw_sidebars() -> None:

@@ -120,7 +120,7 @@ class HAPTIC_OT_bake(Operator):
 
 
 class HAPTIC_OT_delete_bake(Operator):
-    """Remove the haptic track of this scene, its F-curves and its sound strip"""
+    """Remove the haptic track of this scene, the take that it is, its F-curves and its sound strip"""
 
     bl_idname = "haptic.delete_bake"
     bl_label = "Delete Bake"
@@ -182,23 +182,7 @@ class HAPTIC_OT_play_take(Operator):
         return {"FINISHED"}
 
 
-class HAPTIC_OT_remove_take(Operator):
-    """Remove this take; while it is played it stays as the scene's bake"""
-
-    bl_idname = "haptic.remove_take"
-    bl_label = "Remove Take"
-    bl_options = {*UNDO, "INTERNAL"}
-
-    index: IntProperty(name="Take", options={"HIDDEN"}, min=0)
-
-    def execute(self, context: Context) -> set[str]:
-        if self.index >= len(context.scene.haptics.bake.takes):
-            return {"CANCELLED"}
-        takes.remove(context.scene, self.index)
-        return {"FINISHED"}
-
-
-CLASSES = (HAPTIC_OT_bake, HAPTIC_OT_delete_bake, HAPTIC_OT_keep_take, HAPTIC_OT_play_take, HAPTIC_OT_remove_take)
+CLASSES = (HAPTIC_OT_bake, HAPTIC_OT_delete_bake, HAPTIC_OT_keep_take, HAPTIC_OT_play_take)
 
 
 def stop() -> None:

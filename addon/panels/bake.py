@@ -92,7 +92,6 @@ class HAPTIC_PT_takes(HapticsPanel, Panel):
             row = column.row(align=True)
             row.prop(take, "name", text="")
             row.operator("haptic.play_take", text="", icon="PLAY", depress=take.track == bake.track).index = index
-            row.operator("haptic.remove_take", text="", icon="X").index = index
         other = next((index for index, take in enumerate(bake.takes) if take.track == bake.compared), None)
         if other is not None and bake.compared != bake.track:
             words = iface_("Switch to {}").format(bake.takes[other].name)

@@ -16,7 +16,7 @@ from ..bake import playback
 from ..blender import handlers, job
 from ..blender.playing import is_playing
 from ..changes import events
-from ..changes.redraw import redraw_timelines, redraw_viewports
+from ..changes.redraw import redraw_viewports
 from ..changes.revisions import mark_changed, mark_edited
 from ..changes.suspension import is_stepped, is_suspended, steps_any
 from ..gateway import is_loaded
@@ -48,7 +48,6 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
         if scene.haptics.tracing and not playback.play(scene) and _is_ready(scene):
             live_output.frame_comes(scene)
             session.begin(scene, depsgraph, live=True)
-            redraw_timelines()
     finally:
         live_output.frame_changed(scene, playback.plays(scene))
 

@@ -91,10 +91,11 @@ def threshold_strip(rows: Sequence[Row], x: FloatArray, parts: Columns, numbers:
 
 def impacts(rows: Sequence[Row], waves: Waves, numbers: Sequence[int], edges: FloatArray, known: BoolArray, scale: float) -> Points:
     """The impacts in the columns between ``edges`` (c + 1,) [frames] that are ``known``, larger and lighter the stronger they are felt."""
-    x = (waves.impact_frame - edges[0]) / (edges[1] - edges[0])
+    began, gains = waves.impacts
+    x = (began - edges[0]) / (edges[1] - edges[0])
     is_shown = (x >= 0) & (x < len(known))
     is_shown[is_shown] = known[x[is_shown].astype(np.int64)]
-    felt = waves.impact_gain[:, list(numbers)]
+    felt = gains[:, list(numbers)]
     place, who = np.nonzero((felt > 0) & is_shown[:, None])
     gain, slot = felt[place, who], np.floor(x[place] / (_BESIDE_IMPACT * scale))
     order = np.lexsort((gain, slot, who))

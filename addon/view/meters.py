@@ -94,13 +94,13 @@ def draw_redo_panel() -> None:
 
 
 def _refresh_panels(context: Context) -> None:
-    """Redraw the sidebar while the timeline plays, which Blender does not, at a rate that can be read."""
+    """Redraw sidebar and lanes while the timeline plays, which Blender does not, at a rate that can be read."""
     if context.screen is None or not context.screen.is_animation_playing:
         return
     now = time.perf_counter()
-    for region in context.area.regions:
-        if region.type != "UI" or region.width <= 1 or region.active_panel_category != SIDEBAR_TAB:
-            continue
+    sidebars = (r for r in context.area.regions if r.type == "UI" and r.width > 1 and r.active_panel_category == SIDEBAR_TAB)
+    lanes = (r for area in context.screen.areas if area.type == "DOPESHEET_EDITOR" for r in area.regions if r.type == "WINDOW")
+    for region in (*sidebars, *lanes):
         address = region.as_pointer()
         if now - _refreshed.get(address, 0.0) >= _PANEL_SECONDS:
             if len(_refreshed) > 16:

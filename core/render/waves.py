@@ -39,7 +39,7 @@ class Columns:
 class Waves:
     """``samples`` (l, n), n > 0, of ``listeners``, the first at the frame ``origin``, ``per_frame`` of them a frame.
 
-    ``impact_frame`` (m,): when impacts began; ``impact_gain`` (m, l): how strongly each listener felt them. One thread writes; another
+    ``impacts``: the frames (m,) at which they began, and the gains (m, l) with which each listener felt them. One thread writes; another
     that reads at the same time may miss what is just being written.
     """
 
@@ -49,8 +49,7 @@ class Waves:
         count, length = samples.shape
         self.filled: BoolArray = np.full(math.ceil(length / per_frame - 1e-9), filled)
         self.threshold: FloatArray = np.full((count, len(self.filled)), np.nan, dtype=np.float32)
-        self.impact_frame: FloatArray = np.zeros(0)
-        self.impact_gain: FloatArray = np.zeros((0, count))
+        self.impacts: tuple[FloatArray, FloatArray] = np.zeros(0), np.zeros((0, count))
         self._low, self._high = [samples], [samples]
         while self._low[-1].shape[1] > _STEP:
             shape = count, math.ceil(self._low[-1].shape[1] / _STEP)
@@ -81,15 +80,15 @@ class Waves:
         frames = slice(round(first / self.per_frame), max(round(last / self.per_frame), round(first / self.per_frame) + 1))
         self._low[0][:, first:last] = as_integers(block[:, first - start : last - start])
         self._condense(first, last)
-        others = (self.impact_frame < self.origin + frames.start) | (self.impact_frame >= self.origin + frames.stop)
-        self.impact_frame, self.impact_gain = self.impact_frame[others], self.impact_gain[others]
+        began, gain = self.impacts
+        others = (began < self.origin + frames.start) | (began >= self.origin + frames.stop)
+        self.impacts = began[others], gain[others]
         self.threshold[:, frames] = threshold[:, None]
         self.filled[frames] = True
 
     def add_impacts(self, frame: FloatArray, gain: FloatArray) -> None:
         """Add impacts at frames (m,), felt with gains (m, l)."""
-        self.impact_gain = np.concatenate([self.impact_gain, gain])
-        self.impact_frame = np.concatenate([self.impact_frame, frame])
+        self.impacts = np.concatenate([self.impacts[0], frame]), np.concatenate([self.impacts[1], gain])
 
     def columns(self, edges: FloatArray) -> Columns:
         """The parts between ``edges`` (c + 1,), frames that rise evenly."""

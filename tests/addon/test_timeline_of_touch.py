@@ -23,7 +23,7 @@ def test_baked_waves_have_the_samples_and_impacts_of_the_track():
         block, found = track.result(number).block * FULL_SCALE, waves.columns(np.array([number - 1.0, number]))
         assert (found.low[:, 0] <= np.rint(block.min(axis=1))).all() and (found.high[:, 0] >= np.rint(block.max(axis=1))).all()
     onsets = [scene.frame_start + item.onset * scene.render.fps for item in track.sources if item.second_object]
-    assert onsets and sorted(waves.impact_frame) == pytest.approx(sorted(onsets))
+    assert onsets and sorted(waves.impacts[0]) == pytest.approx(sorted(onsets))
     assert np.isnan(waves.threshold[:, : int(min(onsets)) - 8]).all() and np.isfinite(waves.threshold).any()
 
 

@@ -49,15 +49,13 @@ def test_the_difference_is_in_decibels(two_takes, settle):
     assert found.here == pytest.approx(20 * np.log10(np.sqrt((samples**2).mean())), abs=0.01)
 
 
-def test_playing_a_take_keeps_the_bake_of_now_and_removing_one_frees_it(two_takes):
+def test_playing_a_take_keeps_the_bake_of_now_and_deleting_one_frees_it(two_takes):
     bake = two_takes.haptics.bake
     baking.Baking(two_takes).finish()
     bpy.ops.haptic.play_take(index=0)
     assert [take.name for take in bake.takes] == ["Take 1", "Take 2", "Take 3"] and bake.compared == bake.takes[2].track
-    text = bake.takes[1].track.name
-    bpy.ops.haptic.remove_take(index=1)
-    assert text not in bpy.data.texts
-    playing = bake.track
-    bpy.ops.haptic.remove_take(index=0)
-    assert bake.track == playing and storage.track_of(two_takes) is not None  # it stays as the bake
-    assert bpy.ops.haptic.play_take(index=9) == bpy.ops.haptic.remove_take(index=9) == {"CANCELLED"}
+    text = bake.takes[0].track.name
+    bpy.ops.haptic.delete_bake()
+    assert [take.name for take in bake.takes] == ["Take 2", "Take 3"] and text not in bpy.data.texts
+    assert storage.track_of(two_takes) is None and storage.track_in(bake.takes[0].track) is not None
+    assert bpy.ops.haptic.play_take(index=9) == {"CANCELLED"}

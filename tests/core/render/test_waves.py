@@ -63,4 +63,4 @@ def test_impacts_of_a_frame_go_when_it_is_played_again():
     for frame in (3.0, 4.5):
         waves.add_impacts(np.array([frame]), np.ones((1, 1)))
     waves.write(300, np.ones((1, 100)), np.zeros(1))
-    assert waves.impact_frame.tolist() == [3.0]
+    assert waves.impacts[0].tolist() == [3.0]
