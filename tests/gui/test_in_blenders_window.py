@@ -114,3 +114,8 @@ def test_timeline_of_touch(play):
 def test_gizmos(play):
     seen = played_through(play(SCENARIOS / "gizmos.py"))
     assert all(seen.values()), seen
+
+
+def test_newcomers_mends_and_wishes(play):
+    seen = played_through(play(SCENARIOS / "mends.py"))
+    assert all(seen.values()), seen
