@@ -38,9 +38,9 @@ class HAPTIC_MT_materials(Menu):
         layout.operator("haptic.guess_material", icon="VIEWZOOM")
         layout.operator("haptic.new_material", icon="ADD")
         layout.separator()
-        grid = layout.grid_flow(row_major=True, columns=5)
+        flow = layout.column_flow(columns=7)
         for name, material in MATERIALS.items():
-            properties = cell(grid, f"material-{name}").operator("haptic.apply_material", text=material.title)
+            properties = cell(flow, f"material-{name}").operator("haptic.apply_material", text=material.title)
             properties.preset, properties.target = name, target
 
 

@@ -93,9 +93,9 @@ class HAPTIC_MT_samples(Menu):
     bl_label = "Sample Scenes"
 
     def draw(self, context: Context) -> None:
-        grid = self.layout.grid_flow(row_major=True, columns=3)
+        flow = self.layout.column_flow(columns=3)
         for sample in SAMPLES.values():
-            cell(grid, f"sample-{sample.name}").operator("haptic.add_sample", text=sample.title).sample = sample.name
+            cell(flow, f"sample-{sample.name}").operator("haptic.add_sample", text=sample.title).sample = sample.name
 
 
 class HAPTIC_MT_mode_pie(Menu):

@@ -17,9 +17,9 @@ class HAPTIC_MT_signals(Menu):
         return context.object is not None
 
     def draw(self, context: Context) -> None:
-        grid = self.layout.grid_flow(row_major=True, columns=3)
+        flow = self.layout.column_flow(columns=3)
         for kind in ("SINE", "PULSE", "NOISE"):
-            cell(grid, f"signal-{kind}").prop_enum(context.object.haptics.source, "signal", kind)
+            cell(flow, f"signal-{kind}").prop_enum(context.object.haptics.source, "signal", kind)
 
 
 class HAPTIC_PT_source(HapticsPanel, Panel):

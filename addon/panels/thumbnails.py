@@ -16,12 +16,13 @@ _SCALE = 3.0  # lines high
 _loaded: list[Any] = []
 
 
-def cell(grid: UILayout, name: str) -> UILayout:
-    """A column of a grid that begins with the picture ``name`` ("material-steel")."""
+def cell(flow: UILayout, name: str) -> UILayout:
+    """A column in a flow of columns that begins with the picture ``name`` ("material-steel")."""
     if not _loaded:
         _loaded.append(previews.new())
     picture = _loaded[0].get(name) or _loaded[0].load(name, str(_FOLDER / f"{name}.png"), "IMAGE")
-    column = grid.column(align=True)
+    tuple(picture.image_size)  # loads it now: a menu is not drawn again when it has been loaded later
+    column = flow.column(align=True)
     column.template_icon(icon_value=picture.icon_id, scale=_SCALE)
     return column
 

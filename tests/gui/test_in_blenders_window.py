@@ -119,3 +119,8 @@ def test_gizmos(play):
 def test_newcomers_mends_and_wishes(play):
     seen = played_through(play(SCENARIOS / "mends.py"))
     assert all(seen.values()), seen
+
+
+def test_menus_with_pictures(play):
+    seen = played_through(play(SCENARIOS / "menus.py"))
+    assert all(seen.values()), seen

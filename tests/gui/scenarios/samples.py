@@ -26,17 +26,4 @@ def steps(window):
         window.seen[f"{name} is traced"] = sessions.shown(scene) is not None
         if name in ("hammer_nail", "dishwasher_kitchen", "rails", "pile"):
             yield from window.screenshot(name)
-    # The menu has a thumbnail over each button; a click builds the scene.
-    for menu in ("samples", "materials", "signals"):
-        if menu == "signals":
-            source = next(obj for obj in bpy.context.scene.objects if obj.haptics.source.enabled)
-            bpy.context.view_layer.objects.active = source
-        window.point_at_view()
-        yield 0.3
-        with window.context():
-            bpy.ops.wm.call_menu(name=f"HAPTIC_MT_{menu}")
-        yield 1.5
-        window.save_picture(f"menu-{menu}")
-        yield from window.press("ESC")
-        yield 0.3
     print("seconds", {name: round(seconds, 1) for name, seconds in took.items()})
