@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -84,6 +84,7 @@ def all_series() -> Iterator[Series]:
     yield from buildings()
     yield from energy()
     yield from materials()
+    yield from body()
 
 
 def fitted(function: Physical, distance: Sequence[float], level: Sequence[float], used: Sequence[bool]) -> Physical:
@@ -320,6 +321,53 @@ def materials() -> Iterator[Series]:
             0,
             "some ranges are estimates: the library says which",
         )
+
+
+SKIN_RADIUS = 0.005
+"""Radius [m] of the region of skin that a small actuator drives."""
+
+
+def body() -> Iterator[Series]:
+    """Along the skin from a small actuator, and along limbs from a handle."""
+    flesh = physical("flesh", (0.1, 0.1, 0.5))
+    skin = replace(flesh, wave=Wave.SURFACE, reference_distance=SKIN_RADIUS, extent=0.0)
+    own = MATERIALS["flesh"]
+
+    def level(function: Physical, frequency: float, distance: float) -> float:
+        spread = float(function.spreading(np.array(distance)))
+        return NEPER * (math.log(spread) - float(function.damping(frequency, own.kappa, own.rho)) * distance)
+
+    near, far = [(f, 4) for f in (160, 240)], [(f, d) for f in (160, 240) for d in (8, 12)]
+    yield Series(
+        "Skin, felt at 4 cm and gone beyond 8 cm",
+        "Shah and others, Appl. Sci. 9 (2019) 4329, doi 10.3390/app9204329",
+        "forearm, motor of 100 to 240 Hz: measurable at 4 cm above 150 Hz, far below the discrimination threshold beyond 8 cm; no levels",
+        "chosen",
+        "dB",
+        tuple(
+            Point(f"{f} Hz, {d} cm", best(level(skin, f, d / 100), -23.0), level(skin, f, d / 100))
+            for places, best in ((near, max), (far, min))
+            for f, d in places
+        ),
+        0.005,
+        "a wave along flesh of 7 m/s that spreads from 5 mm; a source 23 dB above the threshold was chosen as the border between felt and "
+        "gone, for no levels are published: where the model is on the right side of it, its own figure stands under published",
+    )
+    places = ((0.10, 100.0, -10.0), (0.10, 250.0, -25.0), (0.35, 100.0, -14.0), (0.65, 50.0, -20.0))
+    yield Series(
+        "Handle to wrist, elbow and shoulder",
+        "Adewusi and others, J. Sound Vib. 329 (2010) 2953, doi 10.1016/j.jsv.2010.02.001, as recalled: the curves could not be read",
+        "wrist at 100 and 250 Hz; elbow at 100 Hz and shoulder at 50 Hz, for which only a highest value is known",
+        "fit",
+        "dB",
+        tuple(
+            Point(f"{d:g} m, {f:g} Hz", known if d < 0.2 else min(known, level(flesh, f, d)), level(flesh, f, d), d > 0.2)
+            for d, f, known in places
+        ),
+        0.005,
+        "a limb moves as a whole up to 20 Hz; the slope above suits the wrist. Resonances at 4 to 20 Hz lie below the lowest band. "
+        "Of elbow and shoulder the model's own figure stands under published where it is below the known bound",
+    )
 
 
 def _loss(name: str, frequency: float) -> float:

@@ -14,16 +14,15 @@ UNMODELLED = (
         "resonances are not modelled: a floor passes on what its material does, at every frequency",
     ),
     (
-        "Skin",
-        "felt 4 cm from an actuator above 150 Hz, not beyond 8 cm (doi 10.3390/app9204329)",
-        "bodies of listeners have no parts that depend on frequency yet",
+        "Resonances of a body",
+        "8 Hz (elbow), 4 to 6 Hz (head), 16 to 147 Hz (foot; doi 10.3233/OER-160236)",
+        "a limb moves as a whole up to 20 Hz, then less and less: no gain exceeds 1, and the lowest band begins at 20 Hz",
     ),
     (
-        "Hand to shoulder, seat to head, foot to knee",
-        "resonances at 8 Hz (elbow), 4 to 6 Hz (head), 16 to 147 Hz (foot; doi 10.3233/OER-160236), then falling by tens of decibels",
-        "as for skin; the curves of the sources could not be read as numbers",
+        "Transmission of a contact under load",
+        "stiffness grows with the cube root of the force (Hertz)",
+        "the function Pressing Force follows that law by the estimated force, but no published transmission was found to judge it",
     ),
-    ("Contacts under load", "stiffness grows with the cube root of the force (Hertz)", "the force of a contact is not estimated yet"),
     (
         "Rooms and beams with few modes",
         "peaks and gaps of 20 dB and more",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,7 @@ from ..scene_reader import functions
 from ..view import gain_plot, panel_picture
 from .drawing import HapticsPanel, draw_pair, warn
 from .formula import draw_parameters
+from .texts import draw_sentence
 
 if TYPE_CHECKING:
     from ...core.scene.functions import ModulationFunction
@@ -163,7 +165,22 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
         for distance in (0.0, curve.length / 10, curve.length / 2):
             draw_pair(column, f"{distance:g} m", gain_text(curve.at(distance)))
         if curve.bands is not None:
-            column.label(text="Thin lines: lowest and highest band")
+            column.label(text="Thin lines: 30, 100 and 300 Hz")
+        if haptics.function == "haptic_tracing":
+            crossing = _crossing(context, haptics)
+            if crossing is not None:
+                draw_sentence(layout, iface_("Crosses {} at {:.1f} m: what passes more near by fades sooner").format(*crossing), "INFO")
+
+
+def _crossing(context: Context, haptics: Any) -> tuple[str, float] | None:
+    """The material of the scene's library whose curve by the paper's function an object's crosses first, and at which distance [m]."""
+    k, least = transfer_coefficient(haptics.kappa, haptics.rho), context.scene.haptics.epsilon
+    found = []
+    for item in context.scene.haptics.materials.items:
+        other = transfer_coefficient(item.kappa, item.rho)
+        if k > 0 and other > 0 and abs(k - other) > _SAME and max(k, least) != max(other, least):
+            found.append((math.log(k / other) / (max(k, least) - max(other, least)), item.name))
+    return None if not found else min(found)[::-1]
 
 
 def _curve_key(context: Context) -> tuple[ModulationFunction, float, float, float] | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from bpy.props import EnumProperty, FloatProperty, StringProperty
 
 from .callbacks import edited
@@ -101,51 +103,32 @@ class FunctionParameters:
     )
 
 
+def _number(key: str, name: str, description: str, default: float, least: float, most: float, **more: Any) -> FloatProperty:
+    return FloatProperty(name=name, description=description, default=default, min=least, soft_max=most, update=edited(key), **more)
+
+
 class ContactParameters(FunctionParameters):
     """Mixin: the parameters of the functions of contacts."""
 
-    stiffness: FloatProperty(
-        name="Stiffness (N/m)",
-        description="Stiffness of the layer: a foam mat under a chair's leg 10,000, a rubber pad 1,000,000",
-        default=1e5,
-        min=1e-3,
-        max=1e12,
-        soft_max=1e8,
-        update=edited("stiffness"),
+    stiffness: _number(
+        "stiffness",
+        "Stiffness (N/m)",
+        "Stiffness of the layer: a foam mat under a chair's leg 10,000, a rubber pad 1,000,000",
+        1e5,
+        1e-3,
+        1e8,
     )
-    load: FloatProperty(
-        name="Load", description="Mass that the layer carries", default=10.0, min=1e-6, soft_max=1e4, unit="MASS", update=edited("load")
+    load: _number("load", "Load", "Mass that the layer carries", 10.0, 1e-6, 1e4, unit="MASS")
+    layer_loss: _number(
+        "layer_loss",
+        "Loss Factor",
+        "Damping of the layer: rubber 0.1, foam 0.2; a greater one softens the resonance and passes more far above it",
+        0.2,
+        0.0,
+        1.0,
     )
-    layer_loss: FloatProperty(
-        name="Loss Factor",
-        description="Damping of the layer: rubber 0.1, foam 0.2; more passes less at the resonance, and more above it where Fall-Off is 12",
-        default=0.2,
-        min=0.0,
-        soft_max=1.0,
-        update=edited("layer_loss"),
+    fall_off: _number(
+        "fall_off", "Fall-Off (dB)", "Decibels per octave that are lost far above the resonance; 12 is that of a spring", 12, 0, 48
     )
-    fall_off: FloatProperty(
-        name="Fall-Off (dB)",
-        description="Decibels per octave that are lost far above the resonance; 12 is that of a spring",
-        default=12.0,
-        min=0.0,
-        max=48.0,
-        update=edited("fall_off"),
-    )
-    reference: FloatProperty(
-        name="Reference (N)",
-        description="Force in newtons from which on everything passes",
-        default=10.0,
-        min=1e-6,
-        soft_max=1e4,
-        update=edited("reference"),
-    )
-    exponent: FloatProperty(
-        name="Exponent",
-        description="1/3: stiffness of smooth round bodies (Hertz); 1: of rough ones",
-        default=1 / 3,
-        min=0.0,
-        max=4.0,
-        precision=3,
-        update=edited("exponent"),
-    )
+    reference: _number("reference", "Reference (N)", "Force in newtons from which on everything passes", 10, 1e-6, 1e4)
+    exponent: _number("exponent", "Exponent", "1/3: stiffness of smooth round bodies (Hertz); 1: of rough ones", 1 / 3, 0, 4, precision=3)

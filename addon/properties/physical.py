@@ -11,6 +11,7 @@ WAVE_ITEMS = (
     ("plate", "Plate", "Bending waves in a plate of a thickness, which spread over its surface"),
     ("surface", "Ground", "Waves along the surface of the ground"),
     ("solid", "Solid", "Through a volume, in all directions"),
+    ("limb", "Limb", "Along a part of a body, which moves as a whole up to 20 Hz"),
 )
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.arrays import FloatArray, IntArray
+from ...core.scene.bands import BAND_COUNT, BAND_EDGES
 from ...core.scene.functions import ModulationFunction
 from ..changes.events import disabled
 from ..session.derived import Background, Latest
@@ -20,13 +21,14 @@ _MARGIN = 10
 
 _FAINT = 0.001
 """A curve is shown until its gain is a thousandth: -60 dB."""
+_SHOWN_BANDS = np.searchsorted(BAND_EDGES, (30.0, 100.0, 300.0)) - 1
 _LENGTHS = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """``gains`` (n,) at ``distances`` (n,) [m], from 0 to ``length``. ``bands`` (2, n): those of the lowest and the highest frequency band,
-    or None where the function treats all alike."""
+    """``gains`` (n,) at ``distances`` (n,) [m], from 0 to ``length``. ``bands`` (3, n): those at 30, 100 and 300 Hz, or None where the
+    function treats all frequencies alike."""
 
     length: float
     distances: FloatArray
@@ -49,10 +51,9 @@ def gain_curve(function: ModulationFunction, kappa: float, rho: float, epsilon: 
     length = _LENGTHS[int(faint[0])] if len(faint) and gains.max() > 0 else (_LENGTHS[-1] if gains.max() > 0 else 1.0)
     distances = np.linspace(0.0, length, count)
     plain = function.gain(distances, kappa, rho, epsilon)
-    spectrum, bands = function.spectrum, None
-    if spectrum.band_gains or spectrum.band_decays:
-        factor = np.array(spectrum.band_gains or (1.0,))[[0, -1]]
-        decay = np.array(spectrum.band_decays or (0.0,))[[0, -1]]
+    factors, decays, bands = function.band_gains(), function.band_decays(kappa, rho), None
+    if factors or decays:
+        factor, decay = (np.array(values or (default,) * BAND_COUNT)[_SHOWN_BANDS] for values, default in ((factors, 1.0), (decays, 0.0)))
         bands = plain * factor[:, None] * np.exp(-decay[:, None] * distances)
     return Curve(length, distances, plain, bands)
 
@@ -65,8 +66,8 @@ def picture(curve: Curve, colour: Colour, ink: Colour) -> Pixels:
     """The curve as pixels (SIZE, SIZE, 4), colours times opacity, the first row at the bottom: from `FLOOR` to 0 dB upwards, the curve's
     length across.
 
-    Lines every 20 dB and at quarters of the length, in ``ink``; the curve in ``colour``, filled below; the lowest and the highest band as
-    thin lines.
+    Lines every 20 dB and at quarters of the length, in ``ink``; the curve in ``colour``, filled below; those at 30, 100 and 300 Hz as thin
+    lines.
     """
     pixels = blank()
     inside = slice(_MARGIN, SIZE - _MARGIN)

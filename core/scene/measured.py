@@ -2,9 +2,10 @@
 
 Loss factors and speeds of metals: the tables of Cremer and Heckl as transcribed by Irvine, "Damping Properties of Materials" (2004).
 Soil, sand and gravel: DIN 4150-1:2001 and DIN 45672-1:2009 (material damping and wave speeds of ground). Flesh: surface waves on skin,
-doi 10.1117/1.1803843, and shear waves in muscle, PMC9631468. Concrete's loss factor: EN 12354-1. What is built into a house loses 1 to 3
-dB per metre at 150 to 3000 Hz (Acustica 2, 1952, "Absorption of structure-borne sound in building materials"). Where no source is named
-the values are the usual ranges of Cremer, Heckl and Petersson, "Structure-Borne Sound", and count as estimated.
+doi 10.1117/1.1803843 and, for their 7 m/s, doi 10.1371/journal.pone.0031203; shear waves in muscle, PMC9631468. Concrete's loss factor:
+EN 12354-1. What is built into a house loses 1 to 3 dB per metre at 150 to 3000 Hz (Acustica 2, 1952, "Absorption of structure-borne
+sound in building materials"). Where no source is named the values are the usual ranges of Cremer, Heckl and Petersson, "Structure-Borne
+Sound", and count as estimated.
 """
 
 from __future__ import annotations
@@ -64,7 +65,7 @@ DAMPING: Mapping[str, Damping] = MappingProxyType(
         "ribbon": Damping(0.05, (0.03, 0.1), 1000, (500, 2000)),
         "leather": Damping(0.15, (0.1, 0.2), 350, (240, 470)),
         "paper": Damping(0.03, (0.02, 0.05), 1900, (1700, 2100)),
-        "flesh": Damping(0.3, (0.14, 0.5), 5, (2.4, 9.7), estimated=False),
+        "flesh": Damping(0.3, (0.14, 0.5), 7, (2.4, 9.7), estimated=False),
         "bone": Damping(0.02, (0.01, 0.03), 3500, (3000, 4000)),
         "water": Damping(1e-9, (5e-10, 5e-9), 1480, (1450, 1500)),
         "air": Damping(5e-5, (4e-5, 6e-5), 343, (331, 350)),
@@ -79,6 +80,8 @@ _THIN = 0.25
 def wave_in(name: str, size: tuple[float, float, float]) -> tuple[Wave, float]:
     """How vibration travels in a body of a material with bounding box ``size`` [m], and its thickness [m]."""
     small, middle, large = sorted(size)
+    if name == "flesh":
+        return Wave.LIMB, small
     if DAMPING[name].ground and small < middle:
         return Wave.SURFACE, small
     if small < _THIN * middle:

@@ -28,9 +28,13 @@ class Wave(enum.StrEnum):
     PLATE = "plate"  # bending waves in a plate (1/2)
     SURFACE = "surface"  # waves along the ground (1/2)
     SOLID = "solid"  # through a volume (1)
+    LIMB = "limb"  # along a limb, which moves as a whole at low frequencies (0)
 
 
-SPREADING: Mapping[Wave, float] = {Wave.ROD: 0.0, Wave.PLATE: 0.5, Wave.SURFACE: 0.5, Wave.SOLID: 1.0}
+SPREADING: Mapping[Wave, float] = {Wave.ROD: 0.0, Wave.PLATE: 0.5, Wave.SURFACE: 0.5, Wave.SOLID: 1.0, Wave.LIMB: 0.0}
+
+_WHOLE = 20.0
+"""Frequency [Hz] up to which a limb moves as a whole: the resonances of elbow, shoulder and trunk lie at 4 to 20 Hz."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,7 +43,8 @@ class Physical(ModulationFunction):
 
     The exponent g follows from the wave type. Of a wave that keeps its speed ``alpha = pi f loss_factor / phase_speed``; of bending waves
     ``alpha = pi f loss_factor / (2 c_B)`` with ``c_B = sqrt(1.8 phase_speed thickness f)`` (Cremer, Heckl and Petersson, *Structure-Borne
-    Sound*, for a Poisson ratio of 0.3). ``absorption`` [1/m] comes on top at every frequency: what edges and joints of a building take.
+    Sound*, for a Poisson ratio of 0.3). Along a limb ``alpha = pi (f - 20 Hz) loss_factor / phase_speed``, 0 below 20 Hz. ``absorption``
+    [1/m] comes on top at every frequency: what edges and joints of a building take.
 
     kappa and rho scale all damping by ``ln K / ln K0`` with ``K = (1 - kappa) rho``: at the material's own ``K0 = material_k`` nothing
     changes, at K = 1 there is no damping, at K = 0 nothing passes. The gain over distance alone is that of the lowest frequency band, which
@@ -80,7 +85,8 @@ class Physical(ModulationFunction):
         speed = self.phase_speed
         if self.wave is Wave.PLATE:
             speed = 2 * math.sqrt(1.8 * self.phase_speed * self.thickness * frequency)
-        return math.pi * frequency * self.loss_factor / speed + self.absorption
+        waves = max(frequency - _WHOLE, 0.0) if self.wave is Wave.LIMB else frequency
+        return math.pi * waves * self.loss_factor / speed + self.absorption
 
     def damping(self, frequency: float, kappa: Value, rho: Value) -> FloatArray:
         """Attenuation alpha [1/m] at ``frequency`` [Hz]; infinite where K is 0."""

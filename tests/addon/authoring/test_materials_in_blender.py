@@ -3,11 +3,12 @@
 import bpy
 import numpy as np
 import pytest
+from haptic_tracing.addon.panels.object import _crossing
 from haptic_tracing.addon.session import session
 from haptic_tracing.addon.view import gain_plot
 from haptic_tracing.addon.view.gain_plot import gain_curve
 from haptic_tracing.core.scene.bands import BAND_CENTRES
-from haptic_tracing.core.scene.functions import Constant, HapticTracing, Spectrum
+from haptic_tracing.core.scene.functions import Constant, HapticTracing, Physical, Spectrum, Wave
 from haptic_tracing.core.scene.materials import MATERIALS
 from haptic_tracing.core.scene.measured import DAMPING
 
@@ -163,7 +164,20 @@ def test_the_curve_shows_what_is_traced():
     assert curve.bands is None
     banded = gain_curve(HapticTracing(spectrum=Spectrum(band_decays=(0, 0, 0, 0, 0, 3.0))), 0.2, 0.9, 0.1)
     assert banded.bands[0] == pytest.approx(banded.gains)
-    assert banded.bands[1] == pytest.approx(banded.gains * np.exp(-3.0 * banded.distances))
+    rubber = Physical(wave=Wave.SURFACE, loss_factor=0.15, phase_speed=60.0, material_k=0.12)
+    drawn = gain_curve(rubber, 0.8, 0.6, 0.1)
+    for gains, low, high in zip(drawn.bands, (20, 80, 160), (40, 160, 320), strict=True):  # those with 30, 100 and 300 Hz
+        alpha = np.pi * np.sqrt(low * high) * 0.15 / 60.0
+        assert gains == pytest.approx((1 + drawn.distances / 0.5) ** -0.5 * np.exp(-alpha * drawn.distances), rel=1e-6)
+
+
+def test_the_panel_says_where_the_papers_curves_cross(add_box):
+    """Steel and rubber: ln(0.81 / 0.12) / (0.81 - 0.12) m."""
+    box = add_box("box", (0, 0, 0), (1, 1, 1))
+    for preset in ("steel", "rubber", "steel"):
+        _select(box)
+        bpy.ops.haptic.apply_material(preset=preset)
+    assert _crossing(bpy.context, box.haptics) == ("Rubber", pytest.approx(np.log(0.81 / 0.12) / (0.81 - 0.12), rel=1e-5))
 
 
 def test_the_picture_is_drawn_again_only_where_something_changed(monkeypatch, settle):
