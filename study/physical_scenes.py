@@ -43,7 +43,8 @@ def levels(module: str, frame: int) -> tuple[list[str], np.ndarray]:
     scene = bpy.context.scene
     import_module(f"haptic_tracing.sample_scenes.{module}").build(scene)
     scene.haptics.strategy = "auto"
-    columns = []
+    columns: list[np.ndarray] = []
+    names: list[str] = []
     for way in WAYS:
         if way == WAYS[1]:
             _make_physical(scene)
@@ -56,9 +57,10 @@ def levels(module: str, frame: int) -> tuple[list[str], np.ndarray]:
             bpy.context.view_layer.update()
             result = session.result_of(scene)
         assert result is not None
+        names = [item.name for item in result.listeners]
         with np.errstate(divide="ignore"):
             columns.append(10 * np.log10((still_samples(result, 1.0) ** 2).mean(axis=1)))
-    return [item.name for item in result.listeners], np.stack(columns, axis=1)
+    return names, np.stack(columns, axis=1)
 
 
 def _make_physical(scene: Scene) -> None:
