@@ -11,6 +11,7 @@ import pytest
 from haptic_tracing.addon.panels import formula
 from haptic_tracing.addon.properties import preferences
 from haptic_tracing.addon.session import session
+from haptic_tracing.core.scene.functions import check_expression
 
 _spec = importlib.util.spec_from_file_location("recording_layout_of_authoring", Path(__file__).parents[1] / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)
@@ -28,7 +29,7 @@ def _draw(panel):
 
 def _said(source):
     layout = recording_layout.RecordingLayout()
-    finding = formula.draw_formula(layout, source, 0.1, 0.9, 0.1)
+    finding = formula.draw_finding(layout, source, check_expression(source, 0.1, 0.9, 0.1))
     return finding, layout.labels
 
 
