@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.addon.session import session
-from haptic_tracing.core.graph.haptic_graph import build_graph
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.values import Settings, Strategy
 from level_properties import QUIET
@@ -58,9 +57,8 @@ def test_levels_of_what_rests(arrangement, scene, add_box):
     for frame in range(settled + 1, settled + FRAMES + 1):
         scene.frame_set(frame)
         result = session.result_of(scene)
-        graph = build_graph(result.graph.table, result.contacts, result.sources, result.listeners, result.graph.frames)
-        for strategy, found in gains.items():
-            found.append(propagate(graph, Settings(strategy=strategy)).gain)
+        gains[Strategy.AUTO].append(propagate(result.graph, Settings(strategy=Strategy.AUTO)).gain)
+        gains[Strategy.ENERGY_BALANCE].append(result.propagation.gain)
         places.append([tuple(body.matrix_world.translation) for body in bodies])
     moved = np.linalg.norm(np.diff(places, axis=0), axis=2).max(axis=1)
     still = moved < AT_REST

@@ -37,6 +37,7 @@ def run(capsys, *arguments):
     return code, out, err
 
 
+@pytest.mark.slow
 def test_a_picture_beside_each_format_that_is_read_back(capsys, scene_file, tmp_path):
     arguments = ("export", scene_file, "--to", "wav,haptic,csv", "--out", tmp_path / "out", "--seconds", "1", "--picture")
     code, out, err = run(capsys, *arguments)

@@ -153,8 +153,7 @@ def test_tracing_is_toggled(scene):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("operator", ["make_objects", "add_listener", "guess_material", "clear"])
-def test_ten_thousand_objects(operator, add_box):
+def test_ten_thousand_objects(add_box):
     """They are done with a progress bar."""
     mesh = add_box("one", (0, 0, 0), (1, 1, 1), haptic=False).data
     collection = bpy.context.scene.collection
@@ -162,7 +161,14 @@ def test_ten_thousand_objects(operator, add_box):
         collection.objects.link(bpy.data.objects.new(f"Brick {number}", mesh))
     bpy.ops.object.select_all(action="SELECT")
     bpy.context.scene.haptics.tracing = False
-    assert getattr(bpy.ops.haptic, operator)() == {"FINISHED"}
-    if operator == "make_objects":
-        assert all(obj.haptics.enabled for obj in bpy.context.scene.objects)
-        assert len(bpy.context.scene.haptics.materials.items) == 1
+    bricks = list(bpy.context.selected_objects)
+    assert bpy.ops.haptic.make_objects() == {"FINISHED"}
+    assert all(obj.haptics.enabled for obj in bricks)
+    assert len(bpy.context.scene.haptics.materials.items) == 1
+    assert bpy.ops.haptic.guess_material() == {"FINISHED"}
+    assert bpy.ops.haptic.add_listener() == {"FINISHED"}
+    assert sum(obj.haptics.listener.enabled for obj in bpy.context.scene.objects) == len(bricks) == 10_001
+    for obj in bricks:
+        obj.select_set(True)
+    assert bpy.ops.haptic.clear() == {"FINISHED"}
+    assert not any(obj.haptics.enabled for obj in bricks)

@@ -114,6 +114,7 @@ def test_the_page_loads_nothing(tmp_path, tone):
     assert path.name == "ride.html" and [p.name for p in tmp_path.iterdir()] == ["ride.html"]
 
 
+@pytest.mark.slow
 def test_two_and_a_half_minutes_of_ten_listeners_stay_below_5_mb(tmp_path):
     """Of noise, which nothing packs."""
     noise = np.random.default_rng(0).uniform(-0.9, 0.9, (10, 150 * RATE)).astype(np.float32)

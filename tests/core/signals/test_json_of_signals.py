@@ -99,7 +99,7 @@ def forms(draw: st.DrawFn) -> dict[str, Any]:
 
 @pytest.mark.slow
 @given(json_values | forms())
-@settings(deadline=None, max_examples=500)
+@settings(deadline=None, max_examples=200)
 def test_any_json_gives_a_signal_or_a_value_error(data: object) -> None:
     try:
         signal = signal_from_dict(data)
