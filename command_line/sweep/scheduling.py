@@ -8,6 +8,7 @@ import logging
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from itertools import islice
 from typing import Any
@@ -68,6 +69,8 @@ def run_all(on: str, workers: int, tasks: Sequence[Mapping[str, Any]]) -> Iterat
                 failure = "every worker that tried it died"
             except OSError as error:
                 failure = str(error)
+            except CancelledError:
+                raise ValueError(f"--on {on}: the scheduler has gone; what is done is kept: run the same command again") from None
             yield future.key, failure
             waiting.update(submitted(1))
 

@@ -203,6 +203,19 @@ def test_workers_with_other_versions_and_clusters_without_workers_are_refused(tm
             worker.wait()
 
 
+@pytest.mark.slow
+def test_the_scheduler_knows_of_a_few_tasks_and_may_go(tmp_path):
+    tasks = [{"key": str(number)} for number in range(20)]  # each fails at once, as there is no variant in it
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
+        done = scheduling.run_all(cluster.scheduler_address, 1, tasks)
+        for _ in range(2):
+            assert "variant" in next(done)[1]
+            assert len(cluster.scheduler.tasks) <= 5  # four, and the one that is being forgotten
+        cluster.close()
+        with pytest.raises(ValueError, match="the scheduler has gone; what is done is kept"):
+            list(done)
+
+
 @pytest.fixture
 def results(tmp_path):
     """A table of three variants of two listeners."""
