@@ -25,8 +25,9 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import bpy
 import haptic_tracing
 import numpy as np
-from haptic_tracing.addon.view import lane, picture
+from haptic_tracing.addon.view import lane
 from haptic_tracing.core.render.waves import FULL_SCALE, Waves
+from haptic_tracing.pictures import picture
 
 from .report import publish, table
 

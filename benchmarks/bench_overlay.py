@@ -30,12 +30,13 @@ import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.scene_reader.settings import read_settings
 from haptic_tracing.addon.session import session, sessions, worker
-from haptic_tracing.addon.view import meters, overlay, picture, shader
+from haptic_tracing.addon.view import meters, overlay, shader
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.render.frame_result import FrameResult
 from haptic_tracing.core.scene.functions import Exponential
 from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Settings, Source
 from haptic_tracing.core.tracer import Frame, Tracer
+from haptic_tracing.pictures import picture
 from mathutils import Euler, Matrix
 
 from .report import publish, table

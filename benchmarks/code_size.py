@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-SHIPPED = ("core", "addon", "sample_scenes", "study", "command_line")
+SHIPPED = ("core", "addon", "sample_scenes", "pictures", "study", "command_line")
 PARTS = (*SHIPPED, "benchmarks", "packaging", "docs", "tests")
 LAYOUT = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)

@@ -8,8 +8,8 @@ from pathlib import Path
 from tqdm import tqdm
 
 from ..addon.changes.suspension import suspended
-from ..addon.view.picture import starts_gpu
 from ..core.formats.tracks.wav import write_wav
+from ..pictures.picture import starts_gpu
 from ..sample_scenes import build_sample
 from ..study import baking, plots
 from ..study.checks import Check, checks_of

@@ -18,10 +18,10 @@ from ..addon.changes.suspension import suspended
 from ..addon.io.capture import Capture
 from ..addon.io.frame_scene import scene_of_result, written_export
 from ..addon.session import session
-from ..addon.view.picture import draw_picture
 from ..core.formats.haptic_scene import read_export, write_export
 from ..core.formats.tracks.wav import write_wav
 from ..core.render.frame_result import FrameResult
+from ..pictures.picture import draw_picture
 from .playing import ImpactFelt, Played, play
 
 

@@ -13,8 +13,6 @@ from bpy.types import Scene
 
 from ..addon.changes.suspension import suspended
 from ..addon.session import session, timeline
-from ..addon.view.picture import viewport_picture
-from ..addon.view.png import write_png
 from ..addon.view.render_data import Options
 from ..core.arrays import FloatArray
 from ..core.formats.tracks.track_recorder import TrackRecorder
@@ -24,6 +22,8 @@ from ..core.render.mixdown import Mixdown
 from ..core.render.renderer import SAMPLE_RATE
 from ..core.scene.values import Mode, Settings, Source
 from ..core.signals import DEFAULT_IMPACT, Signal
+from ..pictures.picture import viewport_picture
+from ..pictures.png import write_png
 from ..sample_scenes.mine_ride import SECTIONS
 from .rendition import MODES, Rendition, Ride, Sounding
 from .sensitivity import Variation, VariedGraph

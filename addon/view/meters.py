@@ -10,8 +10,6 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Scene
 
-from ...core.render.frame_result import FrameResult
-from ...core.render.history import still_samples
 from ..blender.playing import is_playing
 from ..blender.text import text_width
 from ..changes.events import file_changed
@@ -21,7 +19,6 @@ from ..session import sessions
 from . import shader
 from .hud import Hud, Rectangle
 from .layout import corner_room, free_rectangle, is_main_view
-from .levels import LEVEL_SECONDS, levels
 from .meter_layout import Scope, meter_hud
 from .quads import quads_of
 from .screen import draw_flat, shared_atlas
@@ -53,15 +50,6 @@ def scope_of(scene: Scene) -> Scope | None:
         return None
     row = [listener.name for listener in traced.result.listeners].index(name)
     return Scope(name, traced.samples[row], traced.result.sample_rate)
-
-
-def meters_above(scene: Scene, result: FrameResult, size: tuple[int, int], scale: float) -> Hud:
-    """The meters at the upper left of a picture."""
-    shown = levels(result, still_samples(result, LEVEL_SECONDS), LEVEL_SECONDS)
-    margin = 12 * scale
-    items = meter_hud(shown, None, (0.35 * size[0], 0.5 * size[1]), scale, text_width, iface_("Mode {}").format(scene.haptics.mode))
-    high = max((top for _, _, _, top in items.bounds), default=0.0)
-    return items.moved(round(margin), round(size[1] - margin - high))
 
 
 def draw_pixels() -> None:

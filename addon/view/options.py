@@ -36,9 +36,3 @@ def _is_selected(full_name: str) -> bool:
         linked = bpy.data.libraries.get(library)
         obj = bpy.data.objects.get((name, linked.filepath)) if linked is not None else None
     return obj is not None and obj.select_get()
-
-
-def shown_options(scene: Scene) -> Options:
-    """The scene's options without a selection, for pictures."""
-    haptics = scene.haptics
-    return Options(haptics.show_intra, haptics.show_best_paths, haptics.show_labels)

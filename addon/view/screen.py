@@ -8,15 +8,7 @@ from typing import Any
 import gpu
 
 from . import shader
-from .hud import Hud
-from .quads import quads_of
 from .text_atlas import TextAtlas, pixels_to_clip
-
-
-def draw_hud(items: Hud, size: tuple[float, float], scale: float) -> None:
-    """Draw plates, lines, symbols and texts once, without caching."""
-    texts = shared_atlas().lines(items.texts)
-    draw_flat(shader.upload(quads_of((items.lines, texts), items.points)), size, scale)
 
 
 def draw_flat(batch: Any, size: tuple[float, float], scale: float) -> None:

@@ -13,10 +13,10 @@ import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.addon.session import session
-from haptic_tracing.addon.view import cycles_picture, picture
-from haptic_tracing.addon.view.options import shown_options
-from haptic_tracing.addon.view.png import write_png
 from haptic_tracing.command_line.playing import play
+from haptic_tracing.pictures import cycles_picture, picture
+from haptic_tracing.pictures.png import write_png
+from haptic_tracing.pictures.shown import shown_options
 from haptic_tracing.sample_scenes import build_sample
 
 FOLDER = Path(__file__).parent

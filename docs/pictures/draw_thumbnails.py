@@ -15,13 +15,14 @@ import bpy
 import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.changes.suspension import suspended
-from haptic_tracing.addon.view import overlay, picture
+from haptic_tracing.addon.view import overlay
 from haptic_tracing.addon.view.colour_map import GainScale
-from haptic_tracing.addon.view.options import shown_options
 from haptic_tracing.command_line.playing import play
 from haptic_tracing.core.scene.functions import HapticTracing
 from haptic_tracing.core.scene.materials import MATERIALS
 from haptic_tracing.core.signals import Noise, Pulse, Sine
+from haptic_tracing.pictures import picture
+from haptic_tracing.pictures.shown import shown_options
 from haptic_tracing.sample_scenes import SAMPLES, build_sample
 from PIL import Image
 

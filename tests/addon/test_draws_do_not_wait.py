@@ -15,8 +15,9 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.registration import classes
 from haptic_tracing.addon.session import session, sessions, worker
-from haptic_tracing.addon.view import layout, meters, overlay, picture
+from haptic_tracing.addon.view import layout, meters, overlay
 from haptic_tracing.core.tracer import Tracer
+from haptic_tracing.pictures import picture
 from mathutils import Matrix
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parent / "recording_layout.py")

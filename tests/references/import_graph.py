@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-PARTS = ("core", "addon", "sample_scenes", "study", "command_line")
+PARTS = ("core", "addon", "sample_scenes", "pictures", "study", "command_line")
 
 
 FLOORS = (
@@ -31,6 +31,7 @@ FLOORS = (
     ("addon.panels",),
     ("addon.registration",),
     ("__init__",),
+    ("pictures",),
     ("study",),
     ("command_line",),
 )

@@ -10,8 +10,10 @@ import pytest
 from haptic_tracing.addon.live_output.unfelt import device_words
 from haptic_tracing.addon.panels import result as result_panel
 from haptic_tracing.addon.session import session
-from haptic_tracing.addon.view import explanation, meter_pictures, meters, picture, watched
+from haptic_tracing.addon.view import explanation, meter_pictures, meters, watched
 from haptic_tracing.core.message import Cause, Message
+from haptic_tracing.pictures import picture
+from haptic_tracing.pictures.shown import meters_above
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)
@@ -177,7 +179,7 @@ def test_picture_has_the_meters_at_the_upper_left(felt, tmp_path):
     result, size = session.result_of(felt), (960, 540)
     plain, metered = (picture.viewport_picture(felt, result, size, meters=metered).astype(int) for metered in (False, True))
     changed = np.abs(plain - metered).max(axis=2) > 20
-    ((left, bottom, right, top),) = meters.meters_above(felt, result, size, 1.0).bounds
+    ((left, bottom, right, top),) = meters_above(felt, result, size, 1.0).bounds
     inside = np.zeros(size[::-1], dtype=bool)
     inside[: size[1] - int(bottom) + 3, : int(right) + 3] = True
     assert changed[inside].mean() > 0.5 * (right - left) * (top - bottom) / inside.sum()

@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from haptic_tracing.addon.blender.text import text_width
-from haptic_tracing.addon.view import cycles_picture, overlay, picture, raster
+from haptic_tracing.addon.view import overlay
 from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.camera import camera_view, picture_scale
-from haptic_tracing.addon.view.png import write_png
 from haptic_tracing.addon.view.render_data import SILENT_COLOUR, SOURCE_COLOUR, Options, render_data
+from haptic_tracing.pictures import cycles_picture, picture, raster
+from haptic_tracing.pictures.png import write_png
 from mathutils import Vector
 
 from .conftest import BRIDGE
@@ -226,7 +227,7 @@ def test_rendered_graph_is_hidden_unless_it_is_drawn_in_front(scene, camera, wal
 @pytest.mark.skipif(sys.platform != "linux", reason="EGL is Linux's way to a GPU without a screen")
 def test_without_egl_the_gpu_is_left_alone():
     """Blender itself ends with a segmentation fault there."""
-    program = "import bpy; from haptic_tracing.addon.view import picture; print('starts:', picture.starts_gpu())"
+    program = "import bpy; from haptic_tracing.pictures import picture; print('starts:', picture.starts_gpu())"
     nowhere = {"__EGL_VENDOR_LIBRARY_DIRS": "/nonexistent", "LIBGL_DRIVERS_PATH": "/nonexistent"}
     done = subprocess.run([sys.executable, "-c", program], env={**os.environ, **nowhere}, capture_output=True, text=True, check=True)
     assert "starts: False" in done.stdout

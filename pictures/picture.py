@@ -18,17 +18,18 @@ from bpy.types import Scene
 from gpu.types import GPUOffScreen
 from numpy.typing import NDArray
 
-from ...core.render.frame_result import FrameResult
-from ..blender import compatibility
-from ..scene_reader.settings import read_settings
-from . import overlay
-from .camera import camera_view, picture_scale
+from ..addon.blender import compatibility
+from ..addon.scene_reader.settings import read_settings
+from ..addon.view import overlay, shader
+from ..addon.view.camera import camera_view, picture_scale
+from ..addon.view.hud import Hud
+from ..addon.view.quads import quads_of
+from ..addon.view.render_data import Options
+from ..addon.view.screen import draw_flat, shared_atlas
+from ..core.render.frame_result import FrameResult
 from .cycles_picture import rendered_picture
-from .meters import meters_above
-from .options import shown_options
 from .png import write_png
-from .render_data import Options
-from .screen import draw_hud
+from .shown import meters_above, shown_options
 
 SMOOTHING = 2
 """Factor by which pictures are drawn larger and averaged down, for smooth edges."""
@@ -105,6 +106,12 @@ def viewport_picture(
     buffer.dimensions = width * height * 4
     pixels = np.array(buffer, dtype=np.uint8).reshape(height, width, 4)[::-1, :, :3]
     return averaged(pixels, SMOOTHING)
+
+
+def draw_hud(items: Hud, size: tuple[float, float], scale: float) -> None:
+    """Draw plates, lines, symbols and texts once, without caching."""
+    texts = shared_atlas().lines(items.texts)
+    draw_flat(shader.upload(quads_of((items.lines, texts), items.points)), size, scale)
 
 
 def averaged(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:

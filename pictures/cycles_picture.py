@@ -15,18 +15,17 @@ import numpy as np
 from bpy.types import Scene
 from numpy.typing import NDArray
 
-from ...core.arrays import FloatArray
-from ...core.render.frame_result import FrameResult
-from ..changes.suspension import suspended
-from ..scene_reader.settings import read_settings
-from .annotations import placed_annotations
-from .camera import camera_view, picture_scale
-from .graph_mesh import add_graph
-from .meters import meters_above
-from .options import shown_options
+from ..addon.changes.suspension import suspended
+from ..addon.scene_reader.settings import read_settings
+from ..addon.view.annotations import placed_annotations
+from ..addon.view.camera import camera_view, picture_scale
+from ..addon.view.graph_mesh import add_graph
+from ..addon.view.render_data import render_data
+from ..addon.view.solids import Solid, seen_unit, solid_graph
+from ..core.arrays import FloatArray
+from ..core.render.frame_result import FrameResult
 from .raster import paint, text_width
-from .render_data import render_data
-from .solids import Solid, seen_unit, solid_graph
+from .shown import meters_above, shown_options
 
 SAMPLES = 20
 GRAPH_SAMPLES = 12  # enough for smooth edges, as nothing scatters light

@@ -11,11 +11,11 @@ import bpy
 import numpy as np
 from bpy.types import VectorFont
 
-from ...core.arrays import BoolArray, FloatArray
-from ..blender.text import text_width as screen_width
-from .hud import Hud, Text
-from .render_data import Shape
-from .solids import layers
+from ..addon.blender.text import text_width as screen_width
+from ..addon.view.hud import Hud, Text
+from ..addon.view.render_data import Shape
+from ..addon.view.solids import layers
+from ..core.arrays import BoolArray, FloatArray
 
 _FINE = 4  # each pixel of a text is 4 x 4 samples
 _WEIGHT = 0.75  # makes thin strokes as dark as Blender's own, which are hinted

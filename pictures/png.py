@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.formats.io.atomic import write_bytes
+from ..core.formats.io.atomic import write_bytes
 
 
 def write_png(path: str | Path, pixels: NDArray[np.uint8]) -> None:
