@@ -1,4 +1,4 @@
-"""Messages to people as data: a cause and its arguments. `core.sentences` has the English table; other languages have their own."""
+"""Messages to people as data: a cause and its arguments. `core.sentences` writes them out."""
 
 from __future__ import annotations
 
@@ -6,81 +6,99 @@ import enum
 from dataclasses import dataclass
 
 
-class Cause(enum.StrEnum):
-    """Kinds of messages: reasons for silence, warnings of a traced frame, losses between listeners and actuators, faults of formulas."""
+@enum.unique
+class Cause(enum.Enum):
+    """Kinds of messages: reasons for silence, warnings of a traced frame, losses between listeners and actuators, faults of formulas.
+
+    The value is the sentence in English, with gaps for the arguments; other languages have a table by the causes' names.
+    """
 
     # What keeps a source from a listener: the source, the mode, what arrives
-    NO_SOURCE = enum.auto()
-    MUTED = enum.auto()
-    ZERO_AMPLITUDE = enum.auto()
-    FINISHED = enum.auto()
-    NEAREST_LISTENER_ONLY = enum.auto()
-    LOCALISED = enum.auto()
-    LISTENER_GAIN = enum.auto()
-    NOT_RENDERED = enum.auto()
-    PAUSE = enum.auto()
-    NOT_FELT = enum.auto()
+    NO_SOURCE = "there is no source, and no collision was strong enough to make one"
+    MUTED = "'{source}' is muted"
+    ZERO_AMPLITUDE = "'{source}' has amplitude 0"
+    FINISHED = "the signal of '{source}' ended at {end}"
+    NEAREST_LISTENER_ONLY = "in mode SD only '{listener}', the listener nearest to '{source}', feels it"
+    LOCALISED = "with Localise at 1 only '{listener}', the listener nearest to '{source}', feels it"
+    LISTENER_GAIN = "the gain of '{listener}' is 0"
+    NOT_RENDERED = "only this one frame was traced: play to feel what arrives"
+    PAUSE = "'{source}' reaches it with a gain of {gain}, but is silent at this moment"
+    NOT_FELT = "'{source}' reaches it with a gain of {gain}; at {frequency} that is {margin} under the threshold of feeling"
     # Gaps between objects
-    NO_CONTACT = enum.auto()
-    GAP = enum.auto()
-    NARROW_GAP = enum.auto()
-    SEVERAL_GAPS = enum.auto()
+    NO_CONTACT = "no contact leads from '{source}' on '{carrier}' to '{object}', which '{listener}' is on"
+    GAP = "no contact leads from '{source}' to it: '{first}' and '{second}' are {distance} apart"
+    NARROW_GAP = "no contact leads from '{source}' to it: '{first}' and '{second}' are {distance} apart; objects touch below {tolerance}"
+    SEVERAL_GAPS = (
+        "no contact leads from '{source}' to it: there are {count} gaps on the way, "
+        "the widest of {distance} between '{first}' and '{second}'"
+    )
     # Losses on the path
-    BELOW_THRESHOLD = enum.auto()
-    TOO_FAR = enum.auto()
-    TOO_LONG = enum.auto()
-    NO_CONNECTION_ALLOWED = enum.auto()
-    KAPPA_ONE = enum.auto()
-    RHO_ZERO = enum.auto()
-    FUNCTION_ZERO = enum.auto()
-    CONTACT_ZERO = enum.auto()
-    NO_SIMPLE_PATH = enum.auto()
+    BELOW_THRESHOLD = (
+        "the best path, {path}, has a gain of {gain}, below the threshold of {threshold}: '{object}' loses the most, {loss} over {distance}"
+    )
+    TOO_FAR = "'{source}' is {distance} away: {gain} is below the threshold of {threshold}"
+    TOO_LONG = "the path {path} has {count} connections, but Max Connections is {most}"
+    NO_CONNECTION_ALLOWED = "Max Connections is 0: no path is allowed"
+    KAPPA_ONE = "'{object}' transmits nothing, because its kappa is 1"
+    RHO_ZERO = "'{object}' transmits nothing, because its rho is 0"
+    FUNCTION_ZERO = "'{object}' transmits nothing over {distance}: change its function, {function}"
+    CONTACT_ZERO = "the contact of '{first}' and '{second}' transmits nothing"
+    NO_SIMPLE_PATH = "the path {path} would cross an object twice in a row"
     # Warnings of a frame
-    TRANSFORM_NOT_FINITE = enum.auto()
-    AMPLIFICATION = enum.auto()
-    PATH_BUDGET = enum.auto()
-    SUM_SET_BY_THRESHOLD = enum.auto()
-    SUM_SET_BY_CONNECTIONS = enum.auto()
-    SUM_TRUNCATED = enum.auto()
-    SUM_DIVERGES = enum.auto()
-    SUM_BUDGET = enum.auto()
-    GAIN_OVERFLOW = enum.auto()
-    FORCE_UNKNOWN = enum.auto()
+    TRANSFORM_NOT_FINITE = "'{object}' is left out: its transform is not finite"
+    AMPLIFICATION = "some gains are above 1: paths were searched by their number of connections; the energy balance counts such gains as 1"
+    PATH_BUDGET = "the search ended at its limit before the best paths were certain: see the error bounds"
+    SUM_SET_BY_THRESHOLD = (
+        "the sum over all paths from '{source}' is set by its threshold: what lies below adds up without bound "
+        "(walk radius at least {radius}); the strategies Automatic and Energy Balance do not depend on it"
+    )
+    SUM_SET_BY_CONNECTIONS = (
+        "the sum over all paths from '{source}' is set by Max Connections: longer paths add up without bound "
+        "(walk radius at least {radius}); the strategies Automatic and Energy Balance do not depend on it"
+    )
+    SUM_TRUNCATED = "the limits leave out more than the tolerance of a sum over all paths from '{source}': see the error bounds"
+    SUM_DIVERGES = "a sum over paths grows without bound: its gain is a lower bound; the strategy Energy Balance suits such a scene"
+    SUM_BUDGET = "the search ended at its limit before a sum over paths was certain: its gain is a lower bound, see the error bounds"
+    GAIN_OVERFLOW = "a gain is too large for a number: it is given as 1e300, a lower bound"
+    FORCE_UNKNOWN = (
+        "what presses '{first}' and '{second}' together can't be known: bodies need a mass, must rest on what carries "
+        "them, and at most 150 may hang together; as many contacts pass as if pressed by the reference force: {count}"
+    )
     # Losses between listeners and actuators
-    NO_ACTUATOR = enum.auto()
-    NO_BODY_PART = enum.auto()
-    ACTUATOR_GONE = enum.auto()
-    SHARED_ACTUATOR = enum.auto()
-    OUT_OF_BAND = enum.auto()
-    PARTLY_OUT_OF_BAND = enum.auto()
-    STRENGTH_ONLY = enum.auto()
-    LATE = enum.auto()
+    NO_ACTUATOR = "not felt: no device has an actuator at {body_part}"
+    NO_BODY_PART = "not felt: no actuator is chosen, and the listener has no body part"
+    ACTUATOR_GONE = "not felt through {actuators}: not connected"
+    SHARED_ACTUATOR = "felt together with {listeners}: they share {actuator} of {device}"
+    OUT_OF_BAND = "its signal ({low} to {high}) is outside what {actuator} of {device} can play ({lowest} to {highest})"
+    PARTLY_OUT_OF_BAND = "its signal ({low} to {high}) is partly outside what {actuator} of {device} can play ({lowest} to {highest})"
+    STRENGTH_ONLY = "{actuator} of {device} plays strength, not frequency"
+    LATE = "{actuator} of {device} answers after {delay}; more than {limit} is noticed"
     # Formulas that are not accepted
-    FORMULA_NOT_TEXT = enum.auto()
-    FORMULA_TOO_LONG = enum.auto()
-    FORMULA_TOO_COMPLEX = enum.auto()
-    FORMULA_INCOMPLETE = enum.auto()
-    FORMULA_SYNTAX = enum.auto()
-    FORMULA_INVALID = enum.auto()
-    FORMULA_UNKNOWN_NAME = enum.auto()
-    FORMULA_CALL = enum.auto()
-    FORMULA_ARGUMENTS = enum.auto()
-    FORMULA_NOT_ALLOWED = enum.auto()
-    FORMULA_NOT_A_NUMBER = enum.auto()
-    FORMULA_NUMBER_TOO_LARGE = enum.auto()
-    FORMULA_COMPARISON = enum.auto()
-    FORMULA_DEGREE = enum.auto()
-    FORMULA_X_IN_POWER = enum.auto()
-    FORMULA_X_IN_CONDITION = enum.auto()
-    FORMULA_X_IN_FUNCTION = enum.auto()
-    FORMULA_MIXED_TERMS = enum.auto()
+    FORMULA_NOT_TEXT = "expected text, got {type}"
+    FORMULA_TOO_LONG = "longer than {most} characters"
+    FORMULA_TOO_COMPLEX = "more than {most} parts"
+    FORMULA_INCOMPLETE = "not a formula: something is missing at its end"
+    FORMULA_SYNTAX = "not a formula: {parser}"
+    FORMULA_INVALID = "not a formula"
+    FORMULA_UNKNOWN_NAME = "unknown name '{name}'; known are {known}"
+    FORMULA_CALL = "'{name}' can't be called like this; functions are {known}"
+    FORMULA_ARGUMENTS = "wrong number of arguments of {name}(): {count} instead of {expected}"
+    FORMULA_NOT_ALLOWED = "{part} is not allowed"
+    FORMULA_NOT_A_NUMBER = "{value} is not a number"
+    FORMULA_NUMBER_TOO_LARGE = "number too large"
+    FORMULA_COMPARISON = "where() compares with <, <=, > or >="
+    FORMULA_DEGREE = "must be proportional to x, but grows with x to the power {degree}"
+    FORMULA_X_IN_POWER = "x can't stand in a power: the formula must be proportional to x"
+    FORMULA_X_IN_CONDITION = "a condition can't depend on x"
+    FORMULA_X_IN_FUNCTION = "x can't stand inside {name}(): the formula must be proportional to x"
+    FORMULA_MIXED_TERMS = "terms with and without x are mixed: the formula must be proportional to x"
     # What a formula does
-    FORMULA_CONTACT_VARIABLE = enum.auto()
-    FORMULA_NOT_FINITE = enum.auto()
-    FORMULA_NEGATIVE = enum.auto()
-    FORMULA_AMPLIFIES = enum.auto()
-    MIX_NOT_FINITE = enum.auto()
-    MIX_NOT_SILENT = enum.auto()
+    FORMULA_CONTACT_VARIABLE = "{name} is 0 inside an object: only a contact has one"
+    FORMULA_NOT_FINITE = "no finite value at {distance} m; divided by zero?"
+    FORMULA_NEGATIVE = "negative at {distance} m; a gain is 0 or more"
+    FORMULA_AMPLIFIES = "amplifies: the gain is {gain} at {distance} m"
+    MIX_NOT_FINITE = "no finite value where sum is {sum}: nothing is felt there"
+    MIX_NOT_SILENT = "{value} where no source sounds; it should be 0"
 
 
 class Metres(float):

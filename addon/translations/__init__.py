@@ -9,7 +9,7 @@ from typing import TypedDict
 
 import bpy
 
-from ...core.sentences import ENGLISH
+from ...core.message import Cause
 
 LOCALES = {"german": ("de_DE", "de")}
 """Blender's locales of each language."""
@@ -37,7 +37,7 @@ def dictionary() -> dict[str, dict[tuple[str, str], str]]:
     found: dict[str, dict[tuple[str, str], str]] = {}
     for name, locales in LOCALES.items():
         language = read_language(name)
-        texts = language["messages"] | {ENGLISH[cause]: language["sentences"][cause] for cause in ENGLISH}
+        texts = language["messages"] | {cause.value: language["sentences"][cause.name.lower()] for cause in Cause}
         messages = {(context, text): words for text, words in texts.items() for context in _CONTEXTS}
         found |= dict.fromkeys(locales, messages)
     return found

@@ -10,4 +10,4 @@ from ...core.message import Message
 
 def sentence(message: Message) -> str:
     """A sentence without a full stop; in English where the language has no translation."""
-    return sentences.sentence(message, iface_(sentences.ENGLISH[message.cause]))
+    return sentences.sentence(message, iface_(message.cause.value))

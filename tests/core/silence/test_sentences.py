@@ -4,11 +4,7 @@ import re
 
 import pytest
 from haptic_tracing.core.message import Cause, Chain, Decibels, Hertz, Message, Metres, Names, Seconds
-from haptic_tracing.core.sentences import ENGLISH, sentence, written
-
-
-def test_every_cause_has_a_sentence():
-    assert ENGLISH.keys() == set(Cause)
+from haptic_tracing.core.sentences import sentence, written
 
 
 @pytest.mark.parametrize(
@@ -41,6 +37,7 @@ def test_a_sentence_fills_names_that_look_like_gaps():
 
 
 def test_no_sentence_ends_with_a_full_stop_or_has_unnamed_gaps():
-    for words in ENGLISH.values():
+    for words in (cause.value for cause in Cause):
+        assert words
         assert not words.endswith(".")
         assert all(re.findall(r"\{(\w*)\}", words)), words
