@@ -22,6 +22,7 @@ from .graph.object_frames import ObjectFrames, local_centres
 from .message import Message
 from .scene.choices import Strategy
 from .scene.functions import ModulationFunction
+from .scene.impact_rule import ImpactRule
 from .scene.rule_table import RuleTable
 from .scene.rules import ImpactTemplates
 from .scene.values import HapticObject, Listener, Settings, Source, Vector
@@ -109,7 +110,7 @@ class CollisionDetector:
     def _tracked(self) -> ContactSettings:
         """What contacts and impacts are found by: the settings without what is made of impacts."""
         if self._known[0] is not self.settings:
-            rows = tuple(replace(row, does=row.does.limits()) for row in self.settings.impact_table.rows)
+            rows = tuple(replace(row, does=ImpactRule(limits=row.does.limits)) for row in self.settings.impact_table.rows)
             tracked = replace(self.settings, impacts=True, templates=ImpactTemplates.PLAIN, impact_table=RuleTable(rows))
             tracked = replace(tracked, transmission_table=RuleTable())
             self._known = self.settings, tracked

@@ -20,6 +20,7 @@ class Sample:
     """A sample scene: its name in commands, its title in menus, one sentence on what it shows.
 
     ``objects``: how many it has, about. ``count``: how many things it has where that can be chosen, else None.
+    ``variation``: by what part its impacts differ from each other.
     """
 
     name: str
@@ -27,10 +28,11 @@ class Sample:
     objects: int
     description: str
     count: int | None = None
+    variation: float = 0.1
 
     def build(self, scene: Scene, count: int | None = None) -> None:
         """Fill the empty ``scene``; ``count`` of its things instead of its own number. Raises ValueError where it has no such choice."""
-        module = import_module(f".{self.name}", __name__)
+        module, materials = (import_module(f".{name}", __name__) for name in (self.name, "materials"))
         if count is None:
             module.build(scene)
         elif self.count is None:
@@ -39,6 +41,9 @@ class Sample:
             raise ValueError(f"count: must be at least 4, got {count}")
         else:
             module.build(scene, count)
+        materials.fill_library(scene)
+        if self.variation:
+            materials.vary_impacts(scene, self.variation)
 
 
 SAMPLES: Mapping[str, Sample] = MappingProxyType(
@@ -57,7 +62,7 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
             Sample("domino_wall", "Wall of Dominoes", 1039, "A thousand impacts, one after the other", 1000),
             Sample("pile", "Pile", 243, "Hundreds of things in a tray on a shaking table", 200),
             Sample("air_blast", "Air Blast", 56, "An explosion is felt through a medium, the air"),
-            Sample("mine_ride", "Mine Ride", 461, "The ride of the paper's study: two and a half minutes in six sections"),
+            Sample("mine_ride", "Mine Ride", 461, "The ride of the paper's study: two and a half minutes in six sections", variation=0.0),
         )
     }
 )

@@ -85,8 +85,8 @@ FRONT_CROSSING, BACK_CROSSING = 222.0, 232.0
 CROSSINGS = (FRONT_CROSSING, BACK_CROSSING)
 
 # What the nine walls are made of, in the order of the ride.
-RIBBON = Substance(0.90, 0.50)
-GRANITE = Substance(0.05, 0.95)
+RIBBON = Substance(0.90, 0.50, "Ribbon")
+GRANITE = Substance(0.05, 0.95, "Granite")
 WALLS = (*(("Stone", GRANITE),) * 3, *(("Wood", WOOD),) * 3, *(("Ribbon", RIBBON),) * 3)
 WALL_PERIOD = 62  # frames
 WALL_BOTTOM, WALL_TOP, WALL_HALF_WIDTH, WALL_THICKNESS = 1.08, 2.65, 1.45, 0.35

@@ -43,6 +43,7 @@ def build(scene: Scene) -> None:
         count = round((high - low) / SLEEPER_SPACING)
         add_sleepers(scene, f"{name} Sleeper", wood, [low + (k + 0.5) * SLEEPER_SPACING for k in range(count)])
         for rail in add_rails(scene, f"{name} Rail", steel, low, high):
+            rail.haptics.material.name = "Rail Steel"
             rail.haptics.wave_speed = SPEED_IN_STEEL
     _add_locomotive(scene)
     bench_wood, metal = surface("Bench Wood", "#b9804a", 0.55, mottle=0.35, mottle_scale=9.0), surface("Dark Metal", "#33383d", 0.4, 0.8)

@@ -17,7 +17,7 @@ from ..blender.single_precision import shortest
 from ..properties.function import CONTACT_PARAMETERS, PARAMETERS
 from ..properties.function import TRANSMISSIONS as CONTACTS
 from ..scene_reader.functions import function_of_properties, stands_for
-from ..scene_reader.imported import OF_IMPACTS, text_of
+from ..scene_reader.imported import LIMITS, OF_IMPACTS, text_of
 from ..scene_reader.rules import TEMPLATES
 
 Does = TypeVar("Does")
@@ -131,6 +131,9 @@ def write_transmission(row: Any, function: ModulationFunction) -> None:
 def write_impact_rule(row: Any, rule: ImpactRule) -> None:
     """Make a row's properties those of ``rule``."""
     numbers = write_numbers(row, **{name: getattr(rule, name) for name in OF_IMPACTS})
+    if rule.limits is not None:
+        row.use_limits = True
+        numbers |= write_numbers(row, **{name: getattr(rule.limits, name) for name in LIMITS})
     for name in (*RANGES, "seed"):
         setattr(row, name, getattr(rule, name))
     kept = None if isinstance(rule.template, ImpactTemplates) else rule.template.to_dict()

@@ -114,10 +114,12 @@ class HAPTIC_PT_impact_table(HapticsPanel, Panel):
         layout.prop(rule, "template")
         if rule.template == "FILE":
             layout.prop(rule, "filepath")
-        column = layout.column(align=True)
-        column.prop(rule, "least_energy")
-        column.prop(rule, "full_energy")
-        column.prop(rule, "refractory")
+        layout.prop(rule, "use_limits")
+        if rule.use_limits:
+            column = layout.column(align=True)
+            column.prop(rule, "least_energy")
+            column.prop(rule, "full_energy")
+            column.prop(rule, "refractory")
         for curve in ("gain", "pitch", "decay", "brightness"):
             layout.row().prop(rule, curve)
         column = layout.column(align=True)

@@ -128,7 +128,8 @@ class HapticMaterial(PropertyGroup):
 
 def _chosen(self: HapticObjectMaterial, context: Context) -> None:
     """A material was chosen for an object: it takes its values."""
-    material = context.scene.haptics.materials.items.get(self.name) if self.name else None
+    is_here = bool(self.name) and context.scene in self.id_data.users_scene
+    material = context.scene.haptics.materials.items.get(self.name) if is_here else None
     if material is not None:
         write_values(self.id_data, values_of(material))
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bpy.props import CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from bpy.types import PropertyGroup
 
 from .callbacks import changed, edited
@@ -99,6 +99,9 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
     )
     filepath: StringProperty(
         name="File", description="The file with the vibration that impacts play", subtype="FILE_PATH", options=set(), update=changed
+    )
+    use_limits: BoolProperty(
+        name="Own Energies", description="These collisions need other energies than others of the scene", options=set(), update=changed
     )
     least_energy: least_energy("least_energy", options=set())
     full_energy: full_energy("full_energy", options=set())

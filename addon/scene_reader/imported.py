@@ -35,8 +35,8 @@ RULES = {
 }
 """Numbers of `ContactSettings` by the properties of a scene that hold them."""
 
-OF_IMPACTS = ("least_energy", "full_energy", "refractory", "bend", "variation")
-"""Numbers of a rule for impacts, which its properties and the core call alike."""
+OF_IMPACTS, LIMITS = ("bend", "variation"), ("least_energy", "full_energy", "refractory")
+"""Numbers of a rule for impacts and of its limits, which properties and the core call alike."""
 
 NEAR = 1e-5
 """Difference in metres, or in elements of a rotation, below which an object is where the file put it: Blender rounds to single

@@ -13,12 +13,12 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Scene
 
 from ...core.formats import registry
-from ...core.scene.impact_rule import RANGES, ImpactRule, ImpactTemplates
+from ...core.scene.impact_rule import RANGES, ImpactLimits, ImpactRule, ImpactTemplates
 from ...core.scene.rule_table import MOST_ROWS, Rule, RuleTable, Side
 from ...core.scene.values import HapticObject
 from ...core.signals import LONGEST, Signal
 from ..blender.single_precision import shortest
-from .imported import OF_IMPACTS, ImportedRule, exact, imported_rule
+from .imported import LIMITS, OF_IMPACTS, ImportedRule, exact, imported_rule
 from .problem import Problem
 
 Does = TypeVar("Does")
@@ -56,16 +56,21 @@ def _missing(kind: str, name: str) -> str:
 
 def read_impact_rule(row: Any) -> tuple[ImpactRule, str]:
     """What a row says of impacts; by material where its signal can't be played, with the reason."""
-    template: ImpactTemplates | Signal = ImpactTemplates.BY_MATERIAL
-    kept, fault = ImportedRule(), ""
     try:
         kept = imported_rule(row.imported)
-        template = _template(row, kept.signal)
+    except ValueError as error:
+        return _impact_rule(row, ImportedRule(), ImpactTemplates.BY_MATERIAL), str(error)
+    try:
+        return _impact_rule(row, kept, _template(row, kept.signal)), ""
     except (OSError, ValueError) as error:
-        fault = str(error)
-    numbers: dict[str, Any] = {name: exact(row, name, kept.numbers) for name in OF_IMPACTS}
-    numbers |= {name: tuple(map(shortest, getattr(row, name))) for name in RANGES}
-    return ImpactRule(template=template, seed=row.seed, **numbers), fault
+        return _impact_rule(row, kept, ImpactTemplates.BY_MATERIAL), str(error)
+
+
+def _impact_rule(row: Any, kept: ImportedRule, template: ImpactTemplates | Signal) -> ImpactRule:
+    values: dict[str, Any] = {name: exact(row, name, kept.numbers) for name in OF_IMPACTS}
+    values |= {name: tuple(map(shortest, getattr(row, name))) for name in RANGES}
+    limits = ImpactLimits(*(exact(row, name, kept.numbers) for name in LIMITS)) if row.use_limits else None
+    return ImpactRule(template=template, seed=row.seed, limits=limits, **values)
 
 
 def _template(row: Any, kept: Signal | None) -> ImpactTemplates | Signal:

@@ -154,8 +154,8 @@ class ContactTracker:
 
     def __init__(self, bodies: Sequence[Body], settings: ContactSettings | None = None) -> None:
         self.settings = settings or ContactSettings()
-        rules = self.settings.impact_rules()
-        self._least, self._refractory = min(rule.least_energy for rule in rules), max(rule.refractory for rule in rules)
+        limits = self.settings.all_limits()
+        self._least, self._refractory = min(item.least_energy for item in limits), max(item.refractory for item in limits)
         self._set(tuple(bodies))
         self.reset()
 
@@ -738,12 +738,12 @@ class ContactTracker:
             a, b = hits.pairs[k].tolist()
             key, when = a * len(self.bodies) + b, time - paths.duration + float(hits.after[k])
             last, speed = self._last_impact.get(key, (-np.inf, 0.0))
-            rule = self.settings.impact_rule(self.bodies[a].named, self.bodies[b].named)
-            resting = when - last < rule.refractory and hits.approach[k] < _STRONGER * speed
-            if energies[k] < rule.least_energy or resting:
+            limits = self.settings.impact_limits(self.bodies[a].named, self.bodies[b].named)
+            resting = when - last < limits.refractory and hits.approach[k] < _STRONGER * speed
+            if energies[k] < limits.least_energy or resting:
                 continue
             self._last_impact[key] = when, float(hits.approach[k])
-            impacts.append(hits.impact(k, when, float(energies[k]), rule.full_energy))
+            impacts.append(hits.impact(k, when, float(energies[k]), limits.full_energy))
         return tuple(impacts)
 
     def _disturb(self, hits: Hits | None, paths: Paths) -> None:

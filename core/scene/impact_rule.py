@@ -24,20 +24,34 @@ Curve = tuple[float, float]
 RANGES = {"gain": (0.0, 1.0), "pitch": (0.25, 4.0), "decay": (0.01, 1.0), "brightness": (0.0, 1.0)}
 """What the curves may range over."""
 BENDS = (0.1, 10.0)
-
 _QUIETEST = 1e-4
+_STEPS = 48
+"""Pitches an octave, 1.5 % apart, a tenth of what skin tells apart: recordings need a kernel for each."""
 
 
 @dataclass(frozen=True, slots=True)
-class ImpactRule:
-    """An impact is a begin of contact with at least ``least_energy`` (E_min) joules. A pair makes no second impact within ``refractory``
-    seconds. ``template``: what it plays, with amplitude ``gain``, and with ``pitch``, ``decay`` and ``brightness`` as `Struck` has them:
-    each is weak + (full - weak) s at strength s = min(energy / ``full_energy``, 1)^``bend``. ``variation`` in [0, 1]: by what part impacts
-    differ, chosen by ``seed``."""
+class ImpactLimits:
+    """An impact is a begin of contact with at least ``least_energy`` (E_min) joules; ``full_energy`` (E_max) gives full strength. A pair
+    makes no second impact within ``refractory`` seconds."""
 
     least_energy: float = 5.0
     full_energy: float = 100.0
     refractory: float = 0.1
+
+    def __post_init__(self) -> None:
+        for key in ("least_energy", "refractory"):
+            if not 0 <= getattr(self, key) < math.inf:
+                raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")
+        if not 0 < self.full_energy < math.inf:
+            raise ValueError(f"full_energy: must be finite and > 0, got {self.full_energy!r}")
+
+
+@dataclass(frozen=True, slots=True)
+class ImpactRule:
+    """What impacts play: the ``template`` with amplitude ``gain``, and with ``pitch``, ``decay`` and ``brightness`` as `Struck` has them.
+    Each of these is weak + (full - weak) s at strength s = min(energy / E_max, 1)^``bend``. ``variation`` in [0, 1]: by what part impacts
+    differ, chosen by ``seed``. ``limits``: where they are not those of the scene."""
+
     template: ImpactTemplates | Signal = ImpactTemplates.BY_MATERIAL
     gain: Curve = (0.0, 1.0)
     pitch: Curve = (1.0, 1.0)
@@ -46,6 +60,7 @@ class ImpactRule:
     bend: float = 1.0
     variation: float = 0.0
     seed: int = 0
+    limits: ImpactLimits | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.template, Signal):
@@ -54,19 +69,15 @@ class ImpactRule:
             raise ValueError(f"template: the signal of an impact must end within {LONGEST:g} seconds")
         elif not self.template.peak >= _QUIETEST:
             raise ValueError("template: the signal of an impact must not be silent")
-        for key in ("least_energy", "refractory"):
-            if not 0 <= getattr(self, key) < math.inf:
-                raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")
-        if not 0 < self.full_energy < math.inf:
-            raise ValueError(f"full_energy: must be finite and > 0, got {self.full_energy!r}")
         for key, (low, high) in {**RANGES, "bend": BENDS, "variation": (0.0, 1.0)}.items():
             values = getattr(self, key) if key in RANGES else (getattr(self, key),)
             if not all(low <= value <= high for value in values):
                 raise ValueError(f"{key}: must be from {low:g} to {high:g}, got {getattr(self, key)!r}")
 
-    def limits(self) -> ImpactRule:
-        """What decides on impacts alone."""
-        return ImpactRule(self.least_energy, self.full_energy, self.refractory)
+    @property
+    def slowest(self) -> float:
+        """The least pitch that any impact has."""
+        return max(min(self.pitch) * (1.0 - self.variation), RANGES["pitch"][0])
 
     def played(self, template: Signal, energy: float, names: tuple[str, str], onset: float) -> tuple[Signal, float]:
         """The signal and the amplitude of an impact between two objects at ``onset`` [s]; ``energy``: part of the full one, up to 1."""
@@ -79,7 +90,8 @@ class ImpactRule:
         if pitch == decay == brightness == 1.0:
             return template, amplitude
         low, high = RANGES["pitch"]
-        return Struck(template, min(max(pitch, low), high), max(decay, RANGES["decay"][0]), brightness), amplitude
+        step = round(_STEPS * math.log2(min(max(pitch, low), high)))
+        return Struck(template, 2.0 ** (step / _STEPS), max(decay, RANGES["decay"][0]), brightness), amplitude
 
 
 def _chances(seed: int, names: tuple[str, str], onset: float) -> tuple[float, float, float]:

@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass, field
 
 from .functions import ModulationFunction
-from .impact_rule import ImpactRule
+from .impact_rule import ImpactLimits, ImpactRule
 from .impact_rule import ImpactTemplates as ImpactTemplates
 from .rule_table import RuleTable
 
@@ -56,22 +56,34 @@ class ContactSettings:
     def __post_init__(self) -> None:
         object.__setattr__(self, "energy", ImpactEnergy(self.energy))
         object.__setattr__(self, "templates", ImpactTemplates(self.templates))
-        for key in ("tolerance", "slack", "least_energy", "refractory"):
+        for key in ("tolerance", "slack"):
             if not 0 <= getattr(self, key) < math.inf:
                 raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")
-        for key in ("full_energy", "time_scale"):
-            if not 0 < getattr(self, key) < math.inf:
-                raise ValueError(f"{key}: must be finite and > 0, got {getattr(self, key)!r}")
+        if not 0 < self.time_scale < math.inf:
+            raise ValueError(f"time_scale: must be finite and > 0, got {self.time_scale!r}")
+        assert self.limits  # which are checked when they are made
         gravity = tuple(float(g) for g in self.gravity)
         if len(gravity) != 3 or not all(math.isfinite(g) for g in gravity):
             raise ValueError(f"gravity: expected three finite numbers, got {self.gravity!r}")
         object.__setattr__(self, "gravity", gravity)
 
+    @property
+    def limits(self) -> ImpactLimits:
+        """What decides on impacts where no rule says something else."""
+        return ImpactLimits(self.least_energy, self.full_energy, self.refractory)
+
     def impact_rules(self) -> tuple[ImpactRule, ...]:
         """What counts where no row of the table fits, and the rows."""
-        general = ImpactRule(self.least_energy, self.full_energy, self.refractory, self.templates)
-        return general, *(row.does for row in self.impact_table.rows)
+        return ImpactRule(self.templates), *(row.does for row in self.impact_table.rows)
+
+    def all_limits(self) -> tuple[ImpactLimits, ...]:
+        """What decides on impacts of any objects."""
+        return self.limits, *(rule.limits for rule in self.impact_rules() if rule.limits is not None)
 
     def impact_rule(self, first: tuple[str, str], second: tuple[str, str]) -> ImpactRule:
-        """What counts for impacts of two objects, each given by name and material."""
-        return self.impact_table.of(first, second) or self.impact_rules()[0]
+        """What impacts of two objects, each given by name and material, play."""
+        return self.impact_table.of(first, second) or ImpactRule(self.templates)
+
+    def impact_limits(self, first: tuple[str, str], second: tuple[str, str]) -> ImpactLimits:
+        """What decides on impacts of two objects."""
+        return self.impact_rule(first, second).limits or self.limits

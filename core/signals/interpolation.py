@@ -115,6 +115,6 @@ def _table_weights(phase: FloatArray, stretch: float) -> FloatArray:
     return np.asarray(table[row] + share * (table[row + 1] - table[row]))
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=64)
 def _table(stretch: float) -> FloatArray:
     return kernel_weights(np.linspace(0.0, 1.0, max(math.ceil(_PHASES / stretch), 16) + 1), stretch)

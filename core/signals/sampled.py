@@ -14,8 +14,7 @@ from .interpolation import interpolate
 from .limits import MAX_PEAK, checked_number
 
 MAX_SAMPLES = 4_000_000
-OVERSHOOT = 4.0
-"""Bound of the values between samples, relative to the largest sample."""
+_OVERSHOOT = 4.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,7 +34,7 @@ class Sampled(Signal):
         object.__setattr__(self, "rate", checked_number("rate", self.rate, 1.0, 192_000.0))
         object.__setattr__(self, "samples", _checked_samples(self.samples))
         # The largest sum of the kernel's magnitudes bounds what interpolation can overshoot.
-        object.__setattr__(self, "peak", OVERSHOOT * float(np.max(np.abs(self.samples))))
+        object.__setattr__(self, "peak", _OVERSHOOT * float(np.max(np.abs(self.samples))))
 
     @property
     def duration(self) -> float:
@@ -60,7 +59,7 @@ def _checked_samples(numbers: Sequence[float] | FloatArray) -> FloatArray:
         raise ValueError("samples: must be a list of numbers") from None
     if samples.ndim != 1 or not 1 <= samples.size <= MAX_SAMPLES:
         raise ValueError(f"samples: must be a list of 1 to {MAX_SAMPLES} numbers")
-    if not np.all(np.abs(samples) <= MAX_PEAK / OVERSHOOT):
-        raise ValueError(f"samples: must be finite and within ±{MAX_PEAK / OVERSHOOT:g}")
+    if not np.all(np.abs(samples) <= MAX_PEAK / _OVERSHOOT):
+        raise ValueError(f"samples: must be finite and within ±{MAX_PEAK / _OVERSHOOT:g}")
     samples.setflags(write=False)
     return samples

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...contacts.shapes import Shape, shape_from_dict
 from ...scene.functions import FUNCTIONS, TRANSMISSIONS, ModulationFunction, function_from_dict
-from ...scene.impact_rule import ImpactRule
+from ...scene.impact_rule import ImpactLimits, ImpactRule
 from ...scene.references import Place, PlacedError
 from ...scene.rule_table import Rule, RuleTable, Side
 from ...scene.rules import ContactSettings
@@ -100,6 +100,8 @@ def _read_impact_rule(form: Mapping[str, Any], place: Place) -> ImpactRule:
     arguments = dict(form)
     if isinstance(form.get("template"), dict):
         arguments["template"] = _placed(lambda: signal_from_dict(form["template"]), form["template"], (*place, "template"))
+    if "limits" in form:
+        arguments["limits"] = read_value(ImpactLimits, form["limits"], (*place, "limits"))
     return read_value(ImpactRule, arguments, place)
 
 
@@ -153,6 +155,8 @@ def json_value(value: Any) -> Any:
             return {"position": list(value.position), "rotation": list(value.rotation)}
         case ModulationFunction() | Shape() | Signal():
             return value.to_dict()
+        case ImpactLimits():
+            return item_to_dict(value)
         case RuleTable():
             return [{"between": [item_to_dict(side) for side in row.between], **_does_to_dict(row.does)} for row in value.rows]
         case Mapping():

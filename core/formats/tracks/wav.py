@@ -159,7 +159,7 @@ class StoredSamples:
             self.rate = self._wav.rate
             for first in range(0, self._wav.count, CHUNK):
                 if not (np.abs(self[:, first : first + CHUNK]) <= MAX_SAMPLE).all():
-                    raise ValueError(f"has samples beyond ±{MAX_SAMPLE:g}")
+                    raise ValueError(f"has samples that are not finite or beyond ±{MAX_SAMPLE:g}")
         except ValueError:
             self._file.close()
             raise

@@ -98,8 +98,8 @@ def test_faults_of_rules_name_their_place(tmp_path, rules, pointer):
 
 KNOCK = {"signal": "decaying_sine", "frequency": 99.0, "decay": 0.05, "amplitude": 0.5}
 TABLE = [
-    {"between": [{"material": "Iron*"}], "least_energy": 1000.0},
-    {"between": [{"object": "cube"}, {"material": "Wood"}], "least_energy": 0.5, "full_energy": 1000.0, "template": KNOCK},
+    {"between": [{"material": "Iron*"}], "limits": {"least_energy": 1000.0}},
+    {"between": [{"object": "cube"}, {"material": "Wood"}], "template": KNOCK, "limits": {"least_energy": 0.5, "full_energy": 1000.0}},
 ]
 
 
@@ -141,7 +141,7 @@ def test_materials_that_stood_among_the_extras_are_read(tmp_path):
 @pytest.mark.parametrize(
     ("row", "pointer"),
     [({"between": [{}, {}, {}]}, "/between"), ({"between": [{"object": "a", "material": "b"}]}, "/between/0"),
-     ({"full_energy": 0}, "/full_energy"), ({"template": "loud"}, "/template"),
+     ({"limits": {"full_energy": 0}}, "/limits/full_energy"), ({"template": "loud"}, "/template"),
      ({"template": {"signal": "sine", "frequency": 60}}, "/template"),
      ({"template": {**KNOCK, "decay": -1}}, "/template/decay"), ({"colour": 1}, "/colour")],
 )  # fmt: skip

@@ -9,6 +9,7 @@ from haptic_tracing.core.signals import Constant, DecayingSine, Gain, Sampled, S
 
 RING = DecayingSine(200.0, 0.05)
 PAIR = ("anvil", "hammer")
+STEP = 2 ** (1 / 96) - 1  # pitches are a 48th of an octave apart
 VARIED = ImpactRule(variation=0.2, seed=7)
 
 
@@ -24,7 +25,8 @@ def test_curves_go_from_weak_to_full_with_the_strength(bend, energy):
     signal, amplitude = rule.played(RING, energy, PAIR, 1.0)
     strength = energy**bend
     assert amplitude == pytest.approx(0.1 + 0.8 * strength)
-    assert (signal.pitch, signal.decay, signal.brightness) == pytest.approx((0.5 + 1.5 * strength, 0.2 + 0.8 * strength, 0.6 * strength))
+    assert (signal.decay, signal.brightness) == pytest.approx((0.2 + 0.8 * strength, 0.6 * strength))
+    assert signal.pitch == pytest.approx(0.5 + 1.5 * strength, rel=STEP)
     assert signal.of is RING
 
 
@@ -43,7 +45,7 @@ def test_variations_are_even_and_stay_in_their_range():
     """Uniform, as far as the moments of 2,000 of them tell: mean and variance of uniform numbers, within five standard errors."""
     played = [VARIED.played(RING, 0.5, PAIR, 0.01 * number) for number in range(2000)]
     parts = np.array([[(signal.pitch - 0.8) / 0.4, (1 - signal.decay) / 0.2, (1 - amplitude / 0.5) / 0.2] for signal, amplitude in played])
-    assert parts.min() >= -1e-9 and parts.max() <= 1 + 1e-9
+    assert parts.min() >= -STEP / 0.4 * 1.2 and parts.max() <= 1 + STEP / 0.4 * 1.2
     assert parts.mean(axis=0) == pytest.approx([0.5] * 3, abs=5 * math.sqrt(1 / 12 / 2000))
     assert parts.var(axis=0) == pytest.approx([1 / 12] * 3, abs=5 * math.sqrt(1 / 180 / 2000))
     assert np.abs(np.corrcoef(parts.T) - np.eye(3)).max() < 5 / math.sqrt(2000)
@@ -62,7 +64,7 @@ def test_pitch_and_decay_keep_what_a_template_allows():
      ({"template": Constant(1e-5, 1.0)}, "template: .* silent"), ({"template": "loud"}, "loud"), ({"gain": (0.0, 1.5)}, "gain"),
      ({"pitch": (0.0, 1.0)}, "pitch"), ({"decay": (math.nan, 1.0)}, "decay"),
      ({"brightness": (-1.0, 1.0)}, "brightness"), ({"bend": 0.0}, "bend"),
-     ({"variation": 2.0}, "variation"), ({"least_energy": -1.0}, "least_energy"), ({"full_energy": 0.0}, "full_energy")],
+     ({"variation": 2.0}, "variation")],
 )  # fmt: skip
 def test_faults_are_named(arguments, words):
     with pytest.raises(ValueError, match=words):
