@@ -67,7 +67,8 @@ def _make_physical(scene: Scene) -> None:
     """Give every object of a substance of the samples the measured function of that material."""
     for obj in scene.objects:
         haptics = obj.haptics
-        material = _PRESETS.get(substances.Substance(round(haptics.kappa, 3), round(haptics.rho, 3)))
+        own_values = (round(haptics.kappa, 3), round(haptics.rho, 3))
+        material = next((preset for item, preset in _PRESETS.items() if (item.kappa, item.rho) == own_values), None)
         if haptics.enabled and material is not None and not haptics.medium:
             haptics.kappa, haptics.rho = material.kappa, material.rho
             form = physical(material.name, tuple(obj.dimensions)).to_dict()
