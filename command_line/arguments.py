@@ -37,6 +37,17 @@ def _propagate(parser: Parser) -> None:
     parser.add_argument("--tolerance", type=_not_negative, metavar="X", help="relative error wanted of a sum that is out of reach (0.01)")
 
 
+def _fit(parser: Parser) -> None:
+    parser.add_argument("scene", metavar="SCENE.json", help="haptic scene; without contacts they are found from shapes and poses")
+    parser.add_argument("recorded_source", metavar="SOURCE.wav", type=Path, help="recorded at the source")
+    parser.add_argument("recorded_listener", metavar="LISTENER.wav", type=Path, help="recorded at the listener at the same time")
+    parser.add_argument("--source", required=True, metavar="NAME", help="the source in the scene")
+    parser.add_argument("--listener", required=True, metavar="NAME", help="the listener in the scene")
+    parser.add_argument("--object", required=True, metavar="NAME", help="the object, of function physical, whose loss is fitted")
+    parser.add_argument("--contact", nargs=2, metavar=("A", "B"), help="the contact whose gain is fitted, too")
+    parser.add_argument("--out", type=Path, metavar="NEW.json", help="write the scene with the fitted values")
+
+
 def _contacts(parser: Parser) -> None:
     parser.add_argument("scene", metavar="SCENE.json", help="haptic scene")
     parser.add_argument(
@@ -155,6 +166,11 @@ def _validate(parser: Parser) -> None:
 
 SUBCOMMANDS: Mapping[str, Subcommand] = {
     "propagate": Subcommand("gains of a haptic scene file", "Print the gains of a haptic scene file as one JSON object.", _propagate),
+    "fit": Subcommand(
+        "loss of an object and a contact from two recordings",
+        "Fit the loss of an object and the gain of a contact to two recordings of one event, at the source and at a listener.",
+        _fit,
+    ),
     "contacts": Subcommand(
         "contacts of a haptic scene file",
         "Print the contacts of a haptic scene file, found from the shapes and poses of its objects.",
