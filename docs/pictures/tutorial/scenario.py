@@ -19,7 +19,7 @@ def steps(window):
     yield from window.show_sidebar()
     with window.context():
         tutorial.make_haptic()
-    yield 0.5
+    yield 5.0  # the curve is drawn beside Blender
     yield from window.screenshot("make-haptic")
 
     with window.context():

@@ -84,7 +84,7 @@ def steps(window):
         window.seen[f"{name} is named once"] = sum(name in f"{problem.object} {problem.message}" for problem in problems) == 1
     window.seen["and the others are felt"] = abs(level() - felt) < 1
     yield from window.screenshot("problems")
-    for obj in (instance, armature, huge):
+    for obj in (instance, *armature.children, armature, huge):
         bpy.data.objects.remove(obj)
 
     # A wished level.
@@ -98,6 +98,7 @@ def steps(window):
     scene.haptics.materials.items[0].is_free = True
     bpy.ops.ed.undo_push(message="Wish")
     yield 1.0
+    yield from window.scroll_sidebar(60)
     yield from window.click_button("haptic.design_by_wish")
     yield 1.5
     window.seen["the wish is met"] = abs(level() - (felt - 6)) < 1
