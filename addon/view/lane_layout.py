@@ -19,7 +19,7 @@ from .render_data import Drawn, Points, Shape
 
 # Points at a user interface scale of 1.
 _ROW, _LEAST_ROW, _GAP = 30.0, 9.0, 1.0
-_NAME_WIDTH = 110.0
+_NAME_WIDTH, _RULER = 110.0, 26.0
 _BESIDE_IMPACT = 8.0  # of two impacts nearer to each other the stronger one is drawn
 _SHARE = 0.66  # part of the region's height
 _BACKGROUND = (0.075, 0.075, 0.085, 0.72)
@@ -37,9 +37,12 @@ class Row:
 
 
 def rows_of(listeners: Sequence[str], first: str, height: float, bottom: float, scale: float) -> tuple[Row, ...]:
-    """The rows, from the top down to ``bottom``, of a region of ``height`` pixels. Where not all have room, ``first`` and those before."""
-    room = _SHARE * (height - bottom)
+    """The rows, from the top down to ``bottom``, of a region of ``height`` pixels. Where not all have room, ``first`` and
+    those before; none where not even two have."""
+    room = min(_SHARE * (height - bottom), height - bottom - _RULER * scale)
     count = min(len(listeners), int(room / (_LEAST_ROW * scale)))
+    if count < min(len(listeners), 2):
+        return ()
     shown = [name for name in listeners if name == first][:count]
     shown += [name for name in listeners if name != first][: count - len(shown)]
     shown.sort(key=list(listeners).index)

@@ -29,12 +29,12 @@ def test_baked_waves_have_the_samples_and_impacts_of_the_track():
 
 def test_rows_stay_in_their_part_of_the_region():
     names = [f"listener {k}" for k in range(10)]
-    for height in (60, 120, 300, 1000):
+    for height in (90, 120, 300, 1000):
         rows = rows_of(names, "listener 9", height, 22, 1.0)
         assert rows[-1].listener == "listener 9" and [row.listener for row in rows] == sorted(row.listener for row in rows)
         assert all(row.middle - row.half >= 22 and row.middle + row.half <= height for row in rows)
         assert all(upper.middle - upper.half >= lower.middle + lower.half for upper, lower in pairwise(rows))
-    assert len(rows) == 10 and rows_of(names, "", 20, 22, 1.0) == ()
+    assert len(rows) == 10 and rows_of(names, "", 60, 22, 1.0) == ()
 
 
 def test_heights_are_decibels_and_what_is_not_known_has_none():
