@@ -58,13 +58,13 @@ def _levels(rows: Sequence[Row], over: str) -> Any:
     for row in rows:
         if row["level"] is not None and row[over] is not None:
             levels[row["listener"]][row[over]].append(row["level"])
-    figure, axes = plt.subplots(layout="constrained")
+    figure, axes = plt.subplots(figsize=(8, 5), layout="constrained")
     for listener, by_value in levels.items():
         values = sorted(by_value)
         (line,) = axes.plot(values, [sum(by_value[value]) / len(by_value[value]) for value in values], marker="o", label=listener)
         ends = [min(by_value[value]) for value in values], [max(by_value[value]) for value in values]
         axes.fill_between(values, *ends, color=line.get_color(), alpha=0.06, linewidth=0)
-    axes.set(xlabel=over, ylabel="level [dB]", title="Level of each listener: mean and range over all else that varies")
+    axes.set(xlabel=over, ylabel="level [dB]", title="Mean level, and its range over all else that varies")
     if levels:
         figure.legend(loc="outside right upper", fontsize="small")
     return figure
@@ -93,7 +93,7 @@ def pareto(rows: Sequence[Row]) -> list[Row]:
 
 def _time_against_error(rows: Sequence[Row]) -> Any:
     """All variants, and those that are the fastest for their error with their numbers."""
-    figure, axes = plt.subplots(layout="constrained")
+    figure, axes = plt.subplots(figsize=(8, 5), layout="constrained")
     every, best = by_variant(rows), pareto(rows)
     axes.plot([row["milliseconds"] for row in every], [row["error_bound"] for row in every], "o", color="lightgray")
     axes.plot([row["milliseconds"] for row in best], [row["error_bound"] for row in best], "o-", color="tab:blue")
