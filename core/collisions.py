@@ -111,9 +111,10 @@ class CollisionDetector:
         """What contacts and impacts are found by: the settings without what is made of impacts."""
         if self._known[0] is not self.settings:
             rows = tuple(replace(row, does=ImpactRule(limits=row.does.limits)) for row in self.settings.impact_table.rows)
-            tracked = replace(self.settings, impacts=True, templates=ImpactTemplates.PLAIN, impact_table=RuleTable(rows))
-            tracked = replace(tracked, transmission_table=RuleTable())
-            self._known = self.settings, tracked
+            settings = replace(
+                self.settings, impacts=True, templates=ImpactTemplates.PLAIN, impact_table=RuleTable(rows), transmission_table=RuleTable()
+            )
+            self._known = self.settings, settings
         return self._known[1]
 
     @property

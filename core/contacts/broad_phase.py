@@ -35,7 +35,8 @@ def overlapping_pairs(bounds: FloatArray, moved: BoolArray | None = None) -> Int
 
 def _sorted(pairs: IntArray, count: int) -> IntArray:
     """Pairs sorted, the smaller number first."""
-    keys = np.sort(pairs.min(axis=1) * count + pairs.max(axis=1)) if len(pairs) else np.zeros(0, dtype=np.int64)
+    first, second = pairs.T
+    keys = np.sort(np.minimum(first, second) * count + np.maximum(first, second))
     return np.stack([keys // max(count, 1), keys % max(count, 1)], axis=1)
 
 
@@ -52,15 +53,16 @@ def _overlapping(bounds: FloatArray, a: IntArray, b: IntArray) -> IntArray:
 def _with_all(bounds: FloatArray, active: IntArray, is_active: BoolArray) -> IntArray:
     """Pairs of each active box with all boxes, each pair once."""
     found = []
+    low, high = np.ascontiguousarray(bounds.transpose(1, 2, 0))  # (3, n): compared along the boxes
     step = max(1, _CHUNK // max(len(bounds), 1))
     for begin in range(0, len(active), step):
         rows = active[begin : begin + step]
         met = np.ones((len(rows), len(bounds)), dtype=np.bool_)
         for axis in range(3):
-            met &= bounds[None, :, 0, axis] <= bounds[rows, None, 1, axis]
-            met &= bounds[None, :, 1, axis] >= bounds[rows, None, 0, axis]
-        row, other = np.nonzero(met)
-        row = rows[row]
+            met &= low[axis] <= high[axis, rows, None]
+            met &= high[axis] >= low[axis, rows, None]
+        place = met.reshape(-1).nonzero()[0]
+        row, other = rows[place // len(bounds)], place % len(bounds)
         kept = (row < other) | ((row > other) & ~is_active[other])
         found.append(np.stack([row[kept], other[kept]], axis=1))
     return np.concatenate(found) if found else np.zeros((0, 2), dtype=np.int64)

@@ -79,9 +79,9 @@ class BoxPairs:
         some, every = bool(sharp.any()), bool(sharp.all())
         size = []
         for body in (first, second):
-            half, radius = self._half[:, body], self._radius[body]
+            half, radius = self._half.take(body, axis=1), self._radius[body]
             if some:
-                sharp_half, sharp_radius = self._sharp_half[:, body], self._sharp_radius[body]
+                sharp_half, sharp_radius = self._sharp_half.take(body, axis=1), self._sharp_radius[body]
                 half = sharp_half if every else np.where(sharp, sharp_half, half)
                 radius = sharp_radius if every else np.where(sharp, sharp_radius, radius)
             size.append((half, radius))
