@@ -297,7 +297,7 @@ class ContactTracker:
         flat = transforms[:, :3].reshape(-1, 12).copy()
         differs = flat != self._flat
         if not differs.any():
-            self._history.advance(time, flat[:, _COLUMNS].T, np.zeros(0, dtype=np.int64))
+            self._history.advance(time, flat.T.take(_COLUMNS, axis=0), np.zeros(0, dtype=np.int64))
             self._lost = False
             return np.zeros(0, dtype=np.int64), ()
         self._before = (self._low.copy(), self._high.copy())
@@ -315,10 +315,11 @@ class ContactTracker:
         self._flat[moved] = poses
         left = moved[(~(np.abs(poses - self._rest[moved]) <= self._still[moved])).any(axis=1)]
         self._rest[left] = self._flat[left]
-        self._pose[:, moved] = poses[:, _COLUMNS].T
+        columns = flat.T.take(_COLUMNS, axis=0)
+        pose = self._pose[:, moved] = columns.take(moved, axis=1)
         self._version[moved] += 1
-        self._low[:, moved], self._high[:, moved] = self._world_bounds(moved, self._pose[:, moved])
-        self._history.advance(time, flat[:, _COLUMNS].T, left)
+        self._low[:, moved], self._high[:, moved] = self._world_bounds(moved, pose)
+        self._history.advance(time, columns, left)
         self._history.disturb(lost)
         names = [self.bodies[k].name for k in lost.tolist()]
         warnings = tuple(Message.of(Cause.TRANSFORM_NOT_FINITE, name, object=name) for name in names)
