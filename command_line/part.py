@@ -68,6 +68,8 @@ def _baked(scene: Scene, origin: Origin, number: int, start: int) -> Part:
     own = session.of(scene)
     with tqdm(total=last - start + 1, desc=origin.title(number), unit="frame") as bar:
         for step in timeline.steps(scene, start, last):
+            if not step.result.listeners:
+                raise ValueError("there is no listener: add one to feel something")
             if step.result.number == first - 1:
                 before = own.tracer.checksum()
             elif step.result.number >= first:

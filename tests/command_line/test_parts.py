@@ -16,7 +16,9 @@ from haptic_tracing.command_line import build_parser, main, merge, part
 from haptic_tracing.command_line.part_file import HeardFrame, Origin, Part, programs, read_part, write_part
 from haptic_tracing.command_line.sample import _bake_rigid_bodies
 from haptic_tracing.core.formats.tracks.track_recorder import TrackRecorder
-from haptic_tracing.core.scene.values import SourceKind
+from haptic_tracing.core.propagation import Propagation
+from haptic_tracing.core.scene.values import Listener, Source, SourceKind
+from haptic_tracing.core.signals import Sampled, Sine
 from haptic_tracing.sample_scenes import SAMPLES, build_sample
 
 RINGING = ("jackhammer_bench", "hammer_nail")
@@ -151,6 +153,35 @@ def test_damaged_parts_are_named(hammer, tmp_path, capsys):
         Path(second).write_bytes(damaged)
         assert main(["merge", first, second, "--out", str(tmp_path / "out")]) == 2
         assert f"{second}: no part of a bake, or damaged" in capsys.readouterr().err
+
+
+def test_a_part_keeps_recordings_bands_and_delays_to_the_bit(tmp_path):
+    rng = np.random.default_rng(1)
+    recording = Sampled(rng.normal(scale=0.1, size=1000), 8000.0)
+    saw = Source("saw", "box", (1.0, 2.0, 3.0), 0.3, signal=recording, extras={"x": [1, {"y": 2}]})
+    hit = Source("hit", "box", kind=SourceKind.TEMPORARY, signal=Sine(60.0 + 1e-13), second_object="floor", onset=0.1 / 3)
+
+    def frame(number, *sources, bands):
+        shape, none = (len(sources), 1), np.zeros((len(sources), 1))
+        more = (rng.random((*shape, 6)), None) if bands else (None, rng.random(shape))
+        gains = Propagation(rng.random(shape), none, none.astype(int), none.astype(bool), {}, (), *more)
+        return HeardFrame(number, number / 7, sources, (Listener("hand", "box", (number, 0.0, 0.0)),), gains)
+
+    frames = (
+        frame(1, saw, bands=True),
+        frame(2, bands=False),
+        frame(3, saw, hit, bands=False),
+        frame(4, replace(saw, amplitude=0.1), bands=True),
+    )
+    write_part(Part(origin_of("any", 4, 1), 1, 8000.0, "", "after", frames), tmp_path / "part.npz")
+    for kept, read in zip(frames, read_part(tmp_path / "part.npz").frames, strict=True):
+        assert (kept.number, kept.time, len(kept.sources)) == (read.number, read.time, len(read.sources))
+        for one, other in zip(kept.sources, read.sources, strict=True):
+            keys = ("name", "amplitude", "kind", "signal", "onset", "priority", "extras")
+            assert [getattr(one, key) for key in keys] == [getattr(other, key) for key in keys]
+        for key in ("gain", "band_gain", "delay"):
+            one, other = getattr(kept.propagation, key), getattr(read.propagation, key)
+            assert (one is None) == (other is None) and (one is None or one.tobytes() == other.tobytes())
 
 
 def test_an_array_is_read_only_as_far_as_the_file_goes(tmp_path):
