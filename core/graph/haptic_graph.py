@@ -58,6 +58,7 @@ class ObjectTable:
         band_gains: (n, bands), or None where no object uses them.
         band_decays: (n, bands) [1/m], or None.
         slowness: (n,) [s/m], or None.
+        properties: (3, n) kappa, rho and impedance, which transmission functions may depend on.
     """
 
     names: tuple[str, ...]
@@ -71,6 +72,7 @@ class ObjectTable:
     band_gains: FloatArray | None
     band_decays: FloatArray | None
     slowness: FloatArray | None
+    properties: FloatArray
     _index: dict[str, int] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -100,6 +102,7 @@ class ObjectTable:
             band_gains=bands,
             band_decays=decays,
             slowness=slowness,
+            properties=np.array([(o.kappa, o.rho, o.propagation.impedance) for o in ordered], dtype=np.float64).reshape(-1, 3).T,
         )
 
     def index(self) -> Mapping[str, int]:
@@ -523,9 +526,9 @@ def _transmission_gains(
     distance: FloatArray,
     forces: FloatArray | None,
 ) -> FloatArray:
-    kappa, rho = (np.array([getattr(o, key) for o in table.objects]) for key in ("kappa", "rho"))
     pairs = contacts.pairs[chosen]
-    first, second = np.array([o.propagation.impedance for o in table.objects])[pairs].T
+    kappas, rhos, impedances = table.properties[:, pairs]
+    first, second = impedances.T
     met = (first > 0) & (second > 0)
     parameters = {
         "area": contacts.area[chosen],
@@ -534,7 +537,7 @@ def _transmission_gains(
         "match": np.where(met, 2 * np.sqrt(first * second) / np.where(met, first + second, 1.0), 1.0),
         "force": np.full(len(chosen), math.nan) if forces is None else forces[chosen],
     }
-    kappa, rho = kappa[pairs].mean(axis=1), rho[pairs].mean(axis=1)
+    kappa, rho = kappas.mean(axis=1), rhos.mean(axis=1)
     try:
         return function.gain(distance, kappa, rho, table.epsilon, parameters)
     except ValueError:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -64,10 +65,18 @@ def band_factors(graph: HapticGraph, index: IntArray, distance: FloatArray) -> F
     return factors
 
 
-def path_costs(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> list[float]:
-    """The cost ``-log(gain)`` of each path: the exactly rounded sum of the costs of its connections."""
-    if not paths:
-        return []
+class _Hops(NamedTuple):
+    """The connections of several paths, one after the other: from nodes ``a`` to ``b`` (n,); numbers of those ``inside`` objects and of
+    those ``across`` contacts, the others lead from one path to the next. ``ends``: number of nodes up to the end of each path."""
+
+    a: IntArray
+    b: IntArray
+    inside: IntArray
+    across: IntArray
+    ends: list[int]
+
+
+def _hops(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> _Hops:
     nodes = np.array([node for path in paths for node in path], dtype=np.int64)
     a, b = nodes[:-1], nodes[1:]
     ends = list(itertools.accumulate(map(len, paths)))
@@ -75,8 +84,14 @@ def path_costs(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> list[flo
     across = graph.partner[a] == b
     inside = ~across
     across[joints] = inside[joints] = False
-    here = inside.nonzero()[0]
-    crossed = across.nonzero()[0]
+    return _Hops(a, b, inside.nonzero()[0], across.nonzero()[0], ends)
+
+
+def path_costs(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> list[float]:
+    """The cost ``-log(gain)`` of each path: the exactly rounded sum of the costs of its connections."""
+    if not paths:
+        return []
+    a, b, here, crossed, ends = _hops(graph, paths)
     constant, varying = np.zeros(len(a)), np.zeros(len(a))
     constant[here], varying[here] = graph.table.costs(graph.node_object[a[here]], graph.node_distances(a[here], b[here]))
     constant[crossed] = graph.transmission_loss[graph.contact[a[crossed]]]
@@ -88,20 +103,16 @@ def path_costs(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> list[flo
     return costs
 
 
-def path_bands(graph: HapticGraph, path: tuple[int, ...]) -> FloatArray:
-    """Gain of a path in each band (bands,), relative to its plain gain."""
-    product = np.ones(BAND_COUNT)
-    for a, b in itertools.pairwise(path):
-        if graph.partner[a] == b:
-            if graph.contact_band_gains is not None:
-                product *= graph.contact_band_gains[graph.contact[a]]
-        else:
-            index = int(graph.node_object[a])
-            if graph.table.band_gains is not None:
-                product *= graph.table.band_gains[index]
-            if graph.table.band_decays is not None:
-                product *= np.exp(-graph.table.band_decays[index] * distances(graph.node_position[a], graph.node_position[b]))
-    return product
+def path_bands(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> FloatArray:
+    """Gain of each path in each band (p, bands), relative to its plain gain."""
+    if not paths:
+        return np.ones((0, BAND_COUNT))
+    a, b, here, crossed, ends = _hops(graph, paths)
+    factors = np.ones((len(a), BAND_COUNT))
+    factors[here] = band_factors(graph, graph.node_object[a[here]], graph.node_distances(a[here], b[here]))
+    if graph.contact_band_gains is not None:
+        factors[crossed] = graph.contact_band_gains[graph.contact[a[crossed]]]
+    return np.asarray(np.multiply.reduceat(factors, [0, *ends[:-1]], axis=0))
 
 
 def path_delay(graph: HapticGraph, path: tuple[int, ...]) -> float:

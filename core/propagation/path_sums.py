@@ -103,7 +103,7 @@ def path_gain(graph: HapticGraph, patches: MergedPatches, path: tuple[int, ...],
     lanes = lanes_of(graph)
     if patches.graph is graph:
         gain = np.full(lanes, bounded_exp(-cost))
-        gain[1:] *= path_bands(graph, path) if lanes > 1 else 1.0
+        gain[1:] *= path_bands(graph, [path])[0] if lanes > 1 else 1.0
         return gain
     entries, values = patches.node[[path[0]]], np.ones((1, lanes))
     for exit_ in path[1:-1:2]:

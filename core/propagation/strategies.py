@@ -156,9 +156,9 @@ class _Run:
             gains.gain[places], gains.error[places] = np.array(values).T
             gains.paths[places] = [pair in best.nodes for pair in pairs]
         if gains.bands is not None:
-            for pair in pairs:
-                if pair in best.nodes:
-                    gains.bands[pair] = gains.gain[pair] * path_bands(graph, best.nodes[pair])
+            found = [pair for pair in pairs if pair in best.nodes]
+            for pair, factors in zip(found, path_bands(graph, [best.nodes[pair] for pair in found]), strict=True):
+                gains.bands[pair] = gains.gain[pair] * factors
         return best
 
     def _sum_over_paths(self, patches: MergedPatches, best: BestPaths, known: ThresholdCosts | None, rows: list[int]) -> _Sums:

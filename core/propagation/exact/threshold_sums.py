@@ -91,5 +91,5 @@ def _only_paths(graph: HapticGraph, listeners: Sequence[int], forward: ShortestP
             sums.gain[number] = math.exp(-cost)
             sums.paths[number] = 1
             if graph.uses_bands:
-                sums.gain[number, 1:] *= path_bands(graph, path)
+                sums.gain[number, 1:] *= path_bands(graph, [path])[0]
     return sums
