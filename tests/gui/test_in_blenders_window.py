@@ -124,3 +124,8 @@ def test_newcomers_mends_and_wishes(play):
 def test_menus_with_pictures(play):
     seen = played_through(play(SCENARIOS / "menus.py"))
     assert all(seen.values()), seen
+
+
+def test_rules_of_impacts(play):
+    seen = played_through(play(SCENARIOS / "rules.py"))
+    assert all(seen.values()), seen

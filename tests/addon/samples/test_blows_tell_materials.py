@@ -28,7 +28,7 @@ APART = 0.44
 """Seconds from one blow to the next."""
 ENERGIES = np.geomspace(8.0, 100.0, 8)
 """Joules."""
-TIMES = 3
+TIMES = 2
 """Blows of each energy."""
 BANDS = np.array([20.0, 40.0, 80.0, 160.0, 320.0, 640.0, 2000.0])
 """Edges in hertz."""
