@@ -22,7 +22,7 @@ from mathutils import Vector
 
 from .conftest import BRIDGE
 
-SIZE = (640, 400)
+SIZE, SMALL = (640, 400), (400, 250)
 
 
 @pytest.fixture
@@ -54,9 +54,10 @@ def read_png(path):
 
 
 def _pixel(scene, pixels, place, offset=(0, 0)):
-    scene.render.resolution_x, scene.render.resolution_y = SIZE
+    height, width = pixels.shape[:2]
+    scene.render.resolution_x, scene.render.resolution_y = width, height
     x, y, _ = world_to_camera_view(scene, scene.camera, Vector(place))
-    return pixels[int((1 - y) * SIZE[1]) - offset[1], int(x * SIZE[0]) + offset[0]] / 255
+    return pixels[int((1 - y) * height) - offset[1], int(x * width) + offset[0]] / 255
 
 
 def _node(result, name):
@@ -218,7 +219,7 @@ def test_rendered_graph_is_hidden_unless_it_is_drawn_in_front(scene, camera, wal
     monkeypatch.setattr(cycles_picture, "SAMPLES", 4)
     monkeypatch.setattr(cycles_picture, "GRAPH_SAMPLES", 4)
     scene.haptics.show_labels = scene.haptics.xray = False
-    hidden = cycles_picture.rendered_picture(scene, bridge, SIZE)
+    hidden = cycles_picture.rendered_picture(scene, bridge, SMALL)
     assert _pixel(scene, hidden, _node(bridge, "truck")) == pytest.approx(_pixel(scene, hidden, (0.5, 0, 0)), abs=0.05)
     assert [obj.name for obj in scene.objects if "Haptic" in obj.name] == []
 
