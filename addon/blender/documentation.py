@@ -9,11 +9,12 @@ _ROOT = Path(__file__).parents[2]
 
 _PAGES = {
     "panels/materials": "ops.haptic.*material types.hapticmaterial ops.haptic.*wish",
-    "panels/bake": "ops.haptic.*bake ops.haptic.*take types.hapticbake types.haptictake",
+    "panels/bake": "ops.haptic.*bake ops.haptic.*take types.hapticbake types.haptictake types.hapticfelt",
     "panels/result": "ops.haptic.set_mode types.hapticmeters",
-    "devices": "ops.haptic.*device types.haptic*devi types.hapticlive",
-    "panels/scene": "ops.haptic. types.hapticscene",
-    "formats": "ops.import_scene.haptic ops.export_scene.haptic",
+    "devices": "ops.haptic.*device types.haptic*devi types.hapticlive types.hapticactuator",
+    "panels/scene": "ops.haptic. types.hapticscene types.hapticrule types.hapticimpact types.haptictransmission",
+    "panels/warmth": "types.hapticthermal",
+    "formats": "types.hapticgltf ops.import_scene.haptic ops.export_scene.haptic",
     **{f"panels/{kind}": f"types.haptic{kind}" for kind in ("source", "listener", "object")},
 }
 """Pages, and how the lower-case names of their operators and properties begin, with wildcards; the first that fits counts."""

@@ -19,7 +19,9 @@ def steps(window):
     yield from window.show_sidebar()
     with window.context():
         tutorial.make_haptic()
-    yield 5.0  # the curve is drawn beside Blender
+    yield 2.0  # the curve is computed beside Blender
+    window.region("UI").tag_redraw()
+    yield 1.0
     yield from window.screenshot("make-haptic")
 
     with window.context():
