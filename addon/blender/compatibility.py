@@ -62,7 +62,7 @@ def remove_fcurves(datablock: Any, data_paths: Collection[str]) -> None:
                 owner.fcurves.remove(curve)
 
 
-def ensure_fcurve(datablock: Any, data_path: str, group: str) -> Any:
+def ensure_fcurve(datablock: Any, data_path: str, group: str = "", index: int = 0) -> Any:
     """The F-curve of a property in the datablock's action; both are made where there are none."""
     if datablock.animation_data is None:
         datablock.animation_data_create()
@@ -71,10 +71,10 @@ def ensure_fcurve(datablock: Any, data_path: str, group: str) -> Any:
         data.action = bpy.data.actions.new(f"{datablock.name}Action")
     ensure = data.action.bl_rna.functions.get("fcurve_ensure_for_datablock")
     if ensure is not None:
-        named = {"group_name": group} if "group_name" in ensure.parameters else {}
-        return data.action.fcurve_ensure_for_datablock(datablock, data_path, **named)
-    found = data.action.fcurves.find(data_path)
-    return found or data.action.fcurves.new(data_path, action_group=group)
+        named = {"group_name": group} if group and "group_name" in ensure.parameters else {}
+        return data.action.fcurve_ensure_for_datablock(datablock, data_path, index=index, **named)
+    found = data.action.fcurves.find(data_path, index=index)
+    return found or data.action.fcurves.new(data_path, index=index, action_group=group)
 
 
 def strips_of(editor: Any) -> Any:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
-import bpy
 import numpy as np
 from bpy.types import Object
 
@@ -15,6 +13,7 @@ from ...core.contacts.shapes import pose_matrix
 from ...core.formats.scene.poses import PoseRow
 from ...core.formats.scene.recording import RecordedFrame, Recording
 from ...core.scene.values import HapticScene, Pose, SourceKind, Vector
+from ..blender.compatibility import ensure_fcurve
 
 Keys = dict[int, tuple[float, ...]]
 """By frame."""
@@ -182,18 +181,8 @@ def local_place(place: Sequence[float], pose: Pose | None) -> Vector:
 
 def _write(obj: Object, curves: Mapping[tuple[str, int], tuple[FloatArray, FloatArray]]) -> None:
     for (path, index), (times, values) in curves.items():
-        curve = _curve(obj, path, index)
+        curve = ensure_fcurve(obj, path, index=index)
         curve.keyframe_points.add(len(times))
         curve.keyframe_points.foreach_set("co", np.column_stack([times, values]).astype(np.float32).ravel())
         curve.keyframe_points.foreach_set("interpolation", np.full(len(times), LINEAR, dtype=np.int32))
         curve.update()
-
-
-def _curve(obj: Object, path: str, index: int) -> Any:
-    """A new F-curve of a property."""
-    data = obj.animation_data or obj.animation_data_create()
-    if data.action is None:
-        data.action = bpy.data.actions.new(f"{obj.name}Action")
-    if hasattr(data.action, "fcurve_ensure_for_datablock"):
-        return data.action.fcurve_ensure_for_datablock(obj, path, index=index)
-    return data.action.fcurves.new(path, index=index)

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray
-from ..io.error import FormatError, json_pointer
+from ...scene.references import Place, PlacedError
+from ..io.error import FormatError, errors_in
 from ..io.strict_json import parse_json, read_bytes, without_trailing_commas
 from .carrier import Carrier
 from .vibration_file import Channel, VibrationFile
@@ -46,20 +47,10 @@ def read(path: Path) -> VibrationFile:
     pattern = document.get("Pattern") if isinstance(document, dict) else None
     if not isinstance(pattern, list):
         raise FormatError(path, "/Pattern" if isinstance(document, dict) else "/", "must be an array" if document else "is required")
-    try:
+    with errors_in(path):
         carriers = carriers_of(pattern, losses)
-    except _Misfit as error:
-        raise FormatError(path, json_pointer(("Pattern", *error.place)), error.reason) from None
     end = max((carrier.end for carrier in carriers), default=0.0)
     return VibrationFile((Channel(path.stem, end, carriers),), tuple(losses))
-
-
-class _Misfit(ValueError):
-    """A value of the wrong type at a place of the pattern."""
-
-    def __init__(self, place: tuple[str | int, ...], reason: str) -> None:
-        super().__init__(reason)
-        self.place, self.reason = place, reason
 
 
 def carriers_of(pattern: list[Any], losses: dict[str, None]) -> tuple[Carrier, ...]:
@@ -88,32 +79,32 @@ def carriers_of(pattern: list[Any], losses: dict[str, None]) -> tuple[Carrier, .
     return tuple(carriers)
 
 
-def _entries(pattern: list[Any]) -> Iterator[tuple[tuple[str | int, ...], str, Mapping[str, Any]]]:
+def _entries(pattern: list[Any]) -> Iterator[tuple[Place, str, Mapping[str, Any]]]:
     """Place, kind and content of each entry."""
     for i, entry in enumerate(pattern):
         if not isinstance(entry, dict):
-            raise _Misfit((i,), "must be an object")
+            raise PlacedError(("Pattern", i), "must be an object")
         for kind, body in entry.items():
             if kind in ("Event", "Parameter", "ParameterCurve") and not isinstance(body, dict):
-                raise _Misfit((i, kind), "must be an object")
-            yield (i, kind), kind, body if isinstance(body, dict) else {}
+                raise PlacedError(("Pattern", i, kind), "must be an object")
+            yield ("Pattern", i, kind), kind, body if isinstance(body, dict) else {}
 
 
-def _number(form: Mapping[str, Any], key: str, default: float, place: tuple[str | int, ...]) -> float:
+def _number(form: Mapping[str, Any], key: str, default: float, place: Place) -> float:
     value = form.get(key, default)
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1e6:
-        raise _Misfit((*place, key), "must be a number from -1e6 to 1e6")
+        raise PlacedError((*place, key), "must be a number from -1e6 to 1e6")
     return float(value)
 
 
-def _list(form: Mapping[str, Any], key: str, place: tuple[str | int, ...]) -> list[Mapping[str, Any]]:
+def _list(form: Mapping[str, Any], key: str, place: Place) -> list[Mapping[str, Any]]:
     values = form.get(key, [])
     if not isinstance(values, list) or not all(isinstance(value, dict) for value in values):
-        raise _Misfit((*place, key), "must be an array of objects")
+        raise PlacedError((*place, key), "must be an array of objects")
     return values
 
 
-def _parameters(event: Mapping[str, Any], place: tuple[str | int, ...], losses: dict[str, None]) -> Iterator[tuple[str, float]]:
+def _parameters(event: Mapping[str, Any], place: Place, losses: dict[str, None]) -> Iterator[tuple[str, float]]:
     for k, parameter in enumerate(_list(event, "EventParameters", place)):
         name = parameter.get("ParameterID")
         if name in _KNOWN:

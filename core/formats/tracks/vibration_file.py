@@ -13,12 +13,9 @@ from ...signals import Sampled, Signal, Sum
 from ...signals.interpolation import resample
 from ...signals.limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS
 from .carrier import Carrier, rendered
-from .listener_tracks import ListenerTrack, Tracks
 
 SAMPLED_RATE = 4000
 """Sample rate (hertz) of a template with more than ``MOST_CARRIERS`` carriers."""
-CONVERTED_RATE = 8000
-"""Sample rate (hertz) of the tracks of a file without samples."""
 MOST_CARRIERS = 100
 MOST_SAMPLES = 2**25
 MOST_LAYERS = 64
@@ -88,28 +85,3 @@ class VibrationFile:
     channels: tuple[Channel, ...]
     losses: tuple[str, ...] = ()
     stored: Any = None
-
-    def to_tracks(self) -> Tracks:
-        """The channels as tracks of the same length. Raises ValueError if there is no vibration or too much of it."""
-        listeners = tuple(ListenerTrack(name, channel.body_part) for name, channel in zip(self._names(), self.channels, strict=True))
-        rate = max((round(channel.sample_rate) for channel in self.channels), default=0) or CONVERTED_RATE
-        if self.stored is not None:
-            return Tracks(listeners, rate, self.stored)
-        rows = [channel.at_rate(rate).astype(np.float32) for channel in self.channels]
-        count = max(map(len, rows), default=0)
-        if not count:
-            raise ValueError("there is no vibration to convert")
-        samples = np.zeros((len(rows), count), dtype=np.float32)
-        for target, row in zip(samples, rows, strict=True):
-            target[: len(row)] = row
-        return Tracks(listeners, rate, samples)
-
-    def _names(self) -> list[str]:
-        """The channels' names, made unique by numbers."""
-        names: list[str] = []
-        for channel in self.channels:
-            name, number = channel.name, 2
-            while name in names:
-                name, number = f"{channel.name} {number}", number + 1
-            names.append(name)
-        return names
