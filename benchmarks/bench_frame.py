@@ -9,9 +9,9 @@ the quickest of each frame's times counts; the first frame of each turn, which h
 Blender's own frame without, `on` that of the frame with tracing, `cost` the median of their ratio frame by frame, less one. `noise` is the
 same of the two Blenders without tracing: no cost below it is known. `CPU` is the cost in CPU time, of all threads: what tracing costs where
 there is no second core. `handler` is what the add-on's frame handler takes of it: reading, and waiting where the last frame is still being
-traced. 4 sources are on bodies, 10 listeners on others; all contacts that signals reach are wanted. With `--impacts` impacts are looked for,
-and each makes one more source. Settled bodies lie asleep on the ground with one source at the edge; beyond reading the transforms, Blender
-waits for the rest of the handler, and all other stages pass beside it.
+traced. 4 sources are on bodies, 10 listeners on others; all contacts that signals reach are wanted. With `--impacts` impacts are looked
+for, and each makes one more source. Settled bodies lie asleep on the ground with one source at the edge; beyond reading the transforms,
+Blender waits for the rest of the handler, and all other stages pass beside it.
 """
 
 from __future__ import annotations

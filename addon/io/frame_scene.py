@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import Any
 
 import bpy
 from bpy.types import Context, Depsgraph, Object
@@ -26,8 +26,6 @@ from ..scene_reader.reading import Reading
 from ..session import session
 from .devices import is_muted, written_devices
 from .materials import written_materials
-
-T = TypeVar("T")
 
 EXTRAS = "blender"
 """Where the extras of a scene say which frame of Blender's timeline the file is of."""

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
@@ -164,10 +162,6 @@ class Pulse(Oscillator):
 def _distance(cycles: FloatArray) -> FloatArray:
     """Return the distance to the nearest whole number, from 0 to 0.5."""
     return np.abs(cycles - np.round(cycles))
-
-
-WAVES: Mapping[str, type[Oscillator]] = MappingProxyType({cls.kind: cls for cls in (Sine, Square, Triangle, Saw, Pulse)})
-"""The oscillators by the names of their waves."""
 
 
 def sine(cycles: FloatArray) -> FloatArray:

@@ -6,9 +6,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ...scene.body import BODY_PART, BodyPart
 from ..io.file_names import file_stems
 from .listener_tracks import ListenerTrack, Tracks
@@ -54,8 +51,3 @@ def common_losses(tracks: Tracks, *, body: bool) -> Iterator[str]:
     unplaced = [listener.name for listener in tracks.listeners if body_part_of(listener) is None]
     if body and unplaced:
         yield "the place of listeners on no known body part: " + ", ".join(unplaced)
-
-
-def clipped(samples: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Samples limited to ±1."""
-    return np.asarray(np.clip(samples, -1.0, 1.0))
