@@ -47,18 +47,13 @@ def draw_table(layout: UILayout, context: Context, table: str) -> Any:
     for problem in _problems(context, table, rows.active):
         draw_sentence(layout, problem, "ERROR")
     rule = rows.items[rows.active]
-    _draw_side(layout, context, rule, "first")
-    _draw_side(layout, context, rule, "second")
+    for end, kind in (("first", rule.first_kind), ("second", rule.second_kind)):
+        column = layout.column(align=True)
+        column.prop(rule, f"{end}_kind")
+        if kind != "ANY":
+            owner = context.scene if kind == "OBJECT" else context.scene.haptics.materials
+            column.prop_search(rule, end, owner, _FIELDS[kind], text=" ", translate=False, icon=_ICONS[kind], results_are_suggestions=True)
     return rule
-
-
-def _draw_side(layout: UILayout, context: Context, rule: Any, side: str) -> None:
-    kind = getattr(rule, f"{side}_kind")
-    column = layout.column(align=True)
-    column.prop(rule, f"{side}_kind")
-    if kind != "ANY":
-        owner = context.scene if kind == "OBJECT" else context.scene.haptics.materials
-        column.prop_search(rule, side, owner, _FIELDS[kind], text=" ", translate=False, icon=_ICONS[kind], results_are_suggestions=True)
 
 
 def _problems(context: Context, table: str, index: int) -> list[str]:

@@ -117,9 +117,8 @@ class HAPTIC_PT_impact_table(HapticsPanel, Panel):
         layout.prop(rule, "use_limits")
         if rule.use_limits:
             column = layout.column(align=True)
-            column.prop(rule, "least_energy")
-            column.prop(rule, "full_energy")
-            column.prop(rule, "refractory")
+            for limit in ("least_energy", "full_energy", "refractory"):
+                column.prop(rule, limit)
         for curve in ("gain", "pitch", "decay", "brightness"):
             layout.row().prop(rule, curve)
         column = layout.column(align=True)

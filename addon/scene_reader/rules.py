@@ -23,6 +23,7 @@ from .problem import Problem
 
 Does = TypeVar("Does")
 
+_ABSENT = {"OBJECT": "there is no haptic object '{}'", "MATERIAL": "nothing is made of a material '{}'"}
 TEMPLATES = {"MATERIALS": ImpactTemplates.BY_MATERIAL, "PLAIN": ImpactTemplates.PLAIN}
 """By the choice of a scene or of a rule."""
 
@@ -39,7 +40,8 @@ def read_table(
         chosen = [side for side in ((row.first_kind, row.first), (row.second_kind, row.second)) if side[0] != "ANY"]
         sides = [Side(object=name) if kind == "OBJECT" else Side(material=name) for kind, name in chosen]
         does, fault = read(row)
-        faults = [_missing(*side) for side, means in zip(chosen, sides, strict=True) if not any(means.fits(*item) for item in known)]
+        absent = [side for side, means in zip(chosen, sides, strict=True) if not any(means.fits(*item) for item in known)]
+        faults = [iface_(_ABSENT[kind]).format(name) for kind, name in absent]
         faults += [iface_("choose what this rule is for")] if any(not name for _, name in chosen) else []
         problems += [Problem("", message, (table, index)) for message in (*faults, fault) if message]
         if all(name for _, name in chosen):
@@ -48,29 +50,18 @@ def read_table(
     return RuleTable(tuple(rows)), problems
 
 
-def _missing(kind: str, name: str) -> str:
-    if kind == "OBJECT":
-        return iface_("there is no haptic object '{}'").format(name)
-    return iface_("nothing is made of a material '{}'").format(name)
-
-
 def read_impact_rule(row: Any) -> tuple[ImpactRule, str]:
     """What a row says of impacts; by material where its signal can't be played, with the reason."""
+    kept, template, fault = ImportedRule(), ImpactRule().template, ""
     try:
         kept = imported_rule(row.imported)
-    except ValueError as error:
-        return _impact_rule(row, ImportedRule(), ImpactTemplates.BY_MATERIAL), str(error)
-    try:
-        return _impact_rule(row, kept, _template(row, kept.signal)), ""
+        template = ImpactRule(_template(row, kept.signal)).template
     except (OSError, ValueError) as error:
-        return _impact_rule(row, kept, ImpactTemplates.BY_MATERIAL), str(error)
-
-
-def _impact_rule(row: Any, kept: ImportedRule, template: ImpactTemplates | Signal) -> ImpactRule:
+        fault = str(error)
     values: dict[str, Any] = {name: exact(row, name, kept.numbers) for name in OF_IMPACTS}
     values |= {name: tuple(map(shortest, getattr(row, name))) for name in RANGES}
     limits = ImpactLimits(*(exact(row, name, kept.numbers) for name in LIMITS)) if row.use_limits else None
-    return ImpactRule(template=template, seed=row.seed, limits=limits, **values)
+    return ImpactRule(template, seed=row.seed, limits=limits, **values), fault
 
 
 def _template(row: Any, kept: Signal | None) -> ImpactTemplates | Signal:

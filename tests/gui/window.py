@@ -134,12 +134,12 @@ class Window:
         yield 1.0
 
     def scroll_sidebar(self, notches: int) -> Steps:
-        """Turn the mouse wheel over the sidebar, downwards."""
+        """Turn the mouse wheel over the sidebar, downwards, or upwards where ``notches`` are negative."""
         region = self.region("UI")
         self.point(region.x + region.width // 3, region.y + region.height // 2)
         yield 0.2
-        for _ in range(notches):
-            yield from self.press("WHEELDOWNMOUSE")
+        for _ in range(abs(notches)):
+            yield from self.press("WHEELDOWNMOUSE" if notches > 0 else "WHEELUPMOUSE")
         yield 0.5
 
     def under_mouse(self) -> str:

@@ -11,7 +11,7 @@ def steps(window):
     window.module("sample_scenes").build_sample("hammer_nail")
     scene = window.window.scene
     table = scene.haptics.impact_table
-    window.open_only("HAPTIC_PT_impacts", "HAPTIC_PT_impact_table")
+    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_impacts", "HAPTIC_PT_impact_table")
     yield from window.show_sidebar()
     with window.context():
         bpy.context.view_layer.objects.active = scene.objects["Hammer"]
@@ -23,7 +23,7 @@ def steps(window):
         table.items[-1].first,
     ) == ("MATERIAL", "Steel")
     rule = table.items[-1]
-    rule.second_kind, rule.second, rule.template, rule.filepath = "OBJECT", "Nai*", "FILE", "//knock.wav"
+    rule.second_kind, rule.second, rule.template, rule.filepath = "OBJECT", "Nai*", "FILE", "/nowhere/knock.wav"
     rule.use_limits, rule.variation = True, 0.2
 
     def said():
@@ -32,6 +32,9 @@ def steps(window):
     yield from window.wait_until(lambda: bool(said()))
     window.seen["the missing file is said beside its row"] = any("there is no file" in words for words in said())
     yield from window.screenshot("rule-with-a-problem")
+    yield from window.scroll_sidebar(20)
+    yield from window.screenshot("curves-of-a-rule")
+    yield from window.scroll_sidebar(-20)
     yield from window.click_button("haptic.move_rule")
     window.seen["a button moves the row"] = len(table.items) == count + 1
     yield from window.undo()
