@@ -26,7 +26,9 @@ def frame_to_dict(frame: RecordedFrame) -> dict[str, Any]:
 def _form(value: Any) -> Any:
     """What changed, as JSON: by name, or a list of items, pairs or names."""
     match value:
-        case float() | int() | str() | (float() | int(), *_):
+        case Poses():
+            return dict(value)
+        case (float() | int(), *_) | float() | int() | str():
             return value
         case tuple():
             return [_form(change) for change in value]
