@@ -120,7 +120,9 @@ class HAPTIC_PT_impact_table(HapticsPanel, Panel):
             for limit in ("least_energy", "full_energy", "refractory"):
                 column.prop(rule, limit)
         for curve in ("gain", "pitch", "decay", "brightness"):
-            layout.row().prop(rule, curve)
+            column = layout.column(align=True)
+            column.prop(rule, curve, index=0)
+            column.prop(rule, curve, index=1, text="at Full Energy")
         column = layout.column(align=True)
         column.prop(rule, "bend")
         column.prop(rule, "variation", slider=True)
