@@ -10,6 +10,7 @@ from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.materials import MATERIALS
 from ..view import levels, watched
 from .drawing import HapticsPanel
+from .texts import fitted
 from .thumbnails import cell
 
 
@@ -85,7 +86,7 @@ class HAPTIC_PT_wishes(HapticsPanel, Panel):
             obj = context.scene.objects.get(name)
             if obj is not None:
                 row = column.split(factor=0.42, align=True)
-                row.prop(obj.haptics.listener, "use_wish", text=name, translate=False)
+                row.prop(obj.haptics.listener, "use_wish", text=fitted(name, 0.42, icon=True), translate=False)
                 row = row.split(factor=0.55, align=True)
                 side = row.row()
                 side.active = obj.haptics.listener.use_wish
@@ -96,7 +97,7 @@ class HAPTIC_PT_wishes(HapticsPanel, Panel):
         column.label(text="Free materials" if items else "Add materials with +")
         for item in items:
             row = column.split(factor=0.42, align=True)
-            row.prop(item, "is_free", text=item.name, translate=False)
+            row.prop(item, "is_free", text=fitted(item.name, 0.42, icon=True), translate=False)
             side = row.row(align=True)
             side.active = item.is_free
             side.prop(item, "least_k")

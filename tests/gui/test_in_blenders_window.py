@@ -106,6 +106,11 @@ def test_solo_and_mute(play):
     assert all(seen.values()), seen
 
 
+def test_design_by_wish(play):
+    seen = played_through(play(SCENARIOS / "wishes.py"))
+    assert all(seen.values()), seen
+
+
 def test_timeline_of_touch(play):
     seen = played_through(play(SCENARIOS / "timeline.py"))
     assert all(seen.values()), seen
