@@ -44,12 +44,12 @@ class Cancelled(BaseException):
 
 @dataclass(slots=True)
 class _State:
-    """lock: for ``running``. running: identifier of the worker thread while it is inside a job that may be cancelled."""
+    """lock: for ``running`` and ``pending``. running: identifier of the worker thread while it is inside a job that may be cancelled."""
 
     lock: threading.Lock = field(default_factory=threading.Lock)
     running: int | None = None
     executor: ThreadPoolExecutor | None = None
-    last: Future[Any] | None = None  # the job that was queued last
+    pending: int = 0  # jobs that have not ended, or whose end is not noted yet
     owes_redraw: bool = False  # a job has ended since the last redraw
     redraw_at: float = math.inf  # time.monotonic()
     progress_at: float = 0.0  # the same, of the last redraw that shows progress
@@ -63,8 +63,9 @@ def submit(job: Callable[..., Value], *arguments: object) -> Future[Value]:
     """Queue a job, and redraw the 3D viewports and their sidebars when it has ended. Call it on the main thread."""
     if _state.executor is None:
         _state.executor = ThreadPoolExecutor(1, "haptic-tracing")
+    with _state.lock:
+        _state.pending += 1
     future: Future[Value] = _state.executor.submit(_run, job, *arguments)
-    _state.last = future
     future.add_done_callback(_ended)
     _start_timer()
     return future
@@ -156,11 +157,13 @@ def shut_down() -> None:
     cancel()
     if bpy.app.timers.is_registered(_look):
         bpy.app.timers.unregister(_look)
-    _state.last, _state.owes_redraw, _state.redraw_at, _state.after_render = None, False, math.inf, None
+    _state.owes_redraw, _state.redraw_at, _state.after_render = False, math.inf, None
 
 
 def _ended(future: Future[Any]) -> None:
-    _state.owes_redraw = True
+    _state.owes_redraw = True  # before the timer may find nothing pending and stop
+    with _state.lock:
+        _state.pending -= 1
 
 
 def _look() -> float | None:
@@ -170,7 +173,7 @@ def _look() -> float | None:
     if _state.after_render is not None and not bpy.app.is_job_running("RENDER"):
         resume, _state.after_render = _state.after_render, None
         resume()
-    is_idle = (_state.last is None or _state.last.done()) and _state.after_render is None
+    is_idle = _state.pending == 0 and _state.after_render is None
     if _state.owes_redraw and not any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows):
         _state.owes_redraw = False
         redraw_viewports()

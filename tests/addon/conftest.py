@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from typing import Any
@@ -85,15 +86,22 @@ def settle(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], Any]], Any
     """Draws again and again until the worker has nothing left to compute, as redraws do in a window; returns what was drawn last."""
     from haptic_tracing.addon.session import derived, worker
 
+    submit, jobs = worker.submit, 0
+
+    def counted(*job: Any) -> Any:
+        nonlocal jobs
+        jobs += 1
+        return submit(*job)
+
     monkeypatch.setattr(derived, "_REST", 0.0)
+    monkeypatch.setattr(worker, "submit", counted)
 
     def settled(draw: Callable[[], Any]) -> Any:
         for _ in range(10):
-            last = worker._state.last
-            if last is not None:
-                last.exception()  # waits
-            drawn, job = draw(), worker._state.last
-            if job is last:
+            while worker._state.pending:
+                time.sleep(0.001)
+            before, drawn = jobs, draw()
+            if jobs == before:
                 return drawn
         raise AssertionError("every redraw asks for something new")
 
