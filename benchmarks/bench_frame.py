@@ -1,7 +1,7 @@
 """Time that tracing adds to Blender's own frame while rigid bodies fall and settle, or lie still.
 
     python -m benchmarks.bench_frame [--bodies 100 300 1000 3000] [--settled 10000] [--frames 200] [--passes 3]
-                                     [--shape BOX] [--strategy auto] [--impacts]
+                                     [--shape BOX] [--strategy auto] [--no-impacts]
 
 Every frame is simulated by Blender and traced by the add-on, on a thread beside it. Three Blenders play the same frames, a few at a time
 in turns, so that whatever else the machine does meets them all: one without tracing, one with it, and one more without. Of several passes
@@ -9,9 +9,9 @@ the quickest of each frame's times counts; the first frame of each turn, which h
 Blender's own frame without, `on` that of the frame with tracing, `cost` the median of their ratio frame by frame, less one. `noise` is the
 same of the two Blenders without tracing: no cost below it is known. `CPU` is the cost in CPU time, of all threads: what tracing costs where
 there is no second core. `handler` is what the add-on's frame handler takes of it: reading, and waiting where the last frame is still being
-traced. 4 sources are on bodies, 10 listeners on others; all contacts that signals reach are wanted. With `--impacts` impacts are looked
-for, and each makes one more source. Settled bodies lie asleep on the ground with one source at the edge; beyond reading the transforms,
-Blender waits for the rest of the handler, and all other stages pass beside it.
+traced. 4 sources are on bodies, 10 listeners on others; all contacts that signals reach are wanted. As in new scenes, impacts are found,
+and each makes one more source; not with `--no-impacts`. Settled bodies lie asleep on the ground with one source at the edge; beyond
+reading the transforms, Blender waits for the rest of the handler, and all other stages pass beside it.
 """
 
 from __future__ import annotations
@@ -124,10 +124,10 @@ def run(
     passes: int = PASSES,
     shape: str = "BOX",
     strategy: str = "auto",
-    impacts: bool = False,
+    impacts: bool = True,
 ) -> list[Row]:
     """Print the table; its rows."""
-    print(f"{frames} frames, {shape.lower()}, strategy {strategy}; milliseconds a frame")
+    print(f"{frames} frames, {shape.lower()}, strategy {strategy}, {'with' if impacts else 'without'} impacts; milliseconds a frame")
     columns = "bodies      off       on    cost  noise   goal | CPU: off       on    cost | handler | contacts  queries  avoided     MB"
     print(f" {columns}  stages")
     rows = []
@@ -169,7 +169,7 @@ def main() -> None:
     parser.add_argument("--passes", type=int, default=PASSES)
     parser.add_argument("--shape", default="BOX")
     parser.add_argument("--strategy", choices=("auto", "as_in_the_paper", "best_path", "all_paths", "energy_balance"), default="auto")
-    parser.add_argument("--impacts", action="store_true")
+    parser.add_argument("--impacts", action=argparse.BooleanOptionalAction, default=True)
     options = parser.parse_args()
     run(tuple(options.bodies), options.settled, options.frames, options.passes, options.shape, options.strategy, options.impacts)
 
