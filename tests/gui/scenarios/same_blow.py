@@ -55,19 +55,21 @@ def steps(window):
 
     # What is too weak is made felt by a click, and undone.
     watched = window.module("addon.view.watched")
+    bpy.context.view_layer.objects.active = scene.objects["ear.L"]
+    yield 0.5
 
     def margin():
-        return next(level.margin for level in watched.levels_of(scene) if level.listener == "hand.L")
+        return next(level.margin for level in watched.levels_of(scene) if level.listener == "ear.L")
 
     weak = margin()
     yield from window.click_button("haptic.make_felt")
     yield 1.0
-    raised = 20 * math.log10(scene.objects["hand.L"].haptics.listener.gain)
+    raised = 20 * math.log10(scene.objects["ear.L"].haptics.listener.gain)
     window.seen["made felt, as far as its gain goes"] = blow() == struck and abs(margin() - min(6, weak + 20)) < 0.5 and raised > 10
     yield from window.screenshot("felt")
     yield from window.undo()
     scene = bpy.context.scene
-    window.seen["and undone"] = scene.objects["hand.L"].haptics.listener.gain == 1
+    window.seen["and undone"] = scene.objects["ear.L"].haptics.listener.gain == 1
 
     # The file opens as it was left.
     path = str(window.folder / "struck.blend")
