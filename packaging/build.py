@@ -9,7 +9,6 @@ import sys
 from pathlib import Path
 
 import manual
-
 import wheels
 
 ROOT = wheels.ROOT
