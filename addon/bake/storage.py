@@ -31,7 +31,7 @@ def keep(scene: Scene, track: HapticTrack) -> None:
 
 
 def drop(scene: Scene) -> None:
-    """Remove the scene's track, and the take that it is."""
+    """Remove the scene's track; if it was kept as a take, that take as well."""
     bake = scene.haptics.bake
     text, bake.track = bake.track, None
     for index in [k for k, take in enumerate(bake.takes) if take.track == text]:

@@ -120,7 +120,7 @@ class HAPTIC_OT_bake(Operator):
 
 
 class HAPTIC_OT_delete_bake(Operator):
-    """Remove the haptic track of this scene, the take that it is, its F-curves and its sound strip"""
+    """Remove the haptic track of this scene, its F-curves and its sound strip; a track that was kept as a take is removed from the takes"""
 
     bl_idname = "haptic.delete_bake"
     bl_label = "Delete Bake"

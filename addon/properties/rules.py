@@ -44,7 +44,7 @@ def _curve(name: str, description: str, weak: float, low: float, high: float) ->
 
 
 def least_energy(key: str, **more: Any) -> FloatProperty:
-    """E_min, as the property ``key``."""
+    """The property ``key`` for the least energy E_min of an impact [J]."""
     words = "Collisions weaker than this, in joules, make no source; 5 J is a light contact"
     return FloatProperty(name="Least Energy (J)", description=words, default=5.0, min=0.0, soft_max=100.0, update=edited(key), **more)
 

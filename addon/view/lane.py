@@ -180,7 +180,7 @@ def _uploaded(strip: Drawn) -> GPUBatch:
 
 
 def forget() -> None:
-    """Free everything that was kept, and everything cached between redraws."""
+    """Free the waves that were played, and all that is cached between redraws."""
     _played.clear()
     _shown.clear()
 

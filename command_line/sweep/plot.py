@@ -47,7 +47,7 @@ def run(args: argparse.Namespace, path: Path) -> int:
 
 
 def _first_number(table: pa.Table) -> str | None:
-    """The first varied column with several numbers."""
+    """The first varied parameter that is a number and has more than one value; None where there is none."""
     names = (name for name in varied_columns(table) if pa.types.is_integer(table[name].type) or pa.types.is_floating(table[name].type))
     return next((name for name in names if len(table[name].unique()) > 1), None)
 

@@ -32,6 +32,6 @@ def require_unique(names: Sequence[str], kind: str, key: str) -> None:
 
 
 def require_new(name: str, known: Container[str], kind: str, place: Place) -> None:
-    """Raise PlacedError where there is a thing of that name already."""
+    """Raise PlacedError if ``name`` is already one of the ``known`` names of that kind."""
     if name in known:
         raise PlacedError(place, f"there is {'an' if kind[0] in 'aeiou' else 'a'} {kind} {name!r} already")

@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import bpy
-import haptic_tracing
 import numpy as np
 import pytest
 from haptic_tracing.addon.session import session, timeline
@@ -24,15 +23,6 @@ from haptic_tracing.sample_scenes import SAMPLES, build_sample
 RINGING = ("jackhammer_bench", "hammer_nail")
 """Samples in which an impact sounds over a cut."""
 FEWER = {"domino_wall": 24, "pile": 8}
-
-
-@pytest.fixture(scope="module")
-def registered():
-    """The add-on, enabled in an empty file."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    haptic_tracing.register()
-    yield
-    haptic_tracing.unregister()
 
 
 class Run:
@@ -90,17 +80,12 @@ def run(*arguments):
 
 
 @pytest.fixture(scope="module")
-def hammer(registered, tmp_path_factory):
-    """A hammer that hits a nail between frames 1 and 30: the file, its bake by the add-on, and two parts of it."""
-    folder = tmp_path_factory.mktemp("parts")
-    build_sample("hammer_nail")
-    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "hammer.blend"))
-    bpy.ops.wm.open_mainfile(filepath=str(folder / "hammer.blend"))
-    bpy.ops.export_scene.haptic_tracks(filepath=str(folder / "addon.wav"), format="wav", frame_start=1, frame_end=30)
+def hammer(falling):
+    """The hammer's file, its bake by the add-on, and two parts of it; the blow is between frames 1 and 30."""
     for number in (1, 2):
-        args = build_parser().parse_args(["bake", str(folder / "hammer.blend"), "--part", f"{number}/2", "--out", str(folder)])
+        args = build_parser().parse_args(["bake", str(falling / "hammer.blend"), "--part", f"{number}/2", "--out", str(falling)])
         part.write_part_of(bpy.context.scene, args, "hammer", (1, 30))
-    return folder
+    return falling
 
 
 def parts_in(hammer, folder):
