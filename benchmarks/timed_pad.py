@@ -17,9 +17,9 @@ from haptic_tracing.core.devices.pacing import RumblePacing
 class TimedPad:
     """hidapi's module and its one device. It can be pickled.
 
-    log: a file that gets a line of JSON for each event: its name, the seconds of `time.perf_counter`, and for ``accept``, which is the end
-    of encoding a block, when that block was sent and when encoding began. ``written`` is a report, ``unchanged`` the decision that the
-    device does already what a report would say.
+    log: a file that gets a line of JSON for each event when the device is closed, as writing it at once would be measured too: the event's
+    name, the seconds of `time.perf_counter`, and for ``accept``, which is the end of encoding a block, when that block was sent and when
+    encoding began. ``written`` is a report, ``unchanged`` the decision that the device does already what a report would say.
     """
 
     vendor: int
@@ -32,10 +32,14 @@ class TimedPad:
         return [{**names, "vendor_id": self.vendor, "product_id": self.product, "usage_page": 1, "usage": 5}]
 
     def device(self) -> Any:
+        noted: list[tuple[str | float, ...]] = []
+
         def note(name: str, *more: float) -> None:
-            now = time.perf_counter()
+            noted.append((name, time.perf_counter(), *more))
+
+        def close() -> None:
             with Path(self.log).open("a", encoding="utf-8") as lines:
-                lines.write(json.dumps([name, now, *more]) + "\n")
+                lines.writelines(json.dumps(event) + "\n" for event in noted)
 
         _note_decisions(note)
 
@@ -50,7 +54,7 @@ class TimedPad:
             get_feature_report=lambda report, length: [],
             read=lambda length, timeout: [],
             error=lambda: "",
-            close=lambda: None,
+            close=close,
         )
 
 
