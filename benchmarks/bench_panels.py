@@ -24,6 +24,7 @@ import bpy
 import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.panels import result as panels
+from haptic_tracing.addon.registration.module_classes import classes_of
 from haptic_tracing.addon.session import derived, session, worker
 
 from .report import publish, table
@@ -93,10 +94,10 @@ def redraws(panel: Any) -> tuple[float, float]:
 def rows(edge: int, frames: int) -> list[Row]:
     """Every panel over one lattice."""
     scene = lattice(edge)
-    measured: dict[str, list[tuple[float, float]]] = {panel.bl_label: [] for panel in panels.CLASSES}
+    measured: dict[str, list[tuple[float, float]]] = {panel.bl_label: [] for panel in classes_of(panels)}
     for _ in range(frames):
         session.trace(scene, bpy.context.evaluated_depsgraph_get())
-        for panel in panels.CLASSES:
+        for panel in classes_of(panels):
             measured[panel.bl_label].append(redraws(panel))
     medians = {label: np.median(np.array(values), axis=0).tolist() for label, values in measured.items()}
     return [Row(edge**3, label, redraw, complete) for label, (redraw, complete) in medians.items()]

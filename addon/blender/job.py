@@ -279,6 +279,3 @@ def stop() -> None:
     if _state.running is not None:
         _state.running.cancel()
         _state.running = None
-
-
-CLASSES = (HAPTIC_OT_run_job, HAPTIC_OT_replace_files)

@@ -152,6 +152,3 @@ def _frame(context: Context, scene: Scene) -> None:
             view = area.spaces.active
             view.use_local_camera = False
             view.region_3d.view_perspective = "CAMERA"
-
-
-CLASSES = (HAPTIC_OT_add_source_object, HAPTIC_OT_add_medium, HAPTIC_OT_add_sample)

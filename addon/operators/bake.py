@@ -182,9 +182,6 @@ class HAPTIC_OT_play_take(Operator):
         return {"FINISHED"}
 
 
-CLASSES = (HAPTIC_OT_bake, HAPTIC_OT_delete_bake, HAPTIC_OT_keep_take, HAPTIC_OT_play_take)
-
-
 def stop() -> None:
     """Cancel the bake in progress, as the add-on is disabled."""
     while _running:

@@ -106,6 +106,3 @@ class HAPTIC_OT_mirror_listeners(Operator):
 def _side(obj: Object) -> str:
     listener = obj.haptics.listener
     return BODY_PART[listener.body_part].side if listener.enabled and listener.body_part != "NONE" else ""
-
-
-CLASSES = (HAPTIC_OT_add_default_listeners, HAPTIC_OT_mirror_listeners)

@@ -264,6 +264,3 @@ def export_name(path: str) -> str:
         name = name[: -len(suffix)] if name.lower().endswith(suffix) else name
     stem = Path(name).stem if Path(name).suffix in {named(form).suffix for form in TRACK_FORMATS} else name
     return stem or "haptics"
-
-
-CLASSES = (HAPTIC_OT_export_scene, HAPTIC_OT_export_tracks)

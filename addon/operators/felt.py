@@ -82,6 +82,3 @@ def _raise(listener: Any, traced: Traced, index: int, missing: float) -> bool:
             factor /= getattr(owner, name) / before
             is_raised = True
     return is_raised
-
-
-CLASSES = (HAPTIC_OT_make_felt,)

@@ -55,6 +55,3 @@ class HAPTIC_GGT_extents(GizmoGroup):
             circle.hide = handle.hide = not properties.enabled
             circle.matrix_basis = place @ Matrix.Scale(max(getattr(properties, name), 1e-3), 4)
             handle.matrix_basis = place @ Matrix.Rotation(turn * math.pi, 4, "Y")
-
-
-CLASSES = (HAPTIC_GGT_extents,)

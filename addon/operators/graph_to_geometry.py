@@ -46,6 +46,3 @@ class HAPTIC_OT_graph_to_geometry(Operator):
         graph, collection = graph_mesh.graph_in_collection(context.scene, result, self.thickness, **options)
         self.report({"INFO"}, _rpt("{:,} vertices in collection '{}'").format(len(graph.data.vertices), collection.name))
         return {"FINISHED"}
-
-
-CLASSES = (HAPTIC_OT_graph_to_geometry,)

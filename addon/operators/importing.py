@@ -102,6 +102,3 @@ def ask(operator: Operator, context: Context) -> set[str]:
         return manager.invoke_props_dialog(operator, title=Path(operator.filepath).name, confirm_text=operator.bl_label)
     manager.fileselect_add(operator)
     return {"RUNNING_MODAL"}
-
-
-CLASSES = (HAPTIC_OT_import_scene, HAPTIC_OT_import_signal)

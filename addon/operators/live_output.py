@@ -146,14 +146,3 @@ class HAPTIC_OT_panic(Operator):
         preview.switch_off()
         self.report({"INFO"}, _rpt("All haptic output is off"))
         return {"FINISHED"}
-
-
-CLASSES = (
-    HAPTIC_OT_find_devices,
-    HAPTIC_OT_connect_device,
-    HAPTIC_OT_disconnect_device,
-    HAPTIC_OT_copy_udev_rule,
-    HAPTIC_OT_choose_actuator,
-    HAPTIC_OT_toggle_preview,
-    HAPTIC_OT_panic,
-)

@@ -172,14 +172,3 @@ class HAPTIC_OT_unlink_material(Operator):
     def execute(self, context: Context) -> set[str]:
         context.object.haptics.material.name = ""
         return {"FINISHED"}
-
-
-CLASSES = (
-    HAPTIC_OT_apply_material,
-    HAPTIC_OT_guess_material,
-    HAPTIC_OT_physical_materials,
-    HAPTIC_OT_new_material,
-    HAPTIC_OT_copy_material,
-    HAPTIC_OT_remove_material,
-    HAPTIC_OT_unlink_material,
-)

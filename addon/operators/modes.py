@@ -43,6 +43,3 @@ class HAPTIC_OT_set_mode(Operator):
             session.begin(context.scene, context.evaluated_depsgraph_get())
         redraw_viewports()
         return {"FINISHED"}
-
-
-CLASSES = (HAPTIC_OT_set_mode,)

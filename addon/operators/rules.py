@@ -71,6 +71,3 @@ class HAPTIC_OT_move_rule(_OfTable, Operator):
         rows.active = place
         mark_changed()
         return {"FINISHED"}
-
-
-CLASSES = (HAPTIC_OT_add_rule, HAPTIC_OT_remove_rule, HAPTIC_OT_move_rule)

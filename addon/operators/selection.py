@@ -34,6 +34,3 @@ class HAPTIC_OT_select_object(Operator):
         found.select_set(True)
         context.view_layer.objects.active = found
         return {"FINISHED"}
-
-
-CLASSES = (HAPTIC_OT_select_object,)

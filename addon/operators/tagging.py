@@ -158,6 +158,3 @@ class HAPTIC_OT_clear(Operator):
             self.report({"ERROR"}, linked_message(context.selected_objects))
             return {"CANCELLED"}
         return {"FINISHED"}
-
-
-CLASSES = (HAPTIC_OT_make_objects, HAPTIC_OT_add_source, HAPTIC_OT_add_listener, HAPTIC_OT_clear)

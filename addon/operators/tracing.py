@@ -57,6 +57,3 @@ class HAPTIC_OT_cancel_tracing(Operator):
         session.give_up()
         redraw_viewports()
         return {"FINISHED"}
-
-
-CLASSES = (HAPTIC_OT_trace_frame, HAPTIC_OT_cancel_tracing, HAPTIC_OT_toggle_tracing)

@@ -85,6 +85,3 @@ def _change(traced: Traced, missing: dict[str, float], free: list[Any]) -> bool:
             item.kappa = kappa
             changed = True
     return changed
-
-
-CLASSES = (HAPTIC_OT_design_by_wish,)

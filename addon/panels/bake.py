@@ -23,7 +23,6 @@ _MOST_TAKES = 20
 
 
 class HAPTIC_PT_bake(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_bake"
     bl_label = "Bake"
     bl_order = 50
     bl_options = {"DEFAULT_CLOSED"}
@@ -75,7 +74,6 @@ def _draw_track(layout: UILayout, scene: Scene, track: HapticTrack | None) -> No
 
 
 class HAPTIC_PT_takes(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_takes"
     bl_parent_id = "HAPTIC_PT_bake"
     bl_label = "Takes"
 
@@ -112,6 +110,3 @@ def _draw_differences(layout: UILayout, scene: Scene, other: str) -> None:
         change = item.here - item.there
         words = f"{change:+.1f} dB".replace("-", "\N{MINUS SIGN}") if math.isfinite(change) else "\N{EM DASH}"
         draw_pair(column, fitted(item.listener, 0.45), f"{levels.decibels(item.here) if item.here == item.here else ''}   {words}", 0.45)
-
-
-CLASSES = (HAPTIC_PT_bake, HAPTIC_PT_takes)

@@ -9,7 +9,6 @@ from .drawing import HapticsPanel
 
 
 class HAPTIC_PT_export(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_export"
     bl_label = "Export"
     bl_order = 90
     bl_options = {"DEFAULT_CLOSED"}
@@ -27,6 +26,3 @@ class HAPTIC_PT_export(HapticsPanel, Panel):
         column = layout.column(align=True)
         column.operator("import_scene.haptic_scene", text="Haptic Scene", icon="IMPORT")
         column.operator("haptic.import_signal", icon="IMPORT")
-
-
-CLASSES = (HAPTIC_PT_export,)

@@ -8,7 +8,6 @@ from bpy.types import Context, FileHandler, Menu
 class HAPTIC_FH_scene(FileHandler):
     """Haptic scenes"""
 
-    bl_idname = "HAPTIC_FH_scene"
     bl_label = "Haptic Scene"
     bl_import_operator = "import_scene.haptic_scene"
     bl_export_operator = "export_scene.haptic_scene"
@@ -22,7 +21,6 @@ class HAPTIC_FH_scene(FileHandler):
 class HAPTIC_FH_tracks(FileHandler):
     """What listeners feel; as signals on the way in"""
 
-    bl_idname = "HAPTIC_FH_tracks"
     bl_label = "Haptic Tracks"
     bl_import_operator = "haptic.import_signal"
     bl_export_operator = "export_scene.haptic_tracks"
@@ -47,6 +45,3 @@ def draw_import(self: Menu, context: Context) -> None:
     """Entries of File > Import."""
     self.layout.operator("import_scene.haptic_scene", text="Haptic Scene (.json)")
     self.layout.operator("haptic.import_signal", text="Haptic Signal for the Active Object (.hjif/.wav/.haptic/.ahap/.haps/.tact)")
-
-
-CLASSES = (HAPTIC_FH_scene, HAPTIC_FH_tracks)

@@ -10,7 +10,6 @@ from .formula import draw_finding
 
 
 class HAPTIC_PT_listener(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_listener"
     bl_label = "Haptic Listener"
     bl_order = 30
 
@@ -44,6 +43,3 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
         row = layout.row(align=True)
         row.operator("haptic.add_default_listeners", text="Add Body Listeners", icon="OUTLINER_OB_ARMATURE")
         row.operator("haptic.mirror_listeners", text="", icon="MOD_MIRROR")
-
-
-CLASSES = (HAPTIC_PT_listener,)

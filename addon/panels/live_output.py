@@ -26,7 +26,6 @@ _BLOCKED = 0.25
 
 
 class HAPTIC_PT_live_output(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_live_output"
     bl_label = "Live Output"
     bl_order = 50
     bl_options = {"DEFAULT_CLOSED"}
@@ -47,7 +46,6 @@ class HAPTIC_PT_live_output(HapticsPanel, Panel):
 
 
 class HAPTIC_PT_actuators(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_actuators"
     bl_parent_id = "HAPTIC_PT_live_output"
     bl_label = "Listeners"
 
@@ -159,6 +157,3 @@ def _draw_text(layout: UILayout, text: str, icon: str = "NONE") -> None:
     column.scale_y = 0.8
     for number, line in enumerate(wrapped(text)):
         column.label(text=line, icon=icon if number == 0 else "NONE")
-
-
-CLASSES = (HAPTIC_PT_live_output, HAPTIC_PT_actuators)

@@ -17,8 +17,6 @@ from .thumbnails import cell
 class HAPTIC_UL_materials(UIList):
     """The haptic materials of the scene, each with its coefficient (1 - κ) ρ."""
 
-    bl_idname = "HAPTIC_UL_materials"
-
     def draw_item(
         self, context: Context, layout: UILayout, data: Any, item: Any, icon: int, active_data: Any, active_property: str, index: int = 0
     ) -> None:
@@ -30,7 +28,6 @@ class HAPTIC_UL_materials(UIList):
 
 
 class HAPTIC_MT_materials(Menu):
-    bl_idname = "HAPTIC_MT_materials"
     bl_label = "Materials"
 
     def draw(self, context: Context) -> None:
@@ -46,7 +43,6 @@ class HAPTIC_MT_materials(Menu):
 
 
 class HAPTIC_PT_materials(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_materials"
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Materials"
     bl_order = 1
@@ -72,7 +68,6 @@ class HAPTIC_PT_materials(HapticsPanel, Panel):
 
 
 class HAPTIC_PT_wishes(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_wishes"
     bl_parent_id = "HAPTIC_PT_materials"
     bl_label = "Design by Wish"
     bl_options = {"DEFAULT_CLOSED"}
@@ -103,6 +98,3 @@ class HAPTIC_PT_wishes(HapticsPanel, Panel):
             side.prop(item, "least_k")
             side.prop(item, "most_k")
         layout.operator("haptic.design_by_wish", icon="SHADERFX")
-
-
-CLASSES = (HAPTIC_UL_materials, HAPTIC_MT_materials, HAPTIC_PT_materials, HAPTIC_PT_wishes)

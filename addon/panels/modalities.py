@@ -85,4 +85,4 @@ def _panel(modality: Modality, part: str, values: dict[str, object]) -> type[Pan
     return type(name, (HapticsPanel, Panel), {"bl_idname": name, "bl_options": {"DEFAULT_CLOSED"}, "__module__": __name__, **values})
 
 
-CLASSES = tuple(panel(modality) for modality in SHOWN for panel in (_scene_panel, _object_panel))
+PANELS = tuple(panel(modality) for modality in SHOWN for panel in (_scene_panel, _object_panel))

@@ -33,7 +33,6 @@ def _owner(context: Context, obj: Object) -> Any:
 
 
 class HAPTIC_PT_object(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_object"
     bl_label = "Haptic Object"
     bl_order = 10
 
@@ -131,7 +130,6 @@ def _twin(context: Context, haptics: Any) -> str | None:
 
 
 class HAPTIC_PT_gain(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_gain"
     bl_parent_id = "HAPTIC_PT_object"
     bl_label = "Gain over Distance"
 
@@ -193,7 +191,6 @@ def _curve_key(context: Context) -> tuple[ModulationFunction, float, float, floa
 
 
 class HAPTIC_PT_bands(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_bands"
     bl_parent_id = "HAPTIC_PT_object"
     bl_label = "Frequency Bands"
     bl_options = {"DEFAULT_CLOSED"}
@@ -215,6 +212,3 @@ class HAPTIC_PT_bands(HapticsPanel, Panel):
         column = layout.column(align=True)
         for index, (low, high) in enumerate(pairwise(BAND_EDGES)):
             column.prop(owner, "band_decays", index=index, text=f"{low:g} - {high:g} Hz")
-
-
-CLASSES = (HAPTIC_PT_object, HAPTIC_PT_gain, HAPTIC_PT_bands)

@@ -47,7 +47,6 @@ NEEDS_MORE = {"haptic.apply_material", "haptic.select_object", "haptic.add_sourc
 
 
 class HAPTIC_MT_object(Menu):
-    bl_idname = "HAPTIC_MT_object"
     bl_label = "Haptics"
 
     def draw(self, context: Context) -> None:
@@ -63,7 +62,6 @@ class HAPTIC_MT_object(Menu):
 class HAPTIC_MT_more(Menu):
     """The rest of the operators, so that search finds them"""
 
-    bl_idname = "HAPTIC_MT_more"
     bl_label = "More"
 
     def draw(self, context: Context) -> None:
@@ -72,7 +70,6 @@ class HAPTIC_MT_more(Menu):
 
 
 class HAPTIC_MT_add(Menu):
-    bl_idname = "HAPTIC_MT_add"
     bl_label = "Haptic"
 
     def draw(self, context: Context) -> None:
@@ -89,7 +86,6 @@ class HAPTIC_MT_add(Menu):
 
 
 class HAPTIC_MT_samples(Menu):
-    bl_idname = "HAPTIC_MT_samples"
     bl_label = "Sample Scenes"
 
     def draw(self, context: Context) -> None:
@@ -101,7 +97,6 @@ class HAPTIC_MT_samples(Menu):
 class HAPTIC_MT_mode_pie(Menu):
     """The four renderings around the pointer: the same scene, heard one way and then the other"""
 
-    bl_idname = "HAPTIC_MT_mode_pie"
     bl_label = "Haptic Mode"
 
     def draw(self, context: Context) -> None:
@@ -122,6 +117,3 @@ def draw_add_menu(self: Menu, context: Context) -> None:
     """Entry of the Add menu."""
     self.layout.separator()
     self.layout.menu("HAPTIC_MT_add", icon="OUTLINER_OB_LIGHTPROBE")
-
-
-CLASSES = (HAPTIC_MT_more, HAPTIC_MT_object, HAPTIC_MT_samples, HAPTIC_MT_add, HAPTIC_MT_mode_pie)

@@ -47,6 +47,3 @@ def is_own(item: KeyMapItem) -> bool:
     return item.idname.startswith("haptic.") or (
         item.idname == "wm.call_menu_pie" and item.properties is not None and item.properties.name.startswith("HAPTIC_")
     )
-
-
-CLASSES = (HapticTracingPreferences,)

@@ -37,7 +37,6 @@ _ALL_IN_DETAIL = 3  # number of listeners above which only the active one shows 
 
 
 class HAPTIC_PT_result(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_result"
     bl_label = "Result"
     bl_order = 40
 
@@ -74,7 +73,6 @@ class HAPTIC_PT_result(HapticsPanel, Panel):
 
 
 class HAPTIC_PT_silence(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_silence"
     bl_parent_id = "HAPTIC_PT_result"
     bl_label = "Why Is It Silent?"
 
@@ -103,7 +101,6 @@ class HAPTIC_PT_silence(HapticsPanel, Panel):
 
 
 class HAPTIC_PT_path(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_path"
     bl_parent_id = "HAPTIC_PT_result"
     bl_label = "Path"
 
@@ -156,7 +153,6 @@ def _columns(layout: UILayout) -> tuple[UILayout, UILayout, UILayout]:
 
 
 class HAPTIC_PT_meters(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_meters"
     bl_parent_id = "HAPTIC_PT_result"
     bl_label = "Meters"
     bl_options = {"DEFAULT_CLOSED"}
@@ -187,7 +183,6 @@ class HAPTIC_PT_meters(HapticsPanel, Panel):
 
 
 class HAPTIC_PT_comparison(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_comparison"
     bl_parent_id = "HAPTIC_PT_result"
     bl_label = "Compare Modes"
     bl_options = {"DEFAULT_CLOSED"}
@@ -219,7 +214,6 @@ class HAPTIC_PT_comparison(HapticsPanel, Panel):
 
 
 class HAPTIC_PT_statistics(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_statistics"
     bl_parent_id = "HAPTIC_PT_result"
     bl_label = "Statistics"
     bl_options = {"DEFAULT_CLOSED"}
@@ -321,6 +315,3 @@ def _draw_pictures(layout: UILayout, context: Context) -> None:
         column = row.column()
         column.template_icon(icon_value=meter_pictures.body_icon(shown, ink), scale=_PICTURE)
         column.label(text="Front and back")
-
-
-CLASSES = (HAPTIC_PT_result, HAPTIC_PT_silence, HAPTIC_PT_path, HAPTIC_PT_meters, HAPTIC_PT_comparison, HAPTIC_PT_statistics)

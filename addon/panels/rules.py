@@ -18,8 +18,6 @@ _FIELDS = {"OBJECT": "objects", "MATERIAL": "items"}
 class HAPTIC_UL_rules(UIList):
     """The rules of a table, each with the two sides that it is for."""
 
-    bl_idname = "HAPTIC_UL_rules"
-
     def draw_item(
         self, context: Context, layout: UILayout, data: Any, item: Any, icon: int, active_data: Any, active_property: str, index: int = 0
     ) -> None:
@@ -59,6 +57,3 @@ def draw_table(layout: UILayout, context: Context, table: str) -> Any:
 def _problems(context: Context, table: str, index: int) -> list[str]:
     """What a designer should mend in a row."""
     return [problem.message for problem in sessions.shown_problems(context.scene) if problem.rule == (table, index)]
-
-
-CLASSES = (HAPTIC_UL_rules,)

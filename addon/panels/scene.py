@@ -15,7 +15,6 @@ from .rules import draw_table
 
 
 class HAPTIC_PT_scene(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_scene"
     bl_label = "Haptic Tracing"
     bl_order = 0
 
@@ -52,7 +51,6 @@ def _draw_card(layout: UILayout) -> None:
 
 
 class HAPTIC_PT_propagation(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_propagation"
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Propagation"
     bl_options = {"DEFAULT_CLOSED"}
@@ -74,7 +72,6 @@ class HAPTIC_PT_propagation(HapticsPanel, Panel):
 
 
 class HAPTIC_PT_impacts(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_impacts"
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Impacts"
     bl_options = {"DEFAULT_CLOSED"}
@@ -97,7 +94,6 @@ class HAPTIC_PT_impacts(HapticsPanel, Panel):
 
 
 class HAPTIC_PT_impact_table(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_impact_table"
     bl_parent_id = "HAPTIC_PT_impacts"
     bl_label = "Rules"
     bl_description = "What impacts between some objects need and play, in place of what is said above; the most specific rule counts"
@@ -131,7 +127,6 @@ class HAPTIC_PT_impact_table(HapticsPanel, Panel):
 
 
 class HAPTIC_PT_contacts(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_contacts"
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Contacts"
     bl_description = "What contacts between some objects pass on; everything where no rule fits, the most specific rule counts"
@@ -152,7 +147,6 @@ class HAPTIC_PT_contacts(HapticsPanel, Panel):
 
 
 class HAPTIC_PT_overlay(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_overlay"
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Overlay"
     bl_translation_context = "Haptics"  # Blender's own word for it is that of mixing colours
@@ -172,6 +166,3 @@ class HAPTIC_PT_overlay(HapticsPanel, Panel):
         column.prop(haptics, "show_flow")
         column.prop(haptics, "xray")
         layout.operator("haptic.graph_to_geometry", icon="MESH_DATA")
-
-
-CLASSES = (HAPTIC_PT_scene, HAPTIC_PT_propagation, HAPTIC_PT_contacts, HAPTIC_PT_impacts, HAPTIC_PT_impact_table, HAPTIC_PT_overlay)

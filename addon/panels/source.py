@@ -9,7 +9,6 @@ from .thumbnails import cell
 
 
 class HAPTIC_MT_signals(Menu):
-    bl_idname = "HAPTIC_MT_signals"
     bl_label = "Signals"
 
     @classmethod
@@ -23,7 +22,6 @@ class HAPTIC_MT_signals(Menu):
 
 
 class HAPTIC_PT_source(HapticsPanel, Panel):
-    bl_idname = "HAPTIC_PT_source"
     bl_label = "Haptic Source"
     bl_order = 20
 
@@ -53,6 +51,3 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
         layout.prop(source, "priority")
         layout.prop(source, "muted")
         draw_carrier(layout, context.object, "Shakes")
-
-
-CLASSES = (HAPTIC_MT_signals, HAPTIC_PT_source)

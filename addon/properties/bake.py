@@ -65,6 +65,3 @@ class HapticFeltProperties(PropertyGroup):
         min=0.0,
         soft_max=1000.0,
     )
-
-
-CLASSES = (HapticTake, HapticBakeProperties, HapticFeltProperties)

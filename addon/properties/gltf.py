@@ -18,6 +18,3 @@ class HapticGltfProperties(PropertyGroup):
     material_name: StringProperty(
         name="Name", description="Of that extension: drafts of the standard differ", default="MPEG_haptic_material", maxlen=60
     )
-
-
-CLASSES = (HapticGltfProperties,)

@@ -106,6 +106,3 @@ class HapticListenerProperties(Imported, PropertyGroup):
         default=False,
         update=changed,
     )
-
-
-CLASSES = (HapticListenerProperties,)

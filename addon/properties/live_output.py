@@ -96,6 +96,3 @@ class HapticActuatorProperties(PropertyGroup):
         description="Empty for those at its body part, - for none, else device/actuator or device/actuator*gain, separated by semicolons",
         update=_actuators_chosen,
     )
-
-
-CLASSES = (HapticDeviceProperties, HapticLiveOutputProperties, HapticActuatorProperties)

@@ -156,9 +156,6 @@ class HapticMaterialLibrary(PropertyGroup):
     target: EnumProperty(name="Apply To", description="What a material is applied to", items=TARGET_ITEMS, options=set())
 
 
-CLASSES = (HapticMaterial, HapticObjectMaterial, HapticMaterialLibrary)
-
-
 def add_material(scene: Scene, name: str, values: dict[str, object]) -> HapticMaterial:
     """A new material of the scene's library, which gets a number where its name is taken."""
     library = scene.haptics.materials

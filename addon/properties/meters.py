@@ -45,6 +45,3 @@ class HapticMetersProperties(PropertyGroup):
     sort_path: BoolProperty(
         name="Sort by Loss", description="List the objects of a path by what they lose, the most first; else in their order", default=False
     )
-
-
-CLASSES = (HapticMetersProperties,)

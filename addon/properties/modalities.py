@@ -68,4 +68,4 @@ _SCENE_GROUPS = {modality.name: _scene_group(modality) for modality in SHOWN}
 HapticObjectModalities = _container("HapticObjectModalities", _OBJECT_GROUPS)
 HapticSceneModalities = _container("HapticSceneModalities", _SCENE_GROUPS)
 
-CLASSES = (*_OBJECT_GROUPS.values(), *_SCENE_GROUPS.values(), HapticObjectModalities, HapticSceneModalities)
+GROUPS = (*_OBJECT_GROUPS.values(), *_SCENE_GROUPS.values(), HapticObjectModalities, HapticSceneModalities)

@@ -54,6 +54,3 @@ class HapticObjectProperties(Imported, FunctionParameters, PhysicalParameters, P
             drop(self, "function")
         else:
             drop(self, "numbers", name)
-
-
-CLASSES = (HapticObjectProperties,)

@@ -153,6 +153,3 @@ class HapticTransmissionTable(TableRows, PropertyGroup):
     """The rules of a scene for contacts."""
 
     items: CollectionProperty(type=HapticTransmissionRule)
-
-
-CLASSES = (HapticImpactRule, HapticImpactTable, HapticTransmissionRule, HapticTransmissionTable)

@@ -141,6 +141,3 @@ class HapticSceneProperties(Imported, PropertyGroup):
     kept_impacts: StringProperty(
         name="Kept Impacts", description="The impacts of the frame in which the file was saved", options={"HIDDEN"}
     )
-
-
-CLASSES = (HapticSceneProperties,)

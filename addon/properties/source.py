@@ -63,6 +63,3 @@ class HapticSourceProperties(Imported, PropertyGroup):
         soft_max=10.0,
         update=edited("priority"),
     )
-
-
-CLASSES = (HapticSourceProperties,)

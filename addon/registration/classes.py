@@ -29,39 +29,13 @@ from ..panels import live_output as live_output_panels
 from ..panels import materials as materials_panels
 from ..panels import modalities as modalities_panels
 from ..panels import rules as rules_panels
+from .module_classes import classes_of
 
 CLASSES = (
-    *preferences.CLASSES,
-    *job.CLASSES,
-    *tagging.CLASSES,
-    *adding.CLASSES,
-    *tracing.CLASSES,
-    *selection.CLASSES,
-    *modes.CLASSES,
-    *felt.CLASSES,
-    *gizmos.CLASSES,
-    *materials.CLASSES,
-    *wishes.CLASSES,
-    *body_kit.CLASSES,
-    *rules.CLASSES,
-    *bake.CLASSES,
-    *exporting.CLASSES,
-    *importing.CLASSES,
-    *graph_to_geometry.CLASSES,
-    *live_output.CLASSES,
-    *scene.CLASSES,
-    *object.CLASSES,
-    *source.CLASSES,
-    *listener.CLASSES,
-    *result.CLASSES,
-    *export.CLASSES,
-    *materials_panels.CLASSES,
-    *modalities_panels.CLASSES,
-    *rules_panels.CLASSES,
-    *bake_panel.CLASSES,
-    *live_output_panels.CLASSES,
-    *file_menus.CLASSES,
-    *object_menus.CLASSES,
+    *classes_of(preferences, job, tagging, adding, tracing, selection, modes, felt, gizmos, materials, wishes, body_kit, rules, bake),
+    *classes_of(exporting, importing, graph_to_geometry, live_output, scene, object, source, listener, result, export, materials_panels),
+    *modalities_panels.PANELS,
+    *classes_of(rules_panels, bake_panel, live_output_panels, file_menus, object_menus),
 )
 """All of them, a panel before its subpanels."""
 

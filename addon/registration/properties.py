@@ -7,19 +7,12 @@ from bpy.props import PointerProperty
 from bpy.types import Object, Scene
 
 from ..properties import bake, gltf, listener, live_output, materials, meters, modalities, object, rules, scene, source
+from .module_classes import classes_of
 
 CLASSES = (
-    *bake.CLASSES,
-    *gltf.CLASSES,
-    *meters.CLASSES,
-    *live_output.CLASSES,
-    *materials.CLASSES,
-    *modalities.CLASSES,
-    *source.CLASSES,
-    *listener.CLASSES,
-    *object.CLASSES,
-    *rules.CLASSES,
-    *scene.CLASSES,
+    *classes_of(bake, gltf, meters, live_output, materials),
+    *modalities.GROUPS,
+    *classes_of(source, listener, object, rules, scene),
 )
 """The property groups, each after those that it has in it."""
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
+from haptic_tracing.addon.registration.module_classes import classes_of
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parent / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)
@@ -14,7 +15,7 @@ _spec.loader.exec_module(recording_layout)
 def _panels():
     from haptic_tracing.addon.panels import export, listener, object, result, scene, source
 
-    return [panel for module in (scene, object, source, listener, result, export) for panel in module.CLASSES]
+    return [panel for module in (scene, object, source, listener, result, export) for panel in classes_of(module)]
 
 
 def _draw(panel):

@@ -10,6 +10,7 @@ import haptic_tracing
 import pytest
 from haptic_tracing.addon.panels import formula
 from haptic_tracing.addon.properties import preferences
+from haptic_tracing.addon.registration.module_classes import classes_of
 from haptic_tracing.addon.session import session
 from haptic_tracing.core.scene.functions import check_expression
 
@@ -112,7 +113,7 @@ def test_every_panel_and_menu_of_authoring_draws(add_box, add_empty):
                 bpy.context.scene.haptics.materials.items[0].use_bands = True
                 box.haptics.modalities.thermal.is_source = True
                 bpy.context.scene.frame_set(2)
-            for cls in (cls for module in drawn for cls in module.CLASSES):
+            for cls in (*classes_of(*drawn), *modalities.PANELS):
                 if hasattr(cls, "draw") and (not hasattr(cls, "poll") or cls.poll(bpy.context)):
                     layout = _draw(cls)
                     assert layout.labels or layout.properties or layout.operators or layout.menus, cls
@@ -131,7 +132,7 @@ def test_every_operator_is_in_a_menu():
     from haptic_tracing.addon.panels import object_menus
 
     offered = set(object_menus.NEEDS_MORE)
-    for menu in object_menus.CLASSES:
+    for menu in classes_of(object_menus):
         offered |= set(_draw(menu).operators)
     assert {f"haptic.{name}" for name in dir(bpy.ops.haptic)} <= offered
 

@@ -12,6 +12,7 @@ from fake_hid import until
 from haptic_tracing.addon.live_output import handlers, outputs
 from haptic_tracing.addon.panels import live_output
 from haptic_tracing.addon.properties.preferences import preferences
+from haptic_tracing.addon.registration.module_classes import classes_of
 from haptic_tracing.core.devices.status import Status
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
@@ -21,7 +22,7 @@ _spec.loader.exec_module(recording_layout)
 
 def drawn():
     layout = recording_layout.RecordingLayout()
-    for panel in live_output.CLASSES:
+    for panel in classes_of(live_output):
         panel.draw(SimpleNamespace(layout=layout), bpy.context)
     return layout
 

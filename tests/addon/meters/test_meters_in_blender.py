@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.live_output.unfelt import device_words
 from haptic_tracing.addon.panels import result as result_panel
+from haptic_tracing.addon.registration.module_classes import classes_of
 from haptic_tracing.addon.session import session
 from haptic_tracing.addon.view import explanation, meter_pictures, meters, watched
 from haptic_tracing.core.message import Cause, Message
@@ -162,7 +163,7 @@ def test_compare_panel_shows_all_modes_side_by_side(felt, settle):
 
 
 def test_every_panel_of_the_result_draws_without_one(scene):
-    for panel in result_panel.CLASSES:
+    for panel in classes_of(result_panel):
         assert isinstance(_drawn(panel).labels, list)
 
 
