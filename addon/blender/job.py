@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, wait
+from contextlib import suppress
 from dataclasses import dataclass
 from threading import Event, Thread
 
@@ -37,8 +38,10 @@ class Job:
     job leaves no files.
     """
 
-    def __init__(self, label: str, total: int, work: Iterator[object], finish: Callable[[Job], list[Report]]) -> None:
+    def __init__(self, label: str, total: int, work: Iterator[object], finish: Callable[[Job], list[Report]], undo: str = "") -> None:
         self.label, self.total, self.done = label, max(total, 1), 0
+        self.undo = undo
+        """Name of the undo step of what the work changed in Blender's data, "" where it changed nothing."""
         self.asks = False
         """Whether there is a window in which a question can be answered."""
         self.question: tuple[str, ...] = ()
@@ -57,7 +60,7 @@ class Job:
     def state(self) -> str:
         """What is being done, in words."""
         if self._writing is None:
-            return _iface("{}: {} of {} frames").format(_iface(self.label), self.done, self.total)
+            return _iface("{}: {} of {} frames").format(_iface(self.label), min(self.done, self.total), self.total)
         return _iface("Writing")
 
     def advance(self, seconds: float) -> list[Report] | None:
@@ -109,7 +112,8 @@ class Job:
         self.answer(False)
         close = getattr(self._work, "close", None)
         if close is not None:
-            close()
+            with suppress(ReferenceError):  # the scene may be gone
+                close()
 
 
 @dataclass(slots=True)
@@ -125,6 +129,13 @@ _state = _State()
 def running() -> Job | None:
     """The job that runs in the window."""
     return _state.running
+
+
+def poll_idle(cls: type[Operator]) -> bool:
+    """True where no job runs in the window."""
+    if _state.running is not None:
+        cls.poll_message_set("Wait for the running job, or press Esc to cancel it")
+    return _state.running is None
 
 
 def run(operator: Operator, context: Context, job: Job) -> set[str]:
@@ -208,7 +219,10 @@ class HAPTIC_OT_run_job(Operator):
         _redraw(context.window_manager)
         if reports is None:
             return {"RUNNING_MODAL"}
+        undo = _state.running.undo
         self.cancel(context)
+        if undo:
+            bpy.ops.ed.undo_push(message=undo)
         for kind, text in reports:
             self.report(kind, text)
         return {"FINISHED"}
@@ -257,12 +271,16 @@ def draw_status(header: Header, context: Context) -> None:
         row.label(text="Cancel", icon="EVENT_ESC")
         bar = row.row()
         bar.ui_units_x = 16
-        draw_progress(bar, _state.running)
+        bar.progress(factor=_state.running.factor, text=_state.running.state)
 
 
-def draw_progress(layout: bpy.types.UILayout, job: Job) -> None:
-    """Draw the progress bar."""
-    layout.progress(factor=job.factor, text=job.state)
+def draw_running(layout: bpy.types.UILayout) -> bool:
+    """Draw the progress of the job that runs in the window. False where there is none."""
+    if _state.running is None:
+        return False
+    layout.progress(factor=_state.running.factor, text=_state.running.state)
+    layout.label(text="Press Esc to cancel")
+    return True
 
 
 def _redraw(manager: WindowManager) -> None:

@@ -9,8 +9,8 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Panel, Scene, UILayout
 
 from ..bake import playback, storage, takes
+from ..blender import job
 from ..blender.text import wrapped
-from ..operators.bake import running
 from ..view import levels
 from .drawing import HapticsPanel, draw_pair
 from .texts import fitted
@@ -33,10 +33,7 @@ class HAPTIC_PT_bake(HapticsPanel, Panel):
         layout.use_property_decorate = False
         scene = context.scene
         bake = scene.haptics.bake
-        baking = running()
-        if baking is not None:
-            layout.progress(factor=baking.part, text=f"{100 * baking.part:.0f} %")
-            layout.label(text="Esc cancels", icon="EVENT_ESC")
+        if job.draw_running(layout):
             return
         layout.prop(bake, "use_range")
         column = layout.column(align=True)
@@ -79,7 +76,7 @@ class HAPTIC_PT_takes(HapticsPanel, Panel):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return running() is None and (context.scene.haptics.bake.track is not None or len(context.scene.haptics.bake.takes) > 0)
+        return job.running() is None and (context.scene.haptics.bake.track is not None or len(context.scene.haptics.bake.takes) > 0)
 
     def draw(self, context: Context) -> None:
         layout = self.layout

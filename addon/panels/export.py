@@ -15,10 +15,7 @@ class HAPTIC_PT_export(HapticsPanel, Panel):
 
     def draw(self, context: Context) -> None:
         layout = self.layout
-        running = job.running()
-        if running is not None:
-            job.draw_progress(layout, running)
-            layout.label(text="Press Esc to cancel")
+        if job.draw_running(layout):
             return
         column = layout.column(align=True)
         column.operator("export_scene.haptic_scene", text="Haptic Scene", icon="EXPORT")

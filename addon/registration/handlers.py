@@ -21,7 +21,6 @@ from ..changes.revisions import mark_changed, mark_edited
 from ..changes.suspension import is_stepped, is_suspended, steps_any
 from ..gateway import is_loaded
 from ..live_output import handlers as live_output
-from ..operators import bake
 from ..scene_reader import roles
 from ..session import session, sessions
 
@@ -187,7 +186,6 @@ def register() -> None:
 def unregister() -> None:
     """Stop listening, end what is going on, and drop everything."""
     job.stop()
-    bake.stop()
     if bpy.app.timers.is_registered(trace_opened):
         bpy.app.timers.unregister(trace_opened)
     live_output.unregister()

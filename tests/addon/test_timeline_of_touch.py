@@ -4,7 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from haptic_tracing.addon.bake import baking, storage
+from haptic_tracing.addon.bake import storage
+from haptic_tracing.addon.bake.baking import bake_job
 from haptic_tracing.addon.bake.waves import computed
 from haptic_tracing.addon.view.lane_layout import rows_of, threshold_strip, wave_strip
 from haptic_tracing.core.render.waves import FULL_SCALE, Columns
@@ -15,7 +16,9 @@ from haptic_tracing.sample_scenes import build_sample
 def test_baked_waves_have_the_samples_and_impacts_of_the_track():
     scene = build_sample("hammer_nail")
     scene.haptics.bake.use_range, scene.haptics.bake.frame_end = True, 30
-    baking.Baking(scene).finish()
+    baking = bake_job(scene)
+    while baking.advance(1.0) is None:
+        pass
     track = storage.track_of(scene)
     waves = computed(track)
     assert waves.listeners == tuple(item.name for item in track.listeners)

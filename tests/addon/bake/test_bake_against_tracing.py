@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.bake import playback, storage
-from haptic_tracing.addon.bake.baking import Baking
+from haptic_tracing.addon.bake.baking import bake_job
 from haptic_tracing.addon.bake.curves import FREQUENCY, INTENSITY, felt
 from haptic_tracing.addon.bake.sound import write_stereo
 from haptic_tracing.addon.blender import compatibility
@@ -195,12 +195,12 @@ def test_what_can_not_be_baked_is_a_message(shaken):
 
 def test_a_bake_that_is_stopped_leaves_everything_as_it_was(shaken):
     shaken.frame_set(3)
-    baking = Baking(shaken)
-    assert not baking.advance(0.0)
-    assert not baking.advance(0.0)
-    assert 0 < baking.part < 1
-    assert "2 of 24" in baking.words
-    baking.close()
+    baking = bake_job(shaken)
+    assert baking.advance(0.0) is None
+    assert baking.advance(0.0) is None
+    assert 0 < baking.factor < 1
+    assert "2 of 24" in baking.state
+    baking.cancel()
     assert shaken.frame_current == 3
     assert storage.track_of(shaken) is None
     assert bpy.data.texts.keys() == []
@@ -210,13 +210,14 @@ def test_a_bake_that_is_stopped_leaves_everything_as_it_was(shaken):
 def test_a_bake_in_pieces_is_the_bake_in_one_go(shaken):
     bpy.ops.haptic.bake()
     whole = storage.track_of(shaken)
-    baking = Baking(shaken)
-    while not baking.advance(0.0):
+    baking = bake_job(shaken)
+    while (reports := baking.advance(0.0)) is None:
         pass
     pieces = storage.track_of(shaken)
     assert pieces is not whole
     assert np.array_equal(pieces.samples, whole.samples)
-    assert baking.part == 1
+    assert baking.factor == 1
+    assert reports == [({"INFO"}, "24 frames baked")]
 
 
 def test_scenes_that_share_a_track_part_when_one_is_baked_again(shaken):

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.bake import baking, playback, storage, takes
+from haptic_tracing.addon.bake import playback, storage, takes
 from haptic_tracing.addon.session import session
 
 
@@ -18,7 +18,7 @@ def two_takes(scene, add_box, add_empty):
     scene.frame_end = 12
     for amplitude in (1.0, 0.5):
         source.amplitude = amplitude
-        baking.Baking(scene).finish()
+        bpy.ops.haptic.bake()
         assert bpy.ops.haptic.keep_take() == {"FINISHED"}
     scene.frame_set(7)
     return scene
@@ -51,7 +51,7 @@ def test_the_difference_is_in_decibels(two_takes, settle):
 
 def test_playing_a_take_keeps_the_bake_of_now_and_deleting_one_frees_it(two_takes):
     bake = two_takes.haptics.bake
-    baking.Baking(two_takes).finish()
+    bpy.ops.haptic.bake()
     bpy.ops.haptic.play_take(index=0)
     assert [take.name for take in bake.takes] == ["Take 1", "Take 2", "Take 3"] and bake.compared == bake.takes[2].track
     text = bake.takes[0].track.name

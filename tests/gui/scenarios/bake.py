@@ -8,7 +8,7 @@ def steps(window):
     scene = window.module("sample_scenes").build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
     window.view.spaces.active.region_3d.view_perspective = "CAMERA"
-    running, storage, session = (window.module(name) for name in ("addon.operators.bake", "addon.bake.storage", "addon.session.session"))
+    running, storage, session = (window.module(name) for name in ("addon.blender.job", "addon.bake.storage", "addon.session.session"))
     playback = window.module("addon.bake.playback")
     yield from window.show_sidebar()
     scene.frame_set(40)
@@ -19,7 +19,7 @@ def steps(window):
         bpy.ops.haptic.bake("INVOKE_DEFAULT")
     yield 0.5
     baking = running.running()
-    window.seen["bakes a piece at a time"] = baking is not None and 0 < baking.part < 1
+    window.seen["bakes a piece at a time"] = baking is not None and 0 < baking.factor < 1
     window.point_at_view()
     yield from window.press("ESC")
     yield 0.5
