@@ -12,8 +12,13 @@ BoolArray = NDArray[np.bool_]
 
 def runs(numbers: IntArray) -> tuple[IntArray, IntArray]:
     """Where the runs of equal ``numbers`` (n,) begin, and how long they are."""
-    begin = np.flatnonzero(np.concatenate([numbers[:1] == numbers[:1], numbers[1:] != numbers[:-1]]))
-    return begin, np.append(begin[1:], len(numbers)) - begin
+    begins = np.ones(len(numbers), dtype=np.bool_)
+    np.not_equal(numbers[1:], numbers[:-1], out=begins[1:])
+    begin = begins.nonzero()[0]
+    size = np.empty_like(begin)
+    np.subtract(begin[1:], begin[:-1], out=size[:-1])
+    size[-1:] = len(numbers) - begin[-1:]
+    return begin, size
 
 
 def ranges(first: IntArray, size: IntArray) -> IntArray:

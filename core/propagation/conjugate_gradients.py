@@ -12,7 +12,7 @@ neither on the other columns, nor on earlier frames, nor on the number of thread
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -41,6 +41,7 @@ class PowerBalance:
         row, column: (c,) subsystems of each coupling, both directions present, sorted by row.
         coupling: (k, c) C >= 0.
         blocks: couplings (k, r, r) among all of r subsystems that follow each other, and the first of these; 0 in the diagonal.
+        diagonal: (k, n) what a subsystem loses by each unit of its energy.
     """
 
     damping: FloatArray
@@ -49,15 +50,15 @@ class PowerBalance:
     column: IntArray
     coupling: FloatArray
     blocks: Sequence[tuple[int, FloatArray]] = ()
+    diagonal: FloatArray = field(init=False)
 
-    def diagonal(self) -> FloatArray:
-        """(k, n) what a subsystem loses by each unit of its energy."""
+    def __post_init__(self) -> None:
         count = self.damping.shape[1]
         coupled = [np.bincount(self.row, weights=coupling, minlength=count) for coupling in self.coupling]
         diagonal = self.damping + self.leak + np.array(coupled).reshape(self.damping.shape)
         for begin, block in self.blocks:
             diagonal[:, begin : begin + block.shape[1]] += block.sum(axis=2)
-        return np.asarray(diagonal)
+        object.__setattr__(self, "diagonal", diagonal)
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +149,7 @@ class _Matrix:
         place = np.arange(entries) + balance.row + 1  # a row's couplings come after its diagonal and those of the rows before
         column = np.empty(entries + count, dtype=np.int64)
         column[first], column[place] = np.arange(count), balance.column
-        diagonal = balance.diagonal()
+        diagonal = balance.diagonal
         self._blocks = balance.blocks
         self._system_values = np.empty((systems, entries + count))
         self._system_values[:, first], self._system_values[:, place] = diagonal, -balance.coupling

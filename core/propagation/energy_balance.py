@@ -155,7 +155,7 @@ class _Assembly:
         self._passes = through > 0
         self._decay = 1.0 / np.where(self._passes, through, 1.0)
         self._balance = self._equations()
-        self._total = self._balance.diagonal()
+        self._total = self._balance.diagonal
         self._ends = self._attached(here.node + there.node).divided(len(here.node))
 
     def _squares(self, index: IntArray, distance: FloatArray) -> FloatArray:

@@ -133,7 +133,10 @@ def _centroids(position: FloatArray, strength: FloatArray, slot: IntArray, count
     """Centroid (count, 3) of the contacts of each object."""
     weight = np.maximum(strength, np.finfo(np.float64).tiny)
     total = np.bincount(slot, weights=weight, minlength=count)
-    return np.stack([np.bincount(slot, weights=weight * along, minlength=count) / total for along in position.T], axis=1)
+    middle = np.empty((count, 3))
+    for axis in range(3):
+        np.divide(np.bincount(slot, weights=weight * position[:, axis], minlength=count), total, out=middle[:, axis])
+    return middle
 
 
 def _lattice(local: FloatArray, spacing: FloatArray, slot: IntArray, contacts: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
