@@ -13,9 +13,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Any
 
 from .functions import Physical, Wave
-from .materials import MATERIALS
+from .materials import MATERIALS, TABLE
 
 IN_A_BUILDING = 0.23
 """Attenuation of walls and floors in place, in 1/m: 2 dB/m, the middle of the measured range."""
@@ -36,41 +37,11 @@ class Damping:
     estimated: bool = True
 
 
-DAMPING: Mapping[str, Damping] = MappingProxyType(
-    {
-        "steel": Damping(2e-4, (2e-5, 3e-4), 5100, (5050, 5200), estimated=False),
-        "aluminium": Damping(5e-5, (3e-6, 1e-4), 5200, (5000, 5200), estimated=False),
-        "brass": Damping(5e-4, (2e-4, 1e-3), 3200, (3100, 3500), estimated=False),
-        "lead": Damping(0.02, (0.02, 0.3), 1250, (1200, 1300), estimated=False),
-        "stone": Damping(0.005, (0.001, 0.01), 4000, (3000, 5000)),
-        "concrete": Damping(0.01, (0.004, 0.01), 3400, (3100, 3500), building=True, estimated=False),
-        "brick": Damping(0.015, (0.01, 0.02), 2800, (2500, 3000), building=True),
-        "plaster": Damping(0.008, (0.005, 0.01), 2250, (2000, 2500), building=True),
-        "asphalt": Damping(0.3, (0.05, 0.4), 1900, (1500, 2200), ground=True),
-        "ceramic": Damping(0.003, (0.002, 0.01), 5000, (4500, 5500)),
-        "glass": Damping(0.001, (6e-4, 0.002), 5200, (5000, 5400)),
-        "hardwood": Damping(0.012, (0.008, 0.02), 4100, (3800, 4500)),
-        "softwood": Damping(0.01, (0.006, 0.015), 5000, (4500, 5500), building=True),
-        "plywood": Damping(0.02, (0.01, 0.03), 3000, (2500, 3500), building=True),
-        "plastic": Damping(0.04, (0.02, 0.1), 1800, (1400, 2200)),
-        "rubber": Damping(0.15, (0.03, 1.0), 60, (40, 150)),
-        "cork": Damping(0.15, (0.13, 0.17), 450, (430, 500)),
-        "soil": Damping(0.06, (0.02, 0.1), 200, (100, 300), ground=True, estimated=False),
-        "sand": Damping(0.09, (0.06, 0.12), 150, (100, 250), ground=True),
-        "gravel": Damping(0.06, (0.04, 0.1), 300, (180, 500), ground=True),
-        "ice": Damping(0.01, (0.005, 0.03), 3200, (3000, 3400)),
-        "snow": Damping(0.1, (0.05, 0.2), 150, (50, 300), ground=True),
-        "foam": Damping(0.2, (0.1, 0.3), 50, (30, 80)),
-        "fabric": Damping(0.2, (0.1, 0.4), 60, (30, 120)),
-        "ribbon": Damping(0.05, (0.03, 0.1), 1000, (500, 2000)),
-        "leather": Damping(0.15, (0.1, 0.2), 350, (240, 470)),
-        "paper": Damping(0.03, (0.02, 0.05), 1900, (1700, 2100)),
-        "flesh": Damping(0.3, (0.14, 0.5), 7, (2.4, 9.7), estimated=False),
-        "bone": Damping(0.02, (0.01, 0.03), 3500, (3000, 4000)),
-        "water": Damping(1e-9, (5e-10, 5e-9), 1480, (1450, 1500)),
-        "air": Damping(5e-5, (4e-5, 6e-5), 343, (331, 350)),
-    }
-)
+def _damping(row: Mapping[str, Any]) -> Damping:
+    return Damping(**{**row, "loss_range": tuple(row["loss_range"]), "speed_range": tuple(row["speed_range"])})
+
+
+DAMPING: Mapping[str, Damping] = MappingProxyType({name: _damping(row["damping"]) for name, row in TABLE.items()})
 """By name of the library's materials."""
 
 _THIN = 0.25
