@@ -17,9 +17,12 @@ def steps(window):
 
     with window.context():
         bpy.ops.haptic.bake("INVOKE_DEFAULT")
-    yield 0.5
-    baking = running.running()
-    window.seen["bakes a piece at a time"] = baking is not None and 0 < baking.factor < 1
+    for _ in range(100):
+        yield 0.1
+        if running.running() is not None and 0 < running.running().factor < 1:
+            window.seen["bakes a piece at a time"] = True
+            break
+    window.save_picture("bake-progress")
     window.point_at_view()
     yield from window.press("ESC")
     yield 0.5
