@@ -45,6 +45,7 @@ def _fit(parser: Parser) -> None:
     parser.add_argument("--listener", required=True, metavar="NAME", help="the listener in the scene")
     parser.add_argument("--object", required=True, metavar="NAME", help="the object, of function physical, whose loss is fitted")
     parser.add_argument("--contact", nargs=2, metavar=("A", "B"), help="the contact whose gain is fitted, too")
+    parser.add_argument("--uncalibrated", action="store_true", help="the recordings differ by an unknown factor; no contact is fitted then")
     parser.add_argument("--out", type=Path, metavar="NEW.json", help="write the scene with the fitted values")
 
 

@@ -64,6 +64,12 @@ class Cause(enum.Enum):
         "what presses '{first}' and '{second}' together can't be known: bodies need a mass, must rest on what carries "
         "them, and at most 150 may hang together; as many contacts pass as if pressed by the reference force: {count}"
     )
+    # What recordings do not determine
+    FIT_ALIKE = "'{object}' takes the same of all frequencies, so it can't be told from the contact"
+    FIT_SMALL = "'{object}' takes {loss} dB at most: its loss is not determined below 3 dB"
+    FIT_UNCERTAIN = "the loss of '{object}' is uncertain by {percent} %"
+    FIT_CONTACT_UNCERTAIN = "the gain of the contact is uncertain by {error}"
+    FIT_AMPLIFIES = "the contact would have to amplify by {gain}: the recordings are not calibrated alike"
     # Losses between listeners and actuators
     NO_ACTUATOR = "not felt: no device has an actuator at {body_part}"
     NO_BODY_PART = "not felt: no actuator is chosen, and the listener has no body part"

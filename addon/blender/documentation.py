@@ -8,7 +8,7 @@ from pathlib import Path
 _ROOT = Path(__file__).parents[2]
 
 _PAGES = {
-    "panels/materials": "ops.haptic.*material types.hapticmaterial ops.haptic.*wish",
+    "panels/materials": "ops.haptic.*material types.hapticmaterial types.hapticfit ops.haptic.*wish",
     "panels/bake": "ops.haptic.*bake ops.haptic.*take types.hapticbake types.haptictake types.hapticfelt",
     "panels/result": "ops.haptic.set_mode types.hapticmeters",
     "devices": "ops.haptic.*device types.haptic*devi types.hapticlive types.hapticactuator",

@@ -60,7 +60,7 @@ class Job:
     def state(self) -> str:
         """What is being done, in words."""
         if self._writing is None:
-            return _iface("{}: {} of {} frames").format(_iface(self.label), min(self.done, self.total), self.total)
+            return _iface("{}: {} of {}").format(_iface(self.label), min(self.done, self.total), self.total)
         return _iface("Writing")
 
     def advance(self, seconds: float) -> list[Report] | None:

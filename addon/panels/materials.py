@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Menu, Panel, UILayout, UIList
 
+from ...core.scene.bands import BAND_CENTRES
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.materials import MATERIALS
+from ..blender import job
 from ..view import levels, watched
-from .drawing import HapticsPanel
-from .texts import fitted
+from .drawing import HapticsPanel, draw_pair
+from .texts import draw_sentence, fitted
 from .thumbnails import cell
 
 
@@ -98,3 +101,49 @@ class HAPTIC_PT_wishes(HapticsPanel, Panel):
             side.prop(item, "least_k")
             side.prop(item, "most_k")
         layout.operator("haptic.design_by_wish", icon="SHADERFX")
+
+
+class HAPTIC_PT_fit(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_fit"
+    bl_parent_id = "HAPTIC_PT_materials"
+    bl_label = "Fit Material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split, layout.use_property_decorate = True, False
+        fit = context.scene.haptics.materials.fit
+        keys = "source_file", "source", "listener_file", "listener", "is_calibrated", "object", "first", "second"
+        for pair in (keys[:2], keys[2:4], keys[4:6], keys[6:]):
+            column = layout.column(align=True)
+            column.active = pair != keys[6:] or fit.is_calibrated
+            for key in pair:
+                column.prop(fit, key)
+        running = job.running()
+        if running is not None:
+            job.draw_progress(layout, running)
+            return
+        layout.operator("haptic.fit_material", icon="FCURVE")
+        if fit.fitted:
+            _draw_fit(layout, fit)
+
+
+def _draw_fit(layout: UILayout, fit: Any) -> None:
+    """What was found last: the values, the transfer by band beside that of the model before and after, and what is not determined."""
+    damping, damping_error, gain, gain_error, before, after = fit.values
+    column = layout.column(align=True)
+    column.label(text=fitted(fit.fitted, icon=True), icon="MATERIAL", translate=False)
+    draw_pair(column, "Loss, of the material's", f"{damping:.2f} ± {damping_error:.2g}")
+    if fit.is_calibrated and fit.first and fit.second:
+        draw_pair(column, "Gain of the contact", f"{gain:.2f} ± {gain_error:.2g}")
+    draw_pair(column, "Off before", f"{before:.1f} dB")
+    draw_pair(column, "Off now", f"{after:.1f} dB")
+    grid = layout.grid_flow(row_major=True, columns=5, even_columns=True, align=True)
+    for title in ("Hz", "Rec. dB", "Before", "Now", "Coh."):
+        grid.label(text=iface_(title), translate=False)
+    for number, centre in enumerate(BAND_CENTRES):
+        row = fit.bands[4 * number : 4 * number + 4]
+        for text in (f"{centre:.0f}", *(f"{level:.1f}" for level in row[:3]), f"{row[3]:.2f}"):
+            grid.label(text="\N{EM DASH}" if text == "nan" else text.replace("-", "\N{MINUS SIGN}"), translate=False)
+    for doubt in fit.doubts.splitlines():
+        draw_sentence(layout, doubt, "INFO")

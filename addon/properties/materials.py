@@ -6,12 +6,22 @@ another file; a change in the library is written to all objects of the scene tha
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
-from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 from bpy.types import Context, Object, PropertyGroup, Scene
 
+from ...core.scene.bands import BAND_COUNT
 from ..blender.progress import progress
 from . import material_values
 from .callbacks import edited
@@ -148,12 +158,57 @@ class HapticObjectMaterial(PropertyGroup):
         self.id_data.haptics.drop_imported(name)
 
 
+def _recording(name: str, description: str) -> Any:
+    return StringProperty(name=name, description=description, subtype="FILE_PATH", options=set())
+
+
+def _one(name: str, description: str, poll: Callable[[PropertyGroup, Object], bool]) -> Any:
+    return PointerProperty(type=Object, name=name, description=description, poll=poll)
+
+
+def _is_source(self: PropertyGroup, obj: Object) -> bool:
+    return bool(obj.haptics.source.enabled)
+
+
+def _is_listener(self: PropertyGroup, obj: Object) -> bool:
+    return bool(obj.haptics.listener.enabled)
+
+
+def _is_haptic(self: PropertyGroup, obj: Object) -> bool:
+    return bool(obj.haptics.enabled)
+
+
+class HapticFit(PropertyGroup):
+    """What Fit Material is asked, and what it found last. ``fitted``: the material or object; empty before. ``values``: its damping, times
+    that of its material, and the gain of the contact, each with its standard deviation, then the difference between model and recordings
+    before and after [dB]. ``bands``: as in `core.design.recordings.Fit`, band by band."""
+
+    source_file: _recording("At Source", "WAV file recorded at the source; its channels are averaged")
+    listener_file: _recording("At Listener", "WAV file recorded at the listener at the same time, begun at the same moment")
+    source: _one("Source", "The source at which the first recording was made", _is_source)
+    listener: _one("Listener", "The listener at which the second recording was made", _is_listener)
+    object: _one("Object", "The object on the way whose loss is fitted; what is made of the same material changes with it", _is_haptic)
+    is_calibrated: BoolProperty(
+        name="Calibrated Alike",
+        description="Both recordings have the same scale. Otherwise they tell what high frequencies lose beyond low ones, nothing else",
+        default=True,
+        options=set(),
+    )
+    first: _one("Contact", "One side of a contact on the way whose gain is fitted, too", _is_haptic)
+    second: _one("With", "The other side of that contact", _is_haptic)
+    fitted: StringProperty(options={"HIDDEN"})
+    values: FloatVectorProperty(size=6, options={"HIDDEN"})
+    bands: FloatVectorProperty(size=4 * BAND_COUNT, options={"HIDDEN"})
+    doubts: StringProperty(options={"HIDDEN"})
+
+
 class HapticMaterialLibrary(PropertyGroup):
     """The haptic materials of a scene."""
 
     items: CollectionProperty(type=HapticMaterial)
     active: IntProperty(name="Active Material", default=0, min=0, options=set())
     target: EnumProperty(name="Apply To", description="What a material is applied to", items=TARGET_ITEMS, options=set())
+    fit: PointerProperty(type=HapticFit)
 
 
 def add_material(scene: Scene, name: str, values: dict[str, object]) -> HapticMaterial:

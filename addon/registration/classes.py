@@ -11,6 +11,7 @@ from ..operators import (
     body_kit,
     exporting,
     felt,
+    fit,
     gizmos,
     graph_to_geometry,
     importing,
@@ -32,8 +33,23 @@ from ..panels import rules as rules_panels
 from .module_classes import classes_of
 
 CLASSES = (
-    *classes_of(preferences, job, tagging, adding, tracing, selection, modes, felt, gizmos, materials, wishes, body_kit, rules, bake),
-    *classes_of(exporting, importing, graph_to_geometry, live_output, scene, object, source, listener, result, export, materials_panels),
+    *classes_of(preferences, job, tagging, adding, tracing, selection, modes, felt, gizmos, materials, wishes, fit),
+    *classes_of(
+        body_kit,
+        rules,
+        bake,
+        exporting,
+        importing,
+        graph_to_geometry,
+        live_output,
+        scene,
+        object,
+        source,
+        listener,
+        result,
+        export,
+        materials_panels,
+    ),
     *modalities_panels.PANELS,
     *classes_of(rules_panels, bake_panel, live_output_panels, file_menus, object_menus),
 )

@@ -111,6 +111,11 @@ def test_design_by_wish(play):
     assert all(seen.values()), seen
 
 
+def test_fit_material(play):
+    seen = played_through(play(SCENARIOS / "fit.py"))
+    assert all(seen.values()), seen
+
+
 def test_timeline_of_touch(play):
     seen = played_through(play(SCENARIOS / "timeline.py"))
     assert all(seen.values()), seen
