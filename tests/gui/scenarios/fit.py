@@ -74,6 +74,7 @@ def steps(window):
     found = bpy.data.objects["Floor"].haptics
     window.seen["the loss comes back"] = abs((1 - found.kappa) * found.rho / 0.28**DAMPING - 1) < 0.05
     window.seen["the contact comes back"] = abs(bpy.context.scene.haptics.transmission_table.items[0].constant / GAIN - 1) < 0.05
+    yield from window.scroll_sidebar(30)
     yield from window.screenshot("fitted")
     yield from window.undo()
     yield 0.5
