@@ -119,9 +119,7 @@ class HAPTIC_PT_fit(HapticsPanel, Panel):
             column.active = pair != keys[6:] or fit.is_calibrated
             for key in pair:
                 column.prop(fit, key)
-        running = job.running()
-        if running is not None:
-            job.draw_progress(layout, running)
+        if job.draw_running(layout):
             return
         layout.operator("haptic.fit_material", icon="FCURVE")
         if fit.fitted:
