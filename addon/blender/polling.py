@@ -1,4 +1,4 @@
-"""Poll functions of operators."""
+"""What operators have in common: their options, poll functions, and how they refuse."""
 
 from __future__ import annotations
 
@@ -49,3 +49,9 @@ def poll_active(cls: type[Operator], context: Context) -> bool:
         cls.poll_message_set("The active object is linked from a library; make it local or override it first")
         return False
     return True
+
+
+def refuse(operator: Operator, message: str, kind: str = "ERROR") -> set[str]:
+    """Report why an operator does nothing; what its `execute` returns then."""
+    operator.report({kind}, message)
+    return {"CANCELLED"}

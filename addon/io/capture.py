@@ -13,9 +13,13 @@ import numpy as np
 from ...core.contacts.authored import rows_of
 from ...core.contacts.contact_set import ContactSet
 from ...core.formats.export import Export
-from ...core.formats.scene.recording import SceneRecorder
+from ...core.formats.scene.recording import Recording, SceneRecorder
+from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ...core.formats.tracks.track_recorder import TrackRecorder
+from ...core.modalities.modality_scene import ModalityScene
 from ...core.render.frame_result import FrameResult
+from ...core.scene.values import HapticScene
+from ..properties.modalities import SHOWN
 from ..session import session, timeline
 from .frame_scene import within, written_export, written_frame
 
@@ -129,3 +133,15 @@ def contacts_within(contacts: ContactSet, objects: Collection[str], names: Colle
         return contacts
     chosen = np.asarray(inside[contacts.pairs].all(axis=1))
     return rows_of(contacts, chosen)
+
+
+def expected(scene: bpy.types.Scene, ranged: bool, collection: str = "") -> Export:
+    """What would be exported, without a sample: enough to say what a format can't carry."""
+    inside = bpy.data.collections.get(collection)
+    objects = scene.objects if inside is None else inside.all_objects
+    tagged = [obj for obj in objects if obj.haptics.listener.enabled]
+    parts = [(obj.name_full, obj.haptics.listener.body_part) for obj in tagged]
+    listeners = tuple(ListenerTrack(name, "" if part == "NONE" else part) for name, part in parts)
+    tracks = Tracks(listeners, 8000, np.zeros((len(listeners), 1))) if ranged and listeners else None
+    modalities = tuple(ModalityScene(item) for item in SHOWN if getattr(scene.haptics.modalities, item.name).enabled)
+    return Export("scene", HapticScene(), tracks, Recording(1.0, 1, ()) if ranged else None, modalities=modalities)

@@ -7,7 +7,7 @@ from bpy.types import Context, Operator
 
 from ..bake import baking, curves, playback, sound, storage, takes
 from ..blender import job
-from ..blender.polling import UNDO, poll_object_mode
+from ..blender.polling import UNDO, poll_object_mode, refuse
 
 
 class HAPTIC_OT_bake(Operator):
@@ -25,8 +25,7 @@ class HAPTIC_OT_bake(Operator):
         try:
             return job.run(self, context, baking.bake_job(context.scene))
         except ValueError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return refuse(self, str(error))
 
 
 class HAPTIC_OT_delete_bake(Operator):

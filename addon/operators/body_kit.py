@@ -9,7 +9,7 @@ from bpy.types import Context, Object, Operator
 from ...core.scene.body import BODY_PART, BODY_PARTS, DEFAULT_LISTENERS, BodyPart
 from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
-from ..blender.polling import SOLID_TYPES, UNDO, editable, poll_active, poll_selected
+from ..blender.polling import SOLID_TYPES, UNDO, editable, poll_active, poll_selected, refuse
 from ..scene_reader.roles import haptic_carrier
 
 _rpt = bpy.app.translations.pgettext_rpt
@@ -43,21 +43,18 @@ class HAPTIC_OT_add_default_listeners(Operator):
         if haptic_carrier(active) is None:
             if active.type not in SOLID_TYPES:
                 message = _rpt("'{}' has no surface: select the mesh or the armature of the body")
-                self.report({"ERROR"}, message.format(active.name))
-                return {"CANCELLED"}
+                return refuse(self, message.format(active.name))
             _make_flesh(context, active)
         body_kit.place_on_mesh(active, _new(active, wanted), context.collection)
         return {"FINISHED"}
 
     def _on_armature(self, context: Context, armature: Object, active: Object, wanted: tuple[BodyPart, ...]) -> set[str]:
         if not armature.is_editable:
-            self.report({"ERROR"}, "The armature is linked from a library; make it local or override it first")
-            return {"CANCELLED"}
+            return refuse(self, "The armature is linked from a library; make it local or override it first")
         try:
             missing = body_kit.place_on_bones(armature, _new(armature, wanted), context.collection)
         except ValueError as error:
-            self.report({"ERROR"}, f"{armature.name}: {error}")
-            return {"CANCELLED"}
+            return refuse(self, f"{armature.name}: {error}")
         body = armature.haptics.body or (active if active.type == "MESH" else next(iter(editable(body_kit.skins(armature))), None))
         if body is None:
             self.report({"WARNING"}, "This armature moves no mesh: choose its body in the panel Haptic Object, else nothing is felt")
@@ -95,8 +92,7 @@ class HAPTIC_OT_mirror_listeners(Operator):
         context.view_layer.update()
         sided = [obj for obj in editable(context.selected_objects) if _side(obj)]
         if not sided:
-            self.report({"ERROR"}, "None of the selected objects is a listener of the left or right side: choose its body part")
-            return {"CANCELLED"}
+            return refuse(self, "None of the selected objects is a listener of the left or right side: choose its body part")
         for listener in sided:
             body_kit.mirrored(listener)
         self.report({"INFO"}, _rpt("{} listeners mirrored").format(len(sided)))

@@ -15,8 +15,9 @@ from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import FORMATS, named
 from ..bake import playback
 from ..blender import job
+from ..blender.polling import refuse
 from ..blender.text import wrapped
-from ..io import capture, frame_scene, preview
+from ..io import capture, frame_scene
 from .format_options import chosen, draw_options, option_properties
 
 if TYPE_CHECKING:
@@ -126,7 +127,7 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
             if self.tracks != "none":
                 layout.prop(self, "encoding")
         layout.prop(self, "compressed")
-        draw_losses(layout, "scene", preview.expected(context.scene, self.frames == "RANGE"), self._options())
+        draw_losses(layout, "scene", capture.expected(context.scene, self.frames == "RANGE"), self._options())
 
     def execute(self, context: Context) -> set[str]:
         if not self.filepath.lower().endswith(SCENE_ENDINGS):
@@ -136,8 +137,7 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
                 return self.captured(context, True, self.tracks != "none", self._writer())
             reports = self._writer()(self._current(context), None)
         except (ValueError, OSError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return refuse(self, str(error))
         for kind, text in reports:
             self.report(kind, text)
         return {"FINISHED"}
@@ -196,15 +196,14 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
         layout.prop(self, "format")
         self.draw_range(layout)
         draw_options(layout, self, self.format)
-        draw_losses(layout, self.format, preview.expected(context.scene, True, self.collection), chosen(self, self.format))
+        draw_losses(layout, self.format, capture.expected(context.scene, True, self.collection), chosen(self, self.format))
 
     def execute(self, context: Context) -> set[str]:
         try:
             write = track_writer(self.format, Path(bpy.path.abspath(self.filepath)).parent, chosen(self, self.format))
             return self.captured(context, False, True, write)
         except (ValueError, OSError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return refuse(self, str(error))
 
 
 def track_writer(name: str, folder: Path, options: dict[str, Any]) -> Callable[[Export, job.Job], list[job.Report]]:

@@ -10,7 +10,7 @@ import numpy as np
 from bpy.props import FloatProperty, StringProperty
 from bpy.types import Context, Operator
 
-from ..blender.polling import UNDO, poll_object_mode
+from ..blender.polling import UNDO, poll_object_mode, refuse
 from ..session import session, sessions
 from ..view import levels
 
@@ -47,15 +47,13 @@ class HAPTIC_OT_make_felt(Operator):
             traced = sessions.shown(context.scene)
             names = [] if traced is None else [item.name for item in traced.result.listeners]
             if traced is None or found is None or not found.is_editable or self.listener not in names:
-                self.report({"WARNING"}, _rpt("{} can't be changed").format(self.listener))
-                return {"CANCELLED"}
+                return refuse(self, _rpt("{} can't be changed").format(self.listener), "WARNING")
             index = names.index(self.listener)
             margin = levels.shown_levels(traced, False)[index].margin
             if margin >= self.margin - _NEAR or not _raise(found.haptics.listener, traced, index, self.margin - margin):
                 break
         if margin == -math.inf:
-            self.report({"WARNING"}, _rpt("Nothing reaches '{}'; the reason is in Why Is It Silent?").format(self.listener))
-            return {"CANCELLED"}
+            return refuse(self, _rpt("Nothing reaches '{}'; the reason is in Why Is It Silent?").format(self.listener), "WARNING")
         if margin < self.margin - _NEAR:
             words = _rpt("'{}' has a margin of {:.0f} dB now; more needs other materials, a nearer source or another frequency")
             self.report({"WARNING"}, words.format(self.listener, margin))

@@ -6,7 +6,7 @@ from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Context, Operator
 
-from ..blender.polling import UNDO, poll_object_mode
+from ..blender.polling import UNDO, poll_object_mode, refuse
 from ..session import session, sessions
 from ..view import graph_mesh
 
@@ -40,8 +40,7 @@ class HAPTIC_OT_graph_to_geometry(Operator):
     def execute(self, context: Context) -> set[str]:
         result = session.result_of(context.scene)
         if result is None:
-            self.report({"WARNING"}, "This frame could not be traced: see the problems in the panel Haptic Tracing")
-            return {"CANCELLED"}
+            return refuse(self, "This frame could not be traced: see the problems in the panel Haptic Tracing", "WARNING")
         options = {"in_front": self.in_front, "labels": self.labels}
         graph, collection = graph_mesh.graph_in_collection(context.scene, result, self.thickness, **options)
         self.report({"INFO"}, _rpt("{:,} vertices in collection '{}'").format(len(graph.data.vertices), collection.name))

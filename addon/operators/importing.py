@@ -10,7 +10,7 @@ from bpy.types import Context, Event, Operator
 
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import READERS
-from ..blender.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode
+from ..blender.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode, refuse
 from ..io import scene_builder, vibration_signal
 from ..scene_reader import imported
 from ..scene_reader.roles import haptic_carrier
@@ -42,8 +42,7 @@ class HAPTIC_OT_import_scene(Operator):
             export = haptic_scene.read_export(bpy.path.abspath(self.filepath))
             losses = scene_builder.build(export, context.scene, self.use_settings)
         except (ValueError, OSError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return refuse(self, str(error))
         if export.unknown:
             self.report({"WARNING"}, _rpt("Of a newer version; not read: {}").format(", ".join(export.unknown)))
         for loss in losses[:MOST_REPORTED]:
@@ -76,13 +75,11 @@ class HAPTIC_OT_import_signal(Operator):
             channel = vibration_signal.chosen_channel(reading, self.channel)
             signal = vibration_signal.signal_of(channel, self.loop)
         except (ValueError, OSError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return refuse(self, str(error))
         if haptic_carrier(obj) is None:
             if obj.type not in SOLID_TYPES:
                 message = _rpt("'{}' has no surface: parent it to a haptic object, so that it has something to shake")
-                self.report({"ERROR"}, message.format(obj.name))
-                return {"CANCELLED"}
+                return refuse(self, message.format(obj.name))
             obj.haptics.enabled = True
         source = obj.haptics.source
         source.imported = imported.text_of(signal=signal.to_dict())

@@ -7,7 +7,7 @@ from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Operator
 
 from ..blender.extension import profile_folders
-from ..blender.polling import UNDO
+from ..blender.polling import UNDO, refuse
 from ..live_output import adjustment, outputs, player, preview, refresh
 from ..properties import actuators
 from ..properties.preferences import preferences
@@ -42,8 +42,7 @@ class HAPTIC_OT_connect_device(Operator):
         key = self.device or outputs.preferred(preferences().default_device)
         found = outputs.found(key)
         if found is None:
-            self.report({"WARNING"}, _rpt("{} is not connected: press Find Devices").format(key or _rpt("A device")))
-            return {"CANCELLED"}
+            return refuse(self, _rpt("{} is not connected: press Find Devices").format(key or _rpt("A device")), "WARNING")
         devices = context.scene.haptics.live_output.devices
         settings = devices.get(key)
         if settings is None:
@@ -78,8 +77,7 @@ class HAPTIC_OT_copy_udev_rule(Operator):
     def execute(self, context: Context) -> set[str]:
         found = outputs.found(self.device)
         if found is None or not found.rule:
-            self.report({"WARNING"}, _rpt("This device needs no rule"))
-            return {"CANCELLED"}
+            return refuse(self, _rpt("This device needs no rule"), "WARNING")
         context.window_manager.clipboard = found.rule
         self.report({"INFO"}, _rpt("Copied"))
         return {"FINISHED"}
@@ -107,8 +105,7 @@ class HAPTIC_OT_choose_actuator(Operator):
     def execute(self, context: Context) -> set[str]:
         obj = context.scene.objects.get(self.listener)
         if obj is None or not obj.is_editable:
-            self.report({"WARNING"}, _rpt("{} can't be changed").format(self.listener))
-            return {"CANCELLED"}
+            return refuse(self, _rpt("{} can't be changed").format(self.listener), "WARNING")
         settings = obj.haptics.live_output
         if self.place in (_AUTOMATIC, _NONE):
             settings.actuators = actuators.AUTOMATIC if self.place == _AUTOMATIC else actuators.MUTED
@@ -129,8 +126,7 @@ class HAPTIC_OT_toggle_preview(Operator):
         try:
             preview.switch_on()
         except preview.AudioUnavailable as error:
-            self.report({"WARNING"}, _rpt("No preview: {}").format(error))
-            return {"CANCELLED"}
+            return refuse(self, _rpt("No preview: {}").format(error), "WARNING")
         preview.set_volume(context.scene.haptics.live_output.preview_volume)
         return {"FINISHED"}
 

@@ -10,7 +10,7 @@ from bpy.types import Context, Operator
 
 from ...core.scene.materials import MATERIALS
 from ..authoring import materials as library
-from ..blender.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode, poll_selected
+from ..blender.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode, poll_selected, refuse
 from ..blender.progress import progress
 from ..properties.materials import TARGET_ITEMS, add_material, made_of, own_values
 
@@ -53,12 +53,10 @@ class HAPTIC_OT_apply_material(Operator):
         chosen = library.targets(context, self.target)
         objects = [obj for obj in chosen if obj.type in SOLID_TYPES and obj.is_editable]
         if not objects:
-            self.report({"ERROR"}, "No object with a surface among them; select meshes that are not linked from a library")
-            return {"CANCELLED"}
+            return refuse(self, "No object with a surface among them; select meshes that are not linked from a library")
         items = context.scene.haptics.materials.items
         if self.name and self.name not in items:
-            self.report({"ERROR"}, "This material is not in the scene's library any more")
-            return {"CANCELLED"}
+            return refuse(self, "This material is not in the scene's library any more")
         item = items[self.name] if self.name else library.preset_in(context.scene, MATERIALS[self.preset])
         library.apply(objects, item)
         linked = sum(not obj.is_editable for obj in chosen)

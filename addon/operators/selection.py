@@ -8,7 +8,7 @@ from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import BoolProperty, StringProperty
 from bpy.types import Context, Operator
 
-from ..blender.polling import UNDO, poll_object_mode
+from ..blender.polling import UNDO, poll_object_mode, refuse
 
 
 class HAPTIC_OT_select_object(Operator):
@@ -26,8 +26,7 @@ class HAPTIC_OT_select_object(Operator):
     def execute(self, context: Context) -> set[str]:
         found: Any = next((obj for obj in context.view_layer.objects if obj.name_full == self.name), None)
         if found is None:
-            self.report({"WARNING"}, _rpt("There is no object '{}' in this view layer any more").format(self.name))
-            return {"CANCELLED"}
+            return refuse(self, _rpt("There is no object '{}' in this view layer any more").format(self.name), "WARNING")
         if not self.extend:
             for obj in context.selected_objects:
                 obj.select_set(False)

@@ -8,7 +8,7 @@ from bpy.types import Context, Object, Operator, Scene
 
 from ..authoring import materials
 from ..authoring.signals import signal_for
-from ..blender.polling import SOLID_TYPES, UNDO, editable, linked_message, poll_active, poll_selected
+from ..blender.polling import SOLID_TYPES, UNDO, editable, linked_message, poll_active, poll_selected, refuse
 from ..blender.progress import progress
 from ..changes.suspension import suspended
 from ..scene_reader.roles import haptic_carrier
@@ -47,8 +47,7 @@ class HAPTIC_OT_make_objects(Operator):
         solid = [obj for obj in editable(chosen) if obj.type in SOLID_TYPES]
         if not solid:
             message = "None of the selected objects has a surface that can touch others; select meshes that are not linked from a library"
-            self.report({"ERROR"}, linked_message(chosen) or message)
-            return {"CANCELLED"}
+            return refuse(self, linked_message(chosen) or message)
         known = make_haptic(context.scene, solid, self.guess)
         if self.physics:
             _add_physics(context, solid)
@@ -96,8 +95,7 @@ class HAPTIC_OT_add_source(Operator):
         if haptic_carrier(obj) is None:
             if obj.type not in SOLID_TYPES:
                 message = _rpt("'{}' has no surface: parent it to a haptic object first, so that it has something to shake")
-                self.report({"ERROR"}, message.format(obj.name))
-                return {"CANCELLED"}
+                return refuse(self, message.format(obj.name))
             make_haptic(context.scene, [obj])
         make_source(obj, self.signal)
         return {"FINISHED"}
@@ -133,11 +131,9 @@ class HAPTIC_OT_add_listener(Operator):
             obj.haptics.listener.enabled = True
         if nowhere:
             message = _rpt("Parent these to haptic objects first, so that they touch something: {}")
-            self.report({"ERROR"}, message.format(", ".join(obj.name for obj in nowhere[:5])))
-            return {"CANCELLED"}
+            return refuse(self, message.format(", ".join(obj.name for obj in nowhere[:5])))
         if not own:
-            self.report({"ERROR"}, linked_message(chosen))
-            return {"CANCELLED"}
+            return refuse(self, linked_message(chosen))
         return {"FINISHED"}
 
 
@@ -155,6 +151,5 @@ class HAPTIC_OT_clear(Operator):
         for obj in progress(own):
             obj.haptics.enabled = obj.haptics.source.enabled = obj.haptics.listener.enabled = False
         if not own:
-            self.report({"ERROR"}, linked_message(context.selected_objects))
-            return {"CANCELLED"}
+            return refuse(self, linked_message(context.selected_objects))
         return {"FINISHED"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Context, Operator
 
+from ..blender.polling import refuse
 from ..changes.redraw import redraw_viewports
 from ..session import session, sessions, worker
 
@@ -21,8 +22,7 @@ class HAPTIC_OT_trace_frame(Operator):
         if not session.is_busy(context.scene, worker.MOMENT) and session.result_of(context.scene) is None:
             problems = session.problems_of(context.scene)
             nothing = "Nothing is tagged: select objects and press Make Haptic"
-            self.report({"WARNING"}, problems[0].message if problems else _rpt(nothing))
-            return {"CANCELLED"}
+            return refuse(self, problems[0].message if problems else _rpt(nothing), "WARNING")
         redraw_viewports()
         return {"FINISHED"}
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.types import Context, Operator
 
-from ...core.design import spectra, wishes
+from ...core.design import wishes
 from ...core.scene.coefficients import coefficients_of, transfer_coefficient
-from ..blender.polling import UNDO, poll_object_mode
+from ..blender.polling import UNDO, poll_object_mode, refuse
 from ..session import session, sessions
 from ..view import levels
 
@@ -41,15 +41,13 @@ class HAPTIC_OT_design_by_wish(Operator):
             session.trace(scene, context.evaluated_depsgraph_get(), live=True)
             traced = sessions.shown(scene)
             if traced is None or scene.haptics.mode not in ("HT", "SD"):
-                self.report({"WARNING"}, "Materials count in modes HT and SD only")
-                return {"CANCELLED"}
+                return refuse(self, "Materials count in modes HT and SD only", "WARNING")
             shown = {level.listener: level for level in levels.shown_levels(traced, False)}
             owners = {name: bpy.data.objects[name].haptics.listener for name in shown if name in bpy.data.objects}
             missing = {name: owner.wish - shown[name].rms for name, owner in owners.items() if owner.use_wish}
             free = [item for item in scene.haptics.materials.items if item.is_free and _made_of(traced, item.name)]
             if not missing or not free:
-                self.report({"WARNING"}, "Give a listener a wished level, and mark a material that objects are made of as free")
-                return {"CANCELLED"}
+                return refuse(self, "Give a listener a wished level, and mark a material that objects are made of as free", "WARNING")
             if not remaining or max(map(abs, missing.values())) < _NEAR or not _change(traced, missing, free):
                 break
         self._say(missing)
@@ -75,7 +73,7 @@ def _change(traced: Traced, missing: dict[str, float], free: list[Any]) -> bool:
     result = traced.result
     wished = [wishes.Wish(name, rest) for name, rest in missing.items() if math.isfinite(rest)]
     bounds = [wishes.FreeMaterial(_made_of(traced, item.name), item.least_k, max(item.least_k, item.most_k)) for item in free]
-    answer = wishes.fulfil(result.graph, traced.settings, spectra.source_energies(result.sources), wished, bounds)
+    answer = wishes.fulfil(result.graph, traced.settings, wishes.source_energies(result.sources), wished, bounds)
     changed = False
     for item, k in zip(free, answer.k, strict=True):
         if abs(transfer_coefficient(item.kappa, item.rho) - k) > 1e-4 * k:

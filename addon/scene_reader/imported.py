@@ -156,39 +156,17 @@ def text_with(text: str, emitters: Mapping[str, Vector], numbers: Numbers) -> st
     return text_of(**{**form, "emitters": {**form.get("emitters", {}), **emitters}, "numbers": {**form.get("numbers", {}), **numbers}})
 
 
-@lru_cache(maxsize=4096)
-def imported_object(text: str) -> ImportedObject:
-    """Raises ValueError where the text is damaged."""
-    return _imported(ImportedObject, text, "object")
+def _reader(make: Callable[..., T], kind: str, kept: int) -> Callable[[str], T]:
+    """The function from a stored text to what it stores, of which ``kept`` results are kept. It raises ValueError for a damaged text."""
+    return lru_cache(maxsize=kept)(lambda text: _imported(make, text, kind))
 
 
-@lru_cache(maxsize=4096)
-def imported_source(text: str) -> ImportedSource:
-    """Raises ValueError where the text is damaged."""
-    return _imported(ImportedSource, text, "source")
-
-
-@lru_cache(maxsize=4096)
-def imported_listener(text: str) -> ImportedListener:
-    """Raises ValueError where the text is damaged."""
-    return _imported(ImportedListener, text, "listener")
-
-
-@lru_cache(maxsize=8)
-def imported_scene(text: str) -> ImportedScene:
-    """Raises ValueError where the text is damaged."""
-    return _imported(ImportedScene, text, "scene")
-
-
-@lru_cache(maxsize=1024)
-def imported_rule(text: str) -> ImportedRule:
-    """Raises ValueError where the text is damaged."""
-    return _imported(ImportedRule, text, "rule")
-
-
-def imported_device(text: str) -> ImportedDevice:
-    """Raises ValueError where the text is damaged."""
-    return _imported(ImportedDevice, text, "device")
+imported_object = _reader(ImportedObject, "object", 4096)
+imported_source = _reader(ImportedSource, "source", 4096)
+imported_listener = _reader(ImportedListener, "listener", 4096)
+imported_scene = _reader(ImportedScene, "scene", 8)
+imported_rule = _reader(ImportedRule, "rule", 1024)
+imported_device = _reader(ImportedDevice, "device", 64)
 
 
 @lru_cache(maxsize=8)

@@ -90,7 +90,7 @@ def _in_source(tree: ast.Module) -> Iterator[str]:
             if name in _CALLS:
                 for argument in node.args:
                     yield from _constants(argument)
-            elif name == "report" and len(node.args) == 2:
+            elif name in ("report", "refuse") and len(node.args) >= 2:
                 yield from _constants(node.args[1])
         elif isinstance(node, ast.FunctionDef) and node.name in ("next_step", "advice", "linked_message"):
             for inner in ast.walk(node):

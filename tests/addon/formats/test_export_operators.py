@@ -209,7 +209,7 @@ def test_a_bake_is_exported_without_tracing(shaken, tmp_path):
 
 
 def test_losses_are_drawn_before_anything_is_written(shaken, recording_layout):
-    from haptic_tracing.addon.io.preview import expected
+    from haptic_tracing.addon.io.capture import expected
     from haptic_tracing.addon.operators.exporting import draw_losses
 
     layout = recording_layout()
