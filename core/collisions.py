@@ -14,6 +14,7 @@ from .contacts.authored import AuthoredContacts
 from .contacts.contact_set import ContactSet
 from .contacts.gain_bound import GainBound
 from .contacts.impact_sources import MOST_FRAMES, FrameImpacts, ImpactSources, Templates
+from .contacts.rubbing import Rubbing
 from .contacts.tracker import Body, ContactSettings, ContactTracker, FrameContacts, Impact
 from .contacts.transmissions import TransmissionRules
 from .graph.gain_bounds import object_bounds, signal_gain_bound
@@ -61,8 +62,9 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Collisions:
-    """Collisions of one frame. ``sources``: the temporary ones, of this frame's impacts and of earlier ones that still sound. ``frames``:
-    where the objects lie, None where propagation does not ask. ``start`` [s]: of the frame, where its impacts are recalled."""
+    """Collisions of one frame. ``sources``: the temporary ones, of this frame's impacts and of earlier ones that still sound, and those of
+    what slides or rolls. ``frames``: where the objects lie, None where propagation does not ask. ``start`` [s]: of the frame, where its
+    impacts are recalled."""
 
     contacts: ContactSet
     frames: ObjectFrames | None = None
@@ -94,6 +96,7 @@ class CollisionDetector:
         self.lazy = lazy
         self._impact_signal = impact_signal
         self._sources = ImpactSources()
+        self._rubbing = Rubbing(EXACT_FRAMES)
         self._tracker: ContactTracker | None = None
         self._numbering = _Numbering((), ObjectTable.of((), 0.0))
         self._found: FrameContacts | None = None
@@ -112,7 +115,12 @@ class CollisionDetector:
         if self._known[0] is not self.settings:
             rows = tuple(replace(row, does=ImpactRule(limits=row.does.limits)) for row in self.settings.impact_table.rows)
             settings = replace(
-                self.settings, impacts=True, templates=ImpactTemplates.PLAIN, impact_table=RuleTable(rows), transmission_table=RuleTable()
+                self.settings,
+                impacts=True,
+                templates=ImpactTemplates.PLAIN,
+                impact_table=RuleTable(rows),
+                transmission_table=RuleTable(),
+                textures=RuleTable(),
             )
             self._known = self.settings, settings
         return self._known[1]
@@ -159,11 +167,13 @@ class CollisionDetector:
     def history(self) -> bytes:
         """All that later frames take over of contacts and impacts."""
         arrays = () if self._tracker is None else self._tracker.history()
-        return b"".join([repr(self._sources.names).encode(), *(np.ascontiguousarray(array).tobytes() for array in arrays)])
+        sources = repr(self._sources.names) + self._rubbing.history()
+        return b"".join([sources.encode(), *(np.ascontiguousarray(array).tobytes() for array in arrays)])
 
     def reset(self) -> None:
         """Drop contact history, velocities and sounding impacts."""
         self._sources.clear()
+        self._rubbing.clear()
         if self._tracker is not None:
             self._tracker.reset()
 
@@ -190,7 +200,8 @@ class CollisionDetector:
         recalled = () if kept is None else self._sources.recall(kept, self._templates(frame))
         rules = self._transmissions(table)
         # The force of a contact depends on all the others.
-        reach = self._reach(frame, frame.transforms) if self.lazy and frame.authored is None and not rules.uses_force else None
+        lazy = self.lazy and frame.authored is None and not rules.uses_force and not self.settings.textures.rows
+        reach = self._reach(frame, frame.transforms) if lazy else None
         found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, self.settings.impacts, frame.exact)
         contacts = self._numbered(found, frame.authored, rules)
         broad, total = found.statistics.broad_seconds, perf_counter() - begun
@@ -198,12 +209,13 @@ class CollisionDetector:
             self._sources.add(found.impacts, [body.name for body in frame.bodies], frame.transforms, self._templates(frame))
         if previous is not None and not again:
             self._remember(frame.number, self._sources.kept(previous, frame.transforms))
+        rubbing = self._rub(frame, frame.transforms, found, previous, again)
         self._last = frame
         return Collisions(
             contacts=contacts,
             frames=self._numbering.frames(frame.transforms) if _asks_for_frames(frame.settings, contacts) else None,
             impacts=found.impacts or recalled,
-            sources=self._sources.sources(frame.transforms),
+            sources=self._sources.sources(frame.transforms) + rubbing,
             statistics={
                 "candidate_pairs": found.statistics.candidates,
                 "contact_queries": found.statistics.queries,
@@ -213,6 +225,16 @@ class CollisionDetector:
             warnings=found.warnings,
             start=None if kept is None else kept.start,
         )
+
+    def _rub(self, frame: Frame, transforms: FloatArray, found: FrameContacts, previous: float | None, again: bool) -> tuple[Source, ...]:
+        """Return the sources of what slides or rolls."""
+        if not self.settings.textures.rows:
+            self._rubbing.clear()
+            return ()
+        if again:
+            return self._rubbing.again(self.settings.textures)
+        span = None if previous is None else (previous, frame.time)
+        return self._rubbing.follow(frame.number, span, frame.bodies, found.contacts, transforms, self._numbering.middles(), self.settings)
 
     def _recalled(self, number: int, transforms: FloatArray) -> FrameImpacts | None:
         """Return what is remembered of a frame; nothing at all is any more where a struck body stands elsewhere."""
@@ -243,6 +265,7 @@ class CollisionDetector:
         if tracker is None or tracker.settings != self._tracked or not _same_names(tracker.bodies, bodies):
             tracker = self._tracker = ContactTracker(bodies, self._tracked)
             self._sources.clear()
+            self._rubbing.clear()
         elif tracker.bodies is not bodies and tracker.bodies != bodies:
             tracker.replace_bodies(bodies)
         if self._numbering.bodies is not bodies or self._numbering.table is not table:
@@ -300,9 +323,13 @@ class _Numbering:
 
     def frames(self, transforms: FloatArray) -> ObjectFrames:
         """Return where the objects lie when the bodies have these rigid ``transforms`` (n, 4, 4)."""
+        return ObjectFrames.unknown(len(self.table.names)).placed(self.objects, self.middles(), transforms)
+
+    def middles(self) -> FloatArray:
+        """Return the middles (n, 3) of the bodies' bounds in their own space."""
         if self._centres is None:
             self._centres = local_centres([body.shape for body in self.bodies])
-        return ObjectFrames.unknown(len(self.table.names)).placed(self.objects, self._centres, transforms)
+        return self._centres
 
     def gain_bounds(self, settings: Settings) -> tuple[FloatArray, FloatArray]:
         """Return factor and decay (n,) of each body such that its gain over d metres is at most ``factor * exp(-decay * d)``."""

@@ -338,7 +338,8 @@ class TrackRecorder:
             self._blocks.append(as_integers(result.block))
         self._places.append([listener.position for listener in result.listeners])
         for source, gains in zip(result.sources, result.gains, strict=True):
-            item = TrackSource(source.name, source.object, source.second_object, source.onset)
+            struck = (None, 0.0) if source.rubs else (source.second_object, source.onset)
+            item = TrackSource(source.name, source.object, *struck)
             number = self._numbers.setdefault(item, len(self._numbers))
             self._rows.append((number, source.amplitude, source.position, gains.astype(np.float32)))
         self._row_counts.append(len(result.sources))

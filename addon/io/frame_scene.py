@@ -112,7 +112,7 @@ def within(scene: HapticScene, names: Collection[str]) -> HapticScene:
 def _is_within(source: Source, names: Collection[str], objects: Collection[str]) -> bool:
     if source.object not in objects or (source.second_object is not None and source.second_object not in objects):
         return False
-    return source.name in names or source.kind is SourceKind.TEMPORARY
+    return source.name in names or source.rubs or source.kind is SourceKind.TEMPORARY
 
 
 def _by_name(items: Any) -> tuple[Any, ...]:
@@ -125,7 +125,7 @@ def _object(item: HapticObject, obj: Object | None, settled: bool) -> HapticObje
 
 
 def _source(item: Source, obj: Object | None) -> Source:
-    if obj is None:  # an impact of this frame
+    if obj is None:  # an impact of this frame, or what slides or rolls
         return item
     return replace(item, extras=dict(imported_source(obj.haptics.source.imported).extras))
 

@@ -13,7 +13,7 @@ from bpy.types import Collection, Object
 
 from ...core.contacts.shapes import Box, Shape
 from ...core.formats.export import Export
-from ...core.formats.scene.recording import pair_of
+from ...core.formats.scene.recording import pair_of, without_rubbing
 from ...core.modalities.modality_scene import ModalityScene
 from ...core.modalities.propagation import Emitter
 from ...core.scene.functions import Identity, ModulationFunction
@@ -78,8 +78,9 @@ class _Builder:
     """One import."""
 
     def __init__(self, export: Export, scene: bpy.types.Scene) -> None:
-        self.export, self.scene = export, scene
-        self.haptic = export.need_scene() if export.recording is None else export.recording.with_all(export.need_scene())
+        haptic, recording = without_rubbing(export.need_scene(), export.recording)
+        self.export, self.scene = replace(export, scene=haptic, recording=recording), scene
+        self.haptic = haptic if recording is None else recording.with_all(haptic)
         self.collection: Collection = bpy.data.collections.new(export.name)
         scene.collection.children.link(self.collection)
         self.objects: dict[str, Object] = {}

@@ -31,11 +31,13 @@ _TORQUE = 0.3
 """Weight of a torque beside a force; patches are squares here, which hold torques a little otherwise than what they stand for."""
 
 
-def contact_forces(contacts: ContactSet, mass: FloatArray, centre: FloatArray, gravity: tuple[float, float, float]) -> FloatArray:
+def contact_forces(
+    contacts: ContactSet, mass: FloatArray, centre: FloatArray, gravity: tuple[float, float, float], asked: BoolArray | None = None
+) -> FloatArray:
     """The force (n,) in newtons with which each contact presses, NaN where it can't be known.
 
     mass: (o,) of the bodies that physics moves [kg], 0 of those that hold whatever lies on them, NaN where it is unknown. centre: (o, 3) of
-    mass [m, world].
+    mass [m, world]. asked: (n,) the contacts that count, None for all: others are only known where they hang together with these.
     """
     forces = np.full(len(contacts), np.nan)
     movable = mass > 0
@@ -45,7 +47,8 @@ def contact_forces(contacts: ContactSet, mass: FloatArray, centre: FloatArray, g
     for label in np.unique(group[movable]).tolist():
         bodies = np.flatnonzero(movable & (group == label))
         rows = np.flatnonzero((movable[contacts.pairs] & (group[contacts.pairs] == label)).any(axis=1) & ~fixed)
-        if len(bodies) <= MOST_BODIES and known[contacts.pairs[rows]].all() and len(rows):
+        wanted = len(rows) > 0 and (asked is None or asked[rows].any())
+        if wanted and len(bodies) <= MOST_BODIES and known[contacts.pairs[rows]].all():
             forces[rows] = _of_group(contacts, rows, bodies, mass, centre, np.array(gravity))
     return forces
 

@@ -47,7 +47,7 @@ class Paths:
         """The paths from the same starts with the same accelerations to the actual poses at the end."""
         direct = (self.end[9:] - self.start[9:]) / self.duration
         velocity = direct - self.acceleration * (self.duration / 2)
-        return replace(self, velocity=velocity, spin=_spins(self.start, self.end, self.duration))
+        return replace(self, velocity=velocity, spin=spins(self.start, self.end, self.duration))
 
     def poses(self, bodies: IntArray, time: FloatArray | float) -> FloatArray:
         """Poses (12, k) of ``bodies`` (k,) at ``time`` (k,) seconds after the start."""
@@ -198,7 +198,7 @@ class MotionHistory:
         moving = self.moving()
         acceleration = np.where(moving, np.where(smooth, curved, np.where(given, 0.0, bend)), 0.0)
         velocity = np.where(moving, np.where(given, direct - acceleration * (step / 2), begin), 0.0)
-        spin = np.where(given, _spins(start, end, step), _spins(earlier, start, known))
+        spin = np.where(given, spins(start, end, step), spins(earlier, start, known))
         turned = kinematic & ~smooth & (clean < 1)
         return Paths(step, start, velocity, acceleration, np.where(moving, spin, 0.0), end, smooth, turned, earlier, known)
 
@@ -208,7 +208,7 @@ def _squared(vectors: FloatArray) -> FloatArray:
     return np.asarray(np.einsum("ip,ip->p", vectors, vectors))
 
 
-def _spins(start: FloatArray, end: FloatArray, time: float) -> FloatArray:
+def spins(start: FloatArray, end: FloatArray, time: float) -> FloatArray:
     """Angular velocities (3, n) that turn the one poses into the others within ``time``, by less than half a turn."""
     a, b = start[:9].reshape(3, 3, -1), end[:9].reshape(3, 3, -1)
     turn = np.einsum("ikp,jkp->ijp", b, a)

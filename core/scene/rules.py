@@ -10,6 +10,7 @@ from .functions import ModulationFunction
 from .impact_rule import ImpactLimits, ImpactRule
 from .impact_rule import ImpactTemplates as ImpactTemplates
 from .rule_table import RuleTable
+from .texture import Texture
 
 
 class Motion(enum.StrEnum):
@@ -36,7 +37,8 @@ class ContactSettings:
     says how it is computed. A pair makes no second impact within ``refractory`` seconds. ``gravity`` [m/s^2] accelerates dynamic bodies
     where too few frames show how they fall; ``time_scale``: simulated seconds per second of the timeline. ``impacts``: impacts make
     temporary sources, which play the ``templates``. Where a row of ``impact_table`` fits a pair, its values count instead.
-    ``transmission_table``: what found contacts of a pair pass on; where no row fits, everything.
+    ``transmission_table``: what found contacts of a pair pass on; where no row fits, everything. ``textures``: what pairs play that slide
+    or roll on each other; where no row fits, nothing.
     """
 
     tolerance: float = 0.01
@@ -52,6 +54,7 @@ class ContactSettings:
     templates: ImpactTemplates = ImpactTemplates.PLAIN
     impact_table: RuleTable[ImpactRule] = field(default_factory=RuleTable)
     transmission_table: RuleTable[ModulationFunction] = field(default_factory=RuleTable)
+    textures: RuleTable[Texture] = field(default_factory=RuleTable)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "energy", ImpactEnergy(self.energy))

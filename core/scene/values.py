@@ -166,7 +166,8 @@ class Contact:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Emits a signal. A temporary source made by an impact also feeds ``second_object``, the other side of its contact."""
+    """Emits a signal. A source made by an impact, or by what slides or rolls, also feeds ``second_object``, the other side of its
+    contact."""
 
     name: str
     object: str
@@ -188,6 +189,11 @@ class Source:
         _unit_interval("amplitude", self.amplitude)
         if self.second_object is not None:
             object.__setattr__(self, "second_position", _finite_vector("second_position", self.second_position or self.position))
+
+    @property
+    def rubs(self) -> bool:
+        """True for what slides or rolls: such a source ends with its signal, and may begin anew under its name."""
+        return self.kind is SourceKind.PERSISTENT and self.second_object is not None
 
     def moved(self, position: Iterable[float], second_position: Iterable[float] | None = None) -> Source:
         """The same source elsewhere; its second side stays where it is unless that is given. Raises ValueError where a number is not

@@ -149,7 +149,8 @@ class _FrameReader:
         """The sources that begin; they exist from now on."""
         sources = tuple(read_source(source, (*place, "sources", i)) for i, source in enumerate(form.get("sources", [])))
         for i, source in enumerate(sources):
-            require_new(source.name, self.sources, "source", (*place, "sources", i, "name"))
+            if not (source.rubs and source.name in self.sources and self.sources[source.name].rubs):
+                require_new(source.name, self.sources, "source", (*place, "sources", i, "name"))
             self.sources[source.name] = source
             require_known(source.object, self.objects, "object", (*place, "sources", i, "object"))
             if source.second_object is not None:

@@ -33,8 +33,8 @@ class RecordedFrame:
     poses: by object, position x, y, z and rotation w, x, y, z. properties: (kappa, rho) by object. functions: propagation function by
     object. amplitudes and source_positions: by source; a source of two objects has a position on each. listener_positions and gains: by
     listener. contacts: all contacts of every pair of objects whose contacts changed. parted: pairs that no longer touch. sources: those
-    that begin; a temporary source ends when its signal has ended. removed_objects, removed_listeners: names of those that are there no
-    longer, with all that is on them. objects, listeners: those that appear, after the removals.
+    that begin, or begin anew (`Source.rubs`); a temporary source ends when its signal has ended. removed_objects, removed_listeners: names
+    of those that are there no longer, with all that is on them. objects, listeners: those that appear, after the removals.
     """
 
     number: int
@@ -95,6 +95,24 @@ def states(scene: HapticScene, recording: Recording) -> Iterator[tuple[int, Hapt
         state.end_sources(recording.time_of(number) - 1 / recording.frame_rate)
         yield number, state.scene()
         number += 1
+
+
+def without_rubbing(scene: HapticScene, recording: Recording | None) -> tuple[HapticScene, Recording | None]:
+    """The same without the sources of what slides or rolls, which the rules of the scene make again."""
+    begun = [item for frame in recording.frames for item in frame.sources] if recording is not None else []
+    names = {item.name for item in (*scene.sources, *begun) if item.rubs}
+    if recording is not None and names:
+        frames = tuple(
+            replace(
+                frame,
+                sources=tuple(item for item in frame.sources if item.name not in names),
+                amplitudes={name: amplitude for name, amplitude in frame.amplitudes.items() if name not in names},
+                source_positions={name: places for name, places in frame.source_positions.items() if name not in names},
+            )
+            for frame in recording.frames
+        )
+        recording = replace(recording, frames=frames)
+    return replace(scene, sources=tuple(item for item in scene.sources if item.name not in names)), recording
 
 
 def _is_over(source: Source, time: float) -> bool:
@@ -314,7 +332,7 @@ class SceneRecorder:
             rounded = replace(item, position=_rounded(item.position), second_position=second)
             before = self._sources.get(item.name)
             self._sources[item.name] = rounded
-            if before is None:
+            if before is None or (rounded.rubs and rounded.onset != before.onset):
                 new.append(rounded)
                 continue
             if rounded.amplitude != before.amplitude:

@@ -141,7 +141,7 @@ def scene_to_dict(scene: HapticScene) -> dict[str, Any]:
     if not scene.settings.localise:
         del settings["localise"]
     rules = {key.name: json_value(getattr(scene.rules, key.name)) for key in fields(ContactSettings)}
-    for table in ("impact_table", "transmission_table"):
+    for table in ("impact_table", "transmission_table", "textures"):
         if not rules[table]:
             del rules[table]
     document = {"format": FORMAT, "version": VERSION, "convention": CONVENTION, "settings": settings, "rules": rules, **scene_items(scene)}

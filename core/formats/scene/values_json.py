@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, fields
 from enum import Enum
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,6 +17,7 @@ from ...scene.impact_rule import ImpactLimits, ImpactRule
 from ...scene.references import Place, PlacedError
 from ...scene.rule_table import Rule, RuleTable, Side
 from ...scene.rules import ContactSettings
+from ...scene.texture import Texture
 from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source
 from ...signals import Signal, signal_from_dict
 
@@ -79,6 +81,8 @@ def read_rules(form: Mapping[str, Any], place: Place) -> ContactSettings:
     if "transmission_table" in form:
         rows = form["transmission_table"]
         arguments["transmission_table"] = read_table(rows, (*place, "transmission_table"), _read_transmission)
+    if "textures" in form:
+        arguments["textures"] = read_table(form["textures"], (*place, "textures"), partial(read_value, Texture))
     return read_value(ContactSettings, arguments, place)
 
 
@@ -133,7 +137,7 @@ def item_to_dict(item: Any) -> dict[str, Any]:
     return form
 
 
-def _does_to_dict(does: ImpactRule | ModulationFunction) -> dict[str, Any]:
+def _does_to_dict(does: ImpactRule | ModulationFunction | Texture) -> dict[str, Any]:
     return {"transmission": does.to_dict()} if isinstance(does, ModulationFunction) else item_to_dict(does)
 
 

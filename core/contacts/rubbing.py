@@ -1,0 +1,243 @@
+"""Sources of objects that slide or roll on each other.
+
+A contact slides at the speed that the material points of its two bodies have relative to each other along the surface, the part that turns
+about the normal included, and rolls at the rate of the relative rotation about the other axes times the distance from the contact to the
+middle of the body that turns faster, by less than half a turn a frame; the other one is taken for flat. Rolling bodies creep a little even
+where they do not slip.
+
+The tone of a contact is a function of the path over the surface. A path has no beginning that every frame knows, so it is measured in
+blocks of frames: in each from zero on, and turned by what the block before left over of a whole cycle, which falls to nothing until the
+block's end. So the tone goes through from block to block, at most half a cycle a block too high or low, and a frame depends on nothing
+before the block before its own: traced from any frame before that one on, it is the same to the bit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from hashlib import blake2b
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from ..scene.rule_table import RuleTable
+from ..scene.texture import Texture
+from ..scene.values import Source
+from ..signals import Signal
+from .contact_set import ContactSet
+from .forces import contact_forces
+from .motion import spins
+from .settings import Body, ContactSettings, Motion
+from .tracker import STILL
+
+CREEP = 0.02
+"""Part of the rolling speed up to which bodies creep without slipping: wheels on rails slip from a creep of one or two per cent on."""
+
+_PIVOT = 2.0 / 3.0
+"""Mean distance from the middle of a disc, relative to its radius."""
+
+
+_NAMES = ("{0} sliding on {1}", "{1} sliding on {0}"), ("{0} rolling on {1}", "{1} rolling on {0}")
+"""Of what slides and what rolls, in even and in odd frames: a source plays for two frames, and the next one begins meanwhile."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Moving:
+    """Touching bodies that move along each other in a frame: what they play by is ``texture``; ``speeds`` [m/s] of sliding and of rolling,
+    ``force`` [N], NaN where it is unknown."""
+
+    bodies: tuple[Body, Body]
+    positions: tuple[list[float], list[float]]
+    speeds: tuple[float, float]
+    force: float
+
+    @property
+    def names(self) -> tuple[str, str]:
+        return self.bodies[0].name, self.bodies[1].name
+
+
+class Rubbing:
+    """Follows what slides and rolls from frame to frame; blocks end at frames whose number is a multiple of ``block``."""
+
+    def __init__(self, block: int) -> None:
+        self._block = block
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget all motion."""
+        self._before: FloatArray | None = None
+        self._paths: dict[tuple[str, str, bool], tuple[float, float]] = {}  # [m] in this block and in the one before
+        self._moving: tuple[_Moving, ...] = ()
+        self._frame, self._start, self._step = 0, 0.0, 0.0
+        self._last: tuple[Source, ...] = ()
+        self._sources: tuple[Source, ...] = ()
+
+    def history(self) -> str:
+        """What later frames depend on beside poses."""
+        return repr((sorted(self._paths.items()), [(source.name, source.onset, source.amplitude) for source in self._sources]))
+
+    def follow(
+        self,
+        number: int,
+        span: tuple[float, float] | None,
+        bodies: Sequence[Body],
+        contacts: ContactSet,
+        transforms: FloatArray,
+        middles: FloatArray,
+        settings: ContactSettings,
+    ) -> tuple[Source, ...]:
+        """The sources of frame ``number``, from and to the times ``span`` [s]; None where it follows no other. ``contacts`` number
+        ``bodies``, whose ``middles`` (n, 3) are in their own space and whose rigid transforms (n, 4, 4) are these."""
+        before, self._before = self._before, transforms
+        if span is None or before is None or len(before) != len(transforms):
+            return ()
+        self._frame, self._start, self._step = number, span[0], span[1] - span[0]
+        if (number - 1) % self._block == 0:
+            self._paths = {key: (0.0, path) for key, (path, _) in self._paths.items() if path}
+        poses = _Poses(before, transforms, _placed(before, middles), _placed(transforms, middles), self._step)
+        self._moving = _moving_contacts(bodies, contacts, poses, settings)
+        for item in self._moving:
+            for rolls, speed in zip((False, True), item.speeds, strict=True):
+                if speed:
+                    key = *item.names, rolls
+                    path, earlier = self._paths.get(key, (0.0, 0.0))
+                    self._paths[key] = path + speed * self._step, earlier
+        self._last = tuple(source for source in self._sources if source.onset > self._start - 1.5 * self._step)
+        return self.again(settings.textures)
+
+    def again(self, textures: RuleTable[Texture]) -> tuple[Source, ...]:
+        """The sources of the frame that was followed last, by these rules."""
+        new = [source for item in self._moving for source in self._of(item, textures)]
+        there = {item.names: item.positions for item in self._moving}
+        last = [
+            source.moved(*there[pair]) if (pair := (source.object, source.second_object or "")) in there else source
+            for source in self._last
+        ]
+        self._sources = (*last, *new)
+        return self._sources
+
+    def _of(self, item: _Moving, textures: RuleTable[Texture]) -> list[Source]:
+        first, second = item.bodies
+        texture = textures.of(first.named, second.named)
+        found = []
+        for rolls, speed in zip((False, True), item.speeds, strict=True):
+            amplitude = texture.amplitude(speed, item.force, rolls) if texture is not None and speed else 0.0
+            if texture is None or not amplitude:
+                continue
+            name = _NAMES[rolls][self._frame % 2].format(*item.names)
+            signal = texture.piece(speed, self._cycles(item, rolls, speed, texture.period), self._step, _seed(name, self._frame))
+            found.append(_source(name, item, amplitude, signal, self._start))
+        return found
+
+    def _cycles(self, item: _Moving, rolls: bool, speed: float, period: float) -> float:
+        """Of the tone in the middle of a piece, half a frame ago."""
+        path, earlier = self._paths[(*item.names, rolls)]
+        left = earlier / period
+        part = ((self._frame - 1) % self._block + 1) / self._block
+        return (path - speed * self._step / 2) / period + (left - round(left)) * (1.0 - part)
+
+
+@dataclass(frozen=True, slots=True)
+class _Poses:
+    """Transforms (n, 4, 4) of bodies and the places (n, 3) of their middles, ``before`` and ``now``, ``step`` seconds later."""
+
+    before: FloatArray
+    now: FloatArray
+    middle_before: FloatArray
+    middle: FloatArray
+    step: float
+
+
+def _moving_contacts(bodies: Sequence[Body], contacts: ContactSet, poses: _Poses, settings: ContactSettings) -> tuple[_Moving, ...]:
+    """The touching pairs with a texture that move along each other, each once, wherever it touches."""
+    moved = (poses.before != poses.now).any(axis=(1, 2))
+    rows = np.flatnonzero(moved[contacts.pairs].any(axis=1))
+    textured = [_has_texture(bodies[a], bodies[b], settings.textures) for a, b in contacts.pairs[rows].tolist()]
+    rows = rows[np.array(textured, dtype=np.bool_)]
+    speeds = np.stack(_surface_speeds(contacts, rows, poses))
+    speeds = np.where(speeds * poses.step > STILL, speeds, 0.0)
+    rows, speeds = rows[speeds.any(axis=0)], speeds[:, speeds.any(axis=0)]
+    if len(rows) == 0:
+        return ()
+    pairs, share = contacts.pairs[rows], contacts.share[rows]
+    forces = _forces(bodies, contacts, rows, poses.middle, settings.gravity)
+    found = []
+    for a, b in np.unique(pairs, axis=0).tolist():
+        points = np.flatnonzero((pairs == (a, b)).all(axis=1))
+        weights = share[points] / share[points].sum()
+        first, second = np.einsum("p,pij->ij", weights, contacts.positions[rows[points]]).tolist()
+        slides, rolls = (speeds[:, points] @ weights).tolist()
+        found.append(_Moving((bodies[a], bodies[b]), (first, second), (slides, rolls), float(forces[points].sum())))
+    return tuple(found)
+
+
+def _has_texture(first: Body, second: Body, textures: RuleTable[Texture]) -> bool:
+    return not (first.medium or second.medium) and textures.of(first.named, second.named) is not None
+
+
+def _surface_speeds(contacts: ContactSet, rows: IntArray, poses: _Poses) -> tuple[FloatArray, FloatArray]:
+    """Speeds (k,) of sliding and of rolling at contacts ``rows`` [m/s], seen from the bodies that turn less."""
+    pairs = contacts.pairs[rows]
+    rates = [np.linalg.norm(spins(_rows(poses.before[body]), _rows(poses.now[body]), poses.step), axis=0) for body in pairs.T]
+    faster = np.where(rates[0] >= rates[1], 0, 1)
+    body, base = (np.take_along_axis(pairs, side[:, None], axis=1)[:, 0] for side in (faster, 1 - faster))
+    before, now = poses.before[base, :3, :3].swapaxes(1, 2), poses.now[base, :3, :3].swapaxes(1, 2)
+    spin = spins(_rows(before @ poses.before[body, :3, :3]), _rows(now @ poses.now[body, :3, :3]), poses.step).T
+    place_before = _turned(before, poses.middle_before[body] - poses.middle_before[base])
+    travel = _turned(now, poses.middle[body] - poses.middle[base]) - place_before
+    arm = _turned(now, contacts.positions[rows, faster] - poses.middle[body])
+    normal = _turned(now, contacts.normal[rows])
+    pivot = _PIVOT * np.sqrt(contacts.area[rows] / np.pi) * _dot(spin, normal)
+    slip = np.hypot(np.linalg.norm(_tangential(travel / poses.step + np.cross(spin, arm), normal), axis=1), pivot)
+    roll = np.linalg.norm(_tangential(spin, normal), axis=1) * np.abs(_dot(arm, normal))
+    return np.maximum(slip - CREEP * roll, 0.0), roll
+
+
+def _forces(
+    bodies: Sequence[Body], contacts: ContactSet, rows: IntArray, middle: FloatArray, gravity: tuple[float, float, float]
+) -> FloatArray:
+    """The forces (k,) of contacts ``rows`` [N]: those of resting bodies; where that can't be known, the weight of the lighter of the two
+    that have one; NaN where neither has, and without gravity."""
+    strength = math.hypot(*gravity)
+    if not strength:
+        return np.full(len(rows), np.nan)
+    mass = np.array([body.mass or 0.0 for body in bodies])
+    held = np.array([body.motion is not Motion.DYNAMIC or body.medium for body in bodies])
+    asked = np.zeros(len(contacts), dtype=np.bool_)
+    asked[rows] = True
+    pressed = contact_forces(contacts, np.where(held, 0.0, mass), middle, gravity, asked)[rows]
+    lighter = np.fmin.reduce(np.where(mass > 0, mass, np.nan)[contacts.pairs[rows]], axis=1)
+    return np.where(np.isfinite(pressed), pressed, lighter * strength * contacts.share[rows])
+
+
+def _placed(transforms: FloatArray, points: FloatArray) -> FloatArray:
+    """World positions (n, 3) of a point of each body."""
+    return _turned(transforms[:, :3, :3], points) + transforms[:, :3, 3]
+
+
+def _turned(rotations: FloatArray, vectors: FloatArray) -> FloatArray:
+    return np.asarray(np.einsum("nij,nj->ni", rotations, vectors))
+
+
+def _rows(rotations: FloatArray) -> FloatArray:
+    """Rotations in the upper left of matrices (k, 3, 3) or (k, 4, 4), as `spins` takes them, (9, k)."""
+    return rotations[:, :3, :3].reshape(-1, 9).T
+
+
+def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray(np.einsum("ki,ki->k", a, b))
+
+
+def _tangential(vectors: FloatArray, normal: FloatArray) -> FloatArray:
+    return vectors - _dot(vectors, normal)[:, None] * normal
+
+
+def _source(name: str, item: _Moving, amplitude: float, signal: Signal, onset: float) -> Source:
+    (x, y, z), (u, v, w) = item.positions
+    first, second = item.names
+    return Source(name, first, (x, y, z), amplitude, signal=signal, second_object=second, second_position=(u, v, w), onset=onset)
+
+
+def _seed(name: str, frame: int) -> int:
+    return int.from_bytes(blake2b(f"{name}\0{frame}".encode(), digest_size=6).digest(), "big")
