@@ -10,9 +10,11 @@ import time
 import numpy as np
 
 from ..core.devices.connection import connected, hid_module, missing_permission
-from ..core.devices.families.registry import rumble_report
+from ..core.devices.families.family import RumbleFamily
+from ..core.devices.families.registry import family
 from ..core.devices.output import DeviceOutput
 from ..core.devices.profiles import BUILT_IN, Profile, load_profiles
+from ..core.devices.report import Report, Transport
 
 _RATE = 8000
 _FRAME = 0.02
@@ -32,6 +34,23 @@ def run_encode(args: argparse.Namespace) -> int:
     """Print one report as lower-case hexadecimal."""
     print(rumble_report(args.device, args.left, args.right, args.transport, args.sequence).data.hex())
     return 0
+
+
+def rumble_report(name: str, left: float, right: float, transport: Transport | None = None, sequence: int = 0) -> Report:
+    """The report that drives a device's classic pair of motors.
+
+    left, right: amplitudes in [0, 1]; left is the low-frequency motor where the two differ.
+    transport: None is the device's default. sequence: 0..15, for reports that are numbered.
+    Raises ValueError that names what is wrong.
+    """
+    chosen = family(name)
+    if not isinstance(chosen, RumbleFamily):
+        raise ValueError(f"device {name!r} takes samples, not levels")
+    if transport is not None and transport not in chosen.transports:
+        raise ValueError(f"transport {transport!r} does not exist for {name}: use {' or '.join(chosen.transports)}")
+    if not 0 <= sequence <= 15:
+        raise ValueError(f"sequence {sequence} is not in 0..15")
+    return chosen.encode(chosen.rumble(left, right), transport or chosen.transports[0], sequence)
 
 
 def run_list(args: argparse.Namespace) -> int:

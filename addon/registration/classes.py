@@ -33,23 +33,9 @@ from ..panels import rules as rules_panels
 from .module_classes import classes_of
 
 CLASSES = (
-    *classes_of(preferences, job, tagging, adding, tracing, selection, modes, felt, gizmos, materials, wishes, fit),
-    *classes_of(
-        body_kit,
-        rules,
-        bake,
-        exporting,
-        importing,
-        graph_to_geometry,
-        live_output,
-        scene,
-        object,
-        source,
-        listener,
-        result,
-        export,
-        materials_panels,
-    ),
+    *classes_of(preferences, job, tagging, adding, tracing, selection, modes, felt, gizmos, materials, wishes, fit, body_kit, rules),
+    *classes_of(bake, exporting, importing, graph_to_geometry, live_output, scene, object, source, listener, result, export),
+    *classes_of(materials_panels),
     *modalities_panels.PANELS,
     *classes_of(rules_panels, bake_panel, live_output_panels, file_menus, object_menus),
 )

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from ..report import Report, Transport
 from .dualsense import DUALSENSE
 from .dualsense_pcm import DUALSENSE_PCM
 from .dualshock4 import DUALSHOCK4
 from .eightbitdo import EIGHTBITDO
-from .family import AnyFamily, Interface, RumbleFamily
+from .family import AnyFamily, Interface
 from .shield import SHIELD_2015, SHIELD_2017
 from .sinput import SINPUT
 from .stadia import STADIA
@@ -37,20 +36,3 @@ def family(name: str) -> AnyFamily:
 def families_of(interface: Interface) -> tuple[AnyFamily, ...]:
     """Families that can drive this interface, the default one first."""
     return tuple(family for family in FAMILIES.values() if family.matches(interface))
-
-
-def rumble_report(name: str, left: float, right: float, transport: Transport | None = None, sequence: int = 0) -> Report:
-    """The report that drives a device's classic pair of motors.
-
-    left, right: amplitudes in [0, 1]; left is the low-frequency motor where the two differ.
-    transport: None is the device's default. sequence: 0..15, for reports that are numbered.
-    Raises ValueError that names what is wrong.
-    """
-    chosen = family(name)
-    if not isinstance(chosen, RumbleFamily):
-        raise ValueError(f"device {name!r} takes samples, not levels")
-    if transport is not None and transport not in chosen.transports:
-        raise ValueError(f"transport {transport!r} does not exist for {name}: use {' or '.join(chosen.transports)}")
-    if not 0 <= sequence <= 15:
-        raise ValueError(f"sequence {sequence} is not in 0..15")
-    return chosen.encode(chosen.rumble(left, right), transport or chosen.transports[0], sequence)

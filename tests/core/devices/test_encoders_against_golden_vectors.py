@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from haptic_tracing.command_line.devices import rumble_report
 from haptic_tracing.core.devices.families.dualsense import DUALSENSE, DUALSENSE_FIRST_GENERATION
 from haptic_tracing.core.devices.families.dualsense_pcm import DUALSENSE_PCM
 from haptic_tracing.core.devices.families.dualshock4 import dualshock4_report
-from haptic_tracing.core.devices.families.registry import rumble_report
 from haptic_tracing.core.devices.families.steam_controller import STEAM_CONTROLLER_PCM
 from haptic_tracing.core.devices.families.switch import (
     SWITCH_PRO,

@@ -6,9 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from haptic_tracing.command_line.devices import rumble_report
 from haptic_tracing.core.devices.actuation import actuation_of
 from haptic_tracing.core.devices.families.family import RumbleFamily
-from haptic_tracing.core.devices.families.registry import rumble_report
 from haptic_tracing.core.devices.families.switch import usb_command
 from haptic_tracing.core.devices.pacing import WATCHDOG, pacing_of
 from haptic_tracing.core.devices.profiles import Adjustment, load_profiles, profile

@@ -14,8 +14,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from haptic_tracing.command_line.devices import rumble_report
 from haptic_tracing.core.devices.connection import connected, hid_module, open_device
-from haptic_tracing.core.devices.families.registry import family, rumble_report
+from haptic_tracing.core.devices.families.registry import family
 from haptic_tracing.core.devices.guard import stop_all
 from haptic_tracing.core.devices.inventory import look
 from haptic_tracing.core.devices.output import DeviceOutput
