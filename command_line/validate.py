@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from ..study.validation import all_series
-from ..study.validation_page import page, picture
+from ..study.validation_page import body_picture, page, picture
 
 
 def run(args: argparse.Namespace) -> int:
@@ -14,7 +14,12 @@ def run(args: argparse.Namespace) -> int:
         print(f"{series.verdict:7}  {series.kind:10}  {series.name}")
     if args.out is not None:
         (args.out / "pictures").mkdir(parents=True, exist_ok=True)
-        for path, text in ((args.out / "validation.md", page()), (args.out / "pictures" / "validation.svg", picture())):
+        pictures = args.out / "pictures"
+        for path, text in (
+            (args.out / "validation.md", page()),
+            (pictures / "validation.svg", picture()),
+            (pictures / "body.svg", body_picture()),
+        ):
             path.write_text(text, encoding="utf-8")
             print(f"wrote {path}")
     return 0

@@ -18,6 +18,7 @@ from ..addon.session import session
 from ..core.render.history import still_samples
 from ..core.scene.materials import MATERIALS
 from ..core.scene.measured import physical
+from ..core.scene.skeleton import part_in
 from ..sample_scenes import materials as substances
 
 SAMPLES = (("jackhammer_bench", 3), ("hammer_nail", 20), ("mine_ride", 2600))
@@ -71,7 +72,7 @@ def _make_physical(scene: Scene) -> None:
         material = next((preset for item, preset in _PRESETS.items() if (item.kappa, item.rho) == own_values), None)
         if haptics.enabled and material is not None and not haptics.medium:
             haptics.kappa, haptics.rho = material.kappa, material.rho
-            form = physical(material.name, tuple(obj.dimensions)).to_dict()
+            form = physical(material.name, tuple(obj.dimensions), part=part_in(obj.name)).to_dict()
             haptics.function = form.pop("function")
             for key, own in PARAMETERS["physical"].items():
                 setattr(haptics, own, form[key])

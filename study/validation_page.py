@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
-from .validation import Series, all_series, ground
+from .validation import HAND_ARM, HANDLE, LEG, RESONANCES, TRUNK, Series, all_series, body_level, ground, skin_level
 
 UNMODELLED = (
     (
@@ -14,9 +14,9 @@ UNMODELLED = (
         "resonances are not modelled: a floor passes on what its material does, at every frequency",
     ),
     (
-        "Resonances of a body",
-        "8 Hz (elbow), 4 to 6 Hz (head), 16 to 147 Hz (foot; doi 10.3233/OER-160236)",
-        "a limb moves as a whole up to 20 Hz, then less and less: no gain exceeds 1, and the lowest band begins at 20 Hz",
+        "Peaks of a body at its resonances",
+        "1.5 to 2 at head, wrist, ankle and knee (doi 10.1016/j.jsv.2010.02.001 as recalled, 10.3390/app14209516)",
+        "a part passes everything up to its resonance, then less and less: no gain exceeds 1",
     ),
     (
         "Transmission of a contact under load",
@@ -44,6 +44,8 @@ INTRODUCTION = """# Validation: the model beside what was measured
 Levels are amplitudes in decibels. Figures of standards come from transcriptions, named with each series.
 
 ![Attenuation on the ground, measured and modelled](pictures/validation.svg)
+
+![Parts of a body, published and modelled](pictures/body.svg)
 
 | series | kind | judged figures | largest error | limit | verdict |
 |---|---|---|---|---|---|"""
@@ -132,3 +134,67 @@ def _curve(number: int, series: Series) -> str:
     ]
     name = f'<text x="{WIDTH - 220}" y="{TOP + 16 * (number + 1)}" fill="{colour}">{series.name}</text>'
     return "".join([f'<path d="M{line}" fill="none" stroke="{colour}" stroke-width="2"/>', *dots, name])
+
+
+BODY_CURVES: tuple[tuple[str, str, Callable[[float], float]], ...] = (
+    ("wrist", "#2e86ab", lambda f: body_level(HAND_ARM[:1], f)),
+    ("elbow", "#d1495b", lambda f: body_level(HAND_ARM[:2], f)),
+    ("shoulder", "#edae49", lambda f: body_level(HAND_ARM, f)),
+    ("head, from the seat", "#66a182", lambda f: body_level(TRUNK, f)),
+    ("ankle", "#8d6a9f", lambda f: body_level(LEG[:1], f)),
+    ("knee", "#5c5c5c", lambda f: body_level(LEG[:2], f)),
+    ("skin, 4 cm", "#b07d62", lambda f: skin_level(f, 0.04)),
+    ("skin, 8 cm", "#d8b192", lambda f: skin_level(f, 0.08)),
+)
+"""Name, colour and level [dB] over frequency [Hz]."""
+LOW, HIGH, DEEPEST = 4.0, 500.0, -50.0
+_RANGES = {"wrist, as recalled": 0, "elbow": 1, "head and trunk, as recalled": 3, "ankle": 4, "knee": 5}
+"""Curve of the places of `RESONANCES` that have one."""
+
+
+def body_picture() -> str:
+    """What arrives at parts of a body over frequency: the model as lines; published levels as dots, those that are highest levels with a
+    line downwards; published resonances as bars on top."""
+
+    def x(frequency: float) -> float:
+        return LEFT + (WIDTH - LEFT - RIGHT) * math.log(frequency / LOW) / math.log(HIGH / LOW)
+
+    def y(level: float) -> float:
+        return TOP + 30 + (HEIGHT - TOP - 30 - BOTTOM) * max(level, DEEPEST) / DEEPEST
+
+    lines = [
+        f'<path d="M{LEFT} {y(grid):.1f}H{WIDTH - RIGHT}" stroke="#ddd"/>'
+        f'<text x="{LEFT - 8}" y="{y(grid) + 4:.1f}" text-anchor="end">{grid}</text>'
+        for grid in (0, -10, -20, -30, -40, -50)
+    ]
+    lines += [f'<text x="{x(f):.1f}" y="{HEIGHT - 22}" text-anchor="middle">{f} Hz</text>' for f in (5, 10, 20, 50, 100, 200, 400)]
+    frequencies = [LOW * (HIGH / LOW) ** (k / 120) for k in range(121)]
+    for number, (name, colour, level) in enumerate(BODY_CURVES):
+        points = [(x(f), y(level(f))) for f in frequencies if level(f) > DEEPEST]
+        path = "L".join(f"{a:.1f} {b:.1f}" for a, b in points)
+        lines.append(f'<path d="M{path}" fill="none" stroke="{colour}" stroke-width="2"/>')
+        lines.append(f'<text x="{LEFT + 8}" y="{y(-18) + 16 * number:.1f}" fill="{colour}">{name}</text>')
+    for place, _, low, high in RESONANCES:
+        if place in _RANGES:
+            row = TOP + 5 * _RANGES[place]
+            colour = BODY_CURVES[_RANGES[place]][1]
+            lines.append(f'<path d="M{x(low) - 2:.1f} {row}H{x(high) + 2:.1f}" stroke="{colour}" stroke-width="4"/>')
+    for _, count, frequency, known in HANDLE:
+        colour = BODY_CURVES[count - 1][1]
+        lines.append(f'<circle cx="{x(frequency):.1f}" cy="{y(known):.1f}" r="4" fill="#fff" stroke="{colour}" stroke-width="2"/>')
+        if count > 1:
+            lines.append(f'<path d="M{x(frequency):.1f} {y(known) + 4:.1f}v14" stroke="{colour}" stroke-width="2"/>')
+    lines.append(f'<path d="M{x(15):.1f} {y(-3.1):.1f}H{x(20):.1f}V{y(-6.02):.1f}H{x(15):.1f}Z" fill="none" stroke="{BODY_CURVES[3][1]}"/>')
+    captions = (
+        "dB against frequency. Lines: model. Bars on top: published resonances.",
+        "Rings and box: published levels, as recalled; with a tail: at most.",
+    )
+    return "\n".join(
+        [
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT + 20}" font-family="sans-serif" font-size="12">',
+            f'<rect width="{WIDTH}" height="{HEIGHT + 20}" fill="#fff"/>',
+            *lines,
+            *(f'<text x="{LEFT}" y="{HEIGHT - 4 + 15 * number}">{text}</text>' for number, text in enumerate(captions)),
+            "</svg>\n",
+        ]
+    )

@@ -8,6 +8,7 @@ from bpy.types import Context, Object, Scene
 
 from ...core.scene.materials import MATERIALS, Material, guess, is_wide_and_flat
 from ...core.scene.measured import physical
+from ...core.scene.skeleton import part_in
 from ..blender.progress import progress
 from ..properties.function import PARAMETERS
 from ..properties.materials import HapticMaterial, add_material, values_of, write_values
@@ -59,7 +60,7 @@ def make_physical(objects: Iterable[Object], in_a_building: bool) -> int:
         if material is None:
             continue
         known += 1
-        form = physical(material.name, tuple(obj.dimensions), in_a_building).to_dict()
+        form = physical(material.name, tuple(obj.dimensions), in_a_building, part_in(obj.name)).to_dict()
         obj.haptics.function = form.pop("function")
         for key, own in PARAMETERS["physical"].items():
             setattr(obj.haptics, own, form[key])

@@ -46,6 +46,7 @@ PARAMETERS = {
         "material_k": "material_k",
         "reference_distance": "reference_distance",
         "extent": "extent",
+        "resonance": "resonance",
     },
 }
 """Which properties are the parameters of which function of an object, by their names in the core."""

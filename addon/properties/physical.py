@@ -11,7 +11,7 @@ WAVE_ITEMS = (
     ("plate", "Plate", "Bending waves in a plate of a thickness, which spread over its surface"),
     ("surface", "Ground", "Waves along the surface of the ground"),
     ("solid", "Solid", "Through a volume, in all directions"),
-    ("limb", "Limb", "Along a part of a body, which moves as a whole up to 20 Hz"),
+    ("limb", "Limb", "Along a part of a body, which moves as a whole up to its resonance"),
 )
 
 
@@ -91,4 +91,12 @@ class PhysicalParameters:
         soft_max=100.0,
         unit="LENGTH",
         update=edited("extent"),
+    )
+    resonance: FloatProperty(
+        name="Resonance (Hz)",
+        description="A limb moves as a whole up to this frequency: trunk 5, elbow 8, knee 25, wrist 30, fingertip 200",
+        default=20.0,
+        min=0.0,
+        soft_max=300.0,
+        update=edited("resonance"),
     )

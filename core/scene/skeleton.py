@@ -44,6 +44,11 @@ _LIMBS = {
 _HIPS = ("hips", "pelvis", "hip")
 _TORSO = ("spine", "chest", "upperchest", "torso", "abdomen", "ribs", "waist", "spinelower", "spineupper", "abdomenlower", "abdomenupper")
 _NECK, _HEAD = ("neck",), ("head",)
+_PART_OF = {
+    name: part
+    for part, names in {**_LIMBS, "hips": _HIPS, "chest": _TORSO, "head": (*_NECK, *_HEAD), "belly": ("belly",)}.items()
+    for name in names
+}
 _SIDES = {"l": "L", "left": "L", "r": "R", "right": "R"}
 _NOISE = {"def", "org", "mch", "b", "j", "c", "bip", "biped", "cc", "base", "jnt", "bind", "bone", "valvebiped", "mixamorig"}
 _SECOND_RATE = ("ORG-", "MCH-", "VIS_")
@@ -132,6 +137,16 @@ def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dic
                 carrier, position = limb, limb.tail if name == "index_finger" else limb.middle
         result[part.name] = Place(carrier.bone.name, tuple(position.tolist()))
     return result
+
+
+def part_in(text: str) -> str:
+    """The part of a body, without its side, that the name of a thing speaks of, the last of several: "Avatar Upper Arm.L". "" for none."""
+    words = [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", text)]
+    for pair in zip(reversed(["", *words[:-1]]), reversed(words), strict=True):
+        for name in ("".join(pair), pair[1]):
+            if name in _PART_OF:
+                return _PART_OF[name]
+    return ""
 
 
 def partner(name: str, others: Iterable[str]) -> str:

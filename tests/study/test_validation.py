@@ -9,7 +9,7 @@ from haptic_tracing.command_line import main
 from haptic_tracing.core.scene.functions import Physical, Wave
 from haptic_tracing.study.validation import PLATES, all_series, fitted, levels
 from haptic_tracing.study.validation import plate_energies as solved
-from haptic_tracing.study.validation_page import page, picture
+from haptic_tracing.study.validation_page import body_picture, page, picture
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
@@ -57,3 +57,4 @@ def test_the_documentation_has_this_page(tmp_path, capsys):
     assert "agrees   printed     Two plates, L joint" in capsys.readouterr().out
     assert (tmp_path / "validation.md").read_text(encoding="utf-8") == page() == (DOCS / "validation.md").read_text(encoding="utf-8")
     assert picture() == (DOCS / "pictures" / "validation.svg").read_text(encoding="utf-8")
+    assert body_picture() == (DOCS / "pictures" / "body.svg").read_text(encoding="utf-8")

@@ -33,9 +33,6 @@ class Wave(enum.StrEnum):
 
 SPREADING: Mapping[Wave, float] = {Wave.ROD: 0.0, Wave.PLATE: 0.5, Wave.SURFACE: 0.5, Wave.SOLID: 1.0, Wave.LIMB: 0.0}
 
-_WHOLE = 20.0
-"""Frequency [Hz] up to which a limb moves as a whole: the resonances of elbow, shoulder and trunk lie at 4 to 20 Hz."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Physical(ModulationFunction):
@@ -43,7 +40,8 @@ class Physical(ModulationFunction):
 
     The exponent g follows from the wave type. Of a wave that keeps its speed ``alpha = pi f loss_factor / phase_speed``; of bending waves
     ``alpha = pi f loss_factor / (2 c_B)`` with ``c_B = sqrt(1.8 phase_speed thickness f)`` (Cremer, Heckl and Petersson, *Structure-Borne
-    Sound*, for a Poisson ratio of 0.3). Along a limb ``alpha = pi (f - 20 Hz) loss_factor / phase_speed``, 0 below 20 Hz. ``absorption``
+    Sound*, for a Poisson ratio of 0.3). Along a limb ``alpha = pi (f - resonance) loss_factor / phase_speed``, 0 below its ``resonance``
+    [Hz], up to which it moves as a whole. ``absorption``
     [1/m] comes on top at every frequency: what edges and joints of a building take.
 
     kappa and rho scale all damping by ``ln K / ln K0`` with ``K = (1 - kappa) rho``: at the material's own ``K0 = material_k`` nothing
@@ -65,13 +63,14 @@ class Physical(ModulationFunction):
     material_k: float = 0.5
     reference_distance: float = 0.5
     extent: float = 0.0
+    resonance: float = 20.0
 
     def __post_init__(self) -> None:
         try:
             object.__setattr__(self, "wave", Wave(self.wave))
         except ValueError:
             raise ValueError(f"wave: expected one of {', '.join(Wave)}, got {self.wave!r}") from None
-        for key in ("loss_factor", "absorption", "extent"):
+        for key in ("loss_factor", "absorption", "extent", "resonance"):
             require(key, getattr(self, key))
         for key in ("phase_speed", "density", "thickness", "reference_distance"):
             require(key, getattr(self, key))
@@ -85,7 +84,7 @@ class Physical(ModulationFunction):
         speed = self.phase_speed
         if self.wave is Wave.PLATE:
             speed = 2 * math.sqrt(1.8 * self.phase_speed * self.thickness * frequency)
-        waves = max(frequency - _WHOLE, 0.0) if self.wave is Wave.LIMB else frequency
+        waves = max(frequency - self.resonance, 0.0) if self.wave is Wave.LIMB else frequency
         return math.pi * waves * self.loss_factor / speed + self.absorption
 
     def damping(self, frequency: float, kappa: Value, rho: Value) -> FloatArray:
