@@ -169,6 +169,7 @@ def make_listener(obj: Object, body_part: str, radius: float) -> Object:
     listener = obj.haptics.listener
     listener.enabled = True
     listener.limiter = False  # the paper cuts the mix off at the ceiling
+    listener.extent = "none"
     listener.body_part = body_part
     listener.radius = radius
     return obj

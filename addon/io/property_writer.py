@@ -97,7 +97,7 @@ def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[s
     """As `write_source`. What could not be carried over, in words."""
     listener.enabled = True
     numbers = write_numbers(listener, radius=item.radius, gain=item.gain, s_max=item.s_max)
-    listener.limiter = item.limiter
+    listener.limiter, listener.extent = item.limiter, item.extent.value
     if item.mixing == "custom":
         listener.mixing_expression = item.mixing_expression
     limited = [name for name in ("gain", "s_max") if not takes(listener, name, getattr(item, name))]

@@ -27,7 +27,11 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
         if not listener.enabled:
             return
         layout.prop(listener, "body_part")
-        layout.prop(listener, "radius")
+        column = layout.column(align=True)
+        column.prop(listener, "extent")
+        row = column.row()
+        row.active = listener.extent != "none"
+        row.prop(listener, "radius")
         layout.prop(listener, "mixing")
         if listener.mixing == "custom":
             row = layout.row()

@@ -6,6 +6,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy.types import Context, PropertyGroup
 
 from ...core.scene.body import BODY_PARTS
+from ...core.scene.choices import Extent
 from .callbacks import changed, edited
 from .imported import Imported
 
@@ -16,6 +17,11 @@ MIXING_ITEMS = (
     ("power", "Power", "Adds up energies: the root of the sum of squares"),
     ("custom", "Custom", "Your own formula of what the other methods give"),
 )
+EXTENT_ITEMS = (
+    (Extent.NONE.value, "Point", "Feels what arrives at its origin; the radius changes nothing"),
+    (Extent.STRONGEST.value, "Strongest", "Feels what touches it within its radius as if it touched its origin"),
+    (Extent.MEAN_POWER.value, "Mean Power", "Feels the mean of the power over its volume, as skin that adds up what reaches it"),
+)
 BODY_PART_ITEMS = (
     ("NONE", "None", "Not a part of the body"),
     *((part.name, part.name.replace("_", " ").title(), f"Stands for the {part.name.replace('_', ' ')}") for part in BODY_PARTS),
@@ -23,9 +29,12 @@ BODY_PART_ITEMS = (
 
 
 def _enabled_edited(self: HapticListenerProperties, context: Context) -> None:
-    """Give a listener that is made now its limiter. Those of files in which the limiter was off by default stay without."""
-    if self.enabled and not self.is_property_set("limiter"):
-        self.limiter = context.scene is None or context.scene.haptics.strategy != "as_in_the_paper"
+    """Give a listener that is made now its limiter and its extent. Those of files in which these were off by default stay without."""
+    if self.enabled and (context.scene is None or context.scene.haptics.strategy != "as_in_the_paper"):
+        if not self.is_property_set("limiter"):
+            self.limiter = True
+        if not self.is_property_set("extent"):
+            self.extent = Extent.STRONGEST.value
     changed(self, context)
 
 
@@ -56,12 +65,19 @@ class HapticListenerProperties(Imported, PropertyGroup):
     )
     radius: FloatProperty(
         name="Radius",
-        description="Extent of the listener's bounding volume",
+        description="Radius of the listener's bounding volume",
         default=0.05,
         min=0.0,
         soft_max=0.5,
         unit="LENGTH",
         update=_radius_edited,
+    )
+    extent: EnumProperty(
+        name="Extent",
+        description="What the listener feels of its bounding volume. New listeners feel the strongest; those of earlier files are points",
+        items=EXTENT_ITEMS,
+        default=Extent.NONE.value,
+        update=changed,
     )
     use_wish: BoolProperty(name="Wish", description="Fulfil Wishes brings this listener to the wished level", default=False, options=set())
     wish: FloatProperty(

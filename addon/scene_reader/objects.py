@@ -7,7 +7,7 @@ from bpy.types import Object
 
 from ...core.contacts.tracker import Motion
 from ...core.scene.materials import named_in
-from ...core.scene.values import HapticObject, Listener, Source, SourceKind
+from ...core.scene.values import Extent, HapticObject, Listener, Source, SourceKind
 from ...core.signals import Automation, impact_material
 from ..blender.single_precision import shortest
 from .functions import read_function
@@ -69,6 +69,7 @@ def read_listener(obj: Object, carrier: str, is_silenced: bool = False) -> Liste
         s_max=exact(properties, "s_max", imported.numbers),
         mixing_expression=properties.mixing_expression if properties.mixing == "custom" else "",
         limiter=properties.limiter,
+        extent=Extent(properties.extent),
     )
 
 

@@ -86,6 +86,7 @@ def merge_patches(graph: HapticGraph) -> MergedPatches:
         contact_delay=None if graph.contact_delay is None else means.of(graph.contact_delay)[kept],
         sources=tuple(replace(source, nodes=tuple(number[list(source.nodes)].tolist())) for source in graph.sources),
         listener_nodes=number[graph.listener_nodes],
+        reach=None if graph.reach is None else graph.reach[node],
     )
     return MergedPatches(merged, node, number[stands_for])
 

@@ -6,6 +6,7 @@ nodes are one slice, and the gain between any two of them is its propagation fun
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,7 +23,8 @@ from ..contacts.forces import contact_forces
 from ..scene.bands import BAND_COUNT
 from ..scene.functions import ModulationFunction
 from ..scene.rules import Motion
-from ..scene.values import HapticObject, HapticScene, Listener, Source, SourceKind, Vector
+from ..scene.values import Extent, HapticObject, HapticScene, Listener, Source, SourceKind, Vector
+from .listener_volumes import points_in
 from .object_frames import ObjectFrames
 
 if TYPE_CHECKING:
@@ -206,6 +208,8 @@ class HapticGraph:
         frames: where the objects lie.
         forces: (c,) that press the contacts together [N], NaN where that can't be known, 0 of those whose function does not ask; None where
             none does.
+        reach: (n,) radius [m] about a listener's node within which distances to it are 0, 0 about other nodes; None where all are 0.
+        points: the nodes over which each listener takes the mean, its own first; None where none does.
     """
 
     table: ObjectTable
@@ -226,6 +230,8 @@ class HapticGraph:
     listener_nodes: IntArray
     frames: ObjectFrames
     forces: FloatArray | None = None
+    reach: FloatArray | None = None
+    points: tuple[tuple[int, ...], ...] | None = None
 
     @property
     def node_count(self) -> int:
@@ -255,13 +261,14 @@ class HapticGraph:
         return slice(int(self.start[index]), int(self.start[index + 1]))
 
     def node_distances(self, a: IntArray, b: IntArray) -> FloatArray:
-        """Distances in metres between nodes ``a[i]`` and ``b[i]``."""
+        """Distances in metres between nodes ``a[i]`` and ``b[i]``, from the nearest point of a listener's volume."""
         places = self.node_position.T
-        return _lengths(*(places.take(a, axis=1) - places.take(b, axis=1)))
+        apart = _lengths(*(places.take(a, axis=1) - places.take(b, axis=1)))
+        return apart if self.reach is None else np.maximum(apart - (self.reach[a] + self.reach[b]), 0.0)
 
-    def intra_gain(self, index: int, node: int, others: slice | IntArray) -> FloatArray:
+    def intra_gain(self, index: int, node: int, others: IntArray) -> FloatArray:
         """Gains of the intra-connections from ``node`` to other nodes of object ``index``."""
-        return self.table.gain(index, distances(self.node_position[others], self.node_position[node]))
+        return self.table.gain(index, self.node_distances(np.full(len(others), node), others))
 
     def to_networkx(self) -> networkx.Graph:
         """The explicit graph, every intra-connection an edge: for small scenes and for tests.
@@ -334,20 +341,16 @@ def build_graph(
         for name, position in ((source.object, source.position), (source.second_object, source.second_position))
         if name is not None
     ]
-    node_object = np.concatenate(
-        [
-            contacts.pairs.T.reshape(-1),
-            np.array([index[name] for _, name, _ in source_entries], dtype=np.int64),
-            np.array([index[listener.object] for listener in listeners], dtype=np.int64),
-        ]
-    )
+    ends = [(name, position) for _, name, position in source_entries] + [(item.object, item.position) for item in listeners]
+    ends += [(item.object, point) for item in listeners for point in points_in(item)]
+    node_object = np.concatenate([contacts.pairs.T.reshape(-1), np.array([index[name] for name, _ in ends], dtype=np.int64)])
     node_kind = np.repeat(
-        np.array([NodeKind.CONTACT, NodeKind.SOURCE, NodeKind.LISTENER], dtype=np.int8), [2 * count, len(source_entries), len(listeners)]
+        np.array([NodeKind.CONTACT, NodeKind.SOURCE, NodeKind.LISTENER], dtype=np.int8),
+        [2 * count, len(source_entries), len(ends) - len(source_entries)],
     )
     node_position = np.empty((3, len(node_object)))
     node_position[:, :count], node_position[:, count : 2 * count] = contacts.positions[:, 0].T, contacts.positions[:, 1].T
-    places = [position for _, _, position in source_entries] + [listener.position for listener in listeners]
-    node_position[:, 2 * count :] = np.array(places, dtype=np.float64).reshape(-1, 3).T
+    node_position[:, 2 * count :] = np.array([position for _, position in ends], dtype=np.float64).reshape(-1, 3).T
     order = np.argsort(node_object, kind="stable")
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
@@ -355,6 +358,7 @@ def build_graph(
     frames = frames or ObjectFrames.unknown(len(table.names))
     forces = _forces(table, contacts, frames, gravity)
     transmission, loss, band_gains, delay = _transmissions(table, contacts, forces)
+    listener_nodes = rank[2 * count + len(source_entries) :]
     return HapticGraph(
         table=table,
         start=np.concatenate([[0], np.cumsum(np.bincount(node_object, minlength=len(table.names)))]),
@@ -371,10 +375,31 @@ def build_graph(
         contact_delay=delay,
         sources=_source_nodes(sources, [number for number, _, _ in source_entries], rank[2 * count :].tolist()),
         listeners=tuple(listener.name for listener in listeners),
-        listener_nodes=rank[2 * count + len(source_entries) :].copy(),
+        listener_nodes=listener_nodes[: len(listeners)].copy(),
         frames=frames,
         forces=forces,
+        reach=_reach(listeners, listener_nodes, len(rank)),
+        points=_points(listeners, listener_nodes.tolist()),
     )
+
+
+def _reach(listeners: Sequence[Listener], nodes: IntArray, count: int) -> FloatArray | None:
+    """``reach`` of the ``count`` nodes of a graph, of which ``nodes`` are those of the listeners."""
+    radii = np.array([listener.radius if listener.extent is Extent.STRONGEST else 0.0 for listener in listeners])
+    if not radii.any():
+        return None
+    reach = np.zeros(count)
+    reach[nodes[: len(radii)]] = radii
+    return reach
+
+
+def _points(listeners: Sequence[Listener], nodes: Sequence[int]) -> tuple[tuple[int, ...], ...] | None:
+    """``points`` of a graph from the ``nodes`` of the listeners, those of their other points behind."""
+    sizes = [len(points_in(listener)) for listener in listeners]
+    if not any(sizes):
+        return None
+    more = iter(nodes[len(sizes) :])
+    return tuple((node, *itertools.islice(more, size)) for node, size in zip(nodes, sizes, strict=False))
 
 
 def _source_nodes(sources: Sequence[Source], numbers: Sequence[int], nodes: Sequence[int]) -> tuple[SourceNodes, ...]:

@@ -123,7 +123,7 @@ def path_delay(graph: HapticGraph, path: tuple[int, ...]) -> float:
             if graph.contact_delay is not None:
                 delays.append(float(graph.contact_delay[graph.contact[a]]))
         elif graph.table.slowness is not None:
-            distance = float(distances(graph.node_position[a], graph.node_position[b]))
+            distance = float(graph.node_distances(np.array([a]), np.array([b]))[0])
             delays.append(float(graph.table.slowness[graph.node_object[a]]) * distance)
     return math.fsum(delays)
 
@@ -144,6 +144,6 @@ def amplifying(graph: HapticGraph) -> bool:
         if count * (count - 1) // 2 > PAIRS_EVALUATED:
             return True
         first, second = np.triu_indices(count, 1)
-        if np.any(graph.table.gain(index, distances(positions[first], positions[second])) > 1):
+        if np.any(graph.table.gain(index, graph.node_distances(nodes.start + first, nodes.start + second)) > 1):
             return True
     return False

@@ -255,7 +255,10 @@ class _Assembly:
         first = size.cumsum() - size
         which = np.arange(len(node)).repeat(size)
         region = ranges(begin, size)
-        there = self._squares(index[which], distances(graph.node_position[node[which]], parts.centre[region]))
+        away = distances(graph.node_position[node[which]], parts.centre[region])
+        if graph.reach is not None:
+            away = np.maximum(away - graph.reach[node[which]], 0.0)
+        there = self._squares(index[which], away)
         at_once = self._squares(index, np.zeros(len(index)))[:, which]
         energy = np.minimum(1.0, np.divide(there, at_once, out=np.zeros_like(there), where=at_once > 0))
         nearest = np.zeros(len(node))

@@ -13,7 +13,8 @@ from .result import Propagation
 
 
 def straight_distances(graph: HapticGraph) -> FloatArray:
-    """Straight-line distance (s, l) in metres between sources and listeners, from the nearer side of a source that feeds two objects."""
+    """Straight-line distance (s, l) in metres between sources and the middles of listeners, from the nearer side of a source that feeds two
+    objects."""
     listeners = graph.node_position[graph.listener_nodes]
     rows = [distances(graph.node_position[list(source.nodes)][:, None, :], listeners[None, :, :]).min(axis=0) for source in graph.sources]
     return np.array(rows, dtype=np.float64).reshape(len(graph.sources), len(graph.listeners))
@@ -45,4 +46,6 @@ def localised(result: Propagation, nearest: BoolArray, localise: float) -> Propa
 def direct_gains(graph: HapticGraph, attenuated: bool) -> FloatArray:
     """Gains (s, l) of one straight connection from every source to every listener: over distance, or 1."""
     line = straight_distances(graph)
+    if graph.reach is not None:
+        line = np.maximum(line - graph.reach[graph.listener_nodes], 0.0)
     return np.exp(-DISTANCE_ONLY.alpha * line) if attenuated else np.ones_like(line)

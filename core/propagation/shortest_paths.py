@@ -222,7 +222,8 @@ def _items(array: FloatArray | IntArray) -> Any:
 
 
 class _Elements:
-    """The graph for access element by element. ``points``: positions of the nodes, in a large graph those of the objects visited so far."""
+    """The graph for access element by element. ``points``: positions of the nodes, in a large graph those of the objects visited so far;
+    ``arrays``: the objects whose costs are not of the plain form."""
 
     def __init__(self, work: _Relaxation) -> None:
         graph = work.graph
@@ -230,6 +231,9 @@ class _Elements:
         self.crossing, self.loss, self.decay = _items(work.crossing), _items(work.loss), _items(graph.table.decay)
         self.spreading = None if graph.table.spreading is None else graph.table.spreading.T.tolist()
         self.points: dict[int, list[float]] = {}
+        self.arrays = graph.table.special
+        if graph.reach is not None:
+            self.arrays |= set(graph.node_object[graph.reach > 0].tolist())
         if work.count <= SMALL:
             self.points.update(enumerate(graph.node_position.tolist()))
 
@@ -264,7 +268,7 @@ def _dijkstra(
                 continue
             last = first + 1
         work.relaxed += last - first
-        if index in special or last - first >= LARGE:
+        if index in elements.arrays or last - first >= LARGE:
             nodes = np.arange(first, last)
             candidate = cost + np.maximum(0.0, intra_costs(graph, np.full(last - first, node), nodes))
             better = ((candidate < np.asarray(arrives[first:last])) & (candidate <= limit)).nonzero()[0]

@@ -20,6 +20,7 @@ from .connections import LARGEST, ROUNDING, amplifying, path_bands, path_delay
 from .delay_taps import delay_taps
 from .energy_balance import energy_gains
 from .exact import PathLimits, lanes_of
+from .mean_power import over_volumes
 from .modes import direct_gains, localised, nearest_listener
 from .path_sums import bounded_sums, path_gain
 from .result import Propagation
@@ -56,7 +57,7 @@ def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET, soun
         raise ValueError(f"budget: must be 0 or more, got {budget!r}")
     strategies = tuple(strategy_of(source.kind, settings) for source in graph.sources)
     if settings.mode in (Mode.MD, Mode.MN):
-        return _direct(graph, settings, strategies)
+        return over_volumes(graph, lambda apart, _: _direct(apart, settings, strategies))
     wanted = np.ones((len(graph.sources), len(graph.listeners)), dtype=np.bool_)
     if sounding_only:
         wanted[[source.amplitude == 0 for source in graph.sources]] = False
@@ -65,8 +66,13 @@ def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET, soun
     elif settings.localise > 0:
         nearest = nearest_listener(graph)
         wanted = wanted & nearest if settings.localise == 1 else wanted
-        return localised(_Run(graph, settings, strategies, wanted, budget).result(), nearest, settings.localise)
-    return _Run(graph, settings, strategies, wanted, budget).result()
+        return localised(_traced(graph, settings, strategies, wanted, budget), nearest, settings.localise)
+    return _traced(graph, settings, strategies, wanted, budget)
+
+
+def _traced(graph: HapticGraph, settings: Settings, strategies: tuple[Strategy, ...], wanted: BoolArray, budget: int) -> Propagation:
+    """Gains of the ``wanted`` pairs (s, l) over the graph."""
+    return over_volumes(graph, lambda apart, number: _Run(apart, settings, strategies, wanted[:, number], budget).result())
 
 
 class _Gains:

@@ -24,6 +24,14 @@ class Strategy(enum.StrEnum):
     ENERGY_BALANCE = "energy_balance"
 
 
+class Extent(enum.StrEnum):
+    """What a listener feels of its bounding volume, a sphere."""
+
+    NONE = "none"  # the listener is a point
+    STRONGEST = "strongest"  # the largest gain over the volume
+    MEAN_POWER = "mean_power"  # the root of the mean of the squared gains
+
+
 class SourceKind(enum.StrEnum):
     PERSISTENT = "persistent"
     TEMPORARY = "temporary"

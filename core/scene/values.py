@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from ..signals import IMPACT_MATERIALS, Signal
+from .choices import Extent as Extent
 from .choices import Mode as Mode
 from .choices import SourceKind as SourceKind
 from .choices import Strategy as Strategy
@@ -204,9 +205,9 @@ class Source:
 
 @dataclass(frozen=True, slots=True)
 class Listener:
-    """Samples haptic data at a place of the body. ``radius`` is the extent of its bounding volume in metres. ``mixing_expression``: the
-    formula over `MIXING_VARIABLES` of ``custom`` mixing. ``limiter``: the mix is turned down, not cut, where it would be above
-    ``s_max``."""
+    """Samples haptic data at a place of the body. ``radius`` [m] is that of its bounding volume, ``extent`` what it feels of that.
+    ``mixing_expression``: the formula over `MIXING_VARIABLES` of ``custom`` mixing. ``limiter``: the mix is turned down, not cut, where it
+    would be above ``s_max``."""
 
     name: str
     object: str
@@ -219,10 +220,12 @@ class Listener:
     extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
     mixing_expression: str = ""
     limiter: bool = False
+    extent: Extent = Extent.NONE
 
     def __post_init__(self) -> None:
         _name("name", self.name)
         _name("object", self.object)
+        object.__setattr__(self, "extent", Extent(self.extent))
         object.__setattr__(self, "position", _finite_vector("position", self.position))
         for key in ("radius", "gain"):
             if not 0 <= getattr(self, key) < math.inf:

@@ -25,6 +25,7 @@ def seesaw(add_box, add_empty):
     source.haptics.source.enabled = True
     listener = add_empty("skin", (0, 0, 0), box)
     listener.haptics.listener.enabled = True
+    listener.haptics.listener.extent = "none"
     return plank, box, source, listener
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...graph.contact_patches import contact_patches
-from ...graph.haptic_graph import HapticGraph, distances
+from ...graph.haptic_graph import HapticGraph
 from ..connections import LARGEST, band_factors, bounded_exp
 from .bridge_decomposition import Component, decompose
 from .component_sums import ComponentSum
@@ -150,13 +150,13 @@ class _BridgeTreeSum:
         """The amplitude at ``other`` over one intra-connection; None where it transmits nothing."""
         table = self.graph.table
         index = int(self.graph.node_object[node])
-        distance = distances(self.graph.node_position[node], self.graph.node_position[other])
-        constant, varying = table.costs(np.array([index]), distance[None])
+        distance = self.graph.node_distances(np.array([node]), np.array([other]))
+        constant, varying = table.costs(np.array([index]), distance)
         cost = float(constant[0] + varying[0])
         if cost == math.inf:
             return None
         if self.lanes > 1:
-            bands = band_factors(self.graph, np.array([index]), distance[None])[0]
+            bands = band_factors(self.graph, np.array([index]), distance)[0]
             value = amplitude.value * np.concatenate([[1.0], bands])
             amplitude = _Amplitude(value, amplitude.cost, amplitude.rest, amplitude.excess)
         return amplitude.further(cost)

@@ -11,7 +11,7 @@ from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.functions import function_from_dict
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source
+from haptic_tracing.core.scene.values import Contact, Extent, HapticObject, HapticScene, Listener, Pose, Settings, Source
 from haptic_tracing.core.signals import Adsr, Decay, Noise, Pulse, Sine
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -85,7 +85,8 @@ def scenes(draw):
     listeners = tuple(
         Listener(
             f"listener {k}", draw(st.sampled_from(names)), draw(places), radius=draw(shares), gain=draw(shares),
-            s_max=draw(shares), limiter=draw(st.booleans()), **draw(st.sampled_from([formulas, {"mixing": "power"}, {}])),
+            s_max=draw(shares), limiter=draw(st.booleans()), extent=(Extent.STRONGEST, Extent.MEAN_POWER)[k],
+            **draw(st.sampled_from([formulas, {"mixing": "power"}, {}])),
         )
         for k in range(2)
     )  # fmt: skip

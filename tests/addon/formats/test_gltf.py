@@ -51,7 +51,7 @@ def test_roles_properties_functions_and_contacts_are_extras_of_nodes(bench, gltf
     ground, seat, hips = (nodes[name]["extras"]["haptic_tracing"] for name in ("ground", "seat", "hips"))
     assert ground["object"] == {"kappa": 0.1, "rho": 0.9} and ground["source"]["signal"]["frequency"] == 25.0
     assert seat["object"] == {"kappa": 0.3, "rho": 0.7, "propagation": {"function": "exponential", "alpha": 0.4}}
-    assert hips["listener"] == {"body_part": "hips", "limiter": True} and "object" not in hips
+    assert hips["listener"] == {"body_part": "hips", "limiter": True, "extent": "strongest"} and "object" not in hips
     assert document["scenes"][0]["extras"]["haptic_tracing"]["settings"]["strategy"] == "auto"
     contacts = ground["contacts"]
     assert {contact["object"] for contact in contacts} == {"seat"}
