@@ -35,6 +35,7 @@ def _propagate(parser: Parser) -> None:
     )
     parser.add_argument("--threshold", type=_share, metavar="X", help="a path stops where its gain falls below; 0: nowhere")
     parser.add_argument("--tolerance", type=_not_negative, metavar="X", help="relative error wanted of a sum that is out of reach (0.01)")
+    parser.add_argument("--felt", action="store_true", help="also which sources each listener feels, and which are hidden by others")
 
 
 def _fit(parser: Parser) -> None:

@@ -16,6 +16,8 @@ from ..core.formats.scene.scene_json import current_document, scene_of
 from ..core.graph.haptic_graph import HapticGraph, NoGain, graph_of_scene
 from ..core.modalities.propagation import Felt
 from ..core.propagation import Propagation, objects_on, propagate
+from ..core.render.frame_result import Sounding
+from ..core.render.masking import felt_sources
 from ..core.scene.values import HapticScene, Strategy
 from ..core.sentences import sentence
 from . import warn_of_unknown
@@ -45,10 +47,28 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError(f"{args.scene}: {error}") from None
     seconds = {"graph_seconds": built - started, "propagate_seconds": finished - built}
     printed = report(graph, result, settings.strategy, seconds)
+    if args.felt:
+        sounding = Sounding(0.0, scene.sources, scene.listeners, result)
+        printed["felt"] = [part for column in range(len(scene.listeners)) for part in _who_is_felt(sounding, column)]
     if felt:
         printed["modalities"] = {item.modality.name: felt_report(item) for item in felt}
     print(json.dumps(printed, indent=1, ensure_ascii=False, allow_nan=False))
     return 0
+
+
+def _who_is_felt(sounding: Sounding, listener: int) -> list[dict[str, Any]]:
+    """The sources that reach a listener: margin [dB] above the threshold of feeling alone, and what hides it."""
+    found = felt_sources(sounding, listener)
+    return [
+        {
+            "listener": found.listener,
+            "source": item.source.name,
+            "state": item.state,
+            "margin": item.margin,
+            "hidden_by": item.masker or None,
+        }
+        for item in found.sources
+    ]
 
 
 def felt_report(felt: Felt) -> dict[str, Any]:

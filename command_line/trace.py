@@ -21,6 +21,7 @@ from ..addon.session import session
 from ..core.formats.haptic_scene import read_export, write_export
 from ..core.formats.tracks.wav import write_wav
 from ..core.render.frame_result import FrameResult
+from ..core.render.masking import felt_sources, shown_sounding
 from ..pictures.picture import draw_picture
 from .playing import ImpactFelt, Played, play
 
@@ -80,6 +81,7 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
             draw_picture(scene, played.liveliest, written[-1], meters=True)
 
     print_gains(played.last)
+    print_felt(played.last)
     print_impacts(played.impacts, played.listeners)
     print_statistics(played)
     for path in written:
@@ -97,6 +99,18 @@ def print_gains(result: FrameResult) -> None:
     ]
     print(f"\nFrame {result.number}")
     _print_table(("source", "listener", "gain", "dB", "best path"), rows)
+
+
+def print_felt(result: FrameResult) -> None:
+    """Who is felt at each listener of a frame, who is hidden and by whom."""
+    rows = [
+        (felt.listener, item.source.name, f"{item.margin:+.0f} dB", f"hidden by {item.masker}" if item.state == "hidden" else item.state)
+        for felt in (felt_sources(shown_sounding(result), i, result.sample_rate) for i in range(len(result.listeners)))
+        for item in felt.sources
+    ]
+    if rows:
+        print("\nWho is felt")
+        _print_table(("listener", "source", "above threshold", ""), rows)
 
 
 def print_impacts(impacts: Sequence[ImpactFelt], listeners: Sequence[str]) -> None:

@@ -125,7 +125,7 @@ def mirrored(listener: Object) -> Object:
         else:
             local = parent.matrix_world.inverted_safe() @ place
             attach(partner, parent, _other_bone(parent, listener), parent.matrix_world @ Vector((-local.x, local.y, local.z)))
-    for name in ("radius", "extent", "gain", "mixing", "mixing_expression", "s_max", "limiter"):
+    for name in ("radius", "extent", "gain", "mixing", "mixing_expression", "ducking", "s_max", "limiter"):
         setattr(partner.haptics.listener, name, getattr(listener.haptics.listener, name))
     return partner
 

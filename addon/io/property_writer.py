@@ -96,7 +96,7 @@ def write_source(source: Any, item: Source, placed: bool = True) -> None:
 def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[str]:
     """As `write_source`. What could not be carried over, in words."""
     listener.enabled = True
-    numbers = write_numbers(listener, radius=item.radius, gain=item.gain, s_max=item.s_max)
+    numbers = write_numbers(listener, radius=item.radius, gain=item.gain, s_max=item.s_max, ducking=item.ducking)
     listener.limiter, listener.extent = item.limiter, item.extent.value
     if item.mixing == "custom":
         listener.mixing_expression = item.mixing_expression

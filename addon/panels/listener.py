@@ -38,6 +38,7 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
             row.use_property_split = False
             row.prop(listener, "mixing_expression", text="")
             draw_finding(layout, listener.mixing_expression, mixing.check_mixing(listener.mixing_expression, listener.s_max))
+        layout.prop(listener, "ducking")
         column = layout.column(align=True)
         column.prop(listener, "gain")
         column.prop(listener, "s_max")

@@ -17,7 +17,7 @@ from ..blender.playing import is_playing
 from ..live_output import unfelt
 from ..session import sessions
 from ..translations.sentences import sentence
-from ..view import comparison, explanation, levels, meter_layout, meter_pictures, meters, panel_picture, paths, watched
+from ..view import comparison, explanation, levels, masking, meter_layout, meter_pictures, meters, panel_picture, paths, watched
 from .cures import draw_cure
 from .drawing import HapticsPanel, draw_pair
 from .texts import draw_sentence, fitted, source_title
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from ..view.paths import ListenerPath
 
 _SHOWN_SOURCES = 4
+_FELT_SOURCES = 24
 _PICTURE = 5.0  # lines high
 _NAMES = 0.37  # of the width
 _OBJECTS = 0.48  # of the width
@@ -98,6 +99,29 @@ class HAPTIC_PT_silence(HapticsPanel, Panel):
             box = layout.box()
             draw_sentence(box, sentence(reason))
             draw_cure(box, context, reason)
+
+
+class HAPTIC_PT_felt(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_felt"
+    bl_parent_id = "HAPTIC_PT_result"
+    bl_label = "Who Is Felt"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        latest = masking.felt_at_watched(context.scene)
+        if latest is None or latest.value is None:
+            layout.label(text="Nothing traced yet")
+            return
+        felt, column = latest.value, layout.column(align=True)
+        draw_pair(column, fitted(felt.listener, 0.5), iface_("{} felt, {} hidden, {} too weak").format(*felt.counts()), 0.4)
+        for source in felt.sources[:_FELT_SOURCES]:
+            row = column.row(align=True)
+            row.active = source.state == "felt"
+            words = iface_("by {}").format(source.masker) if source.masker else levels.margin_words(source.margin)
+            draw_pair(row, source_title(source.source, 0.5), fitted(words, 0.5), 0.5)
+        if len(felt.sources) > _FELT_SOURCES:
+            column.label(text=iface_("and {} more").format(len(felt.sources) - _FELT_SOURCES), translate=False)
 
 
 class HAPTIC_PT_path(HapticsPanel, Panel):

@@ -7,6 +7,7 @@ from bpy.types import Context, PropertyGroup
 
 from ...core.scene.body import BODY_PARTS
 from ...core.scene.choices import Extent
+from ...core.scene.values import MOST_DUCKING
 from .callbacks import changed, edited
 from .imported import Imported
 
@@ -114,6 +115,15 @@ class HapticListenerProperties(Imported, PropertyGroup):
         max=1.0,
         subtype="FACTOR",
         update=edited("s_max"),
+    )
+    ducking: FloatProperty(
+        name="Ducking (dB)",
+        description="Sources are turned down by so many decibels while one of higher priority arrives here",
+        default=0.0,
+        min=0.0,
+        max=MOST_DUCKING,
+        soft_max=24.0,
+        update=edited("ducking"),
     )
     limiter: BoolProperty(
         name="Limiter",

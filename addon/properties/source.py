@@ -57,7 +57,7 @@ class HapticSourceProperties(Imported, PropertyGroup):
     )
     priority: FloatProperty(
         name="Priority",
-        description="Weight of this source where a listener mixes by priority",
+        description="Weight of this source where a listener mixes by priority; where one ducks, higher ones turn lower ones down",
         default=1.0,
         min=0.0,
         soft_max=10.0,

@@ -70,6 +70,7 @@ def read_listener(obj: Object, carrier: str, is_silenced: bool = False) -> Liste
         mixing_expression=properties.mixing_expression if properties.mixing == "custom" else "",
         limiter=properties.limiter,
         extent=Extent(properties.extent),
+        ducking=exact(properties, "ducking", imported.numbers),
     )
 
 

@@ -61,9 +61,7 @@ class Level:
 
     def margin_text(self) -> str:
         """The margin with its sign: "+23 dB", "−5 dB", "" for silence."""
-        if self.margin == -math.inf:
-            return ""
-        return f"+{self.margin:.0f} dB" if self.is_felt else f"\N{MINUS SIGN}{abs(self.margin):.0f} dB"
+        return margin_words(self.margin)
 
 
 def place_of(level: float) -> float:
@@ -74,6 +72,13 @@ def place_of(level: float) -> float:
 def decibels(level: float) -> str:
     """A level as text: "−12 dB", or "silent"."""
     return iface_("silent") if level == -math.inf else f"{_number(level)} dB"
+
+
+def margin_words(margin: float) -> str:
+    """A margin in decibels with its sign: "+23 dB", "−5 dB", "" for silence."""
+    if margin == -math.inf:
+        return ""
+    return f"+{margin:.0f} dB" if margin > 0 else f"\N{MINUS SIGN}{abs(margin):.0f} dB"
 
 
 def _number(level: float) -> str:

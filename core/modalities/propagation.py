@@ -14,7 +14,7 @@ from ..contacts.contact_set import ContactSet
 from ..graph.haptic_graph import ObjectTable, build_graph
 from ..propagation import objects_on, propagate
 from ..scene.functions import FUNCTIONS, Conduction, Constant, ModulationFunction, function_from_dict
-from ..scene.values import HapticObject, Listener, Settings, Source
+from ..scene.values import Extent, HapticObject, Listener, Settings, Source
 from .modality import Modality
 
 _FUNCTIONS: Mapping[str, type[ModulationFunction]] = {**FUNCTIONS, "conduction": Conduction}
@@ -76,7 +76,8 @@ def feel(
     objects = [HapticObject(name, 0.0, 1.0, propagation_function(modality, own[name], (forms or {}).get(name))) for name in names]
     sources = tuple(Source(emitter.name, emitter.object, emitter.position) for emitter in emitters)
     table = ObjectTable.of(objects, settings.epsilon)
-    graph = build_graph(table, _with_transmission(modality, names, own, contacts), sources, tuple(listeners))
+    middles = tuple(replace(listener, extent=Extent.NONE) for listener in listeners)
+    graph = build_graph(table, _with_transmission(modality, names, own, contacts), sources, middles)
     found = propagate(graph, replace(settings, strategy=modality.strategy, threshold=0.0, max_connections=None))
     strengths = np.array([emitter.value for emitter in emitters], dtype=np.float64)
     return Felt(

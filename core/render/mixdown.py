@@ -16,6 +16,9 @@ from .mixing import MixingExpression, MixingMethod
 from .renderer import SAMPLE_RATE, ListenerMix, Renderer
 from .voices import Voice
 
+DUCKS = 0.01
+"""Amplitude from which a source of higher priority turns others down in full: -40 dB of full scale."""
+
 
 class Mixdown:
     """Mixes and renders frame after frame. Temporary sources without a signal of their own play ``impact_signal``.
@@ -63,12 +66,28 @@ def _mix(name: str, mixing: str, expression: str, s_max: float, limiter: bool) -
     return ListenerMix(name, method, s_max, limiter=limiter)
 
 
+def ducked(sources: Sequence[Source], listeners: Sequence[Listener], gain: FloatArray) -> FloatArray:
+    """Factors (s, l) by which sources are turned down where one of higher priority arrives.
+
+    Where that has a level of at least `DUCKS` at the listener it is the listener's ``ducking``, in decibels; it fades in over the 6 dB
+    below.
+    """
+    level = gain * np.array([source.amplitude for source in sources]).reshape(-1, 1)
+    depth = np.clip(2.0 * level / DUCKS - 1.0, 0.0, 1.0)
+    priority = np.array([source.priority for source in sources])
+    strongest = np.array([depth[priority > own].max(axis=0, initial=0.0) for own in priority]).reshape(depth.shape)
+    return np.asarray(10.0 ** (-np.array([item.ducking for item in listeners]) * strongest / 20.0))
+
+
 def source_voices(
     sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation, impact_signal: Signal = DEFAULT_IMPACT
 ) -> list[Voice]:
-    """One voice per source for a `Renderer`, with its gains at the listeners. ``impact_signal``: of impacts without one."""
+    """One voice per source for a `Renderer`, with its gains at the listeners, ducked. ``impact_signal``: of impacts without one."""
     listener_gain = np.array([item.gain for item in listeners])
     gains = propagation.gain if propagation.band_gain is None else propagation.band_gain
+    if any(item.ducking for item in listeners):
+        factor = ducked(sources, listeners, propagation.gain)
+        gains = gains * (factor if gains.ndim == 2 else factor[:, :, None])
     return [
         Voice(
             key=source.name,

@@ -20,6 +20,9 @@ from .functions import MIXING_VARIABLES, HapticTracing, Identity, ModulationFunc
 from .references import require_known, require_unique
 from .rules import ContactSettings, Motion
 
+MOST_DUCKING = 60.0
+"""Decibels."""
+
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
@@ -207,7 +210,7 @@ class Source:
 class Listener:
     """Samples haptic data at a place of the body. ``radius`` [m] is that of its bounding volume, ``extent`` what it feels of that.
     ``mixing_expression``: the formula over `MIXING_VARIABLES` of ``custom`` mixing. ``limiter``: the mix is turned down, not cut, where it
-    would be above ``s_max``."""
+    would be above ``s_max``. ``ducking`` [dB]: by how much what has a higher priority turns the rest down."""
 
     name: str
     object: str
@@ -221,6 +224,7 @@ class Listener:
     mixing_expression: str = ""
     limiter: bool = False
     extent: Extent = Extent.NONE
+    ducking: float = 0.0
 
     def __post_init__(self) -> None:
         _name("name", self.name)
@@ -232,6 +236,8 @@ class Listener:
                 raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")
         if not 0 < self.s_max <= 1:
             raise ValueError(f"s_max: must lie in (0, 1], got {self.s_max!r}")
+        if not 0 <= self.ducking <= MOST_DUCKING:
+            raise ValueError(f"ducking: must lie in [0, {MOST_DUCKING:g}] dB, got {self.ducking!r}")
         if self.mixing == "custom":
             try:
                 compile_expression(self.mixing_expression, MIXING_VARIABLES)

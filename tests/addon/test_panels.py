@@ -51,6 +51,22 @@ def test_object_panel_shows_the_parameter_of_the_chosen_function(add_box):
     assert not {"alpha", "range", "constant", "expression"} & set(_draw(_panel("HAPTIC_PT_object")).properties)
 
 
+def test_who_is_felt_names_what_hides_a_source(add_box, add_empty, traced, settle):
+    box = add_box("box", (0, 0, 0), (1, 1, 1))
+    box.haptics.function, box.haptics.constant = "constant", 1.0
+    box.haptics.listener.enabled = True
+    for name, frequency, amplitude in (("saw", 250.0, 1.0), ("fan", 240.0, 0.1), ("hum", 40.0, 1.0), ("fly", 40.0, 0.0001)):
+        source = add_empty(name, parent=box).haptics.source
+        source.enabled, source.frequency, source.amplitude = True, frequency, amplitude
+    _select(box)
+    traced()
+    labels = settle(lambda: _draw(_panel("HAPTIC_PT_felt"))).labels
+    assert "2 felt, 1 hidden, 1 too weak" in labels
+    shown = [labels[labels.index(name) + 1] for name in ("saw", "hum", "fan", "fly")]
+    assert shown[0] == "+45 dB" and shown[1] in ("+13 dB", "+14 dB") and shown[2] == "by saw" and shown[3].startswith("\N{MINUS SIGN}")
+    assert labels.index("saw") < labels.index("hum") < labels.index("fan") < labels.index("fly")
+
+
 def test_result_panel_shows_gains_in_decibels(add_box, traced, settle):
     box = add_box("box", (0, 0, 0), (1, 1, 1))
     box.haptics.kappa, box.haptics.rho = 0.0, 0.1

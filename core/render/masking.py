@@ -1,0 +1,80 @@
+"""Which sources a listener feels, which are hidden by others and which are too weak."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..perception import hidden_by
+from ..scene.values import Source
+from .frame_result import FrameResult, Sounding
+from .groups import MAX_GAIN
+from .mixdown import source_voices
+from .renderer import SAMPLE_RATE, ListenerMix, Renderer
+
+SECONDS = 0.25
+"""Duration over which sources are compared."""
+
+
+@dataclass(frozen=True, slots=True)
+class FeltSource:
+    """``margin``: decibels above the threshold of feeling by itself, ducked. ``masker``: the source that hides it, "" for none."""
+
+    source: Source
+    margin: float
+    masker: str
+
+    @property
+    def state(self) -> Literal["felt", "hidden", "weak"]:
+        """Weak is what would not be felt alone."""
+        return "weak" if self.margin <= 0 else "hidden" if self.masker else "felt"
+
+
+@dataclass(frozen=True, slots=True)
+class FeltSources:
+    """The sources that reach a listener: those that are felt, hidden and weak, the strongest of each first."""
+
+    listener: str
+    sources: tuple[FeltSource, ...]
+
+    def counts(self) -> tuple[int, int, int]:
+        """How many are felt, hidden and weak."""
+        found = Counter(item.state for item in self.sources)
+        return found["felt"], found["hidden"], found["weak"]
+
+
+def shown_sounding(result: FrameResult) -> Sounding:
+    """What sounds in a frame, from the beginning of its interval."""
+    return Sounding(result.first_sample / result.sample_rate, result.sources, result.listeners, result.propagation)
+
+
+def felt_sources(sounding: Sounding, listener: int, sample_rate: float = SAMPLE_RATE) -> FeltSources:
+    """Who is felt by listener number ``listener`` as if what sounds lasted for `SECONDS`."""
+    margins, maskers = hidden_by(source_samples(sounding, listener, SECONDS, sample_rate), sample_rate)
+    names = [source.name for source in sounding.sources]
+    found = [
+        FeltSource(source, margin, names[masker] if masker >= 0 else "")
+        for source, margin, masker in zip(sounding.sources, margins.tolist(), maskers.tolist(), strict=True)
+        if margin > -np.inf
+    ]
+    found.sort(key=lambda item: (("felt", "hidden", "weak").index(item.state), -item.margin, item.source.name))
+    return FeltSources(sounding.listeners[listener].name, tuple(found))
+
+
+def source_samples(sounding: Sounding, listener: int, seconds: float, sample_rate: float) -> FloatArray:
+    """What each source makes a listener feel, ducked but not mixed: samples (s, n)."""
+    voices = source_voices(sounding.sources, sounding.listeners, sounding.propagation)
+    apart = [
+        voice._replace(
+            gains=np.multiply.outer(one, voice.gains[listener]),
+            delays=None if voice.delays is None else np.full(len(voices), voice.delays[listener]),
+        )
+        for voice, one in zip(voices, np.eye(len(voices)), strict=True)
+    ]
+    renderer = Renderer([ListenerMix(source.name, s_max=MAX_GAIN) for source in sounding.sources], sample_rate)
+    renderer.render_frame(sounding.time, sounding.time, apart)  # a frame of no duration, in which gains jump to their values
+    return renderer.render_frame(sounding.time, sounding.time + seconds, apart)

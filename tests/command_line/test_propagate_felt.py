@@ -1,0 +1,43 @@
+"""``haptic-tracing propagate``: listeners with an extent, and who is felt."""
+
+import json
+import math
+
+import pytest
+from haptic_tracing.command_line import main
+
+SCENE = {
+    "format": "haptic-scene",
+    "version": "1.1",
+    "objects": [{"name": "plate", "kappa": 0, "rho": 1, "propagation": {"function": "exponential", "alpha": 0.2}}],
+    "sources": [
+        {"name": name, "object": "plate", "position": [4, 0, 3], "amplitude": amplitude, "signal": {"signal": "sine", "frequency": hertz}}
+        for name, amplitude, hertz in (("saw", 1.0, 250.0), ("fan", 0.1, 240.0), ("hum", 1.0, 40.0))
+    ],
+    "listeners": [
+        {"name": name, "object": "plate", "position": [0, 0, 0], "radius": radius, "extent": extent}
+        for name, radius, extent in (("point", 2.0, "none"), ("palm", 2.0, "strongest"), ("belly", 50.0, "strongest"))
+    ],
+}
+
+
+@pytest.fixture
+def printed(tmp_path, capsys):
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(SCENE))
+    assert main(["propagate", str(path), "--felt"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_distances_count_from_the_nearest_point_of_the_volume(printed):
+    gains = {pair["listener"]: pair["gain"] for pair in printed["gains"] if pair["source"] == "saw"}
+    assert gains == {name: pytest.approx(math.exp(-0.2 * away), rel=1e-12) for name, away in (("point", 5), ("palm", 3), ("belly", 0))}
+
+
+def test_who_is_felt_and_who_is_hidden(printed):
+    """A fan 20 dB below a saw of nearly the same frequency is hidden; the hum is not, at a frequency of its own."""
+    felt = {item["source"]: (item["state"], item["hidden_by"]) for item in printed["felt"] if item["listener"] == "belly"}
+    assert felt == {"saw": ("felt", None), "hum": ("felt", None), "fan": ("hidden", "saw")}
+    assert [item["margin"] for item in printed["felt"] if item["listener"] == "belly"] == [
+        pytest.approx(45, abs=0.2), pytest.approx(13.5, abs=0.3), pytest.approx(25, abs=0.3),
+    ]  # fmt: skip
