@@ -51,6 +51,8 @@ def gain_along() -> Callable[..., float]:
         for k, name in enumerate(path):
             haptics = scene.objects[name].haptics
             distance = float(np.linalg.norm(places[2 * k + 1] - places[2 * k]))
+            if k == len(path) - 1 and result.listeners[listener].extent == "strongest":
+                distance = max(0.0, distance - result.listeners[listener].radius)
             if haptics.function == "exponential":
                 product *= np.exp(-haptics.alpha * distance)
             else:
