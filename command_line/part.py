@@ -43,8 +43,7 @@ def write_part_of(scene: Scene, args: argparse.Namespace, name: str, frames: tup
 
 def warm_start(scene: Scene, origin: Origin, number: int) -> int:
     """The frame from which a part is traced so that its first frame knows all that is moving, all pairs that have just hit each other, and
-    all impacts that still sound: from the last `EXACT_FRAMES` before that, at which nothing is held from earlier frames; where something
-    slides or rolls, `Rubbing` goes back by a block more."""
+    all impacts that still sound: from the last `EXACT_FRAMES` before that, at which nothing is held from earlier frames."""
     settings = SceneReader().read(scene, bpy.context.evaluated_depsgraph_get()).contact_settings
     rules = settings.impact_rules()
     signals = [DEFAULT_IMPACT, *(impact_template(*pair) for pair in product(IMPACT_MATERIALS, repeat=2))]
@@ -52,8 +51,7 @@ def warm_start(scene: Scene, origin: Origin, number: int) -> int:
     seconds = max(signal.duration for signal in signals) / min(rule.slowest for rule in rules)
     seconds += max(limits.refractory for limits in settings.all_limits())
     needed = origin.range_of(number)[0] - _MOTION_FRAMES - math.ceil(seconds / frame_seconds(scene))
-    more = 1 if settings.textures.rows else 0
-    return max((needed // EXACT_FRAMES - more) * EXACT_FRAMES, origin.frames[0])
+    return max(needed // EXACT_FRAMES * EXACT_FRAMES, origin.frames[0])
 
 
 def _is_there(path: Path, origin: Origin, number: int) -> bool:

@@ -127,8 +127,8 @@ class CollisionDetector:
 
     @property
     def remembers(self) -> bool:
-        """True where impacts of some frame are remembered."""
-        return bool(self._remembered)
+        """True where impacts of some frame are remembered, or what slides or rolls in the last one."""
+        return bool(self._remembered) or self._rubbing.plays
 
     def impacts_of(self, number: int) -> FrameImpacts | None:
         """Return the impacts that are remembered of a frame."""

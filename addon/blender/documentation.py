@@ -12,7 +12,7 @@ _PAGES = {
     "panels/bake": "ops.haptic.*bake ops.haptic.*take types.hapticbake types.haptictake types.hapticfelt",
     "panels/result": "ops.haptic.set_mode types.hapticmeters",
     "devices": "ops.haptic.*device types.haptic*devi types.hapticlive types.hapticactuator",
-    "panels/scene": "ops.haptic. types.hapticscene types.hapticrule types.hapticimpact types.haptictransmission",
+    "panels/scene": "ops.haptic. types.hapticscene types.hapticrule types.hapticimpact types.haptictransmission types.haptictexture",
     "panels/warmth": "types.hapticthermal",
     "formats": "types.hapticgltf ops.import_scene.haptic ops.export_scene.haptic",
     **{f"panels/{kind}": f"types.haptic{kind}" for kind in ("source", "listener", "object")},

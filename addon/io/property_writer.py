@@ -11,6 +11,8 @@ from ...core.modalities.modality_scene import ModalityScene
 from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import RANGES, ImpactRule, ImpactTemplates
 from ...core.scene.rule_table import RuleTable
+from ...core.scene.texture import RANGES as OF_TEXTURES
+from ...core.scene.texture import Texture
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..blender.single_precision import shortest
@@ -139,6 +141,11 @@ def write_impact_rule(row: Any, rule: ImpactRule) -> None:
     kept = None if isinstance(rule.template, ImpactTemplates) else rule.template.to_dict()
     row.template = "KEPT" if kept else next(name for name, template in TEMPLATES.items() if template is rule.template)
     row.imported = text_of(numbers=numbers, signal=kept)
+
+
+def write_texture(row: Any, texture: Texture) -> None:
+    """Make a row's properties those of ``texture``."""
+    row.imported = text_of(numbers=write_numbers(row, **{name: getattr(texture, name) for name in OF_TEXTURES}))
 
 
 def _without_decay(signal: Signal | None) -> tuple[Signal | None, float]:

@@ -38,6 +38,7 @@ from .property_writer import (
     write_numbers,
     write_source,
     write_table,
+    write_texture,
     write_transmission,
 )
 from .shape_mesh import surface
@@ -203,6 +204,7 @@ class _Builder:
         haptics.impact_signal = next(name for name, templates in TEMPLATES.items() if templates is rules.templates)
         write_table(haptics.impact_table, rules.impact_table, write_impact_rule)
         write_table(haptics.transmission_table, rules.transmission_table, write_transmission)
+        write_table(haptics.textures, rules.textures, write_texture)
         for row, rule in zip(haptics.transmission_table.items, rules.transmission_table.rows, strict=True):
             if not stands_for(read_transmission(row)[0], rule.does):
                 self.lose("what its function does beside what the panel has", str(rule.does.name))

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Operator
 
+from ...core.scene.materials import texture_in
 from ..blender.polling import UNDO, poll_object_mode
 from ..changes.revisions import mark_changed
 from ..properties.rules import TABLES
@@ -37,9 +40,42 @@ class HAPTIC_OT_add_rule(_OfTable, Operator):
         if obj is not None and obj.haptics.enabled:
             material = obj.haptics.material.name
             row.first_kind, row.first = ("MATERIAL", material) if material else ("OBJECT", obj.name_full)
+            if self.table == "textures":
+                _write_texture(row, texture_in(material))
         rows.active = len(rows.items) - 1
         mark_changed()
         return {"FINISHED"}
+
+
+class HAPTIC_OT_add_textures(Operator):
+    """Add a rule with the library's texture for each material that haptic objects are made of and that has none"""
+
+    bl_idname = "haptic.add_textures"
+    bl_label = "Textures of Materials"
+    bl_options = UNDO
+
+    poll = classmethod(poll_object_mode)
+
+    def execute(self, context: Context) -> set[str]:
+        rows = context.scene.haptics.textures
+        named = {row.first for row in rows.items if row.first_kind == "MATERIAL" and row.second_kind == "ANY"}
+        made_of = {obj.haptics.material.name for obj in context.scene.objects if obj.haptics.enabled} - named
+        textures = {name: texture for name in sorted(made_of) if (texture := texture_in(name))}
+        if not textures:
+            self.report({"INFO"}, iface_("Nothing else is made of a material with a texture; choose materials first, or add a rule"))
+            return {"CANCELLED"}
+        for name in sorted(textures, key=lambda name: -textures[name]["period"]):  # the upper row counts: of two surfaces the coarser
+            row = rows.items.add()
+            row.first_kind, row.first = "MATERIAL", name
+            _write_texture(row, textures[name])
+        rows.active = len(rows.items) - 1
+        mark_changed()
+        return {"FINISHED"}
+
+
+def _write_texture(row: Any, texture: Mapping[str, float]) -> None:
+    for name, value in texture.items():
+        setattr(row, name, value)
 
 
 class HAPTIC_OT_remove_rule(_OfTable, Operator):

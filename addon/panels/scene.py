@@ -126,6 +126,28 @@ class HAPTIC_PT_impact_table(HapticsPanel, Panel):
             column.prop(rule, "seed")
 
 
+class HAPTIC_PT_textures(HapticsPanel, Panel):
+    bl_idname = "HAPTIC_PT_textures"
+    bl_parent_id = "HAPTIC_PT_scene"
+    bl_label = "Sliding and Rolling"
+    bl_description = "What objects play that slide or roll on each other: nothing where no rule fits, the most specific rule counts"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.operator("haptic.add_textures", icon="MATERIAL")
+        rule = draw_table(layout, context, "textures")
+        if rule is None:
+            return
+        layout.prop(rule, "period")
+        for names in (("sliding", "rolling"), ("noise", "bandwidth"), ("stick_speed", "full_speed", "full_force")):
+            column = layout.column(align=True)
+            for name in names:
+                column.prop(rule, name)
+
+
 class HAPTIC_PT_contacts(HapticsPanel, Panel):
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Contacts"

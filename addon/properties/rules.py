@@ -18,6 +18,7 @@ from .imported import Imported
 TABLES = (
     ("impact_table", "Impacts", "What impacts between some objects need and play"),
     ("transmission_table", "Contacts", "What contacts between some objects pass on"),
+    ("textures", "Sliding and Rolling", "What some objects play that slide or roll on each other"),
 )
 """The tables by their names in the properties of a scene."""
 
@@ -141,6 +142,63 @@ class HapticImpactTable(TableRows, PropertyGroup):
     """The rules of a scene for impacts."""
 
     items: CollectionProperty(type=HapticImpactRule)
+
+
+def _texture(key: str, name: str, words: str, default: float, low: float, high: float, **more: Any) -> FloatProperty:
+    return FloatProperty(name=name, description=words, default=default, min=low, max=high, options=set(), update=edited(key), **more)
+
+
+class HapticTexture(RuleScope, Imported, PropertyGroup):
+    """What some objects play that slide or roll on each other."""
+
+    period: _texture(
+        "period",
+        "Period",
+        "From one ridge or grain of the surface to the next: at 1 m/s, 5 mm give 200 Hz",
+        0.005,
+        1e-5,
+        10.0,
+        subtype="DISTANCE",
+        precision=4,
+    )
+    sliding: _texture("sliding", "Sliding", "Amplitude of what slides at full force and speed", 0.5, 0.0, 1.0)
+    rolling: _texture("rolling", "Rolling", "Amplitude of what rolls at full force and speed: how rough it is to a wheel", 0.2, 0.0, 1.0)
+    noise: _texture("noise", "Noise", "Part of the power that is noise about the tone: more on less regular surfaces", 0.5, 0.0, 1.0)
+    bandwidth: _texture("bandwidth", "Bandwidth", "How wide the noise is, relative to the frequency of the tone", 0.5, 0.05, 4.0)
+    stick_speed: _texture(
+        "stick_speed",
+        "Stick Below",
+        "Below this speed the surfaces stick and slip, the slower the more; 0: they do not",
+        0.0,
+        0.0,
+        100.0,
+        unit="VELOCITY",
+        precision=3,
+    )
+    full_force: _texture(
+        "full_force",
+        "Full Force (N)",
+        "Force between them, in newtons, at which the amplitude is the full one; it goes with the root of the force",
+        100.0,
+        1e-3,
+        1e9,
+        soft_max=1e4,
+    )
+    full_speed: _texture(
+        "full_speed",
+        "Full Speed",
+        "Speed at which the amplitude is the full one; it goes with the power 3/4 of the speed, of what rolls 3/2",
+        1.0,
+        1e-3,
+        1e3,
+        unit="VELOCITY",
+    )
+
+
+class HapticTextureTable(TableRows, PropertyGroup):
+    """The rules of a scene for what slides or rolls."""
+
+    items: CollectionProperty(type=HapticTexture)
 
 
 class HapticTransmissionRule(RuleScope, ContactParameters, Imported, PropertyGroup):

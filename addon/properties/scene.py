@@ -107,6 +107,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
     refractory_time: rules.refractory("refractory_time")
     impact_table: PointerProperty(type=rules.HapticImpactTable)
     transmission_table: PointerProperty(type=rules.HapticTransmissionTable)
+    textures: PointerProperty(type=rules.HapticTextureTable)
     show_overlay: BoolProperty(name="Overlay", description="Draw the haptic graph over the 3D viewport", default=True, update=view_changed)
     show_intra: BoolProperty(
         name="Connections", description="Draw the connections inside objects that carry signal", default=True, update=view_changed

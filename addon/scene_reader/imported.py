@@ -99,7 +99,7 @@ class ImportedScene:
 
 @dataclass(frozen=True, slots=True)
 class ImportedRule:
-    """Of a rule for impacts: ``signal`` counts where its signal is the imported one."""
+    """Of a rule: ``signal`` counts where its signal is the imported one."""
 
     signal: Signal | None = None
     numbers: Numbers = field(default_factory=dict)

@@ -21,6 +21,7 @@ from ...core.contacts.tracker import Body, ContactSettings
 from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import ImpactRule
 from ...core.scene.rule_table import RuleTable
+from ...core.scene.texture import Texture
 from ...core.scene.values import Listener, Source
 from ..blender import compatibility
 from ..blender.progress import progress
@@ -34,7 +35,7 @@ from .objects import read_listener, read_object, read_source
 from .problem import Problem
 from .reading import Reading
 from .roles import haptic_carrier, is_silenced, is_tagged, solo_roles
-from .rules import read_impact_rule, read_table
+from .rules import read_impact_rule, read_table, read_texture
 from .settings import read_contact_settings, read_settings
 from .signals import is_audible
 from .tagged import Tagged, TaggedLists
@@ -90,6 +91,7 @@ class SceneReader:
         self._instance_problems: tuple[Problem, ...] = ()
         self._impact_table: RuleTable[ImpactRule] = RuleTable()
         self._transmission_table: RuleTable[ModulationFunction] = RuleTable()
+        self._textures: RuleTable[Texture] = RuleTable()
         self._rule_problems: list[Problem] = []
         self.solo_roles: frozenset[str] = frozenset()
 
@@ -121,14 +123,15 @@ class SceneReader:
             objects = [tagged.object for tagged in self._tagged.values() if tagged.object is not None]
             self._impact_table, self._rule_problems = read_table(scene, "impact_table", objects, read_impact_rule)
             self._transmission_table, problems = read_table(scene, "transmission_table", objects, read_transmission)
-            self._rule_problems += problems
+            self._textures, more = read_table(scene, "textures", objects, read_texture)
+            self._rule_problems += problems + more
             self._session_ids = ids
         lists = self._read_changed(depsgraph, raw, exact)
         now, duration = seconds_of(scene, scene.frame_current), frame_seconds(scene)
         heard = [item for item in self._placed if is_audible(item, now, duration)]
-        contact_settings = read_contact_settings(scene, self._impact_table, self._transmission_table)
+        contact_settings = read_contact_settings(scene, self._impact_table, self._transmission_table, self._textures)
         if "source" in self.solo_roles:
-            contact_settings = replace(contact_settings, impacts=False)
+            contact_settings = replace(contact_settings, impacts=False, textures=RuleTable())
         if contact_settings == self._contact_settings:
             contact_settings = self._contact_settings  # so that collisions know them again
         self._contact_settings = contact_settings

@@ -15,6 +15,8 @@ from bpy.types import Scene
 from ...core.formats import registry
 from ...core.scene.impact_rule import RANGES, ImpactLimits, ImpactRule, ImpactTemplates
 from ...core.scene.rule_table import MOST_ROWS, Rule, RuleTable, Side
+from ...core.scene.texture import RANGES as OF_TEXTURES
+from ...core.scene.texture import Texture
 from ...core.scene.values import HapticObject
 from ...core.signals import LONGEST, Signal
 from ..blender.single_precision import shortest
@@ -62,6 +64,16 @@ def read_impact_rule(row: Any) -> tuple[ImpactRule, str]:
     values |= {name: tuple(map(shortest, getattr(row, name))) for name in RANGES}
     limits = ImpactLimits(*(exact(row, name, kept.numbers) for name in LIMITS)) if row.use_limits else None
     return ImpactRule(template, seed=row.seed, limits=limits, **values), fault
+
+
+def read_texture(row: Any) -> tuple[Texture, str]:
+    """What a row says of what slides or rolls."""
+    kept, fault = ImportedRule(), ""
+    try:
+        kept = imported_rule(row.imported)
+    except ValueError as error:
+        fault = str(error)
+    return Texture(**{name: exact(row, name, kept.numbers) for name in OF_TEXTURES}), fault
 
 
 def _template(row: Any, kept: Signal | None) -> ImpactTemplates | Signal:

@@ -10,6 +10,7 @@ from ...core.contacts.tracker import ContactSettings
 from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import ImpactRule
 from ...core.scene.rule_table import RuleTable
+from ...core.scene.texture import Texture
 from ...core.scene.values import Settings
 from ..blender.single_precision import shortest
 from .imported import ImportedScene, exact, imported_scene
@@ -31,7 +32,7 @@ def read_settings(scene: Scene) -> Settings:
 
 
 def read_contact_settings(
-    scene: Scene, impact_table: RuleTable[ImpactRule], transmission_table: RuleTable[ModulationFunction]
+    scene: Scene, impact_table: RuleTable[ImpactRule], transmission_table: RuleTable[ModulationFunction], textures: RuleTable[Texture]
 ) -> ContactSettings:
     """What counts as a contact and as an impact in a scene with these tables."""
     haptics, imported = scene.haptics, _imported(scene)
@@ -49,6 +50,7 @@ def read_contact_settings(
         templates=TEMPLATES[haptics.impact_signal],
         impact_table=impact_table,
         transmission_table=transmission_table,
+        textures=textures,
     )
     return settings if imported.slack is None else replace(settings, slack=imported.slack)
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Generator
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bpy.types import Scene
 
+from ...core.collisions import EXACT_FRAMES
 from ...core.render.frame_result import FrameResult
 from ..changes.suspension import stepped, suspended
 from ..scene_reader.problem import Problem
@@ -28,7 +29,8 @@ def results(scene: Scene, start: int, end: int) -> Generator[FrameResult, None, 
     """Trace the frames ``start`` to ``end`` in order. Each is traced while Blender evaluates the next one, in which the scene stands when
     it comes; in the end, the scene's frame is what it was.
 
-    A simulation that begins earlier and is not baked runs up to ``start`` first. Raises ValueError in words where a frame can't be traced,
+    A simulation that begins earlier and is not baked runs up to ``start`` first, and where something may slide or roll the frames that this
+    depends on are traced. Raises ValueError in words where a frame can't be traced,
     or where the listeners change on the way.
     """
     result: FrameResult | None = None
@@ -37,9 +39,9 @@ def results(scene: Scene, start: int, end: int) -> Generator[FrameResult, None, 
         for frame in frames:
             if frame > start:
                 result = _checked(frame - 1, own.previous, own.problems, result)
-                yield result
+                yield _from(start, result)
             if frame == end:
-                yield _checked(frame, session.result_of(scene), own.problems, result)
+                yield _from(start, _checked(frame, session.result_of(scene), own.problems, result))
 
 
 def steps(scene: Scene, start: int, end: int, listeners_may_change: bool = False) -> Generator[Step, None, None]:
@@ -51,7 +53,7 @@ def steps(scene: Scene, start: int, end: int, listeners_may_change: bool = False
             before = None if listeners_may_change else result
             result = _checked(frame, session.result_of(scene), session.problems_of(scene), before)
             total, traced = 1000 * (time.perf_counter() - began), sum(result.milliseconds.values())
-            yield Step(result, total - traced, traced)
+            yield Step(_from(start, result), total - traced, traced)
             began = time.perf_counter()
 
 
@@ -59,14 +61,16 @@ def _frames(scene: Scene, start: int, end: int) -> Generator[int, None, None]:
     """Let Blender come to the frames in order, the tracing of each begun when it is given."""
     before = scene.frame_current
     try:
-        for frame in range(_simulation_start(scene, start), start):
+        first = _tracing_start(scene, start)
+        for frame in range(_simulation_start(scene, first), first):
             with suspended():
                 scene.frame_set(frame)
         session.of(scene).frame = None  # a fresh start, whatever was traced before
-        for frame in range(start, end + 1):
+        for frame in range(first, end + 1):
             with stepped(scene):
                 scene.frame_set(frame)
-            yield frame
+            if frame >= start:
+                yield frame
     finally:
         scene.frame_set(before)
 
@@ -77,6 +81,18 @@ def _simulation_start(scene: Scene, start: int) -> int:
     if world is None or not world.enabled or world.point_cache.is_baked:
         return start
     return min(world.point_cache.frame_start, start)
+
+
+def _tracing_start(scene: Scene, start: int) -> int:
+    """The frame from which tracing knows all that ``start`` depends on: `Rubbing` has a block of frames, and the one before."""
+    if not scene.haptics.textures.items:
+        return start
+    return min(max(((start - 1) // EXACT_FRAMES - 1) * EXACT_FRAMES, scene.frame_start), start)
+
+
+def _from(start: int, result: FrameResult) -> FrameResult:
+    """A result, without samples from before the frame ``start``."""
+    return replace(result, block=None) if result.number == start and result.block is not None else result
 
 
 def _checked(frame: int, result: FrameResult | None, problems: tuple[Problem, ...], before: FrameResult | None) -> FrameResult:

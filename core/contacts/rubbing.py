@@ -73,6 +73,11 @@ class Rubbing:
         self._last: tuple[Source, ...] = ()
         self._sources: tuple[Source, ...] = ()
 
+    @property
+    def plays(self) -> bool:
+        """Whether anything slides or rolls in the frame that was followed last."""
+        return bool(self._moving)
+
     def history(self) -> str:
         """What later frames depend on beside poses."""
         return repr((sorted(self._paths.items()), [(source.name, source.onset, source.amplitude) for source in self._sources]))

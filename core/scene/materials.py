@@ -10,6 +10,10 @@ building materials, cork, rubber and wood along the grain: The Engineering ToolB
 conductivities and densities: EN ISO 10456, CIBSE Guide A tables 3.36 and 3.37; rocks: CRC Handbook. Loss factors: the usual values of
 Cremer, Heckl and Petersson, "Structure-Borne Sound"; they vary by a factor of 2 to 10 between specimens. Loose soil and sand: shear waves
 near the surface.
+
+Textures have measured periods where there are any: planed wood 14 marks of the knife an inch, finely planed 21 (Architectural Woodwork
+Institute); gravel and sand the middle of the sizes of medium gravel and coarse sand (ISO 14688-1); asphalt within the macrotexture of
+roads, 0.5 to 50 mm (ISO 13473-1); flesh the ridges of fingertips. Their other periods and all other values are chosen.
 """
 
 from __future__ import annotations
@@ -103,6 +107,12 @@ def named_in(text: str) -> Material | None:
                 if word.endswith(ending) and stem in known:
                     return known[stem]
     return None
+
+
+def texture_in(text: str) -> Mapping[str, float]:
+    """The values of a `Texture` of the material that a name of a thing speaks of; none where it speaks of none, or of a fluid."""
+    material = named_in(text)
+    return {} if material is None else TABLE[material.name].get("texture", {})
 
 
 _GROUND_EXTENT, _GROUND_FLATNESS = 4.0, 0.15

@@ -1,0 +1,161 @@
+"""The table of textures in Blender: what slides and rolls plays by it, a bake has the same bits whatever its range, files play alike."""
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+from haptic_tracing.addon.bake import storage
+from haptic_tracing.addon.session import session, sessions
+from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.core.formats.scene.recording import traced
+from scene_files import exported, imported
+
+LAST = 80
+
+
+@pytest.fixture
+def crate(scene, add_box, add_empty):
+    """A wooden crate that is dragged over concrete along a curve, at 24 frames a second, and stands for the last ten; a hand on it."""
+    bpy.ops.rigidbody.world_add()
+    ground = add_box("ground", (0, 0, -0.5), (20, 20, 1), "PASSIVE")
+    crate = add_box("crate", (0, 0, 0.25), (0.5, 0.5, 0.5), "PASSIVE", mass=20.0)
+    crate.rigid_body.kinematic = True
+    ground.haptics.material.name, crate.haptics.material.name = "Concrete", "Softwood"
+    add_empty("hand", (0, 0, 0.25), crate).haptics.listener.enabled = True
+    for frame in range(1, LAST - 9):
+        crate.location = (0.02 * frame, np.sin(frame / 20), 0.25)
+        crate.keyframe_insert("location", frame=frame)
+    scene.frame_start, scene.frame_end = 1, LAST
+    return crate
+
+
+def add_texture(scene, **properties):
+    row = scene.haptics.textures.items.add()
+    for name, value in properties.items():
+        setattr(row, name, value)
+    return row
+
+
+def play(scene, last=8, first=1):
+    results = []
+    scene.frame_set(first - 1)
+    for frame in range(first, last + 1):
+        scene.frame_set(frame)
+        results.append(session.result_of(scene))
+    return results
+
+
+def problems(scene):
+    return {problem.rule: problem.message for problem in sessions.shown_problems(scene)}
+
+
+def baked(scene, first, last):
+    scene.haptics.bake.use_range, scene.haptics.bake.frame_start, scene.haptics.bake.frame_end = True, first, last
+    assert bpy.ops.haptic.bake() == {"FINISHED"}
+    return storage.track_of(scene)
+
+
+def test_without_rules_nothing_slides(scene, crate):
+    assert not any(result.sources for result in play(scene))
+
+
+def test_what_is_dragged_plays_while_it_moves_and_then_not_at_all(scene, crate):
+    add_texture(scene, period=0.01, noise=0.0)
+    results = play(scene, LAST)
+    assert {source.name for source in results[10].sources} == {"crate sliding on ground", "ground sliding on crate"}
+    assert all(result.block.any() for result in results[3:60])
+    assert not any(result.sources or result.block.any() for result in results[LAST - 7 :])
+
+
+@pytest.mark.slow
+def test_a_range_baked_alone_has_the_bits_of_the_whole(scene, crate):
+    add_texture(scene, noise=0.4)
+    whole = baked(scene, 1, LAST)
+    alone = baked(scene, 70, 76)
+    assert alone.samples.shape[1] == int(whole.offsets[76] - whole.offsets[70]) and alone.samples.any()
+    assert np.array_equal(alone.samples, whole.samples[:, whole.offsets[70] : whole.offsets[76]])
+    assert {source.name for source in whole.sources} == {"crate sliding on ground", "ground sliding on crate"}
+
+
+def test_one_click_adds_the_textures_of_all_materials(scene, crate):
+    assert bpy.ops.haptic.add_textures() == {"FINISHED"}
+    rows = scene.haptics.textures.items
+    assert [(row.first_kind, row.first, row.second_kind) for row in rows] == [
+        ("MATERIAL", "Concrete", "ANY"),
+        ("MATERIAL", "Softwood", "ANY"),
+    ]
+    assert [row.period for row in rows] == pytest.approx([0.002, 0.0018])
+    assert bpy.ops.haptic.add_textures() == {"CANCELLED"}
+    assert problems(scene) == {} and play(scene)[-1].sources
+    bpy.context.view_layer.objects.active = crate
+    assert bpy.ops.haptic.add_rule(table="textures") == {"FINISHED"}
+    assert rows[2].first == "Softwood" and rows[2].period == pytest.approx(0.0018)
+
+
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [({"first_kind": "OBJECT", "first": "anvil"}, "there is no haptic object 'anvil'"),
+     ({"first_kind": "MATERIAL", "first": "Cheese"}, "nothing is made of a material 'Cheese'"),
+     ({"first_kind": "OBJECT", "first": ""}, "choose what this rule is for"),
+     ({"imported": '{"numbers": {"period": -1}}'}, "damaged"), ({"imported": '{"numbers": {"noise": NaN}}'}, "damaged")],
+)  # fmt: skip
+def test_what_is_wrong_is_said_beside_the_row_and_the_rest_goes_on(scene, crate, row, words):
+    add_texture(scene, first_kind="OBJECT", first="crate", sliding=0.25, full_force=0.1, full_speed=0.01)
+    add_texture(scene, **row)
+    assert play(scene)[-1].sources[-1].amplitude == 0.25
+    assert words in problems(scene)["textures", 1]
+
+
+def test_a_frame_that_is_looked_at_follows_an_edit_of_its_texture(scene, crate):
+    row = add_texture(scene, sliding=0.2, full_force=0.1, full_speed=0.01)
+    play(scene)
+    row.sliding = 0.4
+    scene.frame_set(scene.frame_current)
+    assert max(source.amplitude for source in session.result_of(scene).sources) == pytest.approx(0.4)
+    row.period = 0.003
+    results = [session.result_of(scene)]
+    for frame in (9, 10):
+        scene.frame_set(frame)
+        results.append(session.result_of(scene))
+    assert len(results[-1].sources) == 2 and results[-1].block.any()
+
+
+@pytest.mark.slow
+def test_the_core_plays_the_exported_file_as_blender_plays_the_scene(scene, crate, tmp_path):
+    add_texture(scene, period=0.007, noise=0.4)
+    exported(tmp_path / "crate.json", frames="RANGE", frame_start=1, frame_end=LAST)
+    export = read_export(tmp_path / "crate.json")
+    for ours, theirs in zip(play(scene, LAST), traced(export.scene, export.recording), strict=True):
+        assert ours.number == theirs.number
+        if ours.number > 1:
+            assert theirs.block == pytest.approx(ours.block, rel=1e-12, abs=1e-12)
+            if ours.number in range(10, 60):
+                assert theirs.block.any()
+
+
+def test_textures_go_through_files_and_back(scene, crate, tmp_path):
+    rows = [
+        {"between": [{"object": "crate"}, {"material": "Conc*"}], "period": 1 / 300, "noise": 0.1234567, "full_force": 3e5},
+        {"between": [{}, {}], "sliding": 0.7, "rolling": 0.0, "bandwidth": 2.0, "stick_speed": 0.05, "full_speed": 7.0},
+    ]
+    ball = {"name": "ball", "kappa": 0.2, "rho": 0.9, "shape": {"type": "sphere", "radius": 0.5}}
+    document = {"format": "haptic-scene", "version": "1.1", "objects": [ball], "rules": {"textures": rows}}
+    (tmp_path / "a.json").write_text(json.dumps(document))
+    imported(tmp_path / "a.json")
+    again = json.loads(exported(tmp_path / "b.json"))
+    assert again["rules"]["textures"] == rows
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "a.blend"))
+    assert [row.bandwidth for row in bpy.context.scene.haptics.textures.items] == [0.5, 2.0]
+
+
+@pytest.mark.slow
+def test_a_recording_is_imported_without_the_sources_that_its_textures_make_again(scene, crate, tmp_path):
+    add_texture(scene, period=0.007, noise=0.4)
+    exported(tmp_path / "crate.json", frames="RANGE", frame_start=1, frame_end=30)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    imported(tmp_path / "crate.json")
+    again = bpy.context.scene
+    assert sorted(obj.name for obj in again.objects) == ["crate", "ground", "hand"]
+    assert len(play(again, 12)[-1].sources) == 2
