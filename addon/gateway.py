@@ -20,7 +20,7 @@ from typing import Any
 _LENT = {
     "addon.authoring": "body_kit materials",
     "addon.bake": "baking curves playback sound storage takes waves",
-    "addon.io": "capture frame_scene scene_builder vibration_signal",
+    "addon.io": "capture drawings frame_scene scene_builder signal_library vibration_signal",
     "addon.live_output": "adjustment outputs player preview unfelt",
     "addon.properties": "actuators",
     "addon.scene_reader": "functions imported settings",

@@ -11,11 +11,12 @@ _PAGES = {
     "panels/materials": "ops.haptic.*material types.hapticmaterial types.hapticfit ops.haptic.*wish",
     "panels/bake": "ops.haptic.*bake ops.haptic.*take types.hapticbake types.haptictake types.hapticfelt",
     "panels/result": "ops.haptic.set_mode types.hapticmeters",
+    "panels/source": "ops.haptic.*signal ops.haptic.*envelope ops.haptic.*emphasis types.hapticdrawing types.haptice types.hapticsource",
     "devices": "ops.haptic.*device types.haptic*devi types.hapticlive types.hapticactuator",
     "panels/scene": "ops.haptic. types.hapticscene types.hapticrule types.hapticimpact types.haptictransmission types.haptictexture",
     "panels/warmth": "types.hapticthermal",
     "formats": "types.hapticgltf ops.import_scene.haptic ops.export_scene.haptic",
-    **{f"panels/{kind}": f"types.haptic{kind}" for kind in ("source", "listener", "object")},
+    **{f"panels/{kind}": f"types.haptic{kind}" for kind in ("listener", "object")},
 }
 """Pages, and how the lower-case names of their operators and properties begin, with wildcards; the first that fits counts."""
 

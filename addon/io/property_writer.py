@@ -16,6 +16,7 @@ from ...core.scene.texture import Texture
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..blender.single_precision import shortest
+from ..properties.drawing import HERTZ
 from ..properties.function import CONTACT_PARAMETERS, PARAMETERS
 from ..properties.function import TRANSMISSIONS as CONTACTS
 from ..scene_reader.functions import function_of_properties, stands_for
@@ -23,9 +24,6 @@ from ..scene_reader.imported import LIMITS, OF_IMPACTS, text_of
 from ..scene_reader.rules import TEMPLATES
 
 Does = TypeVar("Does")
-
-FREQUENCIES = (0.1, 1000.0)
-"""Hertz that the property takes."""
 
 
 def write_numbers(owner: Any, **values: float) -> dict[str, float]:
@@ -158,7 +156,7 @@ def _without_decay(signal: Signal | None) -> tuple[Signal | None, float]:
 
 def _write_signal(source: Any, signal: Signal | None) -> Signal | None:
     """Choose the signal that the properties can make; else the imported one, which is returned to be kept."""
-    low, high = FREQUENCIES
+    low, high = HERTZ
     match signal:
         case Sine(frequency=float(frequency)) | Pulse(frequency=float(frequency)) if (
             signal == type(signal)(frequency) and low <= frequency <= high and shortest(frequency) == frequency

@@ -16,6 +16,7 @@ import numpy as np
 from ...core.arrays import FloatArray
 from ...core.devices.resampling import Resampler
 from ...core.scene.body import BODY_PART
+from ...core.signals import Signal
 
 RATE = 48_000
 PIECE = 480
@@ -27,6 +28,8 @@ _ENVELOPE[PIECE:] = _ENVELOPE[:_FADE][::-1]
 LEAD = 0.060
 """Seconds between a block and its sound, so that a frame may be late without a gap."""
 _LATE = 0.300
+LONGEST_HEARD = 4.0
+"""Seconds of a signal that are heard by itself."""
 
 
 OLDEST = (5, 2, 0)
@@ -94,11 +97,13 @@ class _Stream:
 
 @dataclass(slots=True)
 class _State:
-    """Whether the preview is switched on, how loud it is, and what it plays with."""
+    """Whether the preview is switched on, how loud it is, and what it plays with; the signal that is
+    ``heard`` by itself."""
 
     on: bool = False
     volume: float = 0.5
     stream: _Stream | None = None
+    heard: Any = None
 
 
 _state = _State()
@@ -116,8 +121,11 @@ def switch_on() -> None:
 
 
 def switch_off() -> None:
-    """Stop the preview."""
+    """Stop the preview, and the signal that is heard."""
     _state.on = False
+    if _state.heard is not None:
+        _state.heard.stop()
+        _state.heard = None
     if _state.stream is not None:
         _state.stream.stop()
         _state.stream = None
@@ -128,6 +136,17 @@ def set_volume(volume: float) -> None:
     _state.volume = volume
     if _state.stream is not None:
         _state.stream.set_volume(volume)
+
+
+def hear(signal: Signal) -> None:
+    """Play a signal by itself, as long as it lasts, at most `LONGEST_HEARD`; what was heard before ends. Raises AudioUnavailable."""
+    aud, device = _device()
+    samples = signal.sample(0, max(round(min(signal.duration, LONGEST_HEARD) * RATE), 1), RATE)
+    samples[-_FADE:] *= _ENVELOPE[-min(_FADE, len(samples)) :]
+    if _state.heard is not None:
+        _state.heard.stop()
+    _state.heard = device.play(aud.Sound.buffer(np.tanh(samples).astype(np.float32)[:, None], RATE))
+    _state.heard.volume = _state.volume
 
 
 def silence() -> None:
@@ -154,13 +173,18 @@ def stereo_mix(body_parts: list[str], samples: FloatArray) -> FloatArray:
 
 
 def _audio() -> tuple[Any, Any]:
+    """Blender's audio module and its output, for the preview. Raises AudioUnavailable."""
+    if bpy.app.version < OLDEST:
+        raise AudioUnavailable("the preview needs Blender 5.2: the audio system of earlier ones leaves out short sounds")
+    return _device()
+
+
+def _device() -> tuple[Any, Any]:
     """Blender's audio module and its output. Raises AudioUnavailable."""
     try:
         import aud
     except ImportError:
         raise AudioUnavailable("this Blender is built without audio") from None
-    if bpy.app.version < OLDEST:
-        raise AudioUnavailable("the preview needs Blender 5.2: the audio system of earlier ones leaves out short sounds")
     try:
         device = aud.Device()
     except aud.error as error:

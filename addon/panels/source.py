@@ -2,23 +2,79 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, Menu, Panel
+from bpy.types import Context, Object, Panel, UILayout
 
+from ..io import drawings, signal_library
+from ..properties.drawing import AMPLITUDE, FREQUENCY
 from .drawing import HapticsPanel, draw_carrier
 from .thumbnails import cell
 
+_SHOWN_EMPHASES = 20
 
-class HAPTIC_MT_signals(Menu):
+
+class HAPTIC_PT_signals(Panel):
+    """The signal library, beside the choice of a signal."""
+
     bl_label = "Signals"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "HEADER"
+    bl_options = {"INSTANCED"}
+    bl_ui_units_x = 22
 
     @classmethod
     def poll(cls, context: Context) -> bool:
         return context.object is not None
 
     def draw(self, context: Context) -> None:
-        flow = self.layout.column_flow(columns=3)
+        flow = self.layout.grid_flow(row_major=True, columns=5, even_columns=True)
         for kind in ("SINE", "PULSE", "NOISE"):
             cell(flow, f"signal-{kind}").prop_enum(context.object.haptics.source, "signal", kind)
+        for path in signal_library.files():
+            name, pixels = signal_library.picture(path)
+            row = cell(flow, name, pixels).row(align=True)
+            row.operator("haptic.use_signal", text=path.stem).filepath = str(path)
+            row.operator("haptic.hear_signal", text="", icon="PLAY").filepath = str(path)
+        self.layout.operator("haptic.save_signal", icon="FILE_TICK")
+
+
+def draw_drawing(layout: UILayout, obj: Object) -> None:
+    """Draw the curves of a source's drawn signal."""
+    source = obj.haptics.source
+    layout.template_ID(source, "drawing", new="haptic.draw_signal")
+    tree = source.drawing
+    if tree is None:
+        return
+    keyed = drawings.has_fcurves(obj)
+    for name in (AMPLITUDE, FREQUENCY):
+        node = tree.nodes.get(name)
+        if node is not None and node.bl_idname == "ShaderNodeFloatCurve" and not keyed:
+            layout.label(text=name)
+            layout.template_curve_mapping(node, "mapping")
+    drawing = tree.haptics
+    if keyed:
+        layout.prop(source, "envelope")
+        layout.prop(source, "frequency")
+    else:
+        column = layout.column(align=True)
+        column.prop(drawing, "lowest")
+        column.prop(drawing, "highest")
+    layout.prop(drawing, "duration")
+    layout.prop(drawing, "loops")
+    row = layout.row(align=True)
+    row.operator("haptic.shape_envelope", icon="IPO_EASE_IN_OUT")
+    row.operator("haptic.switch_envelopes", text="To Curves" if keyed else "To F-Curves", icon="GRAPH")
+    column = layout.column(align=True)
+    column.use_property_split = False
+    column.operator("haptic.edit_emphasis", icon="ADD").index = -1
+    if drawing.emphases:
+        row = column.row()
+        for name in ("Place", "Strength", "Sharpness", ""):
+            row.label(text=name)
+    for number, emphasis in enumerate(drawing.emphases[:_SHOWN_EMPHASES]):
+        row = column.row(align=True)
+        for key in ("place", "strength", "sharpness"):
+            row.prop(emphasis, key, text="")
+        row.operator("haptic.edit_emphasis", text="", icon="X").index = number
 
 
 class HAPTIC_PT_source(HapticsPanel, Panel):
@@ -41,9 +97,12 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
         layout.prop(source, "amplitude")
         row = layout.row(align=True)
         row.prop(source, "signal")
-        row.menu("HAPTIC_MT_signals", text="", icon="IMGDISPLAY")
+        row.popover("HAPTIC_PT_signals", text="", icon="IMGDISPLAY")
+        row.operator("haptic.hear_signal", text="", icon="PLAY").filepath = ""
         if source.signal == "FILE":
             layout.prop(source, "filepath")
+        elif source.signal == "DRAWN":
+            draw_drawing(layout, context.object)
         elif source.signal not in ("NOISE", "KEPT"):
             layout.prop(source, "frequency")
         layout.operator("haptic.import_signal", icon="IMPORT")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +18,16 @@ _SCALE = 3.0  # lines high
 _loaded: list[Any] = []
 
 
-def cell(flow: UILayout, name: str) -> UILayout:
-    """A column in a flow of columns that begins with the picture ``name`` ("material-steel")."""
+def cell(flow: UILayout, name: str, pixels: Sequence[float] = ()) -> UILayout:
+    """A column in a flow of columns that begins with the picture ``name`` ("material-steel"): a file, or a square of ``pixels`` (RGBA)."""
     if not _loaded:
         _loaded.append(previews.new())
-    picture = _loaded[0].get(name) or _loaded[0].load(name, str(_FOLDER / f"{name}.png"), "IMAGE")
+    picture = _loaded[0].get(name)
+    if picture is None and pixels:
+        picture = _loaded[0].new(name)
+        picture.image_size = (math.isqrt(len(pixels) // 4),) * 2
+        picture.image_pixels_float = pixels
+    picture = picture or _loaded[0].load(name, str(_FOLDER / f"{name}.png"), "IMAGE")
     tuple(picture.image_size)  # loads it now: a menu is not drawn again when it has been loaded later
     column = flow.column(align=True)
     column.template_icon(icon_value=picture.icon_id, scale=_SCALE)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
-from bpy.types import PropertyGroup
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
+from bpy.types import NodeTree, PropertyGroup
 
 from .callbacks import changed, edited
+from .drawing import HERTZ, is_drawing
 from .imported import Imported
 
 SIGNAL_ITEMS = (
@@ -13,6 +14,7 @@ SIGNAL_ITEMS = (
     ("PULSE", "Pulse Train", "Regular blows, like those of a jackhammer"),
     ("NOISE", "Noise", "A rough, random vibration"),
     ("FILE", "WAV File", "A recorded signal"),
+    ("DRAWN", "Drawn", "Amplitude and frequency as curves"),
     ("KEPT", "Imported", "The signal of an imported file, kept in this one"),
 )
 
@@ -39,10 +41,22 @@ class HapticSourceProperties(Imported, PropertyGroup):
         name="Frequency (Hz)",
         description="Vibrations or blows per second, in hertz; the skin feels 20 to 1000 Hz, best around 250 Hz",
         default=60.0,
-        min=0.1,
-        max=1000.0,
+        min=HERTZ[0],
+        max=HERTZ[1],
         soft_min=10.0,
         soft_max=500.0,
+        update=changed,
+    )
+    drawing: PointerProperty(
+        name="Drawn Signal", description="The signal that is drawn", type=NodeTree, poll=is_drawing, options=set(), update=changed
+    )
+    envelope: FloatProperty(
+        name="Envelope",
+        description="Amplitude of the drawn signal where F-curves draw it instead of a curve",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
         update=changed,
     )
     filepath: StringProperty(name="WAV File", description="The recorded signal, looped", subtype="FILE_PATH", update=changed)

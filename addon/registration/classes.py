@@ -9,6 +9,7 @@ from ..operators import (
     adding,
     bake,
     body_kit,
+    drawings,
     exporting,
     felt,
     fit,
@@ -34,7 +35,7 @@ from .module_classes import classes_of
 
 CLASSES = (
     *classes_of(preferences, job, tagging, adding, tracing, selection, modes, felt, gizmos, materials, wishes, fit, body_kit, rules),
-    *classes_of(bake, exporting, importing, graph_to_geometry, live_output, scene, object, source, listener, result, export),
+    *classes_of(bake, exporting, importing, drawings, graph_to_geometry, live_output, scene, object, source, listener, result, export),
     *classes_of(materials_panels),
     *modalities_panels.PANELS,
     *classes_of(rules_panels, bake_panel, live_output_panels, file_menus, object_menus),

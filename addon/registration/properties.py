@@ -1,18 +1,18 @@
-"""The properties that objects and scenes have in `haptics`."""
+"""The properties that node groups, objects and scenes have in `haptics`."""
 
 from __future__ import annotations
 
 import bpy
 from bpy.props import PointerProperty
-from bpy.types import Object, Scene
+from bpy.types import NodeTree, Object, Scene
 
-from ..properties import bake, gltf, listener, live_output, materials, meters, modalities, object, rules, scene, source
+from ..properties import bake, drawing, gltf, listener, live_output, materials, meters, modalities, object, rules, scene, source
 from .module_classes import classes_of
 
 CLASSES = (
     *classes_of(bake, gltf, meters, live_output, materials),
     *modalities.GROUPS,
-    *classes_of(source, listener, object, rules, scene),
+    *classes_of(drawing, source, listener, object, rules, scene),
 )
 """The property groups, each after those that it has in it."""
 
@@ -20,8 +20,9 @@ _register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLAS
 
 
 def register() -> None:
-    """Register the property groups, then give them to objects and scenes."""
+    """Register the property groups, then give them to node groups, objects and scenes."""
     _register_classes()
+    NodeTree.haptics = PointerProperty(type=drawing.HapticDrawing, name="Haptics")
     Object.haptics = PointerProperty(type=object.HapticObjectProperties, name="Haptics")
     Scene.haptics = PointerProperty(type=scene.HapticSceneProperties, name="Haptics")
 
@@ -30,4 +31,5 @@ def unregister() -> None:
     """Take them away."""
     del Scene.haptics
     del Object.haptics
+    del NodeTree.haptics
     _unregister_classes()

@@ -8,8 +8,9 @@ from bpy.types import Object
 from ...core.contacts.tracker import Motion
 from ...core.scene.materials import named_in
 from ...core.scene.values import Extent, HapticObject, Listener, Source, SourceKind
-from ...core.signals import Automation, impact_material
+from ...core.signals import impact_material
 from ..blender.single_precision import shortest
+from .animated_curves import Curves
 from .functions import read_function
 from .imported import exact, imported_listener, imported_object, imported_source
 from .signals import decaying, read_signal
@@ -32,14 +33,14 @@ def read_object(obj: Object) -> HapticObject:
     )
 
 
-def read_source(obj: Object, carrier: str, frequency: Automation | None = None, is_silenced: bool = False) -> Source:
+def read_source(obj: Object, carrier: str, curves: Curves = (None, None), is_silenced: bool = False) -> Source:
     """The source of a Blender object that stands on the haptic object ``carrier``; its position, here where a file put it, is filled in
-    per frame. ``frequency``: over the scene's time, where it is animated."""
+    per frame. ``curves``: frequency and envelope over the scene's time, where they are animated."""
     properties = obj.haptics.source
     imported = imported_source(properties.imported)
     second = bpy.data.objects.get(imported.second_object or "")
     struck = second is not None and second.haptics.enabled and second.name_full != carrier
-    signal = imported.signal if properties.signal == "KEPT" else read_signal(properties, frequency)
+    signal = imported.signal if properties.signal == "KEPT" else read_signal(properties, *curves)
     return Source(
         name=obj.name_full,
         object=carrier,

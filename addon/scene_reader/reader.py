@@ -26,7 +26,7 @@ from ...core.scene.values import Listener, Source
 from ..blender import compatibility
 from ..blender.progress import progress
 from ..blender.time import frame_seconds, seconds_of
-from .animated_frequency import AnimatedFrequencies
+from .animated_curves import AnimatedCurves
 from .collision_shapes import collision_shape, mesh_checksum
 from .functions import read_transmission
 from .imported import imported_object, near
@@ -79,7 +79,7 @@ class SceneReader:
         self._shapes: dict[int, tuple[Any, Any, Any]] = {}  # by session id: what it was built from, its mesh's checksum, and the shape
         self._contact_settings = ContactSettings()
         self._doubtful: set[int] = set()  # session ids of objects whose geometry may have changed
-        self._frequencies = AnimatedFrequencies()
+        self._curves = AnimatedCurves()
         self._animated: dict[int, tuple[Any, ...]] = {}  # by row: what its animated properties were last
         self._lists: TaggedLists | None = None
         self._raw = np.zeros((0, 16), dtype=np.float32)  # matrices of the tagged rows as they were read last
@@ -156,7 +156,7 @@ class SceneReader:
     def _read_all(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> None:
         shown = {obj.session_uid for obj in depsgraph.view_layer.objects}
         tagged = {row: obj for row, obj in enumerate(bpy.data.objects) if obj.session_uid in shown and is_tagged(obj)}
-        self._frequencies.clear()
+        self._curves.clear()
         self._animated.clear()
         self.solo_roles = solo_roles(tagged.values())
         scales = dict(zip(tagged, rigid_transforms(raw[np.array(list(tagged), dtype=np.int64)])[1], strict=True))
@@ -243,7 +243,7 @@ class SceneReader:
                     if role == "listener":
                         listener = read_listener(obj, carrier.name_full, silenced)
                     else:
-                        source = read_source(obj, carrier.name_full, self._frequencies.automation(obj, depsgraph.scene), silenced)
+                        source = read_source(obj, carrier.name_full, self._curves.of_source(obj, depsgraph.scene), silenced)
                 except (OSError, ValueError) as error:
                     problems.append(Problem(name, str(error).replace("mixing_expression", "the mixing formula")))
         animated = compatibility.animated_paths(obj)

@@ -11,11 +11,12 @@ from ...core.scene.values import Listener, Source, SourceKind
 from ...core.signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Automation, Decay, Loop, Noise, Pulse, Signal, Sine, read_wav
 from ...core.signals.limits import MIN_SECONDS
 from ..blender.single_precision import shortest
+from .drawings import read_drawing
 
 
-def read_signal(properties: Any, frequency: Automation | None = None) -> Signal:
-    """The signal of a source's properties, at an animated ``frequency`` where there is one. Raises ValueError where its file
-    can't be read."""
+def read_signal(properties: Any, frequency: Automation | None = None, envelope: Automation | None = None) -> Signal:
+    """The signal of a source's properties, at an animated ``frequency`` and with an animated ``envelope`` where there are any. Raises
+    ValueError where its file can't be read or its drawing is none."""
     hertz = shortest(properties.frequency) if frequency is None else frequency
     match properties.signal:
         case "SINE":
@@ -24,6 +25,8 @@ def read_signal(properties: Any, frequency: Automation | None = None) -> Signal:
             return Pulse(hertz)
         case "NOISE":
             return Noise()
+        case "DRAWN":
+            return read_drawing(properties.drawing, envelope, frequency).to_signal()
     if not properties.filepath:
         raise ValueError(iface_("its signal is a WAV file, but none is chosen"))
     return Loop(read_wav(bpy.path.abspath(properties.filepath)))

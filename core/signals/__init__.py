@@ -3,6 +3,7 @@
 from .automation import Automation, ramp
 from .base import Gain, Product, Sequence, Signal, Sum
 from .composition import Delay, Loop
+from .drawn import Drawing, Emphasis
 from .envelopes import Adsr, Constant, Decay, Keyed
 from .impacts import DecayingSine, Impulse
 from .noise import Noise
@@ -26,6 +27,8 @@ __all__ = [
     "Decay",
     "DecayingSine",
     "Delay",
+    "Drawing",
+    "Emphasis",
     "Gain",
     "ImpactMaterial",
     "Impulse",

@@ -46,6 +46,11 @@ def test_files_scenes_and_workspaces(play):
     assert all(seen.values()), seen
 
 
+def test_drawn_signals(play):
+    seen = played_through(play(SCENARIOS / "drawing.py"))
+    assert all(seen.values()), seen
+
+
 def test_many_objects(play):
     seen = played_through(play(SCENARIOS / "many_objects.py"))
     assert all(seen.values()), seen

@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray
+from ...signals.drawn import EMPHASIS_SECONDS, HIGHEST, LOWEST
 from ..io.atomic import write_text
 from ..io.catalogue import FORMATS
 from ..io.json_text import compact
-from .ahap_reading import HIGHEST, LOWEST, TRANSIENT_SECONDS, carriers_of, intensity, sharpness
+from .ahap_reading import carriers_of, intensity, sharpness
 from .ahap_reading import read as read
 from .carrier import Player
 from .comparison import Comparison, Kind, Measures
@@ -75,7 +76,7 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
 
 def _transients(row: Row, impacts: FloatArray) -> FloatArray:
     """A transient per impact, (k, 3): time, amplitude and frequency (hertz), with at most the power of the samples while it sounds."""
-    length = math.ceil(TRANSIENT_SECONDS * row.sample_rate)
+    length = math.ceil(EMPHASIS_SECONDS * row.sample_rate)
     result = []
     for time, strength in impacts.tolist():
         samples = row.read(math.ceil(time * row.sample_rate), math.ceil(time * row.sample_rate) + length)
@@ -90,8 +91,8 @@ def _subtract(power: FloatArray, change: FloatArray, transients: FloatArray, row
     """Take the power of the transients, and as much of the change of the samples, from the sums of every ``step`` seconds."""
     taken = np.zeros(len(power) + 1)
     for time, strength, _ in transients.tolist():
-        for first in range(int(time / step), min(int((time + TRANSIENT_SECONDS) / step), len(power) - 1) + 1):
-            overlap = min(time + TRANSIENT_SECONDS, (first + 1) * step) - max(time, first * step)
+        for first in range(int(time / step), min(int((time + EMPHASIS_SECONDS) / step), len(power) - 1) + 1):
+            overlap = min(time + EMPHASIS_SECONDS, (first + 1) * step) - max(time, first * step)
             taken[first] += max(overlap, 0.0) * row.sample_rate * strength**2 / 2
     rest = np.maximum(power - taken[:-1], 0.0)
     change *= np.divide(rest, power, out=np.zeros_like(power), where=power > 0)

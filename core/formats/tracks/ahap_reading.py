@@ -16,6 +16,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...scene.references import Place, PlacedError
+from ...signals.drawn import EMPHASIS_SECONDS, HIGHEST, LOWEST
 from ..io.error import FormatError, errors_in
 from ..io.strict_json import parse_json, read_bytes, without_trailing_commas
 from .carrier import Carrier
@@ -23,10 +24,6 @@ from .vibration_file import Channel, VibrationFile
 
 Keys = tuple[FloatArray, FloatArray]
 
-LOWEST, HIGHEST = 65.0, 300.0
-"""Frequencies of sharpness 0 and 1 (hertz)."""
-TRANSIENT_SECONDS = 0.02
-"""Duration of a transient event, and shortest decay."""
 MAX_BYTES = 32 * 2**20
 
 _PARTS = 16
@@ -71,7 +68,7 @@ def carriers_of(pattern: list[Any], losses: dict[str, None]) -> tuple[Carrier, .
         values = dict(_parameters(body, place, losses))
         start = _number(body, "Time", 0.0, place)
         duration = _number(body, "EventDuration", 0.0, place)
-        envelope = _envelope(values, duration) if event == "HapticContinuous" else _flat(TRANSIENT_SECONDS)
+        envelope = _envelope(values, duration) if event == "HapticContinuous" else _flat(EMPHASIS_SECONDS)
         if envelope[0][-1] > 0 and start >= 0:
             carriers.append(_carrier(start, values, envelope, controls))
         else:
@@ -122,7 +119,7 @@ def _envelope(values: Mapping[str, float], duration: float) -> Keys:
     attack, decay, release = (max(values.get(name, 0.0), 0.0) for name in _ENVELOPE[:3])
     keys = [(0.0, 0.0 if attack else 1.0)]
     if values.get("Sustained", 1.0) < 0.5:
-        keys += [(attack, 1.0), (attack + max(decay, TRANSIENT_SECONDS), 0.0)]
+        keys += [(attack, 1.0), (attack + max(decay, EMPHASIS_SECONDS), 0.0)]
     else:
         level = min(duration / attack, 1.0) if attack else 1.0
         keys += [(min(attack, duration), level), (duration, level)]

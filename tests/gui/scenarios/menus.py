@@ -1,4 +1,4 @@
-"""Menus with pictures of samples, materials and signals, and what a click in them applies."""
+"""Menus with pictures of samples, materials and signals, and what a letter in them applies."""
 
 import bpy
 
@@ -13,11 +13,13 @@ def steps(window):
         window.point_at_view()
         yield 0.3
         with window.context():
-            bpy.ops.wm.call_menu(name=f"HAPTIC_MT_{menu}")
+            if menu == "signals":
+                bpy.ops.wm.call_panel(name="HAPTIC_PT_signals")
+            else:
+                bpy.ops.wm.call_menu(name=f"HAPTIC_MT_{menu}")
         yield 1.0
         window.save_picture(menu)
-        yield from window.press("ESC" if menu == "samples" else "N" if menu == "signals" else "R")
+        yield from window.press("R" if menu == "materials" else "ESC")
         yield 1.0
         window.save_picture(f"{menu}-chosen")
     window.seen["a material by its letter"] = cube.haptics.material.name == "Rubber"
-    window.seen["a signal by its letter"] = cube.haptics.source.signal == "NOISE"

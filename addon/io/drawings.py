@@ -1,0 +1,151 @@
+"""Drawn signals as node groups, and their curves as F-curves and back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.types import NodeTree, Object, Scene
+
+from ...core.arrays import FloatArray
+from ...core.signals import DEFAULT_PERSISTENT, Automation, Drawing, Signal
+from ...core.signals.drawn import cut
+from ..blender.compatibility import ensure_fcurve, remove_fcurves
+from ..blender.time import frame_seconds
+from ..properties.drawing import AMPLITUDE, FREQUENCY
+from ..scene_reader import animated_curves as animated
+from ..scene_reader.drawings import mapping_of, points_of
+from ..scene_reader.objects import read_source
+
+PATHS = {AMPLITUDE: animated.ENVELOPE, FREQUENCY: animated.FREQUENCY}
+"""What F-curves animate in place of a curve."""
+_APART = 0.0125
+"""Frames: Blender makes one key of two that are nearer than 0.01."""
+_KINDS = ("AUTO", "AUTO_CLAMPED", "VECTOR")
+
+
+def drawn(name: str, signal: Signal) -> NodeTree | None:
+    """A new node group in which this signal is drawn, None where it can't be."""
+    drawing = Drawing.of(signal)
+    return None if drawing is None else _new(name, drawing)
+
+
+def drawn_like(obj: Object, scene: Scene) -> NodeTree:
+    """A new node group with the signal of a source, as far as it can be drawn: else a swell of its frequency."""
+    try:
+        tree = drawn(obj.name, signal_of(obj, scene))
+    except (OSError, ValueError):
+        tree = None
+    hertz = Automation((0.0,), (obj.haptics.source.frequency,))
+    return tree or _new(obj.name, Drawing(Automation((0.0, 0.05, 0.3, 1.0), (0.0, 1.0, 0.6, 0.0)), hertz))
+
+
+def has_fcurves(obj: Object) -> bool:
+    """Whether F-curves count instead of the curves of an object's drawn signal."""
+    return any(animated.animating(obj, path) for path in PATHS.values())
+
+
+def _new(name: str, drawing: Drawing) -> NodeTree:
+    tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
+    properties, hertz = tree.haptics, drawing.frequency.values
+    properties.is_signal, properties.duration, properties.loops = True, drawing.duration, drawing.loops
+    properties.lowest, properties.highest = (min(properties.lowest, hertz.min()), max(properties.highest, hertz.max()))
+    low, high = properties.lowest, properties.highest
+    curves = (AMPLITUDE, drawing.amplitude, drawing.amplitude.values), (FREQUENCY, drawing.frequency, (hertz - low) / (high - low))
+    for kind, curve, shares in curves:
+        node = tree.nodes.new("ShaderNodeFloatCurve")
+        node.name = kind
+        node.mapping.extend = "HORIZONTAL"
+        write_points(node.mapping, np.column_stack([curve.times / drawing.duration, shares]))
+    for emphasis in drawing.emphases:
+        item = properties.emphases.add()
+        item.place, item.strength, item.sharpness = emphasis.time / drawing.duration, emphasis.strength, emphasis.sharpness
+    return tree
+
+
+def write_points(mapping: Any, places: FloatArray, kinds: Sequence[str] = ()) -> None:
+    """Make the points of a curve those of ``places`` (n, 2), n >= 1, corners where ``kinds`` say nothing else."""
+    if len(places) == 1:
+        places = np.array([[0.0, places[0, 1]], [1.0, places[0, 1]]])
+    places = places.astype(np.float32)
+    for k in range(1, len(places)):  # Blender sorts points, those at one place in any order
+        places[k, 0] = max(places[k, 0], np.nextafter(places[k - 1, 0], np.float32(2.0)))
+    points = mapping.curves[0].points
+    while len(points) > len(places):
+        points.remove(points[len(points) - 1])
+    while len(points) < len(places):
+        points.new(1.0, 0.0)
+    for k, (point, place) in enumerate(zip(points, places.tolist(), strict=True)):
+        point.location, point.handle_type, point.select = place, kinds[k] if kinds else "VECTOR", False
+    mapping.update()
+
+
+def shape_envelope(tree: NodeTree, attack: float, decay: float, sustain: float, release: float) -> None:
+    """Draw an envelope of straight lines over the whole signal, which is made longer where it is too short; seconds, and 0 to 1."""
+    tree.haptics.duration = max(tree.haptics.duration, attack + decay + release)
+    hold = max(tree.haptics.duration - attack - decay - release, 0.0)
+    corners = np.column_stack([np.cumsum([0.0, attack, decay, hold, release]) / tree.haptics.duration, [0.0, 1.0, sustain, sustain, 0.0]])
+    write_points(mapping_of(tree, AMPLITUDE), corners[int(attack == 0.0) : 5 - int(release == 0.0)])
+
+
+def signal_of(obj: Object, scene: Scene) -> Signal:
+    """What a source emits. Raises ValueError or OSError where it can't be read."""
+    return read_source(obj, obj.name_full, animated.AnimatedCurves().of_source(obj, scene)).signal or DEFAULT_PERSISTENT
+
+
+def to_fcurves(obj: Object, scene: Scene) -> None:
+    """Make the curves of an object's drawn signal F-curves from the scene's first frame on, with a key for each point."""
+    drawing = obj.haptics.source.drawing.haptics
+    frames = drawing.duration / frame_seconds(scene)
+    for name, path in PATHS.items():
+        points, kinds = points_of(mapping_of(drawing.id_data, name))
+        low, high = (0.0, 1.0) if name == AMPLITUDE else (drawing.lowest, drawing.highest)
+        places = points * (frames, high - low) + (scene.frame_start, low)
+        for k in range(1, len(places)):
+            places[k, 0] = max(places[k, 0], places[k - 1, 0] + _APART)
+        remove_fcurves(obj, [path])
+        curve = ensure_fcurve(obj, path, "Drawn Signal")
+        keys = curve.keyframe_points
+        keys.add(len(points))
+        keys.foreach_set("co", places.astype(np.float32).ravel())
+        for key, kind, after in zip(keys, kinds, [*kinds[1:], kinds[-1]], strict=True):
+            key.handle_left_type = key.handle_right_type = kind
+            key.interpolation = "LINEAR" if kind == after == "VECTOR" else "BEZIER"
+        curve.update()
+
+
+def from_fcurves(obj: Object, scene: Scene) -> None:
+    """Make F-curves the curves of an object's drawn signal, as long as that lasts; its range becomes as wide as they need."""
+    drawing = obj.haptics.source.drawing.haptics
+    for name, path in PATHS.items():
+        curve = animated.animating(obj, path)
+        if curve is None:
+            continue
+        points, kinds = _keys(curve)
+        seconds = (points[:, 0] - scene.frame_start) * frame_seconds(scene)
+        if seconds[0] < 0.0 or seconds[-1] > drawing.duration * (1.0 + 1e-6):
+            lines = animated.corners(curve)
+            part = cut(Automation((lines[:, 0] - scene.frame_start) * frame_seconds(scene), lines[:, 1]), drawing.duration)
+            seconds, points, kinds = part.times, np.column_stack([part.times, part.values]), []
+        low, high = 0.0, 1.0
+        if name == FREQUENCY:
+            drawing.lowest, drawing.highest = min(drawing.lowest, points[:, 1].min()), max(drawing.highest, points[:, 1].max())
+            low, high = drawing.lowest, drawing.highest
+        write_points(
+            mapping_of(drawing.id_data, name), np.column_stack([seconds / drawing.duration, (points[:, 1] - low) / (high - low)]), kinds
+        )
+    remove_fcurves(obj, list(PATHS.values()))
+
+
+def _keys(curve: Any) -> tuple[FloatArray, list[str]]:
+    """Frames and values of the points (n, 2) of a drawn curve, and how they are rounded; only corners where it was edited to more."""
+    keys = list(curve.keyframe_points)
+    kinds = [key.handle_right_type for key in keys]
+    straight = ["LINEAR" if kind == after == "VECTOR" else "BEZIER" for kind, after in pairwise(kinds)]
+    fits = all(key.handle_left_type == kind and kind in _KINDS for key, kind in zip(keys, kinds, strict=True))
+    if fits and straight == [key.interpolation for key in keys[:-1]]:
+        return np.array([tuple(key.co) for key in keys]), kinds
+    return animated.corners(curve), []

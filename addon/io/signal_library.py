@@ -1,0 +1,78 @@
+"""The signal library: files of one signal each, in the form that scene files have; those of the add-on, then the user's own.
+
+Any signal can be kept so, also recordings; a file from elsewhere is checked like a scene.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ...core.arrays import FloatArray
+from ...core.formats.io.file_names import file_stem
+from ...core.formats.io.json_text import write_json
+from ...core.formats.io.strict_json import parse_json, read_bytes
+from ...core.signals import Signal, signal_from_dict
+
+_SHIPPED = Path(__file__).parents[1] / "signals"
+_MOST_FILES = 60  # of a folder
+_MAX_BYTES = 2**24
+_SIDE = 64  # pixels
+_FINE = 16  # samples for each column at least
+_RATE = 2000.0
+_LONGEST_SHOWN = 4.0
+
+
+def own_folder() -> Path:
+    """The folder of the user's own signals, which need not exist."""
+    return Path(bpy.utils.user_resource("CONFIG", path="haptic_signals"))
+
+
+def files() -> list[Path]:
+    """The files of the library, by name, the add-on's own first."""
+    return [path for folder in (_SHIPPED, own_folder()) for path in sorted(folder.glob("*.json"))[:_MOST_FILES]]
+
+
+def read(path: Path) -> Signal:
+    """The signal in a file. Raises ValueError, which names the place in the file, or OSError."""
+    state = path.stat()
+    return _read(path, state.st_mtime_ns, state.st_size)
+
+
+def save(name: str, signal: Signal) -> Path:
+    """Write a signal to the user's folder, in place of one of that name. Raises OSError."""
+    own_folder().mkdir(parents=True, exist_ok=True)
+    return write_json(own_folder() / f"{file_stem(name)}.json", signal.to_dict())
+
+
+def picture(path: Path) -> tuple[str, tuple[float, ...]]:
+    """A name for the present state of a file, and the wave of its signal as a picture of 64 x 64 pixels of RGBA from the bottom; an empty
+    one where it can't be read."""
+    try:
+        state = path.stat()
+        return f"{path} {state.st_mtime_ns}", _picture(path, state.st_mtime_ns, state.st_size)
+    except (OSError, ValueError):
+        return f"{path} unreadable", (0.0,) * (4 * _SIDE * _SIDE)
+
+
+@lru_cache(maxsize=128)
+def _read(path: Path, changed: int, size: int) -> Signal:
+    """The signal of a file as it is since it was ``changed``."""
+    return signal_from_dict(parse_json(read_bytes(path, _MAX_BYTES), path))
+
+
+@lru_cache(maxsize=128)
+def _picture(path: Path, changed: int, size: int) -> tuple[float, ...]:
+    signal = _read(path, changed, size)
+    seconds = min(signal.duration, _LONGEST_SHOWN)
+    count = max(round(seconds * _RATE), _SIDE * _FINE)
+    columns = np.array_split(signal.sample(0, count, count / seconds), _SIDE)
+    low, high = np.array([(column.min(), column.max()) for column in columns]).T
+    low, high = np.array([low, high]) / max(high.max(), -low.min(), 1e-9)
+    heights: FloatArray = np.linspace(-1.0, 1.0, _SIDE)[:, None]
+    pixels = np.zeros((_SIDE, _SIDE, 4))
+    pixels[(heights >= low - 1 / _SIDE) & (heights <= high + 1 / _SIDE)] = (0.95, 0.6, 0.2, 1.0)
+    return tuple(pixels.ravel().tolist())

@@ -1,0 +1,92 @@
+"""Animated frequencies and envelopes as automations over the scene's time; read frame by frame, phases would jump at every frame."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from bpy.types import Object, Scene
+
+from ...core.arrays import FloatArray
+from ...core.signals import Automation
+from ..blender.compatibility import fcurves_of
+from ..properties.drawing import HERTZ
+
+FREQUENCY, ENVELOPE = "haptics.source.frequency", "haptics.source.envelope"
+Curves = tuple[Automation | None, Automation | None]
+_RANGES = {FREQUENCY: HERTZ, ENVELOPE: (0.0, 1.0)}
+_MOST_FRAMES = 100_000
+_PARTS = 16
+"""Least number of straight lines for a rounded part of a curve."""
+
+
+class AnimatedCurves:
+    """The automations of a scene's sources, recomputed when their keyframes or the scene's frames have changed."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[int, str], tuple[Any, Automation]] = {}  # by session id of the object, and data path
+
+    def clear(self) -> None:
+        """Drop all automations, as curves may have changed."""
+        self._known.clear()
+
+    def of_source(self, obj: Object, scene: Scene) -> Curves:
+        """Frequency and envelope of a source over seconds from the scene's first frame, None where no F-curve animates them."""
+        return self._automation(obj, scene, FREQUENCY), self._automation(obj, scene, ENVELOPE)
+
+    def _automation(self, obj: Object, scene: Scene, path: str) -> Automation | None:
+        curve = animating(obj, path)
+        if curve is None:
+            return None
+        key = _description(curve, scene)
+        known = self._known.get((obj.session_uid, path))
+        if known is None or known[0] != key:
+            known = key, _evaluated(curve, scene, path)
+            self._known[obj.session_uid, path] = known
+        return known[1]
+
+
+def animating(obj: Object, path: str) -> Any:
+    """The F-curve with keys that animates a property of an object; None where there is none."""
+    return next((c for c in fcurves_of(obj) if c.data_path == path and not c.mute and len(c.keyframe_points)), None)
+
+
+def corners(curve: Any) -> FloatArray:
+    """Frames and values, shape (n, 2), between which an F-curve is straight: its keys, and of rounded parts one every frame, `_PARTS` at
+    least; a key twice where the value jumps."""
+    found: list[tuple[float, float]] = []
+    keys = list(curve.keyframe_points)
+    most = max(_MOST_FRAMES // len(keys), 1)
+    for key, after in pairwise(keys):
+        (begin, value), end = key.co, after.co[0]
+        found.append((begin, value))
+        if key.interpolation == "CONSTANT":
+            found.append((end, value))
+        elif key.interpolation != "LINEAR":
+            inside = np.linspace(begin, end, min(max(math.ceil(end - begin), _PARTS), most) + 1)[1:-1]
+            found += [(frame, curve.evaluate(frame)) for frame in inside.tolist()]
+    return np.array([*found, tuple(keys[-1].co)])
+
+
+def _description(curve: Any, scene: Scene) -> tuple[Any, ...]:
+    """The values that the automation of a curve depends on."""
+    points = curve.keyframe_points
+    values = np.empty((3, 2 * len(points)), dtype=np.float32)
+    for row, name in zip(values, ("co", "handle_left", "handle_right"), strict=True):
+        points.foreach_get(name, row)
+    kinds = [point.interpolation for point in points]
+    return values.tobytes(), kinds, scene.frame_start, scene.frame_end, scene.render.fps, scene.render.fps_base
+
+
+def _evaluated(curve: Any, scene: Scene, path: str) -> Automation:
+    first, last = curve.range()
+    start = min(math.floor(first), scene.frame_start)
+    frames = range(start, min(max(math.ceil(last), scene.frame_end), start + _MOST_FRAMES) + 1)
+    lines = np.zeros((0, 2)) if len(curve.modifiers) else corners(curve)
+    around = [(frame, curve.evaluate(frame)) for frame in frames if not len(lines) or not first <= frame <= last]
+    points = np.concatenate([lines, np.array(around).reshape(-1, 2)])
+    points = points[np.argsort(points[:, 0], kind="stable")]
+    seconds = (points[:, 0] - scene.frame_start) * (scene.render.fps_base / scene.render.fps)
+    return Automation(seconds, np.clip(points[:, 1], *_RANGES[path]))

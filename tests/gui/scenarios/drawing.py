@@ -1,0 +1,73 @@
+"""A signal of the library becomes curves in the panel; they are edited, become F-curves and curves again, with undo."""
+
+import bpy
+import numpy as np
+
+
+def steps(window):
+    scene = bpy.context.scene
+    cube = scene.objects["Cube"]
+    cube.haptics.enabled = cube.haptics.source.enabled = cube.haptics.listener.enabled = True
+    cube.haptics.source.frequency = 50.0
+    cube.select_set(True)
+    bpy.context.view_layer.objects.active = cube
+    drawings, library, sessions = (
+        window.module(name) for name in ("addon.io.drawings", "addon.io.signal_library", "addon.session.sessions")
+    )
+    window.open_only("HAPTIC_PT_source")
+    yield from window.show_sidebar()
+    window.point_at_view()
+    with window.context():
+        bpy.ops.wm.call_panel(name="HAPTIC_PT_signals", keep_open=True)
+    yield 1.5
+    window.save_picture("library")
+    yield from window.press("ESC")
+    yield 0.5
+    swell = next(path for path in library.files() if path.stem == "Engine Start")
+    with window.context():
+        bpy.ops.haptic.use_signal(filepath=str(swell))
+        bpy.ops.ed.undo_push(message="signal")
+    source = lambda: bpy.data.objects["Cube"].haptics.source  # noqa: E731
+    yield 1.5
+    yield from window.screenshot("curves")
+    window.seen["the library's signal is drawn"] = source().signal == "DRAWN" and source().drawing.name.startswith("Engine Start")
+
+    def traced():
+        shown = sessions.shown(bpy.context.scene)
+        return shown and shown.result.sources and shown.result.sources[0].signal
+
+    yield from window.wait_until(lambda: traced() is not None)
+    before = traced()
+    mapping = source().drawing.nodes["Amplitude"].mapping
+    mapping.curves[0].points[1].location = (0.05, 0.2)
+    mapping.update()
+    yield from window.wait_until(lambda: traced() != before)
+    window.seen["an edited curve is traced"] = True
+    bpy.ops.ed.undo_push(message="curve")
+    points = drawings.points_of(mapping)[0]
+    yield from window.click_button("haptic.switch_envelopes")
+    yield 1.0
+    window.seen["F-curves"] = drawings.has_fcurves(bpy.data.objects["Cube"])
+    window.view.type = "GRAPH_EDITOR"
+    yield 1.0
+    with bpy.context.temp_override(window=window.window, area=next(a for a in window.window.screen.areas if a.type == "GRAPH_EDITOR")):
+        bpy.context.area.spaces.active.use_normalization = True
+    yield 1.0
+    window.save_picture("graph-editor")
+    next(a for a in window.window.screen.areas if a.type == "GRAPH_EDITOR").type = "VIEW_3D"
+    yield 1.0
+    yield from window.screenshot("f-curves")
+    yield from window.click_button("haptic.switch_envelopes")
+    yield 1.0
+    back = drawings.points_of(source().drawing.nodes["Amplitude"].mapping)[0]
+    window.seen["and back"] = bool(np.abs(back - points).max() < 1e-6) and not drawings.has_fcurves(bpy.data.objects["Cube"])
+    yield from window.undo()
+    window.seen["undo gives the F-curves back"] = drawings.has_fcurves(bpy.data.objects["Cube"])
+    yield from window.redo()
+    window.seen["redo takes them"] = not drawings.has_fcurves(bpy.data.objects["Cube"])
+    yield from window.click_button("haptic.edit_emphasis")
+    yield from window.click_button("haptic.shape_envelope")
+    yield 1.0
+    yield from window.screenshot("shaped")
+    window.seen["an emphasis"] = len(source().drawing.haptics.emphases) == 1
+    window.seen["attack, decay, sustain, release"] = len(drawings.points_of(source().drawing.nodes["Amplitude"].mapping)[0]) == 5
