@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from functools import cache
 
 import mpmath
 import numpy as np
@@ -87,21 +88,27 @@ def test_random_scenes(seed, size, offset):
             assert close(total.gain[0, column], mpmath.fsum(gains))
 
 
-def chain(count: int, functions, step: float = 0.0, kappa: float = 0.0, rho: float = 1.0) -> HapticScene:
-    """Objects in a row, ``step`` metres from contact to contact."""
-    objects = tuple(HapticObject(f"{i:06d}", kappa, rho, functions[i % len(functions)]) for i in range(count))
-    contacts = tuple(Contact((f"{i:06d}", f"{i + 1:06d}"), (((i + 1) * step, 0, 0), ((i + 1) * step, 0, 0))) for i in range(count - 1))
-    return HapticScene(objects, contacts, (Source("s", "000000"),), (Listener("l", f"{count - 1:06d}", (count * step, 0, 0)),))
+@cache
+def contacts_in_a_row(count: int) -> tuple[Contact, ...]:
+    """Of every object with the next one, all in one place."""
+    origin = (0.0, 0.0, 0.0)
+    return tuple(Contact((f"{i:06d}", f"{i + 1:06d}"), (origin, origin)) for i in range(count - 1))
+
+
+def chain(count: int, function, kappa: float = 0.0) -> HapticScene:
+    """Objects in a row."""
+    objects = tuple(HapticObject(f"{i:06d}", kappa, 1.0, function) for i in range(count))
+    return HapticScene(objects, contacts_in_a_row(count), (Source("s", "000000"),), (Listener("l", f"{count - 1:06d}"),))
 
 
 @pytest.fixture(scope="module")
 def chain_of_gains_near_one():
-    return graph_of_scene(chain(LONG, [HapticObject("x", 0, 1).propagation], kappa=KAPPA))
+    return graph_of_scene(chain(LONG, HapticObject("x", 0, 1).propagation, KAPPA))
 
 
 @pytest.fixture(scope="module")
 def chain_of_small_gains():
-    return graph_of_scene(chain(LONG, [Constant(gain_value=1e-3)]))
+    return graph_of_scene(chain(LONG, Constant(gain_value=1e-3)))
 
 
 @pytest.mark.slow
