@@ -159,6 +159,7 @@ def _study(parser: Parser) -> None:
     parser.add_argument(
         "--sensitivity", action="store_true", help="render with other values and strategies as well, and say what still holds"
     )
+    parser.add_argument("--no-materials", action="store_true", help="leave out the ride with measured materials, two thirds of the time")
     parser.add_argument("--no-tracks", action="store_true", help="write no WAV files")
 
 

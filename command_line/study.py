@@ -5,17 +5,19 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from bpy.types import Scene
 from tqdm import tqdm
 
 from ..addon.changes.suspension import suspended
 from ..core.formats.tracks.wav import write_wav
 from ..pictures.picture import starts_gpu
 from ..sample_scenes import build_sample
-from ..study import baking, plots
+from ..study import baking, physical_scenes, plots
 from ..study.checks import Check, checks_of
 from ..study.rendition import Ride
 from ..study.report import write_numbers, write_report
 from ..study.sensitivity import variations
+from ..study.side_by_side import TITLES
 from .trace import start_blender
 
 NAME = "mine_ride"
@@ -39,6 +41,7 @@ def run(args: argparse.Namespace) -> int:
         pictures = baking.draw_frames(scene, baking.lively_frames(ride, args.pictures))
     elif args.pictures > 0:
         notes.append("There are no pictures of the ride: off-screen drawing needs Blender 5.2 or a window, and OpenGL.")
+    rides = {} if args.no_materials else _other_materials(scene, first, last)
     figures = []
     if plots.can_plot():
         figures = list(plots.plots(ride))
@@ -46,14 +49,24 @@ def run(args: argparse.Namespace) -> int:
         notes.append("There are no plots: matplotlib is not installed (pip install 'haptic-tracing[report]').")
     written = [] if args.no_tracks else _write_tracks(args.out, ride)
     written += [args.out / "study.json", args.out / "report.html"]
-    write_numbers(written[-2], ride, checks)
-    write_report(written[-1], ride, checks, figures, pictures, notes, varied)
+    write_numbers(written[-2], ride, checks, rides)
+    write_report(written[-1], ride, checks, figures, pictures, notes, varied, rides)
     print_checks(checks)
     for note in notes:
         print(note)
     for path in written:
         print(f"wrote {path}")
     return 0
+
+
+def _other_materials(scene: Scene, first: int, last: int) -> dict[str, Ride]:
+    """The ride by way with measured materials, and with contacts by impedance as well. The scene is left with both."""
+    rides = {}
+    for way in physical_scenes.WAYS[1:]:
+        physical_scenes.make(scene, way)
+        with tqdm(total=last - first + 1, desc=f"With {TITLES[way]}", unit="frame") as bar:
+            rides[way], _ = baking.bake_ride(scene, first, last, lambda frame: bar.update())
+    return rides
 
 
 def _write_tracks(folder: Path, ride: Ride) -> list[Path]:

@@ -20,7 +20,7 @@ class Sample:
     """A sample scene: its name in commands, its title in menus, one sentence on what it shows.
 
     ``objects``: how many it has, about. ``count``: how many things it has where that can be chosen, else None.
-    ``variation``: by what part its impacts differ from each other.
+    ``variation``: by what part its impacts differ from each other. ``about``: the parts of the body that are meant to feel it.
     """
 
     name: str
@@ -29,6 +29,7 @@ class Sample:
     description: str
     count: int | None = None
     variation: float = 0.1
+    about: tuple[str, ...] = ("ear", "hand", "middle_back", "upper_back", "upper_leg")
 
     def build(self, scene: Scene, count: int | None = None) -> None:
         """Fill the empty ``scene``; ``count`` of its things instead of its own number. Raises ValueError where it has no such choice."""
@@ -41,7 +42,7 @@ class Sample:
             raise ValueError(f"count: must be at least 4, got {count}")
         else:
             module.build(scene, count)
-        materials.fill_library(scene)
+        scene.haptics.materials.active = 0
         if self.variation:
             materials.vary_impacts(scene, self.variation)
 
@@ -51,16 +52,36 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
         sample.name: sample
         for sample in (
             Sample(
-                "jackhammer_bench", "Jackhammer and Bench", 50, "A jackhammer is felt on a bench, through the ground, four feet and a seat"
+                "jackhammer_bench",
+                "Jackhammer and Bench",
+                50,
+                "A jackhammer is felt on a bench, through the ground, four feet and a seat",
+                about=("hand", "middle_back", "upper_leg"),
             ),
-            Sample("hammer_nail", "Hammer and Nail", 46, "A blow makes a temporary source, which the hammer passes on to the hand"),
-            Sample("fireplace", "Fireplace", 58, "A fire is felt in an armchair through the air: a persistent source with a slow signal"),
-            Sample("dishwasher_kitchen", "Dishwasher in the Kitchen", 63, "A dishwasher is felt at the table: cupboard, floor, chair"),
             Sample(
-                "rails", "Rails", 104, "A far locomotive is felt through rails rather than soil; the path leaves the ground and comes back"
+                "hammer_nail",
+                "Hammer and Nail",
+                46,
+                "A blow makes a temporary source, which the hammer passes on to the hand",
+                about=("hand",),
             ),
-            Sample("domino_wall", "Wall of Dominoes", 1039, "A thousand impacts, one after the other", 1000),
-            Sample("pile", "Pile", 243, "Hundreds of things in a tray on a shaking table", 200),
+            Sample("fireplace", "Fireplace", 58, "A fire is felt in an armchair through the air: it crackles, and warms"),
+            Sample(
+                "dishwasher_kitchen",
+                "Dishwasher in the Kitchen",
+                63,
+                "A dishwasher is felt at the table: cupboard, floor, chair",
+                about=("hand", "middle_back", "upper_leg"),
+            ),
+            Sample(
+                "rails",
+                "Rails",
+                104,
+                "A far locomotive is felt through rails rather than soil; the path leaves the ground and comes back",
+                about=("hand", "middle_back", "upper_leg"),
+            ),
+            Sample("domino_wall", "Wall of Dominoes", 1039, "A thousand impacts, one after the other", 1000, about=("hand", "upper_leg")),
+            Sample("pile", "Pile", 243, "Hundreds of things in a tray on a shaking table", 200, about=("hand", "upper_leg")),
             Sample("air_blast", "Air Blast", 56, "An explosion is felt through a medium, the air"),
             Sample("mine_ride", "Mine Ride", 461, "The ride of the paper's study: two and a half minutes in six sections", variation=0.0),
         )

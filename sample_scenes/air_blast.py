@@ -14,7 +14,7 @@ from .crates import crate_materials, crate_shape
 from .explosion import add_explosion, add_shock_ring
 from .geometry import SUNK, box, cylinder, joined, lathe, superellipsoid
 from .lighting import add_area_light, add_backdrop, add_camera, add_sun, add_world, set_picture
-from .materials import SOIL, STEEL, WOOD, surface
+from .materials import SOFTWOOD, SOIL, STEEL, surface
 from .staging import add_rigid_body_world, make_dynamic, make_medium, make_source, make_static, place
 
 FRAMES = 96
@@ -36,7 +36,6 @@ SPEED_OF_SOUND = 343.0
 def build(scene: Scene) -> None:
     """Fill the empty ``scene``."""
     set_picture(scene, FRAMES)
-    scene.haptics.strategy = "best_path"
     add_rigid_body_world(scene, FRAMES)
     sand = surface("Sand", "#b39a74", 0.95, mottle=0.3, mottle_scale=3.0)
     ground = place(scene, "Ground", box((9.6, 5.2, 0.3), 0.05).moved(z=-0.15), (sand,))
@@ -79,7 +78,7 @@ def _add_wall(scene: Scene) -> None:
     planks = [box((0.24, 0.05, 1.7 + 0.06 * (k % 3)), 0.008).moved(0.25 * k - 1.5, 0.0, 0.85 + 0.03 * (k % 3)) for k in range(13)]
     bars = [box((3.3, 0.05, 0.10), 0.006).moved(0.0, 0.048, z) for z in (0.45, 1.35)]
     fence = place(scene, "Fence", joined([*planks, *bars]), (wood,), (2.6, 1.7, -SUNK))
-    make_static(scene, fence, WOOD)
+    make_static(scene, fence, SOFTWOOD)
     sand = surface("Sandbag", "#8f8465", 0.95, mottle=0.3, mottle_scale=20.0)
     bag = superellipsoid((0.56, 0.30, 0.19), 0.7, 18, 10)
     spots = [(0.54 * i + 0.27 * (j % 2) - 1.35, 0.0, 0.09 + 0.165 * j) for j in range(3) for i in range(6 - j)]
@@ -87,7 +86,7 @@ def _add_wall(scene: Scene) -> None:
     materials = crate_materials()
     for number, (x, y, z, edge, turn) in enumerate(((-0.2, 1.3, 0.0, 0.5, 8), (-0.1, 1.25, 0.5, 0.36, 30), (3.6, 0.3, 0.0, 0.55, -12)), 1):
         crate = place(scene, f"Crate {number}", crate_shape(edge), materials, (x, y, z + edge / 2), (0.0, 0.0, math.radians(turn)))
-        make_dynamic(scene, crate, WOOD, 6.0, "BOX")
+        make_dynamic(scene, crate, SOFTWOOD, 6.0, "BOX")
 
 
 def _add_surroundings(scene: Scene) -> Object:

@@ -13,8 +13,9 @@ from bpy.types import Object, Scene
 from mathutils import Matrix, Vector
 
 from ..core.scene.body import BODY_PART, DEFAULT_LISTENERS
+from ..core.scene.materials import Material as Substance
 from .geometry import SUNK, Geometry, Point, along, joined, limb, sphere, superellipsoid
-from .materials import FLESH, Substance, surface
+from .materials import FLESH, surface
 from .staging import make_listener, make_moving, make_static, place, place_empty
 
 SIDES = ((1.0, "L"), (-1.0, "R"))
@@ -26,6 +27,7 @@ HIPS = (0.33, 0.225, 0.19)
 THIGH_RADIUS, KNEE_RADIUS = 0.078, 0.055
 SHOULDER_RADIUS, ELBOW_RADIUS, WRIST_RADIUS, ANKLE_RADIUS = 0.052, 0.040, 0.028, 0.036
 FOOT_HEIGHT = 0.07
+TURNED_UP = 4.0  # gain of listeners whose devices are turned up by 12 dB, to feel what comes through a ground
 HAND = (0.085, 0.155, 0.036)
 
 # Masses in kg of an adult of 75 kg, as shares of the body that anthropometry gives.
@@ -126,10 +128,11 @@ def build_avatar(
     moving: bool = False,
     substance: Substance = FLESH,
     parent: Object | None = None,
+    gain: float = 1.0,
 ) -> Avatar:
     """Put the avatar into ``scene``, its haptic parts under one empty, turned by ``heading`` about z.
 
-    ``moving``: that empty, or what carries it, will be animated.
+    ``moving``: that empty, or what carries it, will be animated. ``gain``: of its listeners.
     """
     root = place_empty(scene, "Avatar", location, parent, "ARROWS", 0.25, heading)
     materials = (surface("Avatar Body", "#e9e2d6", 0.45), surface("Avatar Joints", "#2f5d73", 0.4))
@@ -150,7 +153,7 @@ def build_avatar(
     for listener in DEFAULT_LISTENERS:
         carrier, spot = anchors[listener]
         empty = place_empty(scene, listener, spot - parts[carrier].location, parts[carrier], "SPHERE", BODY_PART[listener].radius)
-        listeners[listener] = make_listener(empty, listener, BODY_PART[listener].radius)
+        listeners[listener] = make_listener(empty, listener, BODY_PART[listener].radius, gain)
     return Avatar(root, parts, listeners, joints)
 
 

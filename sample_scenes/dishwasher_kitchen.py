@@ -8,11 +8,11 @@ from itertools import pairwise
 from bpy.types import Material, Object, Scene
 from mathutils import Vector
 
-from .avatar import Hand, build_avatar, seated
+from .avatar import TURNED_UP, Hand, build_avatar, seated
 from .furniture import add_chair, add_table
 from .geometry import SUNK, Point, box, cylinder, joined, lathe, rod
 from .lighting import add_area_light, add_backdrop, add_camera, add_three_point_light, add_world, set_picture
-from .materials import CONCRETE, RUBBER, STEEL, STONE, WOOD, surface
+from .materials import CERAMIC, CONCRETE, HARDWOOD, RUBBER, STEEL, STONE, surface
 from .staging import add_rigid_body_world, make_source, make_static, place
 
 FRAMES = 96
@@ -28,7 +28,6 @@ FEET = 0.06  # height of the dishwasher's feet
 def build(scene: Scene) -> None:
     """Fill the empty ``scene``."""
     set_picture(scene, FRAMES)
-    scene.haptics.strategy = "as_in_the_paper"
     add_rigid_body_world(scene, FRAMES)
     white = surface("Lacquer", "#e6e3da", 0.35)
     steel = surface("Brushed Steel", "#9aa0a5", 0.35, 1.0)
@@ -39,7 +38,7 @@ def build(scene: Scene) -> None:
     add_chair(scene, CHAIR, beech, heading=0.0, height=CHAIR_HEIGHT, lean=LEAN)
     add_table(scene, "Table", (CHAIR[0], CHAIR[1] - 0.74, 0.0), beech, dark, size=(1.15, 0.70), height=TABLE_HEIGHT)
     on_table = Hand(Vector((0.20, -0.50, TABLE_HEIGHT - SUNK)), Vector((-0.25, -1.0, -0.06)))
-    build_avatar(scene, seated(CHAIR_HEIGHT, LEAN, on_table), CHAIR)
+    build_avatar(scene, seated(CHAIR_HEIGHT, LEAN, on_table), CHAIR, gain=TURNED_UP)
     _add_tableware(scene, white)
     _add_surroundings(scene)
 
@@ -70,14 +69,14 @@ def _add_kitchen_units(scene: Scene, white: Material, steel: Material) -> None:
         handle = rod((0.20, -depth / 2 - 0.045, 0.52), (0.20, -depth / 2 - 0.045, 0.72), 0.007).painted(1)
         posts = [rod((0.20, -depth / 2 - 0.045, z), (0.20, -depth / 2 - 0.01, z), 0.005).painted(1) for z in (0.54, 0.70)]
         cupboard = place(scene, name, joined([body, plinth, door, handle, *posts]), (blue, steel, white), (x, ROW, -SUNK))
-        make_static(scene, cupboard, WOOD)
+        make_static(scene, cupboard, HARDWOOD)
     worktop = box((3 * width + 0.04, depth + 0.06, 0.04), 0.006).moved(z=0.02)
     stone = surface("Worktop", "#4f5356", 0.25, mottle=0.4, mottle_scale=40.0)
     make_static(scene, place(scene, "Worktop", worktop, (stone,), (0.0, ROW - 0.02, height - 2 * SUNK)), STONE, "BOX")
 
 
 def _add_dishwasher(scene: Scene, steel: Material) -> Object:
-    """It runs at 50 Hz, stands on rubber and is clamped between the cupboards."""
+    """The blades of its pump pass 150 times a second; it stands on rubber and is clamped between the cupboards."""
     width, depth = UNIT[0] + 2 * SUNK, UNIT[1]
     height = UNIT[2] - FEET - 0.03
     dark, light = surface("Dishwasher Panel", "#2b2f33", 0.3), surface("Display", "#58d6a0", 0.4, glow=2.0)
@@ -97,7 +96,7 @@ def _add_dishwasher(scene: Scene, steel: Material) -> Object:
         for y, end in ((-0.22, "Front"), (0.22, "Back")):
             name = f"Dishwasher Foot {end}.{side}"
             make_static(scene, place(scene, name, foot, (rubber,), (x, ROW + y, 0.0)), RUBBER)
-    return make_source(machine, "SINE", 50.0, 0.8)
+    return make_source(machine, "SINE", 150.0)
 
 
 def _add_tableware(scene: Scene, white: Material) -> None:
@@ -106,7 +105,7 @@ def _add_tableware(scene: Scene, white: Material) -> None:
     ring = [rod(a, b, 0.005, 8) for a, b in _handle_chords()]
     china = surface("Red China", "#b5402f", 0.25)
     at_hand = (CHAIR[0] - 0.08, CHAIR[1] - 0.80, TABLE_HEIGHT - SUNK)
-    make_static(scene, place(scene, "Cup", joined([cup, *ring]), (china,), at_hand, (0.0, 0.0, 0.6)), STONE)
+    make_static(scene, place(scene, "Cup", joined([cup, *ring]), (china,), at_hand, (0.0, 0.0, 0.6)), CERAMIC)
     plate = lathe(((0.055, 0.0), (0.10, 0.014), (0.098, 0.018), (0.06, 0.006), (0.0, 0.006)), 32)
     place(scene, "Plate", plate, (white,), (CHAIR[0] + 0.22, CHAIR[1] - 0.86, TABLE_HEIGHT))
     top = UNIT[2] + 0.04 - 2 * SUNK

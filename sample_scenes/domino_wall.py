@@ -10,11 +10,11 @@ import math
 
 from bpy.types import Material, Object, Scene
 
-from .avatar import build_avatar, seated
+from .avatar import TURNED_UP, build_avatar, seated
 from .furniture import add_bench
 from .geometry import Point, box, to_mesh
 from .lighting import add_backdrop, add_camera, add_three_point_light, add_world, set_picture
-from .materials import CONCRETE, WOOD, surface
+from .materials import CONCRETE, HARDWOOD, surface
 from .staging import add_rigid_body_world, make_dynamic, make_static, place, place_mesh
 
 COUNT = 1000
@@ -37,7 +37,6 @@ def build(scene: Scene, count: int = COUNT) -> None:
     frames = FRAME_RATE + math.ceil(FRAMES_PER_DOMINO * count / ARMS)
     set_picture(scene, frames, FRAME_RATE)
     haptics = scene.haptics
-    haptics.strategy = "best_path"
     haptics.minimum_energy, haptics.maximum_energy = LEAST_ENERGY, FULL_ENERGY
     haptics.threshold = 1e-4
     add_rigid_body_world(scene, frames)
@@ -48,7 +47,7 @@ def build(scene: Scene, count: int = COUNT) -> None:
     bench = (0.0, radius + 1.05, 0.0)
     wood, metal = surface("Bench Wood", "#b9804a", 0.55, mottle=0.35, mottle_scale=9.0), surface("Dark Metal", "#33383d", 0.4, 0.8)
     add_bench(scene, bench, wood, metal, height=SEAT_HEIGHT, lean=LEAN)
-    build_avatar(scene, seated(SEAT_HEIGHT, LEAN), bench)
+    build_avatar(scene, seated(SEAT_HEIGHT, LEAN), bench, gain=TURNED_UP)
     _add_surroundings(scene, radius)
 
 
@@ -89,7 +88,7 @@ def _add_dominoes(scene: Scene, arm: list[tuple[float, float, float]]) -> None:
             tilt = FIRST_TILT if number == 1 else 0.0
             name = f"Domino {chr(ord('A') + letter)}{number:03d}"
             domino = place_mesh(scene, name, mesh, _standing(x, y, along, tilt), (0.0, tilt, along))
-            make_dynamic(scene, domino, WOOD, MASS, "BOX", friction=0.4, restitution=0.0)
+            make_dynamic(scene, domino, HARDWOOD, MASS, "BOX", friction=0.4, restitution=0.0)
             domino.rigid_body.use_deactivation = True
             domino.rigid_body.use_start_deactivated = number > 1
 

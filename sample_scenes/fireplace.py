@@ -1,6 +1,6 @@
-"""A fire felt in an armchair, through the air: a persistent source with a slow signal, and warmth.
+"""A fire felt in an armchair, through the air: a persistent source that crackles, now more, now less, and warmth.
 
-The slow signal is a vibration of less than one hertz. The warmth is felt through the same contacts by functions of its own.
+The warmth is felt through the same contacts by functions of its own.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from .avatar import build_avatar, seated
 from .furniture import add_armchair
 from .geometry import SUNK, Geometry, box, joined, lathe, limb, rod, superellipsoid
 from .lighting import add_area_light, add_backdrop, add_camera, add_point_light, add_world, set_picture
-from .materials import STONE, WOOD, surface
+from .materials import HARDWOOD, STONE, surface
 from .staging import add_rigid_body_world, make_medium, make_source, make_static, place
 
 FRAMES = 120
@@ -31,10 +31,9 @@ WARMTH_FADES = 0.8  # per metre
 def build(scene: Scene) -> None:
     """Fill the empty ``scene``."""
     set_picture(scene, FRAMES)
-    scene.haptics.strategy = "best_path"
     add_rigid_body_world(scene, FRAMES)
     boards = (surface("Floor Boards", "#8a5f3c", 0.45, mottle=0.3), surface("Joists", "#3e2f25", 0.8))
-    make_static(scene, place(scene, "Floor", _floor(), boards), WOOD, "BOX")
+    make_static(scene, place(scene, "Floor", _floor(), boards), HARDWOOD, "BOX")
     _add_fireplace(scene)
     fire = _add_fire(scene)
     cloth, wood = surface("Green Cloth", "#4d6b57", 0.9, mottle=0.15, mottle_scale=30.0), surface("Dark Wood", "#3f2718", 0.4)
@@ -104,8 +103,8 @@ def _add_fire(scene: Scene) -> Object:
         superellipsoid((0.16, 0.36, 0.06), 0.8, 16, 8).moved(-0.04, 0.0, 0.105).painted(1),
     ]
     fire = place(scene, "Fire", joined(logs).moved(z=-SUNK), (bark, ember), FIRE)
-    make_static(scene, fire, WOOD)
-    make_source(fire, "SINE", 0.4)
+    make_static(scene, fire, HARDWOOD)
+    make_source(fire, "NOISE")
     draw = Random(3)
     strength = {float(frame): 0.75 + 0.25 * draw.random() for frame in range(1, FRAMES + 1, 6)}
     animate(fire, "haptics.source.amplitude", strength)

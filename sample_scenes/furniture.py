@@ -8,7 +8,7 @@ from bpy.types import Material, Object, Scene
 from mathutils import Matrix, Vector
 
 from .geometry import SUNK, Geometry, Point, box, joined, lathe, rod
-from .materials import CLOTH, STEEL, WOOD
+from .materials import FABRIC, HARDWOOD, STEEL
 from .staging import make_static, place, place_empty
 
 SEAT_THICKNESS = 0.045
@@ -35,7 +35,7 @@ def add_bench(
     behind = 0.06  # the seat reaches under the back
     seat = joined(_slats(width, depth + behind, SEAT_THICKNESS, 4).values())
     middle = origin + Vector((0.0, (behind - depth) / 2, height + SUNK - SEAT_THICKNESS / 2))
-    parts = {"Bench Seat": make_static(scene, place(scene, "Bench Seat", seat, (wood, metal), middle), WOOD, "BOX")}
+    parts = {"Bench Seat": make_static(scene, place(scene, "Bench Seat", seat, (wood, metal), middle), HARDWOOD, "BOX")}
     foot = _foot(height - SEAT_THICKNESS + 2 * SUNK)
     for (x, y), corner in zip(_corners(width / 2 - 0.14, 0.09 - depth, behind - 0.07), _CORNERS, strict=True):
         name = f"Bench Foot {corner}"
@@ -46,7 +46,7 @@ def add_bench(
     rise = BACK_THICKNESS * math.sin(lean)
     place_of_back = origin + Vector((0.0, 0.0, height + rise)) + turn @ Vector((0.0, BACK_THICKNESS / 2, BACK_HEIGHT / 2))
     board = place(scene, "Bench Back", back, (wood, metal), place_of_back, (-lean, 0.0, 0.0))
-    parts["Bench Back"] = make_static(scene, board, WOOD, "BOX")
+    parts["Bench Back"] = make_static(scene, board, HARDWOOD, "BOX")
     return parts
 
 
@@ -59,11 +59,11 @@ def add_table(
     thickness = 0.05
     board = box((width, depth, thickness), 0.008)
     parts = {f"{name} Top": place(scene, f"{name} Top", board, (top,), origin + Vector((0.0, 0.0, height - thickness / 2)))}
-    make_static(scene, parts[f"{name} Top"], WOOD, "BOX")
+    make_static(scene, parts[f"{name} Top"], HARDWOOD, "BOX")
     shape = box((0.07, 0.07, height - thickness + 2 * SUNK), 0.008).moved(z=(height - thickness) / 2)
     for (x, y), corner in zip(_corners(width / 2 - 0.06, 0.06 - depth / 2, depth / 2 - 0.06), _CORNERS, strict=True):
         leg = f"{name} Leg {corner}"
-        parts[leg] = make_static(scene, place(scene, leg, shape, (legs,), origin + Vector((x, y, 0.0))), WOOD, "BOX")
+        parts[leg] = make_static(scene, place(scene, leg, shape, (legs,), origin + Vector((x, y, 0.0))), HARDWOOD, "BOX")
     return parts
 
 
@@ -75,16 +75,16 @@ def add_chair(scene: Scene, location: Point, wood: Material, *, heading: float, 
     root = place_empty(scene, "Chair", location, size=0.2, heading=heading)
     width, depth, behind, thickness = 0.44, 0.42, 0.05, 0.04
     seat = box((width, depth + behind, thickness), 0.012).moved(0.0, (behind - depth) / 2, height - thickness / 2)
-    parts = {"Chair Seat": make_static(scene, place(scene, "Chair Seat", seat, (wood,), parent=root), WOOD, "BOX")}
+    parts = {"Chair Seat": make_static(scene, place(scene, "Chair Seat", seat, (wood,), parent=root), HARDWOOD, "BOX")}
     leg = lathe(((0.016, -SUNK), (0.022, height - thickness + SUNK)), 16)
     for (x, y), name in zip(_corners(width / 2 - 0.035, 0.045 - depth, behind - 0.035), _CORNERS, strict=True):
-        parts[f"Chair Leg {name}"] = make_static(scene, place(scene, f"Chair Leg {name}", leg, (wood,), (x, y, 0.0), parent=root), WOOD)
+        parts[f"Chair Leg {name}"] = make_static(scene, place(scene, f"Chair Leg {name}", leg, (wood,), (x, y, 0.0), parent=root), HARDWOOD)
     board = 0.025
     posts = [rod((x, board / 2, 0.0), (x, board / 2, 0.50), board / 2, 16) for x in (-0.19, 0.19)]
     slats = [box((0.40, 0.016, 0.09), 0.006).moved(0.0, board / 2, z) for z in (0.45, 0.30, 0.15)]
     standing_on_seat = (0.0, 0.0, height + board * math.sin(lean) - SUNK)
     back = place(scene, "Chair Back", joined(posts + slats), (wood,), standing_on_seat, (-lean, 0.0, 0.0), root)
-    parts["Chair Back"] = make_static(scene, back, WOOD)
+    parts["Chair Back"] = make_static(scene, back, HARDWOOD)
     return parts
 
 
@@ -98,19 +98,21 @@ def add_armchair(
     root = place_empty(scene, "Armchair", location, size=0.2, heading=heading)
     width, depth, behind, foot, arm = 0.60, 0.50, 0.20, 0.11, 0.11
     seat = box((width, depth + behind, height - foot), 0.03).moved(0.0, (behind - depth) / 2, (height + foot) / 2)
-    parts = {"Armchair Seat": make_static(scene, place(scene, "Armchair Seat", seat, (cloth,), parent=root), CLOTH, "BOX")}
+    parts = {"Armchair Seat": make_static(scene, place(scene, "Armchair Seat", seat, (cloth,), parent=root), FABRIC, "BOX")}
     leg = lathe(((0.018, -SUNK), (0.026, foot + SUNK)), 16)
     for (x, y), name in zip(_corners(width / 2 - 0.05, 0.06 - depth, behind - 0.06), _CORNERS, strict=True):
         foot_name = f"Armchair Foot {name}"
-        parts[foot_name] = make_static(scene, place(scene, foot_name, leg, (wood,), (x, y, 0.0), parent=root), WOOD)
+        parts[foot_name] = make_static(scene, place(scene, foot_name, leg, (wood,), (x, y, 0.0), parent=root), HARDWOOD)
     for x, side in ((1.0, "L"), (-1.0, "R")):
         shape = box((arm, depth + behind, 0.48), 0.03).moved(x * (width + arm - 2 * SUNK) / 2, (behind - depth) / 2, foot + 0.02 + 0.24)
-        parts[f"Armchair Arm.{side}"] = make_static(scene, place(scene, f"Armchair Arm.{side}", shape, (cloth,), parent=root), CLOTH, "BOX")
+        parts[f"Armchair Arm.{side}"] = make_static(
+            scene, place(scene, f"Armchair Arm.{side}", shape, (cloth,), parent=root), FABRIC, "BOX"
+        )
     thickness = 0.13
     back = box((width - 4 * SUNK, thickness, 0.72), 0.03).moved(0.0, thickness / 2, 0.36)
     standing_on_seat = (0.0, 0.0, height + thickness * math.sin(lean) - SUNK)
     board = place(scene, "Armchair Back", back, (cloth,), standing_on_seat, (-lean, 0.0, 0.0), root)
-    parts["Armchair Back"] = make_static(scene, board, CLOTH, "BOX")
+    parts["Armchair Back"] = make_static(scene, board, FABRIC, "BOX")
     return parts
 
 

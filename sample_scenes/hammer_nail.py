@@ -12,7 +12,7 @@ from .avatar import Hand, build_avatar, standing
 from .furniture import add_table
 from .geometry import SUNK, Geometry, box, cylinder, joined, lathe, rod, superellipsoid
 from .lighting import add_backdrop, add_camera, add_three_point_light, add_world, set_picture
-from .materials import CONCRETE, STEEL, WOOD, surface
+from .materials import CONCRETE, SOFTWOOD, STEEL, surface
 from .staging import add_rigid_body_world, make_moving, make_static, place, place_empty
 
 FRAMES = 120
@@ -32,7 +32,6 @@ FULL_ENERGY = 20.0  # joules
 def build(scene: Scene) -> None:
     """Fill the empty ``scene``."""
     set_picture(scene, FRAMES)
-    scene.haptics.strategy = "as_in_the_paper"
     scene.haptics.maximum_energy = FULL_ENERGY
     add_rigid_body_world(scene, FRAMES)
     wood = surface("Table Wood", "#a9743f", 0.55, mottle=0.35, mottle_scale=7.0)
@@ -42,7 +41,7 @@ def build(scene: Scene) -> None:
     add_table(scene, "Table", (0.0, -0.70, 0.0), wood, surface("Table Legs", "#6d4a2a", 0.6), size=(1.45, 0.62), height=TABLE_HEIGHT)
     fresh = surface("Fresh Wood", "#d9b27c", 0.6, mottle=0.25)
     plank = place(scene, "Plank", box(PLANK, 0.004), (fresh,), (0.02, NAIL.y, TABLE_HEIGHT + PLANK[2] / 2 - SUNK))
-    make_static(scene, plank, WOOD, "BOX")
+    make_static(scene, plank, SOFTWOOD, "BOX")
     _add_nail(scene, steel)
     _add_carpenter(scene, steel)
     _add_things_on_the_table(scene, steel)

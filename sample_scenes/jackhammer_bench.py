@@ -7,12 +7,12 @@ from random import Random
 
 from bpy.types import Material, Object, Scene
 
-from .avatar import build_avatar, seated
+from .avatar import TURNED_UP, build_avatar, seated
 from .crates import crate_materials, crate_shape
 from .furniture import add_bench
 from .geometry import Point, box, cylinder, joined, lathe, prism, rod, superellipsoid
 from .lighting import add_backdrop, add_camera, add_three_point_light, add_world, set_picture
-from .materials import CONCRETE, STEEL, WOOD, surface
+from .materials import CONCRETE, SOFTWOOD, STEEL, surface
 from .staging import add_rigid_body_world, make_dynamic, make_source, make_static, place
 
 FRAMES = 120
@@ -20,7 +20,7 @@ SEAT_HEIGHT = 0.45
 LEAN = math.radians(10)
 GROUND = (4.95, 3.15, 0.22)
 BENCH: Point = (0.28, 0.58, 0.0)
-JACKHAMMER: Point = (-1.52, -0.30, -0.006)
+JACKHAMMER: Point = (-1.12, -0.30, -0.006)
 
 # Edge (m), height of fall (m), mass (kg), place (x, y), turn about z (degrees): 20 to 200 J, on the ground between frames 12 and 40.
 CRATES = (
@@ -35,14 +35,13 @@ CRATES = (
 def build(scene: Scene) -> None:
     """Fill the empty ``scene``."""
     set_picture(scene, FRAMES)
-    scene.haptics.strategy = "as_in_the_paper"
     add_rigid_body_world(scene, FRAMES)
     wood = surface("Bench Wood", "#b9804a", 0.55, mottle=0.35, mottle_scale=9.0)
     metal = surface("Dark Metal", "#33383d", 0.4, 0.8)
     _add_ground(scene)
     _add_jackhammer(scene, metal)
     add_bench(scene, BENCH, wood, metal, height=SEAT_HEIGHT, lean=LEAN)
-    build_avatar(scene, seated(SEAT_HEIGHT, LEAN), BENCH)
+    build_avatar(scene, seated(SEAT_HEIGHT, LEAN), BENCH, gain=TURNED_UP)
     _add_crates(scene)
     _add_cones(scene)
     _add_barrier(scene)
@@ -73,7 +72,7 @@ def _add_ground(scene: Scene) -> Object:
 
 
 def _add_jackhammer(scene: Scene, metal: Material) -> Object:
-    """A pneumatic breaker that stands on its chisel; its blows come at 25 Hz."""
+    """A pneumatic breaker that stands on its chisel; its blows come at 30 Hz."""
     materials = (
         surface("Safety Yellow", "#f2b21b", 0.35),
         metal,
@@ -91,7 +90,7 @@ def _add_jackhammer(scene: Scene, metal: Material) -> Object:
     shape = joined([chisel, retainer, barrel, *rings, *hose, head, bars, *grips])
     jackhammer = place(scene, "Jackhammer", shape, materials, JACKHAMMER, (0.0, 0.0, math.radians(24)))
     make_static(scene, jackhammer, STEEL)
-    return make_source(jackhammer, "PULSE", 25.0)
+    return make_source(jackhammer, "PULSE", 30.0)
 
 
 def _add_crates(scene: Scene) -> None:
@@ -99,7 +98,7 @@ def _add_crates(scene: Scene) -> None:
     for number, (edge, height, mass, (x, y), turn) in enumerate(CRATES, 1):
         location = (x, y, height + edge / 2)
         crate = place(scene, f"Crate {number}", crate_shape(edge), materials, location, (0.0, 0.0, math.radians(turn)))
-        make_dynamic(scene, crate, WOOD, mass, "BOX", restitution=0.0)
+        make_dynamic(scene, crate, SOFTWOOD, mass, "BOX", restitution=0.0)
 
 
 def _add_cones(scene: Scene) -> None:

@@ -1,63 +1,36 @@
-"""What things look like (surfaces) and how they pass vibration on (substances)."""
+"""What things look like (surfaces) and how they pass vibration on (substances: presets of the library)."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import bpy
 from bpy.types import Material, Node, NodeTree, Object, Scene, World
 
-from ..addon.properties.materials import add_material, own_values
-from ..core.scene.coefficients import transfer_coefficient
+from ..addon.authoring import materials as library
+from ..core.scene.materials import MATERIALS
+from ..core.scene.materials import Material as Substance
 
-
-@dataclass(frozen=True, slots=True)
-class Substance:
-    """How a kind of matter passes vibration on: the paper's κ and ρ, both in [0, 1]. What counts is K = (1 - κ) ρ. ``title``: name of the
-    haptic material, by which it is known what it feels like when it is hit."""
-
-    kappa: float
-    rho: float
-    title: str
-
-    @property
-    def k(self) -> float:
-        """The paper's factor per object and, down to ε, its attenuation per metre."""
-        return transfer_coefficient(self.kappa, self.rho)
-
-
-STEEL = Substance(0.10, 0.90, "Steel")
-STONE = Substance(0.30, 0.85, "Stone")
-CONCRETE = Substance(0.40, 0.75, "Concrete")
-WOOD = Substance(0.30, 0.75, "Wood")
-SOIL = Substance(0.60, 0.70, "Soil")
-RUBBER = Substance(0.80, 0.60, "Rubber")
-CLOTH = Substance(0.85, 0.40, "Cloth")
-FLESH = Substance(0.25, 0.85, "Flesh")
-AIR = Substance(0.70, 0.60, "Air")
+STEEL = MATERIALS["steel"]
+STONE = MATERIALS["stone"]
+CONCRETE = MATERIALS["concrete"]
+CERAMIC = MATERIALS["ceramic"]
+HARDWOOD = MATERIALS["hardwood"]
+SOFTWOOD = MATERIALS["softwood"]
+SOIL = MATERIALS["soil"]
+RUBBER = MATERIALS["rubber"]
+RIBBON = MATERIALS["ribbon"]
+FABRIC = MATERIALS["fabric"]
+FLESH = MATERIALS["flesh"]
 
 
 WEAK_BRIGHTNESS = 0.6
 """What weak blows keep above 100 Hz: a slower blow has a longer contact."""
 
 
-def tag(obj: Object, substance: Substance) -> Object:
-    """Make ``obj`` a haptic object of that substance."""
+def tag(scene: Scene, obj: Object, substance: Substance) -> Object:
+    """Make ``obj`` a haptic object of a material of the library of ``scene``, with the preset's values."""
     obj.haptics.enabled = True
-    obj.haptics.material.name = substance.title
-    obj.haptics.kappa = substance.kappa
-    obj.haptics.rho = substance.rho
+    library.apply([obj], library.preset_in(scene, substance))
     return obj
-
-
-def fill_library(scene: Scene) -> None:
-    """Put the materials that objects are made of into the scene's library, with the values of the first object of each."""
-    items = scene.haptics.materials.items
-    for obj in scene.objects:
-        name = obj.haptics.material.name
-        if obj.haptics.enabled and name and name not in items:
-            add_material(scene, name, own_values(obj))
-    scene.haptics.materials.active = 0
 
 
 def vary_impacts(scene: Scene, variation: float) -> None:

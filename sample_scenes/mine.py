@@ -11,15 +11,14 @@ from mathutils import Vector, noise
 
 from .geometry import SUNK, Geometry, box, joined, lathe, rod, superellipsoid
 from .lighting import add_point_light
-from .materials import STONE, WOOD, surface
+from .materials import SOFTWOOD, STONE, surface
 from .railway import MINE_GAUGE, RAIL_TOP, SLEEPER, add_rails
-from .staging import fade_exponentially, make_static, place
+from .staging import make_static, place
 
 SEGMENT = 10.0  # length of a piece of ground, and of a rail
 START, END = -10.0, 320.0
 WIDTH, WIDE = 7.0, 17.0
 THICKNESS = 0.6
-ROCK_FADES, PLANKS_FADE = 0.12, 0.2  # per metre
 RAIL_FOOT_HEIGHT = -SUNK
 TOP_OF_RAIL = RAIL_TOP - SLEEPER[2] + SUNK
 
@@ -38,12 +37,12 @@ def add_ground(scene: Scene, bridge: tuple[float, float], crossings: tuple[float
         middle = low + SEGMENT / 2
         if bridge[0] <= middle <= bridge[1]:
             deck = place(scene, f"Bridge {number + 1:02d}", _deck(), planks, (middle, 0.0, 0.0))
-            fade_exponentially(make_static(scene, deck, WOOD, "BOX"), PLANKS_FADE)
+            make_static(scene, deck, SOFTWOOD, "BOX")
             continue
         wide = any(low - 2.0 <= x <= low + SEGMENT + 2.0 for x in crossings)
         slab = box((SEGMENT + SUNK, WIDE if wide else WIDTH, THICKNESS)).moved(z=-THICKNESS / 2)
         ground = place(scene, f"Ground {number + 1:02d}", slab, (rock,), (middle, 0.0, 0.0))
-        fade_exponentially(make_static(scene, ground, STONE, "BOX"), ROCK_FADES)
+        make_static(scene, ground, STONE, "BOX")
 
 
 def _deck() -> Geometry:

@@ -10,11 +10,11 @@ from bpy.types import Object, Scene
 
 from .animation import animate
 from .geometry import SUNK, Geometry, box, joined, rod
-from .materials import STEEL, WOOD, surface
+from .materials import HARDWOOD, STEEL, surface
 from .mine import TOP_OF_RAIL
 from .railway import MINE_GAUGE, RAIL_HEAD
 from .railway import wheelset as wheelset_shape
-from .staging import fade_exponentially, make_moving, place, place_empty
+from .staging import make_moving, place, place_empty
 
 WHEEL = 0.17
 LENGTH, WIDTH, RIM = 1.75, 1.24, 0.50  # outside; the rim is above the floor
@@ -23,7 +23,6 @@ FLOOR = TOP_OF_RAIL + 2 * WHEEL - 2 * SUNK + BOARD  # upper side of the cart's f
 SEAT_HEIGHT = 0.42  # above the floor
 LEAN = math.radians(10)
 BACK_X = -0.52  # where seat and backrest meet
-CART_FADES = 0.2  # per metre
 
 # Kilograms. Wheels roll from one rail onto the next all the time; so light, they hit none with 5 J, nor do boards hit walls so.
 WHEELSET_MASS, BOARD_MASS = 0.5, 2.0
@@ -60,7 +59,7 @@ def add_cart(scene: Scene, name: str, colour: str, *, seat: bool) -> Cart:
         on_seat = (BACK_X, 0.0, FLOOR + SEAT_HEIGHT + thickness * math.sin(LEAN) - SUNK)
         parts["Backrest"] = place(scene, f"{name} Backrest", board, (wood, iron), on_seat, (0.0, -LEAN, 0.0), root)
     for part in parts.values():
-        fade_exponentially(make_moving(scene, part, WOOD, BOARD_MASS, "BOX"), CART_FADES)
+        make_moving(scene, part, HARDWOOD, BOARD_MASS, "BOX")
     wheelsets = tuple(_wheelset(scene, f"{name} Wheelset {number}", root, x) for number, x in enumerate((-0.52, 0.52), 1))
     wheels = tuple(_wheels(scene, f"{name} Wheels {number}", wheelset) for number, wheelset in enumerate(wheelsets, 1))
     x, y, rim = LENGTH / 2, WIDTH / 2, FLOOR + RIM
@@ -84,7 +83,7 @@ def _wheelset(scene: Scene, name: str, root: Object, x: float) -> Object:
     wheelset = place(scene, name, shape, (iron,), (x, 0.0, TOP_OF_RAIL + WHEEL - SUNK), parent=root)
     wheelset.display_type = "WIRE"
     wheelset.hide_render = True
-    return fade_exponentially(make_moving(scene, wheelset, STEEL, WHEELSET_MASS, "BOX"), 0.05)
+    return make_moving(scene, wheelset, STEEL, WHEELSET_MASS, "BOX")
 
 
 def _wheels(scene: Scene, name: str, wheelset: Object) -> Object:

@@ -21,13 +21,12 @@ from .avatar import Avatar, build_avatar, seated
 from .explosion import add_explosion
 from .geometry import SUNK, Geometry, Point, box, joined, lathe, rod, sphere, superellipsoid
 from .lighting import add_area_light, add_camera, add_point_light, add_sun, add_world, set_picture
-from .materials import CLOTH, STONE, WOOD, Substance, surface
+from .materials import FABRIC, RIBBON, SOFTWOOD, STEEL, STONE, surface
 from .mine import RAIL_FOOT_HEIGHT, add_ground, add_lamps, add_track, add_tunnel, rock_material
 from .mine_cart import BACK_X, FLOOR, LEAN, SEAT_HEIGHT, Cart, add_cart, roll
 from .railway import MINE_GAUGE, RAIL_HEAD, rail_shape
 from .staging import (
     add_rigid_body_world,
-    fade_exponentially,
     make_medium,
     make_moving,
     make_source,
@@ -41,8 +40,7 @@ FRAME_RATE = 24
 FRAMES = 3600
 SPEED = 2.0  # metres per second
 GRAVITY = 9.81
-BODY_FADES = 3.0
-"""Per metre, in the rider: strong enough that what reaches a part of the body tells where it came from."""
+FULL_ENERGY = 40.0  # joules
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,9 +83,7 @@ FRONT_CROSSING, BACK_CROSSING = 222.0, 232.0
 CROSSINGS = (FRONT_CROSSING, BACK_CROSSING)
 
 # What the nine walls are made of, in the order of the ride.
-RIBBON = Substance(0.90, 0.50, "Ribbon")
-GRANITE = Substance(0.05, 0.95, "Granite")
-WALLS = (*(("Stone", GRANITE),) * 3, *(("Wood", WOOD),) * 3, *(("Ribbon", RIBBON),) * 3)
+WALLS = (*(("Stone", STONE),) * 3, *(("Wood", SOFTWOOD),) * 3, *(("Ribbon", RIBBON),) * 3)
 WALL_PERIOD = 62  # frames
 WALL_BOTTOM, WALL_TOP, WALL_HALF_WIDTH, WALL_THICKNESS = 1.08, 2.65, 1.45, 0.35
 
@@ -95,7 +91,7 @@ WALL_BOTTOM, WALL_TOP, WALL_HALF_WIDTH, WALL_THICKNESS = 1.08, 2.65, 1.45, 0.35
 def build(scene: Scene) -> None:
     """Fill the empty ``scene``."""
     set_picture(scene, FRAMES, FRAME_RATE)
-    scene.haptics.strategy = "best_path"
+    scene.haptics.maximum_energy = FULL_ENERGY
     add_rigid_body_world(scene, FRAMES)
     add_ground(scene, BRIDGE, CROSSINGS)
     add_track(scene)
@@ -107,8 +103,6 @@ def build(scene: Scene) -> None:
     roll(cart, ride)
     posture = seated(SEAT_HEIGHT, LEAN)
     avatar = build_avatar(scene, posture, (BACK_X, 0.0, FLOOR), math.pi / 2, moving=True, parent=cart.root)
-    for part in avatar.parts.values():
-        fade_exponentially(part, BODY_FADES)
     _add_stalactites(scene)
     _add_wind(scene)
     _add_elves(scene, avatar)
@@ -122,7 +116,7 @@ def build(scene: Scene) -> None:
 
 
 def _add_stalactites(scene: Scene) -> None:
-    """Fifteen, of 0.4 to 6 kg, fall beside the track near the cart and stay where they strike."""
+    """Fifteen, of 0.4 to 6 kg, fall close to the cart and stay where they strike."""
     rock = rock_material()
     draw = Random(15)
     for number in range(1, 16):
@@ -131,8 +125,8 @@ def _add_stalactites(scene: Scene) -> None:
         radius = length * draw.uniform(0.13, 0.20)
         mass = round(0.4 * 15 ** ((length - 0.40) / 0.55), 2)
         frames = draw.randrange(15, 18)
-        x = distance_at(lands) + draw.uniform(-0.6, 3.2)
-        y = draw.choice((-1.0, 1.0)) * draw.uniform(1.15, 2.0)
+        x = distance_at(lands) + draw.uniform(-0.6, 1.4)
+        y = draw.choice((-1.0, 1.0)) * draw.uniform(0.85, 1.2)
         waist = ((0.0, 0.0), (0.12 * radius, 0.06 * length), (0.34 * radius, 0.35 * length), (0.62 * radius, 0.70 * length))
         shape = lathe((*waist, (radius, 0.96 * length), (0.8 * radius, length)), 11)
         stalactite = place(scene, f"Stalactite {number:02d}", shape, (rock,), (x, y, -0.008), (0.0, 0.0, draw.uniform(0.0, 6.0)))
@@ -145,16 +139,23 @@ def _add_stalactites(scene: Scene) -> None:
 
 # Section 2
 
+AIR_TOP = FLOOR + SEAT_HEIGHT + 0.08
+
 
 def _add_wind(scene: Scene) -> None:
-    """Air over the chasm, with a source that follows the cart below the bridge and blows now more, now less."""
+    """Air over the chasm, up to the rider's legs, with a source that follows the cart below the bridge and blows now more, now less."""
     section = SECTIONS[1]
     low, high = BRIDGE
-    air = place(scene, "Updraft", box((high - low - 6.0, 2.2, 6.4)).moved((low + high) / 2, 0.0, -0.8), (surface("Updraft", "#bfe3f2"),))
+    air = place(
+        scene,
+        "Updraft",
+        box((high - low - 6.0, 2.2, AIR_TOP + 4.0)).moved((low + high) / 2, 0.0, (AIR_TOP - 4.0) / 2),
+        (surface("Updraft", "#bfe3f2"),),
+    )
     make_medium(air, 0.35)
-    wind = place_empty(scene, "Wind", (0.0, 0.0, -1.6), air, "SINGLE_ARROW", 1.0)
+    wind = place_empty(scene, "Wind", (0.0, 0.0, -0.9), air, "SINGLE_ARROW", 1.0)
     enter, leave = frame_at(low + 4.5), frame_at(high - 4.5)
-    ends = {frame: (distance_at(frame) - air.location.x, 0.0, -1.6) for frame in (enter, leave)}
+    ends = {frame: (distance_at(frame) - air.location.x, 0.0, -0.9) for frame in (enter, leave)}
     animate(wind, "location", ends)
     make_source(wind, "NOISE", amplitude=0.0)
     strength = {1.0: 0.0, enter: 0.0, leave: 0.0, float(FRAMES): 0.0}
@@ -248,7 +249,7 @@ def _surface_point(avatar: Avatar, part: str, origin: Vector) -> Vector:
 def _add_dart(scene: Scene, number: int, felt: bpy.types.Material, mouth: Vector, target: Vector, hit: int) -> None:
     """A soft ball that waits beside the elf, is shot straight, touches the moving user at frame ``hit`` and drops beside the track."""
     dart = place(scene, f"Projectile {number:02d}", sphere(DART_RADIUS, 14, 8), (felt,))
-    make_moving(scene, dart, CLOTH, DART_MASS, "SPHERE")
+    make_moving(scene, dart, FABRIC, DART_MASS, "SPHERE")
     away = (mouth + Vector((_ELF_AHEAD, 0.0, 0.0)) - target).normalized()
     end = target + away * (DART_RADIUS - 0.002) + Vector((distance_at(hit), 0.0, 0.0))
     shot = hit - DART_FRAMES
@@ -301,8 +302,8 @@ def _add_shock_wave(scene: Scene, cart: Object) -> None:
 def _add_crossing_carts(scene: Scene) -> None:
     """One cart crosses before the user and one behind; each is a source while it rolls."""
     for name, x, frame, direction, colour in (
-        ("Front Cart", FRONT_CROSSING, frame_at(FRONT_CROSSING - 4.6), 1.0, "#4f6f8a"),
-        ("Back Cart", BACK_CROSSING, frame_at(BACK_CROSSING + 3.6), -1.0, "#6f7d4a"),
+        ("Front Cart", FRONT_CROSSING, frame_at(FRONT_CROSSING - 2.4), 1.0, "#4f6f8a"),
+        ("Back Cart", BACK_CROSSING, frame_at(BACK_CROSSING + 2.2), -1.0, "#6f7d4a"),
     ):
         _add_cross_rails(scene, name, x)
         cart = add_cart(scene, name, colour, seat=False)
@@ -315,7 +316,7 @@ def _add_crossing_carts(scene: Scene) -> None:
         roll(cart, {when: y + reach for when, y in way.items()})
         rumble = place_empty(scene, f"{name} Rumble", (0.0, 0.0, 0.0), cart.wheelsets[0], size=0.2)
         make_source(rumble, "NOISE", amplitude=0.0)
-        animate(rumble, "haptics.source.amplitude", {1.0: 0.0, begin: 0.0, begin + 6: 0.8, end - 6: 0.8, end: 0.0})
+        animate(rumble, "haptics.source.amplitude", {1.0: 0.0, begin: 0.0, begin + 6: 1.0, end - 6: 1.0, end: 0.0})
 
 
 def _add_cross_rails(scene: Scene, name: str, x: float) -> None:
@@ -327,7 +328,7 @@ def _add_cross_rails(scene: Scene, name: str, x: float) -> None:
         for side, letter in ((1.0, "L"), (-1.0, "R")):
             shape = rail_shape(high - low).turned(math.pi / 2, "Z")
             rail = place(scene, f"{name} Rail {number}.{letter}", shape, (steel,), (x + side * gap, low, RAIL_FOOT_HEIGHT))
-            fade_exponentially(make_static(scene, rail, STONE, "BOX"), 0.01)
+            make_static(scene, rail, STEEL, "BOX")
 
 
 def _add_ore(scene: Scene, name: str, cart: Cart) -> None:

@@ -9,10 +9,10 @@ from random import Random
 from bpy.types import Mesh, Object, Scene
 from mathutils import Vector
 
-from .avatar import Hand, build_avatar, standing
+from .avatar import TURNED_UP, Hand, build_avatar, standing
 from .geometry import SUNK, Geometry, box, cylinder, joined, lathe, rod, sphere, to_mesh
 from .lighting import add_backdrop, add_camera, add_three_point_light, add_world, set_picture
-from .materials import CONCRETE, STEEL, WOOD, surface
+from .materials import CONCRETE, SOFTWOOD, STEEL, surface
 from .staging import add_rigid_body_world, make_dynamic, make_source, make_static, place, place_mesh
 
 COUNT = 200
@@ -29,7 +29,6 @@ SIZE = 0.13
 def build(scene: Scene, count: int = COUNT) -> None:
     """Fill the empty ``scene`` with ``count`` things that fall into a tray."""
     set_picture(scene, FRAMES)
-    scene.haptics.strategy = "energy_balance"
     add_rigid_body_world(scene, FRAMES)
     side = LEAST_SIDE * max(1.0, math.sqrt(count / COUNT))
     slab = box((side + 3.0, side + 2.3, 0.12), 0.02).moved(z=-0.06)
@@ -40,12 +39,12 @@ def build(scene: Scene, count: int = COUNT) -> None:
     _add_things(scene, count, side)
     edge = TABLE_HEIGHT + HEIGHT + WALL
     palm = Hand(Vector((0.20, -0.30, edge - 2 * SUNK)), Vector((0.0, -1.0, -0.02)))
-    build_avatar(scene, standing(palm), (0.0, side / 2 + WALL / 2 + 0.30, 0.0))
+    build_avatar(scene, standing(palm), (0.0, side / 2 + WALL / 2 + 0.30, 0.0), gain=TURNED_UP)
     _add_surroundings(scene, side / LEAST_SIDE)
 
 
 def _add_shaking_table(scene: Scene, side: float) -> Object:
-    """A motor below a plate on four springs, at 30 Hz: the source."""
+    """A motor below a plate on four springs, at 100 Hz: the source."""
     steel, blue = surface("Bare Steel", "#9a9fa4", 0.3, 1.0), surface("Machine Blue", "#2f5d8a", 0.4)
     black = surface("Rubber", "#1d1d1f", 0.85)
     plate = box((side, side, 0.06), 0.01).moved(z=TABLE_HEIGHT - 0.03)
@@ -61,7 +60,7 @@ def _add_shaking_table(scene: Scene, side: float) -> Object:
         for y, along in ((-offset, "Front"), (offset, "Back")):
             leg = place(scene, f"Spring {along}.{across}", spring, (steel, black), (x, y, -SUNK))
             make_static(scene, leg, STEEL)
-    return make_source(table, "SINE", 30.0)
+    return make_source(table, "SINE", 100.0)
 
 
 def _coil() -> Geometry:
@@ -86,7 +85,9 @@ def _add_tray(scene: Scene, side: float) -> None:
         "Tray Wall.R": (box((WALL, side + 2 * SUNK, HEIGHT), 0.004), (-middle, 0.0, low + HEIGHT / 2)),
     }
     for name, (shape, (px, py, pz)) in parts.items():
-        make_static(scene, place(scene, name, shape, (wood if name == "Tray Floor" else board,), (px, py, TABLE_HEIGHT + pz)), WOOD, "BOX")
+        make_static(
+            scene, place(scene, name, shape, (wood if name == "Tray Floor" else board,), (px, py, TABLE_HEIGHT + pz)), SOFTWOOD, "BOX"
+        )
 
 
 def _add_things(scene: Scene, count: int, side: float) -> None:
@@ -107,7 +108,7 @@ def _add_things(scene: Scene, count: int, side: float) -> None:
         kind, shape, meshes = kinds[draw.randrange(len(kinds))]
         turn = (draw.uniform(0.0, 6.28), draw.uniform(0.0, 6.28), draw.uniform(0.0, 6.28))
         thing = place_mesh(scene, f"{kind} {number + 1:04d}", meshes[draw.randrange(len(meshes))], spot, turn)
-        make_dynamic(scene, thing, WOOD, 0.6, shape, friction=0.5, restitution=0.1)
+        make_dynamic(scene, thing, SOFTWOOD, 0.6, shape, friction=0.5, restitution=0.1)
 
 
 def _kinds() -> list[tuple[str, str, list[Mesh]]]:

@@ -7,8 +7,8 @@ import math
 from bpy.types import Material, Object, Scene
 
 from .geometry import SUNK, Geometry, Point, box, cylinder, joined, prism, rod
-from .materials import STEEL, WOOD
-from .staging import fade_exponentially, make_static, place
+from .materials import HARDWOOD, STEEL
+from .staging import make_static, place
 
 SLEEPER = (0.24, 2.3, 0.13)
 RAIL_HEIGHT, RAIL_FOOT = 0.14, 0.12
@@ -16,14 +16,12 @@ GAUGE, MINE_GAUGE = 1.435, 0.9
 RAIL_HEAD = 0.07
 RAIL_TOP = SLEEPER[2] + RAIL_HEIGHT - 2 * SUNK
 
-RAIL_FADES, SLEEPER_FADES, SOIL_FADES = 0.01, 0.3, 0.2  # per metre
-
 
 def add_sleepers(scene: Scene, name: str, wood: Material, xs: list[float]) -> list[Object]:
     """Sleepers across x on the ground at z = 0."""
     shape = box(SLEEPER, 0.012).moved(z=SLEEPER[2] / 2)
     sleepers = [place(scene, f"{name} {number}", shape, (wood,), (x, 0.0, -SUNK)) for number, x in enumerate(xs, 1)]
-    return [fade_exponentially(make_static(scene, sleeper, WOOD, "BOX"), SLEEPER_FADES) for sleeper in sleepers]
+    return [make_static(scene, sleeper, HARDWOOD, "BOX") for sleeper in sleepers]
 
 
 def add_rails(
@@ -33,7 +31,7 @@ def add_rails(
     rails = []
     for side, letter in ((1.0, "L"), (-1.0, "R")):
         rail = place(scene, f"{name}.{letter}", rail_shape(high - low), (steel,), (low, side * (gauge + RAIL_HEAD) / 2, height))
-        rails.append(fade_exponentially(make_static(scene, rail, STEEL, "BOX"), RAIL_FADES))
+        rails.append(make_static(scene, rail, STEEL, "BOX"))
     return rails
 
 

@@ -10,8 +10,9 @@ from bpy.types import Material, Mesh, Object, Scene
 from mathutils import Euler, Vector
 
 from ..addon.blender.progress import show
+from ..core.scene.materials import Material as Substance
 from .geometry import Geometry, Point, to_mesh
-from .materials import Substance, tag
+from .materials import tag
 
 _expected: list[int] = []  # the number of objects of the sample that is being built
 
@@ -112,7 +113,7 @@ def make_static(scene: Scene, obj: Object, substance: Substance, shape: str = "C
     body.type = "PASSIVE"
     body.friction = friction
     body.restitution = 0.2
-    return tag(obj, substance)
+    return tag(scene, obj, substance)
 
 
 def make_moving(scene: Scene, obj: Object, substance: Substance, mass: float, shape: str = "CONVEX_HULL") -> Object:
@@ -122,7 +123,7 @@ def make_moving(scene: Scene, obj: Object, substance: Substance, mass: float, sh
     body.kinematic = True
     body.mass = mass
     body.friction = 0.6
-    return tag(obj, substance)
+    return tag(scene, obj, substance)
 
 
 def make_dynamic(
@@ -134,7 +135,7 @@ def make_dynamic(
     body.mass = mass
     body.friction = friction
     body.restitution = restitution
-    return tag(obj, substance)
+    return tag(scene, obj, substance)
 
 
 def make_medium(obj: Object, alpha: float) -> Object:
@@ -164,12 +165,14 @@ def make_source(obj: Object, signal: str, frequency: float = 60.0, amplitude: fl
     return obj
 
 
-def make_listener(obj: Object, body_part: str, radius: float) -> Object:
-    """A listener at the origin of ``obj``, which stands for a body part with a bounding radius in metres."""
+def make_listener(obj: Object, body_part: str, radius: float, gain: float = 1.0) -> Object:
+    """A listener at the origin of ``obj``, which stands for a body part with a bounding radius in metres; ``gain``: how far its device is
+    turned up."""
     listener = obj.haptics.listener
     listener.enabled = True
     listener.limiter = False  # the paper cuts the mix off at the ceiling
     listener.extent = "none"
     listener.body_part = body_part
     listener.radius = radius
+    listener.gain = gain
     return obj

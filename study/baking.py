@@ -25,6 +25,7 @@ from ..core.signals import DEFAULT_IMPACT, Signal
 from ..pictures.picture import viewport_picture
 from ..pictures.png import write_png
 from ..sample_scenes.mine_ride import SECTIONS
+from .measures import felt_shares
 from .rendition import MODES, Rendition, Ride, Sounding
 from .sensitivity import Variation, VariedGraph
 
@@ -218,11 +219,21 @@ def _soundings(results: dict[Mode, FrameResult]) -> list[Sounding]:
                 began=began,
                 amplitude=source.amplitude,
                 distance=np.min([np.linalg.norm(places - side, axis=1) for side in _sides(source)], axis=0),
-                gains=np.array([results[mode].gains[row] for mode in MODES]),
+                gains=np.array([_felt_gains(results[mode], row) for mode in MODES]),
                 paths=tuple(traced.path_objects(row, k) for k in range(len(traced.listeners))) if began else (),
             )
         )
     return found
+
+
+def _felt_gains(result: FrameResult, row: int) -> FloatArray:
+    """The gains (l,) of a source, amplitude included; those of frequency bands weighed by how much of its signal is felt in each."""
+    bands = result.propagation.band_gain
+    if bands is None:
+        return np.asarray(result.gains[row])
+    source = result.sources[row]
+    assert source.signal is not None
+    return np.asarray(source.amplitude * np.sqrt(bands[row] ** 2 @ felt_shares(source.signal)))
 
 
 def _sides(source: Source) -> tuple[FloatArray, ...]:

@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.arrays import FloatArray, IntArray
-from ..core.perception import DIFFERENCE_THRESHOLDS
+from ..core.perception import DIFFERENCE_THRESHOLDS, sensation_level, threshold_level
+from ..core.scene.bands import BAND_COUNT, BAND_EDGES
+from ..core.signals import Signal
 
 ACTIVE = 0.01
 """An actuator counts as active where its drive exceeds this share of full scale (-40 dB)."""
 CLASS_WIDTH = DIFFERENCE_THRESHOLDS[1]
 """Decibels within which two levels count as the same intensity."""
+
+WINDOW = 0.25
+"""Seconds over which skin sums up, as in the meters."""
+LOWEST, HIGHEST = 5.0, 1000.0
+"""Hertz that skin feels."""
+_RATE = 8000.0
 
 
 def active_count(peak: FloatArray) -> IntArray:
@@ -70,6 +80,28 @@ def _entropy(classes: FloatArray) -> float:
     _, counts = np.unique(classes, axis=0, return_counts=True)
     share = counts / counts.sum()
     return abs(float((share * np.log2(share)).sum()))
+
+
+@lru_cache(maxsize=256)
+def felt_shares(signal: Signal) -> FloatArray:
+    """The shares (6,) of the frequency bands in what is felt of the first second of a signal."""
+    samples = signal.sample(0, round(_RATE), _RATE)
+    if math.isinf(signal.duration):
+        samples = samples * np.hanning(len(samples))
+    power = np.abs(np.fft.rfft(samples)) ** 2
+    hertz = np.fft.rfftfreq(len(samples), 1 / _RATE)
+    felt = (hertz >= LOWEST) & (hertz <= HIGHEST)
+    energy = power[felt] * 10 ** (-threshold_level(hertz[felt]) / 10)
+    shares = np.bincount(np.searchsorted(BAND_EDGES[1:-1], hertz[felt]), energy, BAND_COUNT)
+    return np.asarray(shares / shares.sum())
+
+
+def highest_sensation(samples: NDArray[np.floating], sample_rate: float) -> FloatArray:
+    """How far each listener's ``samples`` (l, n) rise above the threshold of feeling at most, in decibels (l,), in windows of `WINDOW`."""
+    width = round(WINDOW * sample_rate)
+    ends = range(min(width, samples.shape[1]), samples.shape[1] + 1, max(width // 8, 1))
+    found = [sensation_level(np.asarray(samples[:, max(end - width, 0) : end], dtype=np.float64), sample_rate) for end in ends]
+    return np.asarray(np.max(found, axis=0)) if samples.shape[1] else np.full(len(samples), -np.inf)
 
 
 def spectrogram(samples: NDArray[np.floating], sample_rate: float, width: int = 1024) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -5,72 +5,62 @@ Contacts, impacts and sources stay what they are; only gains and levels of hapti
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ..core.graph.haptic_graph import HapticGraph, ObjectTable
-from ..core.scene.functions import Exponential, HapticTracing, ModulationFunction
+from ..core.scene.materials import MATERIALS, Material
 from ..core.scene.values import HapticObject, Settings, Strategy
 
-
-@dataclass(frozen=True, slots=True)
-class Tuned:
-    """A decay [1/m] that was chosen for the ride: whose it is, why, and ``belongs``: whether an object of this name has it."""
-
-    name: str
-    decay: float
-    reason: str
-    belongs: Callable[[str], bool]
-
-
-def _of_the_cart(name: str) -> bool:
-    return name.startswith("Bridge") or ("Cart" in name and "Rail" not in name and "Wheelset" not in name)
-
-
-TUNED = (
-    Tuned("rider", 3.0, "so that what reaches a part of the body tells where it came from", lambda name: name.startswith("Avatar")),
-    Tuned("rock", 0.12, "so that a stalactite is felt over some metres", lambda name: name.startswith("Ground")),
-    Tuned("planks and carts", 0.2, "as distance alone in the other modes", _of_the_cart),
-    Tuned("wheelsets", 0.05, "so that what comes from the rails reaches the cart", lambda name: "Wheelset" in name),
-    Tuned("rails", 0.01, "so that rails carry further than rock", lambda name: "Rail" in name),
-)
-"""Every tuned decay of the ride. Walls, stalactites and projectiles have the paper's function with kappa and rho of their materials."""
+CHOSEN = tuple(MATERIALS[name] for name in ("stone", "steel", "hardwood", "softwood", "ribbon", "fabric", "flesh"))
+"""The materials of the ride. It has no value of its own: every object has kappa and rho of the library, which are chosen by design, and the
+paper's function."""
 
 
 @dataclass(frozen=True, slots=True)
 class Variation:
-    """Another value, or another strategy. ``name``: of what; ``label``: which one."""
+    """Another transfer coefficient K of a material, or another strategy. ``name``: of what; ``label``: which one. ``power``: K to the power
+    of it, so that its loss in decibels is so many times as high."""
 
     name: str
     label: str
-    belongs: Callable[[str], bool] | None = None
-    function: ModulationFunction | None = None
+    material: Material | None = None
+    power: float = 1.0
     strategy: Strategy | None = None
 
     def settings(self, settings: Settings) -> Settings:
         """The settings of a frame."""
-        return settings if self.strategy is None else replace(settings, strategy=self.strategy)
+        if self.strategy is None:
+            return settings
+        threshold = _LEAST if self.strategy is Strategy.AS_IN_THE_PAPER else settings.threshold
+        return replace(settings, strategy=self.strategy, threshold=threshold)
+
+    def belongs(self, item: HapticObject) -> bool:
+        """Whether an object is made of the material."""
+        own = self.material
+        return own is not None and (round(item.kappa, 4), round(item.rho, 4)) == (own.kappa, own.rho)
 
     def objects(self, objects: Sequence[HapticObject]) -> tuple[HapticObject, ...]:
         """The objects of a frame."""
-        if self.belongs is None or self.function is None:
+        if self.material is None:
             return tuple(objects)
-        return tuple(replace(item, propagation=self.function) if self.belongs(item.name) else item for item in objects)
+        k = self.material.k**self.power
+        return tuple(replace(item, kappa=0.0, rho=k) if self.belongs(item) else item for item in objects)
 
 
 def variations() -> tuple[Variation, ...]:
-    """Half, double, and the paper's own function for each tuned decay; the default strategy and the energy balance."""
+    """Half and double the loss of each material; the paper's strategies and the energy balance."""
     values = [
-        Variation(tuned.name, label, tuned.belongs, function)
-        for tuned in TUNED
-        for label, function in (
-            ("half", Exponential(alpha=tuned.decay / 2)),
-            ("double", Exponential(alpha=tuned.decay * 2)),
-            ("the paper's function", HapticTracing()),
-        )
+        Variation(material.title, label, material, power)
+        for material in CHOSEN
+        for label, power in (("half the loss", 0.5), ("double the loss", 2.0))
     ]
-    strategies = (("best path, the default", Strategy.BEST_PATH), ("energy balance", Strategy.ENERGY_BALANCE))
+    strategies = (("as in the paper, paths above 1 %", Strategy.AS_IN_THE_PAPER), ("energy balance", Strategy.ENERGY_BALANCE))
     return (*values, *(Variation("strategy", label, strategy=strategy) for label, strategy in strategies))
+
+
+_LEAST = 0.01
+"""Part of the source that a path must keep in a sum over all paths: the wind, the cart and the bridge have too many below."""
 
 
 class VariedGraph:

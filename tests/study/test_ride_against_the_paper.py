@@ -1,4 +1,4 @@
-"""What the paper says of the four renderings holds for short parts of the ride; the command does the same for all of it."""
+"""What the modes are by definition holds for short parts of the ride; what is measured is reported, whatever it says."""
 
 import numpy as np
 import pytest
@@ -15,10 +15,9 @@ WALLS = (wall_frame(2) - 20, wall_frame(6) + 20)  # the last of stone, all of wo
 
 @pytest.mark.slow
 @pytest.mark.parametrize("frames", [STALACTITES, BRIDGE, SHOCK_WAVE, WALLS], ids=["stalactites", "bridge", "shock wave", "walls"])
-def test_every_check_that_these_frames_have_data_for_holds(bake, frames):
+def test_every_definition_that_these_frames_have_data_for_holds(bake, frames):
     found = {check.name: check for check in checks.checks_of(bake(*frames))}
-    of_sections = {name for name in found if name.endswith((": a pattern", ": more range"))}  # shown whatever they say
-    assert [check.measured for name, check in found.items() if check.holds is False and name not in of_sections] == []
+    assert [check.measured for check in found.values() if check.by_definition and check.holds is False] == []
     always = ("SD: one at a time", "SD: the nearest", "MN: all alike", "MD: by distance only")
     assert all(found[name].holds for name in always)
 
@@ -30,7 +29,10 @@ def test_each_part_has_data_for_its_own_checks(bake):
 
     assert {"HT: both legs", "SD: one place"} <= held(STALACTITES)
     assert {"HT: from left to right", "MN: no direction"} <= held(SHOCK_WAVE)
-    assert {"HT: by material", "MD: whatever the material", "MN: whatever the material"} <= held(WALLS)
+    assert {"MD: whatever the material", "MN: whatever the material"} <= held(WALLS)
+    # Stone and wood of the library differ by less than everybody feels: said, not hidden.
+    (by_material,) = [check for check in checks.checks_of(bake(*WALLS)) if check.name == "HT: by material"]
+    assert by_material.holds is False and "0 actuators (stone and wood)" in by_material.measured
 
 
 @pytest.mark.slow
@@ -62,7 +64,7 @@ def test_material_counts_in_tracing_alone(bake):
     walls = checks.wall_gains(bake(*WALLS))
     assert [name.split(" ")[0] for name in walls] == ["Stone", "Wood", "Wood", "Wood", "Ribbon"]
     stone, wood, ribbon = (np.array(walls[name]) for name in ("Stone Wall 3", "Wood Wall 2", "Ribbon Wall 1"))
-    assert stone[checks.HT].sum() > 1.05 * wood[checks.HT].sum() > 1.1 * ribbon[checks.HT].sum()
+    assert stone[checks.HT].sum() > wood[checks.HT].sum() > 1.1 * ribbon[checks.HT].sum()
     for mode in (checks.MD, checks.MN):
         assert stone[mode] == pytest.approx(ribbon[mode], rel=0.01)
 

@@ -4,49 +4,51 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from haptic_tracing.core.scene.materials import MATERIALS
 from haptic_tracing.core.scene.values import Mode
 from haptic_tracing.study.baking import bake_ride
 from haptic_tracing.study.checks import HT, has_pattern, wider_than_distance
-from haptic_tracing.study.sensitivity import TUNED, variations
+from haptic_tracing.study.sensitivity import CHOSEN, variations
 
 FRAMES = (66, 74)
 SECTION = ("x", "Section", 0, 10_000)
 
 
-def haptic_names(scene):
-    return {obj.name for obj in scene.objects if obj.haptics.enabled}
+def haptic_objects(scene):
+    return [obj for obj in scene.objects if obj.haptics.enabled]
 
 
 @pytest.mark.slow
-def test_tuned_decays_are_those_of_the_scene(mine_ride):
-    names = haptic_names(mine_ride)
-    for tuned in TUNED:
-        own = {name for name in names if tuned.belongs(name)}
-        assert own
-        assert {round(mine_ride.objects[name].haptics.alpha, 6) for name in own} == {tuned.decay}
-    all_tuned = [name for name in names for tuned in TUNED if tuned.belongs(name)]
-    assert len(all_tuned) == len(set(all_tuned))
+def test_nothing_of_the_ride_is_tuned(mine_ride):
+    """Every object that is no medium has the paper's function with the values of the library's preset of its name."""
+    presets = {material.title: material for material in MATERIALS.values()}
+    solid = [obj for obj in haptic_objects(mine_ride) if not obj.haptics.medium]
+    for obj in solid:
+        preset = presets[obj.haptics.material.name]
+        assert obj.haptics.function == "haptic_tracing"
+        assert (obj.haptics.kappa, obj.haptics.rho) == pytest.approx((preset.kappa, preset.rho), rel=1e-6)
+    assert {obj.haptics.material.name for obj in solid} == {material.title for material in CHOSEN}
+    assert mine_ride.haptics.strategy == "auto"
+    assert len(mine_ride.haptics.transmission_table.items) == 0
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("label", ["double", "the paper's function"])
-def test_a_variation_is_the_ride_with_edited_properties(mine_ride, label):
-    rider = next(one for one in variations() if (one.name, one.label) == ("rider", label))
+def test_a_variation_is_the_ride_with_edited_properties(mine_ride):
+    rider = next(one for one in variations() if (one.name, one.label) == ("Flesh", "double the loss"))
     _, ((_, varied),) = bake_ride(mine_ride, *FRAMES, variations=[rider])
-    parts = [mine_ride.objects[name] for name in haptic_names(mine_ride) if rider.belongs(name)]
-    before = [(part.haptics.function, part.haptics.alpha) for part in parts]
+    parts = [obj for obj in haptic_objects(mine_ride) if obj.haptics.material.name == "Flesh"]
+    before = [(part.haptics.kappa, part.haptics.rho) for part in parts]
     for part in parts:
-        part.haptics.function = "haptic_tracing" if label != "double" else "exponential"
-        part.haptics.alpha = 6.0
+        part.haptics.kappa, part.haptics.rho = 0.0, MATERIALS["flesh"].k ** 2
     try:
         edited, _ = bake_ride(mine_ride, *FRAMES)
     finally:
-        for part, (function, alpha) in zip(parts, before, strict=True):
-            part.haptics.function, part.haptics.alpha = function, alpha
+        for part, (kappa, rho) in zip(parts, before, strict=True):
+            part.haptics.kappa, part.haptics.rho = kappa, rho
     assert len(varied.soundings) == len(edited.soundings) > 0
     for one, other in zip(varied.soundings, edited.soundings, strict=True):
-        assert one.gains == pytest.approx(other.gains, rel=1e-9, abs=1e-12)
-    assert varied.renditions[Mode.HT].rms == pytest.approx(edited.renditions[Mode.HT].rms, abs=1e-9)
+        assert one.gains == pytest.approx(other.gains, rel=1e-6, abs=1e-12)
+    assert varied.renditions[Mode.HT].rms == pytest.approx(edited.renditions[Mode.HT].rms, abs=1e-8)
 
 
 def test_checks_of_a_section(bake):

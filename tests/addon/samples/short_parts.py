@@ -1,16 +1,18 @@
-"""Short parts of the samples, and what is stored of them.
+"""Short parts of the samples, and what is stored of them: gains and levels by `level_reference`, what touches and strikes as it was found.
 
-Run it with an interpreter that has bpy to store the values anew: only where a change of them is meant.
+Run it with an interpreter that has bpy, and PYTHONPATH=tests/references, to store the values anew: only where a change of them is meant.
 """
 
 from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+import level_reference
 import numpy as np
 
 STORED = Path(__file__).with_name("stored_values.json")
@@ -30,30 +32,53 @@ PARTS: dict[str, tuple[int, int, int | None]] = {
 the last bit would decide."""
 
 
-def digest(name: str, scene: Any) -> dict[str, Any]:
-    """What is stored of a sample: impacts, the level (RMS) at each listener, gains in the last frame and wherever something strikes."""
+def played(name: str, scene: Any) -> list[Any]:
+    """The traced frames of a sample's short part."""
     from haptic_tracing.addon.session import timeline
 
     first, last, _ = PARTS[name]
-    impacts: list[list[Any]] = []
-    gains: dict[str, list[Any]] = {}
-    blocks = []
     with closing(timeline.steps(scene, first, last)) as steps:
-        for step in steps:
-            result = step.result
-            impacts += [[result.number, *sorted(result.objects[k] for k in i.objects), round(i.energy, 4)] for i in result.impacts]
-            if result.impacts or result.number == last:
-                rows = zip(result.sources, result.gains.round(7).tolist(), strict=True)
-                gains[str(result.number)] = [[source.object, *row] for source, row in rows]
-            if result.block is not None:
-                blocks.append(result.block)
-    levels = np.sqrt((np.concatenate(blocks, axis=1) ** 2).mean(axis=1))
+        return [step.result for step in steps]
+
+
+def shown(results: list[Any]) -> list[Any]:
+    """The frames whose gains are stored: the last, and those in which something strikes."""
+    return [result for result in results if result.impacts or result is results[-1]]
+
+
+def digest(results: list[Any]) -> dict[str, Any]:
+    """What is stored of a sample, as the product computes it: impacts, the level (RMS) at each listener, gains."""
+    blocks = [result.block for result in results if result.block is not None]
     return {
-        "listeners": [item.body_part for item in result.listeners],
-        "contacts": len(result.contacts),
-        "impacts": impacts,
-        "levels": levels.round(7).tolist(),
-        "gains": gains,
+        **_touched(results),
+        "levels": np.sqrt((np.concatenate(blocks, axis=1) ** 2).mean(axis=1)).tolist(),
+        "gains": _rows(results, {result.number: result.gains for result in results}),
+    }
+
+
+def reference(scene: Any, results: list[Any]) -> dict[str, Any]:
+    """The same with gains and levels of `level_reference`."""
+    found = {result.number: level_reference.gains(scene, result) for result in results}
+    amplified = {r.number: found[r.number][0] * np.array([s.amplitude for s in r.sources]).reshape(-1, 1) for r in shown(results)}
+    return {
+        **_touched(results),
+        "levels": level_reference.levels(results, found).round(7).tolist(),
+        "gains": _rows(results, amplified),
+    }
+
+
+def _touched(results: list[Any]) -> dict[str, Any]:
+    return {
+        "listeners": [item.body_part for item in results[-1].listeners],
+        "contacts": len(results[-1].contacts),
+        "impacts": [[r.number, *sorted(r.objects[k] for k in i.objects), round(i.energy, 4)] for r in results for i in r.impacts],
+    }
+
+
+def _rows(results: list[Any], gains: Mapping[int, np.ndarray]) -> dict[str, list[Any]]:
+    return {
+        str(r.number): [[source.object, *row] for source, row in zip(r.sources, gains[r.number].round(7).tolist(), strict=True)]
+        for r in shown(results)
     }
 
 
@@ -70,7 +95,7 @@ def store() -> None:
         haptic_tracing.register()
         with suspended():
             scene = build_sample(name, count)
-        values[name] = digest(name, scene)
+        values[name] = reference(scene, played(name, scene))
         haptic_tracing.unregister()
         print(f"{name}: {len(values[name]['impacts'])} impacts, frames {', '.join(values[name]['gains'])}", file=sys.stderr)
     lines = [f' "{name}": {json.dumps(value)}' for name, value in values.items()]

@@ -15,9 +15,9 @@ from haptic_tracing.core.formats.haptic_scene import read_export
 from haptic_tracing.core.formats.scene.recording import traced
 from haptic_tracing.core.formats.tracks.track_recorder import TrackRecorder
 from haptic_tracing.core.formats.tracks.wav import write_wav
-from haptic_tracing.core.scene.materials import named_in
+from haptic_tracing.core.scene.materials import Material
 from haptic_tracing.core.signals import impact_material
-from haptic_tracing.sample_scenes import SAMPLES, materials, mine_ride
+from haptic_tracing.sample_scenes import SAMPLES, materials
 from scipy import spatial
 from scipy.io import wavfile
 
@@ -38,8 +38,7 @@ LISTENERS = {"near": (0.9, 0.6, 0.05), "far": (1.9, 1.9, 0.05)}
 
 def substances():
     """The impact materials of everything in the samples."""
-    found = [item for module in (materials, mine_ride) for item in vars(module).values() if isinstance(item, materials.Substance)]
-    known = {impact_material(named_in(item.title).name) for item in found}
+    known = {impact_material(item.name) for item in vars(materials).values() if isinstance(item, Material)}
     return sorted(name for name in known if name is not None)
 
 

@@ -1,0 +1,115 @@
+"""The ride with the paper's function, with measured materials, and with these and contacts by impedance, side by side.
+
+Nothing is tuned: objects have the library's values, blows the templates of what they strike. What is said of the ride is a measurement,
+whether it turns out as the paper describes or not.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from ..core.arrays import FloatArray
+from ..core.perception import DIFFERENCE_THRESHOLDS, sensation_level
+from ..core.scene.materials import MATERIALS
+from ..core.scene.measured import DAMPING, physical
+from ..core.signals.templates import impact_template
+from .checks import HT, walls_felt
+from .measures import highest_sensation
+from .rendition import MODES, Ride
+
+TITLES: Mapping[str, str] = {
+    "paper": "the paper's function",
+    "physical": "measured materials",
+    "physical, impedance": "measured materials, contacts by impedance",
+}
+"""The ways of `physical_scenes.WAYS` in words."""
+
+_LIMB = (0.15, 0.15, 0.45)
+_RATE = 8000.0
+
+
+def sensations(ride: Ride) -> list[tuple[str, FloatArray]]:
+    """By section: its title, and how far what HT plays rises above the threshold of feeling at each listener (l,) in decibels at most."""
+    tracks = ride.renditions[MODES[HT]].tracks
+    found = []
+    for _, title, first, last in ride.sections:
+        begin, end = (round((frame - ride.frames[0]) / ride.frame_rate * tracks.sample_rate) for frame in (first, last + 1))
+        found.append((title, highest_sensation(tracks.samples[:, begin:end], tracks.sample_rate)))
+    return found
+
+
+def walls_apart(ride: Ride) -> list[tuple[str, FloatArray]]:
+    """For each two kinds of walls, at every listener (l,) by how many decibels the first is felt more in HT; () without walls of both."""
+    felt = {name: np.mean(gains, axis=0) for name, gains in walls_felt(ride, HT).items()}
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return [(f"{one} and {other}", 20 * np.log10(felt[one] / felt[other])) for one, other in itertools.combinations(felt, 2)]
+
+
+def wall_verdict(difference: FloatArray) -> str:
+    """At how many listeners (l,) everybody feels a ``difference`` in decibels, at how many nobody."""
+    lowest, highest = DIFFERENCE_THRESHOLDS
+    size = np.abs(difference[~np.isnan(difference)])
+    largest = f"{size.max():.1f} dB at most" if len(size) else "silent"
+    return f"{largest}; everybody feels it at {int((size > highest).sum())} of {len(difference)}, nobody at {int((size < lowest).sum())}"
+
+
+def felt_verdict(levels: FloatArray) -> str:
+    """How far above the threshold the strongest of the ``levels`` (l,) in decibels lies, and how many are felt."""
+    strongest = float(np.max(levels))
+    return f"{strongest:+.1f} dB; {int((levels > 0).sum())} of {len(levels)} felt" if math.isfinite(strongest) else "silent"
+
+
+def reasons() -> Iterator[str]:
+    """What takes how much, computed from the same values as the ride."""
+    losses = ", ".join(f"{name} {20 * math.log10(MATERIALS[name].k):.1f}" for name in ("stone", "steel", "hardwood", "flesh"))
+    yield (
+        f"The paper's function takes a part of the signal in every body, whatever its size ({losses} dB, and more with distance). From a "
+        "blow on the ground to a leg there are ground, rail, wheels, floor, seat and leg."
+    )
+    limb = physical("flesh", _LIMB)
+    decays = ", ".join(f"{20 * math.log10(math.e) * limb.material_damping(hertz):.0f} dB/m at {hertz:g} Hz" for hertz in (31.25, 100, 250))
+    yield f"Measured flesh damps {decays}: what the threshold is lowest for does not get far beyond where the body touches the cart."
+    plate = physical("stone", (0.35, 2.9, 1.57))
+    lost = 20 * math.log10(math.e) * plate.material_damping(100) * 2.9
+    yield f"Measured walls lose {lost:.2g} dB of 100 Hz over their whole width: what they are made of can't be told from their damping."
+    drops = []
+    for one, other in (("stone", "steel"), ("steel", "hardwood"), ("hardwood", "flesh")):
+        first, second = (MATERIALS[name].density * DAMPING[name].speed for name in (one, other))
+        drops.append(f"{one} to {other} {20 * math.log10(2 * math.sqrt(first * second) / (first + second)):.1f} dB")
+    yield f"Contacts by impedance take {', '.join(drops)}, at every change of matter."
+    blows = ", ".join(f"{first} on {second} {_full_blow(first, second):+.1f} dB" for first, second in _BLOWS)
+    yield (
+        f"A blow of full scale lies above the threshold by: {blows}. Flesh is so soft that a blow lasts 15 to 27 ms whatever strikes it, "
+        "which is a push below 50 Hz."
+    )
+
+
+_BLOWS = (("stone", "stone"), ("wood", "flesh"), ("stone", "flesh"), ("ribbon", "flesh"), ("fabric", "flesh"))
+
+
+def _full_blow(first: str, second: str) -> float:
+    samples = np.zeros(round(_RATE / 4))
+    # The window of the measure fades its ends: the blow is in the middle.
+    blow = impact_template(first, second).sample(0, len(samples) // 2, _RATE)
+    samples[len(samples) // 4 : len(samples) // 4 + len(blow)] = blow
+    return float(sensation_level(samples, _RATE))
+
+
+def numbers(rides: Mapping[str, Ride]) -> dict[str, Any]:
+    """All of it as JSON: minus infinity and what is undefined as None."""
+    return {
+        way: {
+            "above_threshold": {title: _listed(levels) for title, levels in sensations(ride)},
+            "walls": {pair: _listed(difference) for pair, difference in walls_apart(ride)},
+        }
+        for way, ride in rides.items()
+    }
+
+
+def _listed(values: FloatArray) -> list[float | None]:
+    return [round(value, 2) if math.isfinite(value) else None for value in values.tolist()]

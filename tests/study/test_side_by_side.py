@@ -1,0 +1,76 @@
+"""What the report says of materials side by side, against numbers by hand and closed forms."""
+
+import numpy as np
+import pytest
+from haptic_tracing.core.scene.values import Mode
+from haptic_tracing.core.signals import Sine
+from haptic_tracing.sample_scenes.mine_ride import wall_frame
+from haptic_tracing.study import physical_scenes
+from haptic_tracing.study.baking import bake_ride
+from haptic_tracing.study.checks import checks_of
+from haptic_tracing.study.measures import felt_shares, highest_sensation
+from haptic_tracing.study.report import write_report
+from haptic_tracing.study.side_by_side import felt_verdict, reasons, sensations, wall_verdict, walls_apart
+
+RATE = 8000
+
+
+def test_a_tone_lies_above_the_threshold_by_its_level():
+    times = np.arange(RATE) / RATE
+    tones = np.array([0.1 * np.sin(2 * np.pi * 250 * times), np.zeros(RATE)])
+    levels = highest_sensation(tones, RATE)
+    assert levels[0] == pytest.approx(-20 + 45, abs=0.1)
+    assert levels[1] == -np.inf
+    assert felt_verdict(levels) == "+25.0 dB; 1 of 2 felt"
+    assert felt_verdict(levels[1:]) == "silent"
+
+
+def test_a_tone_is_felt_in_its_band():
+    for band, hertz in enumerate((30, 60, 120, 250, 500, 800)):
+        assert felt_shares(Sine(float(hertz)))[band] == pytest.approx(1, abs=0.02)
+
+
+def test_a_difference_is_felt_by_everybody_or_nobody_or_some():
+    assert wall_verdict(np.array([3.0, -3.1, 2.0, 1.6, -1.6, 0.0])) == "3.1 dB at most; everybody feels it at 2 of 6, nobody at 3"
+    assert wall_verdict(np.array([np.nan])) == "silent; everybody feels it at 0 of 1, nobody at 0"
+
+
+def test_reasons_have_their_numbers_from_closed_forms():
+    text = " ".join(reasons())
+    assert f"stone {20 * np.log10(0.7 * 0.85):.1f}" in text
+    # pi (f - 20) eta / c of the limb, in decibels.
+    assert f"{20 * np.log10(np.e) * np.pi * 80 * 0.3 / 7:.0f} dB/m at 100 Hz" in text
+    ratio = (700 * 4100) / (1050 * 7)
+    assert f"hardwood to flesh {20 * np.log10(2 * np.sqrt(ratio) / (1 + ratio)):.1f} dB" in text
+
+
+@pytest.mark.slow
+def test_ride_with_measured_materials_is_a_part_of_the_report_whatever_it_says(mine_ride, tmp_path):
+    frames = (wall_frame(2) - 2, wall_frame(3) + 12)
+    ride, _ = bake_ride(mine_ride, *frames)
+    functions = {obj.name: obj.haptics.function for obj in mine_ride.objects}
+    others = {}
+    try:
+        for way in physical_scenes.WAYS[1:]:
+            physical_scenes.make(mine_ride, way)
+            others[way], _ = bake_ride(mine_ride, *frames)
+    finally:
+        mine_ride.haptics.transmission_table.items.clear()
+        for name, function in functions.items():
+            mine_ride.objects[name].haptics.function = function
+    # The impacts are the same, and so is what knows no materials.
+    for other in others.values():
+        assert [s.objects for s in other.soundings] == [s.objects for s in ride.soundings]
+        assert other.renditions[Mode.MN].rms == pytest.approx(ride.renditions[Mode.MN].rms, abs=1e-9)
+    ((pair, apart),) = walls_apart(ride)
+    assert pair == "Stone and Wood"
+    assert np.abs(apart).max() < 20 * np.log10(0.595 / 0.455)  # at most the difference of one passage
+    path = tmp_path / "report.html"
+    write_report(path, ride, checks_of(ride), [], {}, rides=others)
+    text = path.read_text(encoding="utf-8")
+    assert text.count("<th>measured materials, contacts by impedance") == 3
+    for levels in (levels for each in (ride, *others.values()) for _, levels in sensations(each)):
+        assert felt_verdict(levels) in text
+    for other in others.values():
+        ((_, difference),) = walls_apart(other)
+        assert wall_verdict(difference) in text
