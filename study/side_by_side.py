@@ -71,9 +71,9 @@ def reasons() -> Iterator[str]:
         f"The paper's function takes a part of the signal in every body, whatever its size ({losses} dB, and more with distance). From a "
         "blow on the ground to a leg there are ground, rail, wheels, floor, seat and leg."
     )
-    limb = physical("flesh", _LIMB)
+    limb = physical("flesh", _LIMB, part="upper_leg")
     decays = ", ".join(f"{20 * math.log10(math.e) * limb.material_damping(hertz):.0f} dB/m at {hertz:g} Hz" for hertz in (31.25, 100, 250))
-    yield f"Measured flesh damps {decays}: what the threshold is lowest for does not get far beyond where the body touches the cart."
+    yield f"A thigh of measured flesh damps {decays}: what skin feels best gets no further than where the body touches the cart."
     plate = physical("stone", (0.35, 2.9, 1.57))
     lost = 20 * math.log10(math.e) * plate.material_damping(100) * 2.9
     yield f"Measured walls lose {lost:.2g} dB of 100 Hz over their whole width: what they are made of can't be told from their damping."

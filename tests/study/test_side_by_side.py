@@ -38,8 +38,8 @@ def test_a_difference_is_felt_by_everybody_or_nobody_or_some():
 def test_reasons_have_their_numbers_from_closed_forms():
     text = " ".join(reasons())
     assert f"stone {20 * np.log10(0.7 * 0.85):.1f}" in text
-    # pi (f - 20) eta / c of the limb, in decibels.
-    assert f"{20 * np.log10(np.e) * np.pi * 80 * 0.3 / 7:.0f} dB/m at 100 Hz" in text
+    # pi (f - resonance) eta / c of the thigh, in decibels.
+    assert f"{20 * np.log10(np.e) * np.pi * 90 * 0.3 / 10:.0f} dB/m at 100 Hz" in text
     ratio = (700 * 4100) / (1050 * 7)
     assert f"hardwood to flesh {20 * np.log10(2 * np.sqrt(ratio) / (1 + ratio)):.1f} dB" in text
 
