@@ -29,7 +29,7 @@ class _OfTable:
 
 
 class HAPTIC_OT_add_rule(_OfTable, Operator):
-    """Add a rule for the material of the active object, else for that object, else for anything"""
+    """Add a rule for just the two selected objects; else for the material of the active object, for that object, or for anything"""
 
     bl_idname = "haptic.add_rule"
     bl_label = "Add Rule"
@@ -37,7 +37,11 @@ class HAPTIC_OT_add_rule(_OfTable, Operator):
     def execute(self, context: Context) -> set[str]:
         rows, obj = self._rows(context), context.object
         row = rows.items.add()
-        if obj is not None and obj.haptics.enabled:
+        pair = sorted(item.name_full for item in context.selected_objects if item.haptics.enabled)
+        if len(pair) == 2:
+            row.first_kind = row.second_kind = "OBJECT"
+            row.first, row.second = pair
+        elif obj is not None and obj.haptics.enabled:
             material = obj.haptics.material.name
             row.first_kind, row.first = ("MATERIAL", material) if material else ("OBJECT", obj.name_full)
             if self.table == "textures":

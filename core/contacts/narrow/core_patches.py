@@ -12,6 +12,7 @@ from .closed_forms import Separation
 from .core_pairs import CorePairing, CorePairs
 from .cores import CoreTable, Kind
 from .manifold import Patches, patches
+from .sections import directions, reach, section_area
 from .supporting_feature import FEW, MANY, Features, triangle_polygons
 
 _DRAWN_ROUGHLY = (Kind.CYLINDER, Kind.CONE, Kind.HULL)
@@ -49,8 +50,16 @@ class CorePatches:
         result = _merged(count, parts)
         kind = np.maximum(self._table.kind[rows.first], self._table.kind[rows.second])
         result = _at_nearest_points(result, np.isin(kind, _DRAWN_ROUGHLY))
+        area = result.area
+        if self._table.kind[rows.second[0]] == Kind.HULL and self._table.kind[rows.first[0]] in (Kind.BOX, Kind.HULL):
+            around = directions(normal)
+            reaches = [
+                reach(self._table, core, rotation, centre, middle, around)
+                for core, rotation, centre in ((rows.first, rows.rotation_a, rows.centre_a), (rows.second, rows.rotation_b, rows.centre_b))
+            ]
+            area = np.maximum(area, section_area(reaches))
         return Patches(
-            middle + result.centre, result.area, result.found, result.gap, middle[:, None] + result.corners, result.used, wide_a & wide_b
+            middle + result.centre, area, result.found, result.gap, middle[:, None] + result.corners, result.used, wide_a & wide_b
         )
 
     def _polygons(

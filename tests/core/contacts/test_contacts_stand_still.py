@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.motion import rotations
 from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
-from haptic_tracing.core.contacts.shapes import Box, Mesh, Sphere
+from haptic_tracing.core.contacts.shapes import Box, ConvexHull, Mesh, Sphere
 from haptic_tracing.core.contacts.tracker import Body, ContactTracker
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.scene.functions import Constant
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Pose
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial import ConvexHull as SciPyHull
+from scipy.spatial import HalfspaceIntersection
 
 BRICK = np.array([1.0, 0.5, 0.5])
 
@@ -129,3 +131,53 @@ def test_scenes_at_rest_have_weights():
     found = contacts_of_scene(HapticScene(tuple(objects)))
     assert found.weight[0] == 1.0 and 0 < found.weight[1] < 1
     assert [c.weight for c in found.to_contacts(["a", "b", "c"])] == found.weight.tolist()
+
+
+def ball(radius, count=400):
+    """A hull with corners all over a sphere (a Fibonacci lattice)."""
+    k = np.arange(count) + 0.5
+    polar, turn = np.arccos(1 - 2 * k / count), np.pi * (1 + 5**0.5) * k
+    return ConvexHull(radius * np.stack([np.cos(turn) * np.sin(polar), np.sin(turn) * np.sin(polar), np.cos(polar)], axis=1))
+
+
+BALL = ball(0.2)
+
+
+def common_section(placed_points, middle, normal):
+    """By SciPy: area of what convex hulls have in common with each other and a plane."""
+    u = np.cross(normal, [1.0, 0.0, 0.0] if abs(normal[0]) < 0.7 else [0.0, 1.0, 0.0])
+    u /= np.linalg.norm(u)
+    frame = np.stack([u, np.cross(normal, u)], axis=1)
+    planes = np.concatenate([SciPyHull(points).equations for points in placed_points])
+    flat = np.column_stack([planes[:, :3] @ frame, planes[:, :3] @ middle + planes[:, 3]])
+    return SciPyHull(HalfspaceIntersection(flat, np.zeros(2)).intersections).volume
+
+
+@settings(max_examples=30, derandomize=True, deadline=None)
+@given(overlap=st.floats(0.006, 0.03), seed=st.integers(0, 10**6))
+def test_overlapping_round_hulls_have_the_area_of_their_common_section(overlap, seed):
+    """Though two of their faces have a sliver in common."""
+    generator = np.random.default_rng(seed)
+    way = generator.normal(size=3)
+    way *= (0.4 - overlap) / np.linalg.norm(way)
+    poses = placed([(0, 0, 0), way], [(0, 0, 0), generator.uniform(-3, 3, 3)])
+    found = ContactTracker([Body("a", BALL), Body("b", BALL)]).update(0.0, poses).contacts
+    points = [np.array(BALL.points) @ pose[:3, :3].T + pose[:3, 3] for pose in poses]
+    expected = common_section(points, found.positions[0].mean(axis=0), found.normal[0])
+    assert found.area[0] == pytest.approx(expected, rel=0.05)
+    assert expected > 0.5 * np.pi * 0.2 * (overlap - 0.004)  # of the order of the balls' own circle, R² - (R - d / 2)²
+
+
+@settings(max_examples=30, derandomize=True, deadline=None)
+@given(overlap=st.floats(0.01, 0.03), seed=st.integers(0, 10**6))
+def test_the_area_of_overlapping_round_hulls_is_continuous(overlap, seed):
+    generator = np.random.default_rng(seed)
+    way, turn = generator.normal(size=3), generator.uniform(-3, 3, 3)
+    way /= np.linalg.norm(way)
+    shapes, turns = (BALL, BALL if seed % 2 else Box((1.0, 1.0, 0.4))), [(0, 0, 0), turn]
+    place = way * (0.4 - overlap) if seed % 2 else np.array([0.0, 0.0, -(0.4 - overlap)])
+    if seed % 2 == 0:
+        turns = [turn, (0, 0, 0)]
+    areas = [contact(shapes, [(0, 0, 0), place + way * STEP * k], [turns[0], np.array(turns[1]) + STEP * k])[1] for k in range(6)]
+    # A circle of area A over a step s of depth changes by 2 pi R s; turned facets by less.
+    assert np.abs(np.diff(areas)).max() < 20 * STEP
