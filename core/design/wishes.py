@@ -10,17 +10,13 @@ import numpy as np
 from ..arrays import FloatArray
 from ..graph.haptic_graph import HapticGraph
 from ..least_squares import bounded_least_squares
-from ..scene.bands import BAND_COUNT, BAND_EDGES
 from ..scene.coefficients import transfer_coefficient
-from ..scene.values import Settings, Source
-from ..signals import DEFAULT_IMPACT
+from ..scene.values import Settings
 from .log_levels import LogLevels, log_levels, with_changed_k
 
 DECIBELS = 20 / np.log(10)
 """Decibels of a change of the logarithm by 1."""
 
-_RATE = 2000
-_SECONDS = 1.0
 _ROUNDS = 60
 _SOFTNESS = 1e-6
 """How much a change of a material counts beside a missed wish: of several solutions the one that changes least is taken."""
@@ -90,14 +86,3 @@ def fulfil(graph: HapticGraph, settings: Settings, energies: FloatArray, wishes:
             break
     reached = np.where(arrives, (wished - missing) * DECIBELS, np.nan)
     return Answer(tuple(np.exp(start + change).tolist()), tuple(reached.tolist()))
-
-
-def source_energies(sources: Sequence[Source]) -> FloatArray:
-    """Energies (s, bands) of the first second of each source, its amplitude included; what lies outside all bands is in the outer ones."""
-    energies = np.zeros((len(sources), BAND_COUNT))
-    count = round(_RATE * _SECONDS)
-    band = np.clip(np.searchsorted(BAND_EDGES, np.fft.rfftfreq(count, 1 / _RATE), side="right") - 1, 0, BAND_COUNT - 1)
-    for row, source in enumerate(sources):
-        samples = (source.signal or DEFAULT_IMPACT).sample(0, count, _RATE) * source.amplitude
-        energies[row] = np.bincount(band, np.abs(np.fft.rfft(samples)) ** 2, BAND_COUNT) / count**2
-    return energies

@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from typing import TYPE_CHECKING
 
@@ -23,6 +23,7 @@ from ..contacts.forces import contact_forces
 from ..scene.bands import BAND_COUNT
 from ..scene.functions import ModulationFunction
 from ..scene.rules import Motion
+from ..scene.spectra import leading_band
 from ..scene.values import Extent, HapticObject, HapticScene, Listener, Source, SourceKind, Vector
 from .listener_volumes import points_in
 from .object_frames import ObjectFrames
@@ -76,9 +77,20 @@ class ObjectTable:
     slowness: FloatArray | None
     properties: FloatArray
     _index: dict[str, int] = field(init=False, repr=False, compare=False)
+    _in_bands: dict[int, ObjectTable] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_index", {name: i for i, name in enumerate(self.names)})
+
+    def in_band(self, band: int) -> ObjectTable:
+        """The table whose plain gains are those of a frequency band; functions of another form keep theirs."""
+        if band not in self._in_bands:
+            loss, decay = self.loss, self.decay
+            with np.errstate(divide="ignore"):
+                loss = loss if self.band_gains is None else loss - np.log(self.band_gains[:, band])
+            decay = decay if self.band_decays is None else decay + self.band_decays[:, band]
+            self._in_bands[band] = replace(self, factor=np.exp(-loss), loss=loss, decay=decay)
+        return self._in_bands[band]
 
     @classmethod
     def of(cls, objects: Sequence[HapticObject], epsilon: float) -> ObjectTable:
@@ -177,12 +189,14 @@ def _spectrum_arrays(
 
 @dataclass(frozen=True, slots=True)
 class SourceNodes:
-    """A source in the graph: one node, or one on each side of the contact for an impact."""
+    """A source in the graph: one node, or one on each side of the contact for an impact. ``band``: in which it is strong, see
+    `core.scene.spectra.leading_band`; 0 where the graph has no bands."""
 
     name: str
     nodes: tuple[int, ...]
     amplitude: float
     kind: SourceKind
+    band: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,6 +264,14 @@ class HapticGraph:
     def uses_delays(self) -> bool:
         """True where any function has a wave speed."""
         return self.table.slowness is not None or self.contact_delay is not None
+
+    def in_band(self, band: int) -> HapticGraph:
+        """The graph whose plain gains are those of a frequency band, see `ObjectTable.in_band`."""
+        loss = self.transmission_loss
+        if self.contact_band_gains is not None:
+            with np.errstate(divide="ignore"):
+                loss = loss - np.log(self.contact_band_gains[:, band])
+        return replace(self, table=self.table.in_band(band), transmission=np.exp(-loss), transmission_loss=loss)
 
     def intra_connection_count(self) -> int:
         """Number of implied intra-connections: n (n - 1) / 2 of each object's n nodes."""
@@ -359,6 +381,7 @@ def build_graph(
     forces = _forces(table, contacts, frames, gravity)
     transmission, loss, band_gains, delay = _transmissions(table, contacts, forces)
     listener_nodes = rank[2 * count + len(source_entries) :]
+    in_bands = table.band_gains is not None or table.band_decays is not None or band_gains is not None
     return HapticGraph(
         table=table,
         start=np.concatenate([[0], np.cumsum(np.bincount(node_object, minlength=len(table.names)))]),
@@ -373,7 +396,7 @@ def build_graph(
         share=contacts.share,
         contact_band_gains=band_gains,
         contact_delay=delay,
-        sources=_source_nodes(sources, [number for number, _, _ in source_entries], rank[2 * count :].tolist()),
+        sources=_source_nodes(sources, [number for number, _, _ in source_entries], rank[2 * count :].tolist(), in_bands),
         listeners=tuple(listener.name for listener in listeners),
         listener_nodes=listener_nodes[: len(listeners)].copy(),
         frames=frames,
@@ -402,12 +425,13 @@ def _points(listeners: Sequence[Listener], nodes: Sequence[int]) -> tuple[tuple[
     return tuple((node, *itertools.islice(more, size)) for node, size in zip(nodes, sizes, strict=False))
 
 
-def _source_nodes(sources: Sequence[Source], numbers: Sequence[int], nodes: Sequence[int]) -> tuple[SourceNodes, ...]:
-    """The sources with their ``nodes``, of which the first belong to the sources of these ``numbers``."""
+def _source_nodes(sources: Sequence[Source], numbers: Sequence[int], nodes: Sequence[int], in_bands: bool) -> tuple[SourceNodes, ...]:
+    """The sources with their ``nodes``, of which the first belong to the sources of these ``numbers``, and with their bands."""
     of_source: list[list[int]] = [[] for _ in sources]
     for number, node in zip(numbers, nodes, strict=False):
         of_source[number].append(node)
-    return tuple(SourceNodes(s.name, tuple(n), s.amplitude, s.kind) for s, n in zip(sources, of_source, strict=True))
+    bands = [leading_band(source) if in_bands else 0 for source in sources]
+    return tuple(SourceNodes(s.name, tuple(n), s.amplitude, s.kind, b) for s, n, b in zip(sources, of_source, bands, strict=True))
 
 
 def _inter_connections(rank: IntArray, count: int) -> tuple[IntArray, IntArray]:

@@ -67,9 +67,11 @@ def best_paths(
     budget: int,
     amplified: bool,
     known: Mapping[int, tuple[ShortestPaths, int]],
+    bands: Mapping[int, int] | None = None,
 ) -> BestPaths:
     """The best path of each pair. ``budget`` bounds the search that is needed where shortest-path trees are not enough, per source.
-    ``amplified``: some gain exceeds 1. ``known``: trees that are known already, and the row in them, by row of the source."""
+    ``amplified``: some gain exceeds 1. ``known``: trees that are known already, and the row in them, by row of the source. ``bands``: the
+    frequency band by whose gains a source's paths are chosen; the plain gain where it has none. Costs are those of the plain gains."""
     result = BestPaths()
     wanted = sorted(pairs)
     result.visited = max((trees.visited() for trees, _ in known.values()), default=0)
@@ -77,10 +79,12 @@ def best_paths(
     if not wanted or crossings < 0:
         return result
     limit = cost_limit(threshold)
+    in_band = {band: graph.in_band(band) for band in set((bands or {}).values())}
+    views = {row: in_band[(bands or {})[row]] if row in (bands or {}) else graph for row, _ in wanted}
     if amplified:
         left = wanted
     else:
-        candidates = _unconstrained_paths(graph, [pair for pair in wanted if pair[0] not in known], limit, result)
+        candidates = _unconstrained_paths(graph, views, [pair for pair in wanted if pair[0] not in known], limit, result)
         for row, (trees, number) in known.items():
             columns = [column for other, column in wanted if other == row]
             paths = trees.paths(graph, [(number, (node,)) for node in graph.listener_nodes[columns].tolist()])
@@ -89,9 +93,15 @@ def best_paths(
         left = [pair for pair, path in candidates.items() if len(path) > 2 * crossings + 2 or (judged and crosses_twice(graph, path))]
         for pair in left:
             del candidates[pair]
-        _accept(graph, candidates, limit, result)
+        for view in {id(view): view for view in views.values()}.values():
+            _accept(view, {pair: path for pair, path in candidates.items() if views[pair[0]] is view}, limit, result)
     for row in sorted({row for row, _ in left}):
-        _search_row(graph, row, [column for r, column in left if r == row], crossings, limit, budget, amplified, result)
+        _search_row(views[row], row, [column for r, column in left if r == row], crossings, limit, budget, amplified, result)
+    judged_anew = [pair for pair in result.nodes if pair[0] in (bands or {})]
+    for pair, cost in zip(judged_anew, path_costs(graph, [result.nodes[pair] for pair in judged_anew]), strict=True):
+        if pair in result.bound:  # as far below as it was
+            result.bound[pair] += cost - result.cost[pair]
+        result.cost[pair] = cost
     return result
 
 
@@ -102,27 +112,38 @@ def _accept(graph: HapticGraph, candidates: dict[Pair, Path], limit: float, resu
             result.nodes[pair], result.cost[pair] = path, cost
 
 
-def _unconstrained_paths(graph: HapticGraph, wanted: Sequence[Pair], limit: float, result: BestPaths) -> dict[Pair, Path]:
-    """Cheapest walks by trees, from the side that has fewer nodes."""
+def _unconstrained_paths(
+    graph: HapticGraph, views: Mapping[int, HapticGraph], wanted: Sequence[Pair], limit: float, result: BestPaths
+) -> dict[Pair, Path]:
+    """Cheapest walks by trees, from the side that has fewer nodes; ``views``: the graph by row of the source. A tree from a listener is for
+    sources of one view."""
     if not wanted:
         return {}
     rows, columns = sorted({row for row, _ in wanted}), sorted({column for _, column in wanted})
     listener_nodes = graph.listener_nodes.tolist()
-    forward = len(rows) <= len(columns)
-    ends = [graph.sources[row].nodes for row in rows], [(listener_nodes[column],) for column in columns]
-    roots, targets = ends if forward else (ends[1], ends[0])
-    target_nodes = np.array(sorted({node for nodes in targets for node in nodes}), dtype=np.int64)
+    alike = {id(views[row]): views[row] for row in rows}
+    forward = len(rows) <= len(columns) * len(alike)
+    if forward:
+        starts = [(row, views[row]) for row in rows]
+        roots, targets = [graph.sources[row].nodes for row in rows], [listener_nodes[column] for column in columns]
+    else:
+        starts = [(column, view) for view in alike.values() for column in columns]
+        roots, targets = [(listener_nodes[column],) for column, _ in starts], [node for row in rows for node in graph.sources[row].nodes]
+    target_nodes = np.array(sorted(set(targets)), dtype=np.int64)
     at_once = max(1, COSTS_AT_ONCE // max(1, graph.node_count))
     found: dict[Pair, Path] = {}
     for first in range(0, len(roots), at_once):
         part = roots[first : first + at_once]
-        trees = shortest_paths(graph, part, np.full(len(part), limit + SLACK), target_nodes)
+        trees = shortest_paths([view for _, view in starts[first : first + at_once]], part, np.full(len(part), limit + SLACK), target_nodes)
         result.relaxed += trees.relaxed
         result.visited = max(result.visited, trees.visited())
-        numbers = {number: root for root, number in enumerate((rows if forward else columns)[first : first + at_once])}
-        pairs = [pair for pair in wanted if pair[0 if forward else 1] in numbers]
+        numbers = {(start, id(view)): number for number, (start, view) in enumerate(starts[first : first + at_once])}
+        pairs = [pair for pair in wanted if (pair[0 if forward else 1], id(views[pair[0]])) in numbers]
         ways: list[tuple[int, tuple[int, ...]]] = [
-            (numbers[row], (listener_nodes[column],)) if forward else (numbers[column], graph.sources[row].nodes) for row, column in pairs
+            (numbers[row, id(views[row])], (listener_nodes[column],))
+            if forward
+            else (numbers[column, id(views[row])], graph.sources[row].nodes)
+            for row, column in pairs
         ]
         for pair, path in zip(pairs, trees.paths(graph, ways), strict=True):
             if path:

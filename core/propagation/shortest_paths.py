@@ -85,44 +85,58 @@ class ShortestPaths:
 class _Relaxation:
     """State of the relaxation: costs and entries so far, and what every step reads."""
 
-    def __init__(self, graph: HapticGraph, rows: int, limits: FloatArray, complete: bool) -> None:
-        self.graph = graph
+    def __init__(self, graphs: Sequence[HapticGraph], limits: FloatArray, complete: bool) -> None:
+        self.graph, rows = graphs[0], len(graphs)
+        graph = self.graph
         self.count = graph.node_count
+        views = list({id(one): one for one in graphs}.values())
+        self.views = [next(k for k, one in enumerate(views) if one is wanted) for wanted in graphs] if len(views) > 1 else [0] * rows
+        """Per row: which of the ``tables`` it is searched by. Arrays below that depend on the table hold one after the other."""
+        self.shift = np.array(self.views, dtype=np.int64) * self.count if len(views) > 1 else None
         self.arrival = np.full((rows, self.count), math.inf)
         self.entry = np.full((rows, self.count), -1, dtype=np.int64)
         self.arrivals, self.entries = self.arrival.reshape(-1), self.entry.reshape(-1)
         self.limits = np.minimum(limits, sys.float_info.max)
         self.complete = complete or bool(graph.table.special)
-        self.loss = np.maximum(0.0, graph.table.loss)
+        self.tables = [one.table for one in views]
         # Per node, as all that follows: of its object the first node, and the number of nodes besides itself.
         index = graph.node_object
         self.first = graph.start[index]
         self.others = graph.start[index + 1] - self.first - 1
         self.special = np.isin(index, list(graph.table.special)) if graph.table.special else None
-        self.node_loss, self.node_decay = self.loss[index], graph.table.decay[index]
-        crossing = np.maximum(0.0, np.append(graph.transmission_loss, math.inf))
-        self.crossing = crossing[graph.contact]  # per node: cost of its inter-connection; contact -1 takes the appended infinity
+        self.node_loss = np.concatenate([np.maximum(0.0, table.loss)[index] for table in self.tables])
+        self.node_decay = np.concatenate([table.decay[index] for table in self.tables])
+        # Per node: cost of its inter-connection; contact -1 takes the appended infinity.
+        self.crossing = np.concatenate([np.maximum(0.0, np.append(one.transmission_loss, math.inf))[graph.contact] for one in views])
         self.relaxed = 0
+
+    def at(self, row: IntArray, node: IntArray) -> IntArray:
+        """Where the arrays of a row's table hold a node."""
+        return node if self.shift is None else node + self.shift[row]
 
 
 def shortest_paths(
-    graph: HapticGraph, roots: Sequence[Sequence[int]], limits: FloatArray, targets: IntArray | None = None, complete: bool = False
+    graph: HapticGraph | Sequence[HapticGraph],
+    roots: Sequence[Sequence[int]],
+    limits: FloatArray,
+    targets: IntArray | None = None,
+    complete: bool = False,
 ) -> ShortestPaths:
     """Shortest-path trees from each set of roots.
 
     Args:
-        graph: gains above 1 count as 1.
+        graph: gains above 1 count as 1. One for each row, where their gains differ by frequency band, and nothing else.
         roots: source or listener nodes, one set per row.
         limits: (r,) largest cost of interest.
         targets: nodes of interest; a row stops where none of them can get cheaper, and is complete only as far as they need. None: all.
         complete: costs are right also for the nodes through which an object is entered.
     """
-    work = _Relaxation(graph, len(roots), limits, complete)
+    work = _Relaxation([graph] * len(roots) if isinstance(graph, HapticGraph) else graph, limits, complete)
     row = np.array([r for r, nodes in enumerate(roots) for _ in nodes], dtype=np.int64)
     node = np.array([n for nodes in roots for n in nodes], dtype=np.int64)
     pending = row, node, np.zeros(len(node))
     rounds = 0
-    if len(roots) * graph.node_count <= FEW:
+    if len(roots) * work.count <= FEW:
         _finish_by_dijkstra(work, *pending, targets)
         return ShortestPaths(work.arrival, work.entry, work.relaxed)
     while len(pending[0]):
@@ -139,7 +153,7 @@ def shortest_paths(
 def _relax_cheapest(work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
     """Relax the cheapest pending entries. Returns the entries pending afterwards."""
     within = cost <= work.limits[row]
-    useful = work.arrivals[row * work.count + node] > cost + work.node_loss[node]
+    useful = work.arrivals[row * work.count + node] > cost + work.node_loss[work.at(row, node)]
     if work.special is not None:
         useful |= work.special[node]
     useful &= within
@@ -178,9 +192,9 @@ def _relax(
     """Relax the connections from entries ``node[which]`` to nodes ``other`` of the same objects. Returns the new pending entries."""
     graph, arrivals, entries = work.graph, work.arrivals, work.entries
     work.relaxed += len(other)
-    begin = node[which]
+    begin, origin = node[which], work.at(row, node)
     distance = graph.node_distances(begin, other)
-    candidate = (cost + work.node_loss[node])[which] + work.node_decay[begin] * distance
+    candidate = (cost + work.node_loss[origin])[which] + work.node_decay[origin][which] * distance
     if graph.table.spreading is not None:
         exponent, reference, extent = graph.table.spreading.take(graph.node_object[begin], axis=1)
         candidate += exponent * np.log1p(np.minimum(distance, extent) / reference)
@@ -202,14 +216,15 @@ def _relax(
         first = entries[place] == begin
         better, candidate = better[first], candidate[first]
     row, other = row[which[better]], other[better]
-    onwards = candidate + work.crossing[other]
+    onwards = candidate + work.crossing[work.at(row, other)]
     go = (onwards <= work.limits[row]).nonzero()[0]
     return row[go], graph.partner[other[go]], onwards[go]
 
 
 def _finish_by_dijkstra(work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray, targets: IntArray | None) -> None:
-    elements = _Elements(work)
+    known: dict[int, _Elements] = {}
     for number in sorted(set(row.tolist())):
+        elements = known.setdefault(work.views[number], _Elements(work, work.views[number]))
         mine = row == number
         arrives, enters = _items(work.arrival[number]), _items(work.entry[number])
         _dijkstra(work, elements, number, list(zip(cost[mine].tolist(), node[mine].tolist(), strict=True)), arrives, enters, targets)
@@ -225,10 +240,12 @@ class _Elements:
     """The graph for access element by element. ``points``: positions of the nodes, in a large graph those of the objects visited so far;
     ``arrays``: the objects whose costs are not of the plain form."""
 
-    def __init__(self, work: _Relaxation) -> None:
-        graph = work.graph
+    def __init__(self, work: _Relaxation, view: int) -> None:
+        graph, table = work.graph, work.tables[view]
+        self.table = table
         self.objects, self.partner, self.start = _items(graph.node_object), _items(graph.partner), _items(graph.start)
-        self.crossing, self.loss, self.decay = _items(work.crossing), _items(work.loss), _items(graph.table.decay)
+        self.crossing = _items(work.crossing[view * work.count : (view + 1) * work.count])
+        self.loss, self.decay = _items(np.maximum(0.0, table.loss)), _items(table.decay)
         self.spreading = None if graph.table.spreading is None else graph.table.spreading.T.tolist()
         self.points: dict[int, list[float]] = {}
         self.arrays = graph.table.special
@@ -270,7 +287,8 @@ def _dijkstra(
         work.relaxed += last - first
         if index in elements.arrays or last - first >= LARGE:
             nodes = np.arange(first, last)
-            candidate = cost + np.maximum(0.0, intra_costs(graph, np.full(last - first, node), nodes))
+            constant, varying = elements.table.costs(graph.node_object[nodes], graph.node_distances(np.full(last - first, node), nodes))
+            candidate = cost + np.maximum(0.0, constant + varying)
             better = ((candidate < np.asarray(arrives[first:last])) & (candidate <= limit)).nonzero()[0]
             found = list(zip((better + first).tolist(), candidate[better].tolist(), strict=True))
         else:

@@ -146,6 +146,8 @@ class _Run:
     def _best_paths(self, patches: MergedPatches, amplified: bool, known: ThresholdCosts | None, rows: list[int]) -> BestPaths:
         """Best paths of all wanted pairs on the graph with merged patches; the gains of those whose strategy they are."""
         graph, gains = patches.graph, self.gains
+        trees = {} if known is None else {row: (known.forward, number) for number, row in enumerate(rows)}
+        by_band = graph.uses_bands and not amplified
         best = best_paths(
             graph,
             [(row, column) for row, column in np.argwhere(self.wanted).tolist()],
@@ -153,7 +155,8 @@ class _Run:
             self.settings.threshold,
             self.budget,
             amplified,
-            {} if known is None else {row: (known.forward, number) for number, row in enumerate(rows)},
+            trees,
+            {row: graph.sources[row].band for row, s in enumerate(self.strategies) if by_band and s is Strategy.BEST_PATH},
         )
         pairs = [pair for pair in best.nodes.keys() | best.bound.keys() if self.strategies[pair[0]] is Strategy.BEST_PATH]
         if pairs:

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene.bands import BAND_COUNT
+from haptic_tracing.core.scene.bands import BAND_COUNT, BAND_EDGES
 from haptic_tracing.core.scene.functions import Spectrum
 from haptic_tracing.core.scene.values import HapticScene, Settings, Strategy
+from haptic_tracing.core.signals import Sine
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import METRIC, OTHER, connected_scene, meets, recursive_paths
@@ -124,3 +125,26 @@ def test_energies_per_band(seed):
     assert np.allclose(result.band_gain[..., 0], whole.gain, rtol=1e-12)
     assert np.all(np.diff(result.band_gain, axis=-1) <= 1e-12)
     assert np.all(result.band_gain[..., -1] == 0)
+
+
+@settings(max_examples=80, deadline=None, derandomize=True)
+@given(SEEDS)
+def test_best_path_is_the_best_of_the_band_in_which_its_source_is_strong(seed):
+    """Against the enumeration of all paths, for sources of several bands at once, from sources and from listeners."""
+    scene = filtered(connected_scene(seed, METRIC[:3]), seed)
+    random = np.random.default_rng(seed + 1)
+    frequencies = random.choice([30.0, 57.0, 113.0, 226.0, 453.0, 800.0], 3)
+    first, at = scene.sources[0], scene.listeners[0]
+    sources = tuple(dataclasses.replace(first, name=f"s{k}", signal=Sine(f)) for k, f in enumerate(frequencies))
+    scene = dataclasses.replace(scene, sources=sources, listeners=scene.listeners if seed % 2 else (at,))
+    graph = graph_of_scene(scene)
+    if not graph.uses_bands:
+        return
+    result = propagate(graph, Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0.0))
+    for row, frequency in enumerate(frequencies):
+        band = int(np.searchsorted(BAND_EDGES, frequency, side="right")) - 1
+        assert graph.sources[row].band == band
+        for column in range(len(graph.listeners)):
+            every = [math.prod(gains) * carried(scene, graph, path)[0][band] for path, gains in recursive_paths(graph, row, column)]
+            found = 0.0 if result.band_gain is None else result.band_gain[row, column, band]
+            assert found == pytest.approx(max(every, default=0.0), rel=1e-9, abs=1e-300)
