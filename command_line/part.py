@@ -3,26 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import math
 from dataclasses import replace
-from itertools import product
 from pathlib import Path
 
-import bpy
 from bpy.types import Scene
 from tqdm import tqdm
 
-from ..addon.blender.time import frame_seconds
-from ..addon.scene_reader.reader import SceneReader
 from ..addon.session import session, timeline
-from ..core.collisions import EXACT_FRAMES
 from ..core.formats.io.error import FormatError
-from ..core.signals import DEFAULT_IMPACT, Signal, impact_template
-from ..core.signals.templates import IMPACT_MATERIALS
 from .part_file import HeardFrame, Origin, Part, checksum_of, programs, read_part, write_part
-
-_MOTION_FRAMES = 5
-"""Poses that motion is estimated from, and the one that they lead to."""
 
 
 def write_part_of(scene: Scene, args: argparse.Namespace, name: str, frames: tuple[int, int]) -> None:
@@ -36,22 +25,9 @@ def write_part_of(scene: Scene, args: argparse.Namespace, name: str, frames: tup
     if _is_there(path, origin, number):
         print(f"kept {path}: it is this part already")
         return
-    start = frames[0] if args.from_start else warm_start(scene, origin, number)
+    start = frames[0] if args.from_start else max(timeline.warm_start(scene, origin.range_of(number)[0]), frames[0])
     write_part(_baked(scene, origin, number, start), path)
     print(f"wrote {path}: {origin.title(number)}, traced from frame {start}")
-
-
-def warm_start(scene: Scene, origin: Origin, number: int) -> int:
-    """The frame from which a part is traced so that its first frame knows all that is moving, all pairs that have just hit each other, and
-    all impacts that still sound: from the last `EXACT_FRAMES` before that, at which nothing is held from earlier frames."""
-    settings = SceneReader().read(scene, bpy.context.evaluated_depsgraph_get()).contact_settings
-    rules = settings.impact_rules()
-    signals = [DEFAULT_IMPACT, *(impact_template(*pair) for pair in product(IMPACT_MATERIALS, repeat=2))]
-    signals += [rule.template for rule in rules if isinstance(rule.template, Signal)]
-    seconds = max(signal.duration for signal in signals) / min(rule.slowest for rule in rules)
-    seconds += max(limits.refractory for limits in settings.all_limits())
-    needed = origin.range_of(number)[0] - _MOTION_FRAMES - math.ceil(seconds / frame_seconds(scene))
-    return max(needed // EXACT_FRAMES * EXACT_FRAMES, origin.frames[0])
 
 
 def _is_there(path: Path, origin: Origin, number: int) -> bool:

@@ -14,6 +14,7 @@ from .contacts.authored import AuthoredContacts
 from .contacts.contact_set import ContactSet
 from .contacts.gain_bound import GainBound
 from .contacts.impact_sources import MOST_FRAMES, FrameImpacts, ImpactSources, Templates
+from .contacts.one_shots import OneShots, Shot
 from .contacts.rubbing import Rubbing
 from .contacts.tracker import Body, ContactSettings, ContactTracker, FrameContacts, Impact
 from .contacts.transmissions import TransmissionRules
@@ -26,7 +27,7 @@ from .scene.functions import ModulationFunction
 from .scene.impact_rule import ImpactRule
 from .scene.rule_table import RuleTable
 from .scene.rules import ImpactTemplates
-from .scene.values import HapticObject, Listener, Settings, Source, Vector
+from .scene.values import HapticObject, Listener, Settings, Source, TriggerKind, Vector
 from .signals import Signal
 
 EXACT_FRAMES = 32
@@ -42,7 +43,8 @@ class Frame:
     are dropped. Either bodies move, then ``transforms`` (n, 4, 4) are the rigid world transforms of ``bodies``, which are ``objects`` in
     the same order; or ``contacts`` are given, which number the objects by their sorted names. ``authored`` contacts replace detected
     ones. ``recall``: a frame that does not follow has the impacts that it had when it was last stepped to, see `CollisionDetector`.
-    ``exact``: contacts and gains are computed anew also where things have moved by less than counts otherwise.
+    ``exact``: contacts and gains are computed anew also where things have moved by less than counts otherwise. ``duration`` [s]: of a frame
+    that follows none, in which triggers at given times count.
     """
 
     number: int
@@ -58,13 +60,14 @@ class Frame:
     authored: AuthoredContacts | None = None
     recall: bool = False
     exact: bool = False
+    duration: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class Collisions:
-    """Collisions of one frame. ``sources``: the temporary ones, of this frame's impacts and of earlier ones that still sound, and those of
-    what slides or rolls. ``frames``: where the objects lie, None where propagation does not ask. ``start`` [s]: of the frame, where its
-    impacts are recalled."""
+    """Collisions of one frame. ``sources``: those of ``shots`` of sources with triggers and of impacts that still sound, and of what slides
+    or rolls. ``frames``: where the objects lie, None where propagation does not ask. ``start`` [s]: of the frame, where its impacts are
+    recalled."""
 
     contacts: ContactSet
     frames: ObjectFrames | None = None
@@ -74,6 +77,7 @@ class Collisions:
     milliseconds: Mapping[str, float] = field(default_factory=dict)
     warnings: tuple[Message, ...] = ()
     start: float | None = None
+    shots: tuple[Shot, ...] = ()
 
 
 class CollisionDetector:
@@ -97,6 +101,7 @@ class CollisionDetector:
         self._impact_signal = impact_signal
         self._sources = ImpactSources()
         self._rubbing = Rubbing(EXACT_FRAMES)
+        self._shots = OneShots()
         self._tracker: ContactTracker | None = None
         self._numbering = _Numbering((), ObjectTable.of((), 0.0))
         self._found: FrameContacts | None = None
@@ -167,15 +172,25 @@ class CollisionDetector:
     def history(self) -> bytes:
         """All that later frames take over of contacts and impacts."""
         arrays = () if self._tracker is None else self._tracker.history()
-        sources = repr(self._sources.names) + self._rubbing.history()
+        sources = repr((self._sources.names, self._shots.sounding)) + self._rubbing.history()
         return b"".join([sources.encode(), *(np.ascontiguousarray(array).tobytes() for array in arrays)])
 
     def reset(self) -> None:
         """Drop contact history, velocities and sounding impacts."""
         self._sources.clear()
         self._rubbing.clear()
+        self._shots.clear()
         if self._tracker is not None:
             self._tracker.reset()
+
+    @property
+    def late(self) -> Mapping[str, float]:
+        """By how many seconds the listeners feel a source later, by its name."""
+        return self._shots.late
+
+    def hold(self, late: Mapping[str, float]) -> None:
+        """Keep temporary sources for as many seconds longer as the listeners feel them later, by their names."""
+        self._sources.late = self._shots.late = late
 
     def detect(self, frame: Frame, table: ObjectTable, previous: float | None, again: bool = False) -> Collisions:
         """Return the collisions of ``frame``; ``table`` numbers its objects, ``previous`` is the time of the frame before it, if any.
@@ -185,7 +200,8 @@ class CollisionDetector:
         if frame.contacts is not None or not frame.bodies or frame.transforms is None:
             self._sources.clear()
             contacts = ContactSet.empty() if frame.contacts is None else frame.contacts
-            return Collisions(contacts, ObjectFrames.of_objects(table.objects) if _asks_for_frames(frame.settings, contacts) else None)
+            frames = ObjectFrames.of_objects(table.objects) if _asks_for_frames(frame.settings, contacts) else None
+            return Collisions(contacts, frames, sources=self._one_shots(frame, previous, None, ()), shots=self._shots.sounding)
         begun = perf_counter()
         tracker = self._follow(frame.bodies, table)
         kept = None
@@ -200,22 +216,25 @@ class CollisionDetector:
         recalled = () if kept is None else self._sources.recall(kept, self._templates(frame))
         rules = self._transmissions(table)
         # The force of a contact depends on all the others.
-        lazy = self.lazy and frame.authored is None and not rules.uses_force and not self.settings.textures.rows
+        hits = any(trigger.on is TriggerKind.HIT for source in frame.sources for trigger in source.triggers or ())
+        lazy = self.lazy and frame.authored is None and not rules.uses_force and not hits and not self.settings.textures.rows
         reach = self._reach(frame, frame.transforms) if lazy else None
-        found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, self.settings.impacts, frame.exact)
+        found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, self.settings.impacts or hits, frame.exact)
         contacts = self._numbered(found, frame.authored, rules)
         broad, total = found.statistics.broad_seconds, perf_counter() - begun
-        if found.impacts:
-            self._sources.add(found.impacts, [body.name for body in frame.bodies], frame.transforms, self._templates(frame))
+        impacts = found.impacts if self.settings.impacts else ()
+        if impacts:
+            self._sources.add(impacts, [body.name for body in frame.bodies], frame.transforms, self._templates(frame))
+        shots = self._one_shots(frame, previous, kept, found.impacts, again)
         if previous is not None and not again:
-            self._remember(frame.number, self._sources.kept(previous, frame.transforms))
+            self._remember(frame.number, self._sources.kept(previous, frame.transforms, self._shots.sounding))
         rubbing = self._rub(frame, frame.transforms, found, previous, again)
         self._last = frame
         return Collisions(
             contacts=contacts,
             frames=self._numbering.frames(frame.transforms) if _asks_for_frames(frame.settings, contacts) else None,
-            impacts=found.impacts or recalled,
-            sources=self._sources.sources(frame.transforms) + rubbing,
+            impacts=impacts or recalled,
+            sources=shots + rubbing + self._sources.sources(frame.transforms),
             statistics={
                 "candidate_pairs": found.statistics.candidates,
                 "contact_queries": found.statistics.queries,
@@ -224,6 +243,7 @@ class CollisionDetector:
             milliseconds={"broad": 1000 * broad, "narrow": 1000 * (total - broad)},
             warnings=found.warnings,
             start=None if kept is None else kept.start,
+            shots=self._shots.sounding,
         )
 
     def _rub(self, frame: Frame, transforms: FloatArray, found: FrameContacts, previous: float | None, again: bool) -> tuple[Source, ...]:
@@ -235,6 +255,23 @@ class CollisionDetector:
             return self._rubbing.again(self.settings.textures)
         span = None if previous is None else (previous, frame.time)
         return self._rubbing.follow(frame.number, span, frame.bodies, found.contacts, transforms, self._numbering.middles(), self.settings)
+
+    def _one_shots(
+        self, frame: Frame, previous: float | None, kept: FrameImpacts | None, impacts: Sequence[Impact], again: bool = False
+    ) -> tuple[Source, ...]:
+        """Find the triggers since ``previous`` [s], or recall those ``kept``. Returns the temporary sources that they make."""
+        sources = [source for source in frame.sources if source.triggers]
+        if not sources:
+            self._shots.clear()
+            return ()
+        if again or kept is not None:
+            self._shots.recall(() if kept is None else kept.shots, sources)
+        if not again:
+            names = [body.name for body in frame.bodies]
+            hits = [((names[a], names[b]), impact.time, impact.amplitude) for impact in impacts for a, b in (impact.objects,)]
+            self._shots.follow(sources, previous, frame.time, _places(frame), hits)
+        start = next(time for time in (None if kept is None else kept.start, previous, frame.time - frame.duration) if time is not None)
+        return self._shots.sources(sources, start, frame.time, frame.objects, self.settings)
 
     def _recalled(self, number: int, transforms: FloatArray) -> FrameImpacts | None:
         """Return what is remembered of a frame; nothing at all is any more where a struck body stands elsewhere."""
@@ -337,6 +374,13 @@ class _Numbering:
             factor, decay = object_bounds(self.table, settings)
             self._bounds = settings, (factor[self.objects], decay[self.objects])
         return self._bounds[1]
+
+
+def _places(frame: Frame) -> dict[str, FloatArray]:
+    """The positions (3,) of the objects' origins, by name."""
+    if frame.transforms is not None:
+        return dict(zip((body.name for body in frame.bodies), frame.transforms[:, :3, 3], strict=True))
+    return {item.name: np.array(item.pose.position) for item in frame.objects if item.pose is not None}
 
 
 def _asks_for_frames(settings: Settings, contacts: ContactSet) -> bool:

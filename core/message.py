@@ -17,6 +17,7 @@ class Cause(enum.Enum):
     NO_SOURCE = "there is no source, and no collision was strong enough to make one"
     MUTED = "'{source}' is muted"
     ZERO_AMPLITUDE = "'{source}' has amplitude 0"
+    WAITING = "'{source}' waits for a trigger"
     FINISHED = "the signal of '{source}' ended at {end}"
     NEAREST_LISTENER_ONLY = "in mode SD only '{listener}', the listener nearest to '{source}', feels it"
     LOCALISED = "with Localise at 1 only '{listener}', the listener nearest to '{source}', feels it"

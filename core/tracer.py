@@ -71,8 +71,10 @@ class Tracer:
         if not again:
             self._start = next(t for t in (collisions.start, self._time, frame.time) if t is not None)
         watch = _Stopwatch(dict(collisions.milliseconds))
-        inputs = Inputs(table, collisions.contacts, frame.sources + collisions.sources, frame.listeners, frame.settings, collisions.frames)
+        sources = tuple(source for source in frame.sources if source.triggers is None) + collisions.sources
+        inputs = Inputs(table, collisions.contacts, sources, frame.listeners, frame.settings, collisions.frames)
         propagated = self._propagate(inputs, frame.exact, watch)
+        self.collisions.hold(propagated.propagation.latest([source.name for source in sources]))
         block = None
         if not again:
             block = self._mixdown.render(self._time, frame.time, inputs.sources, frame.listeners, propagated.propagation)
@@ -97,6 +99,7 @@ class Tracer:
             statistics=_statistics(propagated, collisions),
             warnings=(*collisions.warnings, *propagation.warnings),
             before=None if again else self._mixdown.before,
+            shots=collisions.shots,
         )
 
     def _object_table(self, frame: Frame) -> ObjectTable:

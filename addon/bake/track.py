@@ -59,7 +59,7 @@ class TrackSource:
 
     @property
     def kind(self) -> SourceKind:
-        return SourceKind.PERSISTENT if self.second_object is None else SourceKind.TEMPORARY
+        return SourceKind.PERSISTENT if self.second_object is None and not self.onset else SourceKind.TEMPORARY
 
 
 # Name, type and number of axes; `_shapes` has the shapes.

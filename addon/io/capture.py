@@ -112,7 +112,7 @@ class Capture:
         if self._first is None:
             self._first = written_export("", self.scene, frame, self.names)
         contacts = contacts_within(result.contacts, result.objects, {item.name for item in frame.objects})
-        self._recorder.add(result.number, frame.objects, frame.sources, frame.listeners, contacts, result.objects)
+        self._recorder.add(result.number, frame.objects, frame.sources, frame.listeners, contacts, result.objects, result.shots)
 
 
 def felt_within(result: FrameResult, names: Collection[str]) -> FrameResult:

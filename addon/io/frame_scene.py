@@ -17,7 +17,7 @@ from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of
 from ...core.modalities.modality_scene import ModalityScene
 from ...core.render.frame_result import FrameResult
-from ...core.scene.values import Contact, HapticObject, HapticScene, Listener, Source, SourceKind
+from ...core.scene.values import Contact, HapticObject, HapticScene, Listener, Source, SourceKind, TriggerKind
 from ..blender.single_precision import shortest
 from ..properties.modalities import SHOWN
 from ..scene_reader.imported import FileContacts, file_contacts, imported_listener, imported_object, imported_scene, imported_source
@@ -62,9 +62,12 @@ def scene_of_result(result: FrameResult, reading: Reading, scene: bpy.types.Scen
 def written_frame(result: FrameResult, reading: Reading, scene: bpy.types.Scene) -> HapticScene:
     """`scene_of_result` without contacts."""
     found = {obj.name_full: obj for obj in bpy.data.objects}
+    shots = {shot.name for shot in result.shots}
+    sources = [item for item in result.sources if item.name not in shots]
+    sources += [item for item in reading.sources if item.triggers is not None]
     return HapticScene(
         objects=_by_name(_object(item, found.get(item.name), item.name in reading.settled) for item in reading.posed_objects()),
-        sources=_by_name(_source(item, found.get(item.name)) for item in result.sources),
+        sources=_by_name(_source(item, found.get(item.name)) for item in sources),
         listeners=_by_name(_listener(item, found.get(item.name)) for item in result.listeners),
         settings=reading.settings,
         extras=_extras(scene, result.number),
@@ -104,7 +107,7 @@ def within(scene: HapticScene, names: Collection[str]) -> HapticScene:
         scene,
         objects=objects,
         contacts=tuple(item for item in scene.contacts if left.issuperset(pair_of(item))),
-        sources=tuple(item for item in scene.sources if _is_within(item, names, left)),
+        sources=tuple(_triggered_within(item, left) for item in scene.sources if _is_within(item, names, left)),
         listeners=tuple(item for item in scene.listeners if item.name in names and item.object in left),
     )
 
@@ -113,6 +116,12 @@ def _is_within(source: Source, names: Collection[str], objects: Collection[str])
     if source.object not in objects or (source.second_object is not None and source.second_object not in objects):
         return False
     return source.name in names or source.rubs or source.kind is SourceKind.TEMPORARY
+
+
+def _triggered_within(source: Source, objects: Collection[str]) -> Source:
+    if not source.triggers:
+        return source
+    return replace(source, triggers=tuple(t for t in source.triggers if t.on is not TriggerKind.PASSING or t.object in objects))
 
 
 def _by_name(items: Any) -> tuple[Any, ...]:
@@ -127,7 +136,8 @@ def _object(item: HapticObject, obj: Object | None, settled: bool) -> HapticObje
 def _source(item: Source, obj: Object | None) -> Source:
     if obj is None:  # an impact of this frame, or what slides or rolls
         return item
-    return replace(item, extras=dict(imported_source(obj.haptics.source.imported).extras))
+    triggers = None if item.triggers is None else tuple(t for t in item.triggers if t.on is not TriggerKind.LEVEL)
+    return replace(item, extras=dict(imported_source(obj.haptics.source.imported).extras), triggers=triggers)
 
 
 def _listener(item: Listener, obj: Object | None) -> Listener:

@@ -7,13 +7,14 @@ from typing import Any, TypeVar
 
 from bpy.types import Object
 
+from ...core.formats.scene.values_json import item_to_dict
 from ...core.modalities.modality_scene import ModalityScene
 from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import RANGES, ImpactRule, ImpactTemplates
 from ...core.scene.rule_table import RuleTable
 from ...core.scene.texture import RANGES as OF_TEXTURES
 from ...core.scene.texture import Texture
-from ...core.scene.values import HapticObject, Listener, Source, SourceKind
+from ...core.scene.values import HapticObject, Listener, Source, SourceKind, TriggerKind
 from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..blender.single_precision import shortest
 from ..properties.drawing import HERTZ
@@ -81,6 +82,8 @@ def write_source(source: Any, item: Source, placed: bool = True) -> None:
     signal = Sine(60.0) if item.signal is None and item.kind is SourceKind.PERSISTENT else item.signal
     signal, source.decay = _without_decay(signal) if item.kind is SourceKind.PERSISTENT else (signal, 0.0)
     kept = _write_signal(source, signal)
+    source.one_shot = item.triggers is not None
+    source.trigger_hit = any(trigger.on is TriggerKind.HIT for trigger in item.triggers or ())
     source.imported = text_of(
         numbers=numbers,
         signal=kept.to_dict() if kept is not None else None,
@@ -90,6 +93,7 @@ def write_source(source: Any, item: Source, placed: bool = True) -> None:
         second_position=item.second_position if placed else None,
         position=item.position if placed else None,
         extras=dict(item.extras),
+        triggers=[item_to_dict(trigger) for trigger in item.triggers or () if trigger.on is not TriggerKind.HIT],
     )
 
 

@@ -151,7 +151,8 @@ class _Builder:
         """On its object where it stands at its origin and is called so, else an empty on it."""
         obj = self._holder(item, "source")
         second = None if item.second_object is None else self.objects[item.second_object].name_full
-        write_source(obj.haptics.source, replace(item, second_object=second))
+        triggers = item.triggers and tuple(replace(t, object=self.objects[t.object].name_full) if t.object else t for t in item.triggers)
+        write_source(obj.haptics.source, replace(item, second_object=second, triggers=triggers))
 
     def add_listener(self, item: Listener) -> None:
         """As `add_source`."""

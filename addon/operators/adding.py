@@ -14,8 +14,10 @@ from mathutils import Matrix, Vector
 from ...core.scene.materials import MATERIALS
 from ...sample_scenes import SAMPLES, build_sample
 from ..authoring import materials
-from ..blender.polling import UNDO, poll_object_mode
+from ..blender.compatibility import animated_paths
+from ..blender.polling import UNDO, poll_active, poll_object_mode
 from ..scene_reader.roles import haptic_carrier
+from ..scene_reader.triggers import PATH as TRIGGER
 from .tagging import make_source
 
 _rpt = bpy.app.translations.pgettext_rpt
@@ -80,6 +82,50 @@ def _link(context: Context, obj: Object) -> None:
         other.select_set(False)
     obj.select_set(True)
     context.view_layer.objects.active = obj
+
+
+class HAPTIC_OT_make_one_shot(Operator):
+    """Have the source play a blast once per trigger, where it has no keyframe yet now; in a medium it spreads as a pressure front"""
+
+    bl_idname = "haptic.make_one_shot"
+    bl_label = "Play Once"
+    bl_options = UNDO
+
+    kind: EnumProperty(
+        name="Blast",
+        description="What goes off",
+        items=(
+            ("EXPLOSION", "Explosion", "An overpressure of 5 milliseconds, as that of a kilogram of TNT ten metres away"),
+            ("GUN", "Gun", "An overpressure of a millisecond, as at the muzzle"),
+        ),
+    )
+
+    poll = classmethod(poll_active)
+
+    def execute(self, context: Context) -> set[str]:
+        source = context.object.haptics.source
+        source.enabled = source.one_shot = True
+        source.signal, source.decay = "BLAST", 0.005 if self.kind == "EXPLOSION" else 0.001
+        if TRIGGER not in (animated_paths(context.object) or ()):
+            source.trigger = 1.0
+            context.object.keyframe_insert(TRIGGER)
+        carrier = haptic_carrier(context.object)
+        if carrier is not None and carrier.haptics.medium and carrier.haptics.function != "physical":
+            _spread_as_front(context.scene, carrier)
+        return {"FINISHED"}
+
+
+def _spread_as_front(scene: Scene, medium: Object) -> None:
+    """Have what is emitted into a medium spread in all directions, weaker the farther it is, at the speed of sound."""
+    haptics = medium.haptics
+    haptics.function, haptics.wave, haptics.loss_factor, haptics.absorption, haptics.extent = "physical", "solid", 0.0, 0.0, 0.0
+    haptics.material_k = (1.0 - haptics.kappa) * haptics.rho  # so that the decay is as it is set
+    material = scene.haptics.materials.items.get(haptics.material.name)
+    speed = haptics.wave_speed or MATERIALS["air"].wave_speed
+    if material is None:
+        haptics.wave_speed = speed
+    else:
+        material.wave_speed, material.use_delay = material.wave_speed or speed, True
 
 
 class HAPTIC_OT_add_medium(Operator):

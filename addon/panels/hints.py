@@ -66,7 +66,7 @@ def next_step(scene: Scene, is_playing: bool) -> Hint | None:
 
 def _has_sources(scene: Scene, traced: Traced) -> bool:
     """True where something vibrates, or where bodies that move can collide."""
-    if traced.result.sources or traced.reading is None:
+    if traced.result.sources or traced.reading is None or traced.reading.sources:
         return True
     return scene.haptics.impacts and any(body.motion == "dynamic" for body in traced.reading.bodies)
 

@@ -26,7 +26,7 @@ _SAME = 0.005
 """Difference of (1 - κ) ρ below which two materials feel the same."""
 
 
-def _owner(context: Context, obj: Object) -> Any:
+def library_owner(context: Context, obj: Object) -> Any:
     """The property group with the values of an object: its material in the scene's library, or the object itself."""
     name = obj.haptics.material.name
     return context.scene.haptics.materials.items.get(name) if name else None
@@ -54,7 +54,7 @@ class HAPTIC_PT_object(HapticsPanel, Panel):
         if not haptics.enabled:
             return
         layout.label(text=obj.name, icon="OBJECT_DATA", translate=False)
-        material = _owner(context, obj)
+        material = library_owner(context, obj)
         _draw_material(layout, context, material)
         column = layout.column(align=True)
         column.prop(material or haptics, "kappa")
@@ -63,13 +63,13 @@ class HAPTIC_PT_object(HapticsPanel, Panel):
             layout.operator("haptic.unlink_material", text="Make Own, to Key It", icon="UNLINKED")
         layout.prop(haptics, "function")
         draw_parameters(layout, haptics, haptics.kappa, haptics.rho, context.scene.haptics.epsilon)
-        _draw_wave_speed(layout, haptics, material)
+        draw_wave_speed(layout, haptics, material)
         layout.prop(haptics, "medium")
         for lines in advice(context, obj):
             warn(layout, *lines)
 
 
-def _draw_wave_speed(layout: UILayout, haptics: Any, material: Any) -> None:
+def draw_wave_speed(layout: UILayout, haptics: Any, material: Any) -> None:
     """A material may know its wave speed without using it; an object's own counts unless it is 0."""
     if material is None:
         layout.prop(haptics, "wave_speed")
@@ -200,13 +200,13 @@ class HAPTIC_PT_bands(HapticsPanel, Panel):
         return context.object is not None and context.object.type != "ARMATURE" and context.object.haptics.enabled
 
     def draw_header(self, context: Context) -> None:
-        owner = _owner(context, context.object) or context.object.haptics.material
+        owner = library_owner(context, context.object) or context.object.haptics.material
         self.layout.prop(owner, "use_bands", text="")
 
     def draw(self, context: Context) -> None:
         layout = self.layout
         layout.use_property_split = True
-        owner = _owner(context, context.object) or context.object.haptics.material
+        owner = library_owner(context, context.object) or context.object.haptics.material
         layout.active = owner.use_bands
         layout.label(text="Extra attenuation per metre")
         column = layout.column(align=True)

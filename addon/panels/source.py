@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from bpy.types import Context, Object, Panel, UILayout
 
 from ..io import drawings, signal_library
 from ..properties.drawing import AMPLITUDE, FREQUENCY
+from ..scene_reader.roles import haptic_carrier
+from ..session import sessions
 from .drawing import HapticsPanel, draw_carrier
+from .object import draw_wave_speed, library_owner
+from .texts import draw_sentence
 from .thumbnails import cell
 
 _SHOWN_EMPHASES = 20
+_TRIGGERS = {"": "", "_markers": "timeline_markers", "_hit": "", "_object": "objects", "_region": "objects"}
+"""Ends of the names of properties, and what of the scene these name."""
 
 
 class HAPTIC_PT_signals(Panel):
@@ -103,10 +111,47 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
             layout.prop(source, "filepath")
         elif source.signal == "DRAWN":
             draw_drawing(layout, context.object)
-        elif source.signal not in ("NOISE", "KEPT"):
+        elif source.signal not in ("NOISE", "KEPT", "BLAST"):
             layout.prop(source, "frequency")
+        _draw_faults(layout, context, "signal")
         layout.operator("haptic.import_signal", icon="IMPORT")
         layout.prop(source, "decay")
         layout.prop(source, "priority")
         layout.prop(source, "muted")
         draw_carrier(layout, context.object, "Shakes")
+        layout.prop(source, "one_shot")
+        if source.one_shot:
+            _draw_triggers(layout.column(), context, source)
+        row = layout.row(align=True)
+        row.operator("haptic.make_one_shot", text="Explosion").kind = "EXPLOSION"
+        row.operator("haptic.make_one_shot", text="Gun").kind = "GUN"
+        carrier = haptic_carrier(context.object)
+        if carrier is not None and carrier.haptics.medium and carrier.haptics.function == "physical":
+            _draw_front(layout, context, carrier)
+
+
+def _draw_triggers(layout: UILayout, context: Context, source: Any) -> None:
+    """Draw what triggers a source, each with what is wrong with it."""
+    for end, items in _TRIGGERS.items():
+        name = f"trigger{end}"
+        if items:
+            layout.prop_search(source, name, context.scene, items, results_are_suggestions=True)
+        else:
+            layout.prop(source, name)
+        _draw_faults(layout, context, name)
+
+
+def _draw_front(layout: UILayout, context: Context, medium: Object) -> None:
+    """Draw how fronts spread in a medium."""
+    haptics = medium.haptics
+    column = layout.column(align=True)
+    draw_wave_speed(column, haptics, library_owner(context, medium))
+    column.prop(haptics, "absorption", text="Decay (1/m)")
+    column.prop(haptics, "reference_distance", text="Radius")
+
+
+def _draw_faults(layout: UILayout, context: Context, name: str) -> None:
+    """Draw what a designer should mend about a property of the source."""
+    for problem in sessions.shown_problems(context.scene):
+        if (problem.object, problem.rule) == (context.object.name_full, (name, 0)):
+            draw_sentence(layout, problem.message, "ERROR")

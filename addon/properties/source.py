@@ -16,7 +16,12 @@ SIGNAL_ITEMS = (
     ("FILE", "WAV File", "A recorded signal"),
     ("DRAWN", "Drawn", "Amplitude and frequency as curves"),
     ("KEPT", "Imported", "The signal of an imported file, kept in this one"),
+    ("BLAST", "Blast", "The pressure wave of a shot or an explosion, whose overpressure lasts for the decay time (Friedlander)"),
 )
+
+
+def _name(name: str, description: str) -> StringProperty:
+    return StringProperty(name=name, description=description, options=set(), update=changed)
 
 
 class HapticSourceProperties(Imported, PropertyGroup):
@@ -67,6 +72,7 @@ class HapticSourceProperties(Imported, PropertyGroup):
         min=0.0,
         max=1e6,
         soft_max=60.0,
+        precision=3,
         update=changed,
     )
     priority: FloatProperty(
@@ -77,3 +83,24 @@ class HapticSourceProperties(Imported, PropertyGroup):
         soft_max=10.0,
         update=edited("priority"),
     )
+    one_shot: BoolProperty(
+        name="Once per Trigger", description="Silent, but for its signal each time that one of its triggers goes off", update=changed
+    )
+    trigger: FloatProperty(
+        name="Trigger",
+        description="Plays at each keyframe above 0, as strongly as that says; with a driver, in each frame in which it rises above 0",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=changed,
+    )
+    trigger_markers: _name("Markers", "Plays at the timeline markers of this name; * stands for any characters, ? for one")
+    trigger_hit: BoolProperty(
+        name="When Hit",
+        description="Plays at each impact of the haptic object, with the blow's energy, as the rule for impacts of the two says",
+        options=set(),
+        update=changed,
+    )
+    trigger_object: _name("Passing", "Plays when the origin of this haptic object comes into the region; Car* is all of these, empty any")
+    trigger_region: _name("Region", "The object whose bounding box is the region; what is flat is a plane that is passed from either side")

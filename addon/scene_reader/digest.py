@@ -15,7 +15,8 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import ID, Object, Scene
 
 from ..blender.compatibility import fcurves_of
-from .roles import is_tagged
+from .roles import is_tagged, regions_of
+from .triggers import marker_frames
 
 Digest = dict[str, Any]
 
@@ -53,7 +54,9 @@ def digest_of(scene: Scene) -> Digest:
     """The digest of a scene as it stands now; it does not depend on the current frame."""
     haptics = scene.haptics
     settings = dict(_properties(haptics, [key for key in _plain_keys(haptics) if key not in _VIEW]))
-    objects = {obj.name_full: {"haptics": _roles(obj), **_motion(obj)} for obj in scene.objects if _matters(obj)}
+    regions = regions_of(scene)
+    matter = [obj for obj in scene.objects if _matters(obj) or obj.name in regions]
+    objects = {obj.name_full: {"haptics": _roles(obj, scene), **_motion(obj)} for obj in matter}
     return {"settings": settings, **_physics(scene), "objects": objects}
 
 
@@ -63,7 +66,9 @@ def motion_of(scene: Scene) -> str:
     That is physics, and of everything haptic and of what may move it shape, transforms, animation, rigid body, parent, constraints and
     modifiers.
     """
-    return _sum([_physics(scene), [(obj.name_full, _motion(obj, "haptics.")) for obj in scene.objects if _may_hit(obj)]])
+    regions = regions_of(scene)
+    moving = [obj for obj in scene.objects if _may_hit(obj) or obj.name in regions]
+    return _sum([_physics(scene), [(obj.name_full, _motion(obj, "haptics.")) for obj in moving]])
 
 
 def changes(before: Mapping[str, Any], now: Digest) -> tuple[Change, ...]:
@@ -120,12 +125,14 @@ def _physics(scene: Scene) -> Digest:
     }
 
 
-def _roles(obj: Object) -> str:
+def _roles(obj: Object, scene: Scene) -> str:
     haptics, paths = obj.haptics, _animation(obj)[0]
     groups = (("", haptics), ("source.", haptics.source), ("listener.", haptics.listener), ("material.", haptics.material))
     roles = [
         _settings(group, {path for path in paths if path.startswith(f"haptics.{prefix}")}) for prefix, group in groups if is_tagged(obj)
     ]
+    if haptics.source.one_shot and haptics.source.trigger_markers:
+        roles.append(list(marker_frames(scene, haptics.source.trigger_markers)))
     return _sum(roles)
 
 

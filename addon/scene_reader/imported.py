@@ -20,10 +20,10 @@ from ...core.formats.io.schema import load_schema
 from ...core.formats.io.strict_json import parse_json
 from ...core.formats.scene.recording import pair_of
 from ...core.formats.scene.scene_json import FORMAT, VERSION, scene_from_dict
-from ...core.formats.scene.values_json import item_to_dict
+from ...core.formats.scene.values_json import item_to_dict, read_trigger
 from ...core.scene.functions import Identity, ModulationFunction, function_from_dict
 from ...core.scene.rules import Motion
-from ...core.scene.values import Contact, Pose, SourceKind, Vector
+from ...core.scene.values import Contact, Pose, SourceKind, Trigger, Vector
 from ...core.signals import Signal, signal_from_dict
 from ..blender.single_precision import shortest
 
@@ -76,6 +76,7 @@ class ImportedSource:
     position: Vector | None = None
     numbers: Numbers = field(default_factory=dict)
     extras: Mapping[str, Any] = field(default_factory=dict)
+    triggers: tuple[Trigger, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -235,6 +236,7 @@ _VALUES: Mapping[str, Callable[[Any], Any]] = {
     "tolerance": float,
     "slack": float,
     "profile": str,
+    "triggers": lambda forms: tuple(read_trigger(form, ()) for form in forms),
 }
 """What makes a value of the stored one, by key."""
 

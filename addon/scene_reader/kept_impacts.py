@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from ...core.contacts.impact_sources import FrameImpacts, Sounding
 from ...core.contacts.impacts import Impact
+from ...core.contacts.one_shots import Shot
+from ...core.scene.values import TriggerKind
 from ...core.signals import DEFAULT_IMPACT
 from .imported import stored
 
@@ -32,7 +35,8 @@ def text_of_impacts(frame: int, kept: FrameImpacts, names: Sequence[str], motion
         }
         for item, poses in zip(kept.sounding, kept.poses, strict=True)
     ]
-    form = {"frame": frame, "start": kept.start, "motion": motion, "impacts": impacts}
+    shots = {"shots": list(map(asdict, kept.shots))} if kept.shots else {}
+    form = {"frame": frame, "start": kept.start, "motion": motion, "impacts": impacts, **shots}
     text = json.dumps(form, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text if len(text) <= _MOST_CHARACTERS else ""
 
@@ -51,7 +55,8 @@ def impacts_from_text(text: str, frame: int, names: Sequence[str], motion: str) 
         return None
     sounding = tuple(_sounding(item, row) for item in form["impacts"])
     poses = np.array([item["poses"] for item in form["impacts"]], dtype=np.float64).reshape(-1, 2, 3, 4)
-    return FrameImpacts(float(form["start"]), sounding, poses) if sounding else None
+    shots = tuple(Shot(**{**item, "on": TriggerKind(item["on"])}) for item in form.get("shots", ()))
+    return FrameImpacts(float(form["start"]), sounding, poses, shots) if sounding or shots else None
 
 
 def _sounding(item: dict[str, Any], row: dict[str, int]) -> Sounding:

@@ -13,7 +13,7 @@ from ..blender.single_precision import shortest
 from .animated_curves import Curves
 from .functions import read_function
 from .imported import exact, imported_listener, imported_object, imported_source
-from .signals import decaying, read_signal
+from .signals import decaying, played_once, read_signal
 
 
 def read_object(obj: Object) -> HapticObject:
@@ -34,20 +34,22 @@ def read_object(obj: Object) -> HapticObject:
 
 
 def read_source(obj: Object, carrier: str, curves: Curves = (None, None), is_silenced: bool = False) -> Source:
-    """The source of a Blender object that stands on the haptic object ``carrier``; its position, here where a file put it, is filled in
-    per frame. ``curves``: frequency and envelope over the scene's time, where they are animated."""
+    """The source of a Blender object that stands on the haptic object ``carrier``, without its triggers; its position, here where a file
+    put it, is filled in per frame. ``curves``: frequency and envelope over the scene's time, where they are animated."""
     properties = obj.haptics.source
     imported = imported_source(properties.imported)
     second = bpy.data.objects.get(imported.second_object or "")
     struck = second is not None and second.haptics.enabled and second.name_full != carrier
     signal = imported.signal if properties.signal == "KEPT" else read_signal(properties, *curves)
+    if imported.kind is SourceKind.PERSISTENT:
+        signal = decaying(signal, properties.decay)
     return Source(
         name=obj.name_full,
         object=carrier,
         position=imported.position or (0.0, 0.0, 0.0),
         amplitude=0.0 if is_silenced else exact(properties, "amplitude", imported.numbers),
         kind=imported.kind,
-        signal=decaying(signal, properties.decay) if imported.kind is SourceKind.PERSISTENT else signal,
+        signal=played_once(signal) if properties.one_shot else signal,
         second_object=imported.second_object if struck else None,
         second_position=imported.second_position if struck else None,
         onset=imported.onset,

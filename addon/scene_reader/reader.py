@@ -22,14 +22,14 @@ from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import ImpactRule
 from ...core.scene.rule_table import RuleTable
 from ...core.scene.texture import Texture
-from ...core.scene.values import Listener, Source
+from ...core.scene.values import Listener, Source, TriggerKind
 from ..blender import compatibility
 from ..blender.progress import progress
 from ..blender.time import frame_seconds, seconds_of
 from .animated_curves import AnimatedCurves
 from .collision_shapes import collision_shape, mesh_checksum
 from .functions import read_transmission
-from .imported import imported_object, near
+from .imported import imported_object, imported_source, near
 from .imported_contacts import ImportedContacts
 from .objects import read_listener, read_object, read_source
 from .problem import Problem
@@ -39,6 +39,7 @@ from .rules import read_impact_rule, read_table, read_texture
 from .settings import read_contact_settings, read_settings
 from .signals import is_audible
 from .tagged import Tagged, TaggedLists
+from .triggers import read_triggers, region_of
 from .world_transforms import raw_matrices, rigid_transforms, session_ids
 
 _STEADY = frozenset(
@@ -93,6 +94,7 @@ class SceneReader:
         self._transmission_table: RuleTable[ModulationFunction] = RuleTable()
         self._textures: RuleTable[Texture] = RuleTable()
         self._rule_problems: list[Problem] = []
+        self._markers: tuple[tuple[str, int], ...] = ()
         self.solo_roles: frozenset[str] = frozenset()
 
     def forget(self) -> None:
@@ -117,6 +119,9 @@ class SceneReader:
         """The scene as it stands in ``depsgraph``; ``exact``: also what has moved by less than counts otherwise."""
         ids = session_ids()
         raw = raw_matrices(len(ids))
+        markers = tuple((marker.name, marker.frame) for marker in scene.timeline_markers)
+        if markers != self._markers:
+            self._markers, self._session_ids = markers, None
         if self._session_ids is None or not np.array_equal(self._session_ids, ids):
             self._read_all(depsgraph, raw)
             self._imported.read(scene)
@@ -128,7 +133,11 @@ class SceneReader:
             self._session_ids = ids
         lists = self._read_changed(depsgraph, raw, exact)
         now, duration = seconds_of(scene, scene.frame_current), frame_seconds(scene)
-        heard = [item for item in self._placed if is_audible(item, now, duration)]
+        heard = [
+            _with_regions(item, bpy.data.objects[row], scene)
+            for item, row in zip(self._placed, lists.of_places.tolist(), strict=True)
+            if is_audible(item, now, duration)
+        ]
         contact_settings = read_contact_settings(scene, self._impact_table, self._transmission_table, self._textures)
         if "source" in self.solo_roles:
             contact_settings = replace(contact_settings, impacts=False, textures=RuleTable())
@@ -243,9 +252,13 @@ class SceneReader:
                     if role == "listener":
                         listener = read_listener(obj, carrier.name_full, silenced)
                     else:
-                        source = read_source(obj, carrier.name_full, self._curves.of_source(obj, depsgraph.scene), silenced)
+                        triggers, wrong = read_triggers(obj, depsgraph.scene)
+                        problems += wrong
+                        curves = self._curves.of_source(obj, depsgraph.scene)
+                        source = replace(read_source(obj, carrier.name_full, curves, silenced), triggers=triggers)
                 except (OSError, ValueError) as error:
-                    problems.append(Problem(name, str(error).replace("mixing_expression", "the mixing formula")))
+                    rule = ("signal", 0) if role == "source" else None
+                    problems.append(Problem(name, str(error).replace("mixing_expression", "the mixing formula"), rule))
         animated = compatibility.animated_paths(obj)
         deforming = any(animated != () or modifier.type not in _STEADY for modifier in obj.modifiers)
         return Tagged(row, animated, deforming, tuple(scale.tolist()), haptic_object, body, home, source, listener, tuple(problems))
@@ -277,6 +290,15 @@ class SceneReader:
             return known[2]
         self._shapes[session_id] = key, mesh_checksum(obj, depsgraph), collision_shape(obj, depsgraph, scale)
         return self._shapes[session_id][2]
+
+
+def _with_regions(item: Source | Listener, obj: Object, scene: Scene) -> Source | Listener:
+    """A source whose region is where it stands now."""
+    if not isinstance(item, Source) or not any(trigger.on is TriggerKind.PASSING for trigger in item.triggers or ()):
+        return item
+    kept, place = imported_source(obj.haptics.source.imported).triggers, region_of(obj.haptics.source, scene)
+    moved = (replace(t, **place) if t.on is TriggerKind.PASSING and t not in kept else t for t in item.triggers or ())
+    return replace(item, triggers=tuple(moved))
 
 
 def edited_geometry(depsgraph: Depsgraph) -> set[int]:

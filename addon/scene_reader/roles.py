@@ -37,6 +37,12 @@ def is_silenced(obj: Object, role: str, solo: frozenset[str]) -> bool:
     return properties.muted or (role in solo and not properties.solo)
 
 
+def regions_of(scene: Scene) -> frozenset[str]:
+    """The names of the objects that sources have for regions."""
+    sources = (obj.haptics.source for obj in scene.objects)
+    return frozenset(source.trigger_region for source in sources if source.enabled and source.one_shot and source.trigger_region)
+
+
 _untagged: dict[int, int] = {}
 """The revision in which nothing was tagged, by session id of the scene."""
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
+from ...core.scene.impact_rule import QUIETEST
 from ...core.scene.values import Listener, Source, SourceKind
-from ...core.signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Automation, Decay, Loop, Noise, Pulse, Signal, Sine, read_wav
+from ...core.signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, LONGEST, Automation, Loop, Noise, Pulse, Signal, Sine, read_wav
+from ...core.signals.envelopes import Decay, Keyed
 from ...core.signals.limits import MIN_SECONDS
 from ..blender.single_precision import shortest
 from .drawings import read_drawing
@@ -27,14 +30,31 @@ def read_signal(properties: Any, frequency: Automation | None = None, envelope: 
             return Noise()
         case "DRAWN":
             return read_drawing(properties.drawing, envelope, frequency).to_signal()
+        case "BLAST":  # with its decay (1 - t / T) exp(-t / T)
+            phase = shortest(properties.decay)
+            if phase < MIN_SECONDS:
+                raise ValueError(iface_("its signal has no end: set a decay time"))
+            return Keyed(Automation((0.0, 10.0 * phase), (1.0, -9.0)))
     if not properties.filepath:
         raise ValueError(iface_("its signal is a WAV file, but none is chosen"))
-    return Loop(read_wav(bpy.path.abspath(properties.filepath)))
+    recorded = read_wav(bpy.path.abspath(properties.filepath))
+    return recorded if properties.one_shot else Loop(recorded)
 
 
 def decaying(signal: Signal | None, seconds: float) -> Signal | None:
     """A persistent source's signal with an envelope that falls to 1/e in ``seconds``, without one where that is 0."""
     return (signal or DEFAULT_PERSISTENT) * Decay(shortest(seconds)) if seconds >= MIN_SECONDS else signal
+
+
+def played_once(signal: Signal | None) -> Signal:
+    """The signal of a source that plays it once per trigger. Raises ValueError where it can't."""
+    if signal is None or signal.duration == math.inf:
+        raise ValueError(iface_("its signal has no end: set a decay time"))
+    if signal.duration > LONGEST:
+        raise ValueError(iface_("its signal lasts longer than a minute"))
+    if not signal.peak >= QUIETEST:
+        raise ValueError(iface_("its signal is silent"))
+    return signal
 
 
 def is_audible(item: Source | Listener, now: float, duration: float) -> bool:

@@ -18,7 +18,7 @@ from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
 from ...core.tracer import Frame, Tracer
 from ..blender.playing import is_playing
-from ..blender.time import seconds_of
+from ..blender.time import frame_seconds, seconds_of
 from ..changes import revisions
 from ..changes.events import file_changed
 from ..changes.suspension import is_stepped
@@ -321,6 +321,7 @@ def frame_of(scene: Scene, reading: Reading, continuous: bool) -> Frame:
         transforms=reading.transforms,
         continuous=continuous,
         authored=reading.authored,
+        duration=frame_seconds(scene),
     )
 
 

@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Generator
 from contextlib import closing
 from dataclasses import dataclass, replace
+from itertools import product
 
+import bpy
 from bpy.types import Scene
 
 from ...core.collisions import EXACT_FRAMES
 from ...core.render.frame_result import FrameResult
+from ...core.render.groups import MAX_DELAY
+from ...core.signals import DEFAULT_IMPACT, IMPACT_MATERIALS, Signal, impact_template
+from ..blender.time import frame_seconds
 from ..changes.suspension import stepped, suspended
 from ..scene_reader.problem import Problem
+from ..scene_reader.reader import SceneReader
 from . import session
+
+_MOTION_FRAMES = 5
+"""Poses that motion is estimated from, and the one that they lead to."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,9 +39,9 @@ def results(scene: Scene, start: int, end: int) -> Generator[FrameResult, None, 
     """Trace the frames ``start`` to ``end`` in order. Each is traced while Blender evaluates the next one, in which the scene stands when
     it comes; in the end, the scene's frame is what it was.
 
-    A simulation that begins earlier and is not baked runs up to ``start`` first, and where something may slide or roll the frames that this
-    depends on are traced. Raises ValueError in words where a frame can't be traced,
-    or where the listeners change on the way.
+    A simulation that begins earlier and is not baked runs up to ``start`` first; where something may slide or roll, or sources have
+    triggers, the frames that this depends on are traced. Raises ValueError in words where a frame can't be traced, or where the listeners
+    change on the way.
     """
     result: FrameResult | None = None
     own = session.of(scene)
@@ -75,6 +85,21 @@ def _frames(scene: Scene, start: int, end: int) -> Generator[int, None, None]:
         scene.frame_set(before)
 
 
+def warm_start(scene: Scene, first: int) -> int:
+    """The frame from which frames are traced so that ``first`` knows all that is moving, all pairs that have just hit each other, and all
+    impacts and triggers that still sound: the last of the `EXACT_FRAMES` before that, at which nothing is held from earlier frames."""
+    reading = SceneReader().read(scene, bpy.context.evaluated_depsgraph_get())
+    rules = reading.contact_settings.impact_rules()
+    signals = [DEFAULT_IMPACT, *(impact_template(*pair) for pair in product(IMPACT_MATERIALS, repeat=2))]
+    signals += [rule.template for rule in rules if isinstance(rule.template, Signal)]
+    signals += [source.signal for source in reading.sources if source.triggers is not None and source.signal is not None]
+    seconds = max(signal.duration for signal in signals) / min(rule.slowest for rule in rules)
+    seconds += max(limits.refractory for limits in reading.contact_settings.all_limits())
+    slow = ((item.propagation.spectrum.wave_speed, body.shape) for item, body in zip(reading.objects, reading.bodies, strict=True))
+    seconds += min(sum(math.dist(*shape.local_bounds()) / speed for speed, shape in slow if speed), MAX_DELAY)
+    return (first - _MOTION_FRAMES - math.ceil(seconds / frame_seconds(scene))) // EXACT_FRAMES * EXACT_FRAMES
+
+
 def _simulation_start(scene: Scene, start: int) -> int:
     """The frame from which rigid bodies have to be simulated to stand right at ``start``."""
     world = scene.rigidbody_world
@@ -84,10 +109,14 @@ def _simulation_start(scene: Scene, start: int) -> int:
 
 
 def _tracing_start(scene: Scene, start: int) -> int:
-    """The frame from which tracing knows all that ``start`` depends on: `Rubbing` has a block of frames, and the one before."""
-    if not scene.haptics.textures.items:
-        return start
-    return min(max(((start - 1) // EXACT_FRAMES - 1) * EXACT_FRAMES, scene.frame_start), start)
+    """The frame from which tracing knows all that ``start`` depends on: shots still sound, `Rubbing` has a block of frames, and the one
+    before."""
+    first = start
+    if start > scene.frame_start and any(obj.haptics.source.enabled and obj.haptics.source.one_shot for obj in scene.objects):
+        first = warm_start(scene, start)
+    if scene.haptics.textures.items:
+        first = ((first - 1) // EXACT_FRAMES - 1) * EXACT_FRAMES
+    return min(max(first, scene.frame_start), start)
 
 
 def _from(start: int, result: FrameResult) -> FrameResult:

@@ -44,11 +44,12 @@ def _reasons(traced: Traced, question: _Question, before: tuple[Message, ...] | 
     """Computed on the worker: why a listener feels nothing."""
     result, reading = traced.result, traced.reading
     index = [item.name for item in result.listeners].index(question.listener)
+    waiting = [] if reading is None else [source.name for source in reading.sources if source.triggers is not None]
     around = None
     if reading is not None and {body.name for body in reading.bodies} <= set(result.objects):
         around = Surroundings(reading.bodies, reading.transforms, reading.contact_settings)
     recent = felt_samples(traced, question.is_playing)[index]
-    return reasons(result, traced.settings, index, around, question.muted, recent if len(recent) else None)
+    return reasons(result, traced.settings, index, around, question.muted, recent if len(recent) else None, waiting)
 
 
 _REASONS: Derived[_Question, tuple[Message, ...]] = Derived(_reasons)

@@ -12,6 +12,7 @@ from ..scene.rules import ContactSettings, ImpactTemplates
 from ..scene.values import HapticObject, Source, SourceKind
 from ..signals import Signal, impact_template
 from .impacts import Impact
+from .one_shots import Shot
 
 MOST_FRAMES = 4096
 """Number of frames whose impacts are stored."""
@@ -76,11 +77,13 @@ class Sounding:
 
 @dataclass(frozen=True, slots=True)
 class FrameImpacts:
-    """What sounds in a frame that begins at ``start`` [s]; ``poses`` (k, 2, 3, 4) of the bodies of each impact at its end."""
+    """What sounds in a frame that begins at ``start`` [s]; ``poses`` (k, 2, 3, 4) of the bodies of each impact at its end; ``shots``: of
+    sources with triggers."""
 
     start: float
     sounding: tuple[Sounding, ...]
     poses: FloatArray
+    shots: tuple[Shot, ...] = ()
 
     def stands(self, transforms: FloatArray) -> bool:
         """Whether the struck bodies are at ``transforms`` (n, 4, 4) where they were."""
@@ -89,13 +92,15 @@ class FrameImpacts:
 
 
 class ImpactSources:
-    """The sources of impacts while their templates sound."""
+    """The sources of impacts while their templates sound, for the listeners that feel them last: ``late`` seconds, by name."""
 
     def __init__(self) -> None:
+        self.late: Mapping[str, float] = {}
         self._sounding: list[Sounding] = []
 
     def clear(self) -> None:
         """Drop all sources."""
+        self.late = {}
         self._sounding.clear()
 
     @property
@@ -103,11 +108,11 @@ class ImpactSources:
         """Of the sources, which say between what and when."""
         return tuple(sounding.source.name for sounding in self._sounding)
 
-    def kept(self, start: float, transforms: FloatArray) -> FrameImpacts | None:
+    def kept(self, start: float, transforms: FloatArray, shots: tuple[Shot, ...] = ()) -> FrameImpacts | None:
         """What sounds in the frame from ``start`` [s], for `recall`; None where nothing does."""
-        if not self._sounding:
+        if not self._sounding and not shots:
             return None
-        return FrameImpacts(start, tuple(self._sounding), _struck_poses(self._sounding, transforms))
+        return FrameImpacts(start, tuple(self._sounding), _struck_poses(self._sounding, transforms), shots)
 
     def recall(self, kept: FrameImpacts, templates: Templates) -> tuple[Impact, ...]:
         """Have the impacts of a frame sound again, by these ``templates``; return those that it began."""
@@ -115,8 +120,8 @@ class ImpactSources:
         return tuple(sounding.impact for sounding in kept.sounding if sounding.impact.time > kept.start)
 
     def end_before(self, time: float) -> None:
-        """Drop the sources whose templates have ended by ``time`` [s]."""
-        self._sounding = [sounding for sounding in self._sounding if sounding.end > time]
+        """Drop the sources whose templates have ended by ``time`` [s], wherever they are felt."""
+        self._sounding = [item for item in self._sounding if item.end + self.late.get(item.source.name, 0.0) > time]
 
     def add(self, impacts: Sequence[Impact], names: Sequence[str], transforms: FloatArray, templates: Templates) -> None:
         """Add sources for ``impacts`` of bodies called ``names`` (n,) at rigid world ``transforms`` (n, 4, 4)."""
@@ -141,7 +146,7 @@ class ImpactSources:
 
 
 def _struck_poses(sounding: Sequence[Sounding], transforms: FloatArray) -> FloatArray:
-    return transforms[np.array([item.impact.objects for item in sounding], dtype=np.int64), :3]
+    return transforms[np.array([item.impact.objects for item in sounding], dtype=np.int64).reshape(-1, 2), :3]
 
 
 def _to_body(transform: FloatArray, position: Sequence[float]) -> FloatArray:

@@ -27,6 +27,7 @@ def reasons(
     surroundings: Surroundings | None = None,
     muted: Collection[str] = (),
     recent: FloatArray | None = None,
+    waiting: Sequence[str] = (),
 ) -> tuple[Message, ...]:
     """Why listener number ``listener`` of ``result`` feels nothing.
 
@@ -35,12 +36,13 @@ def reasons(
         surroundings: the bodies of the frame, to measure gaps between them.
         muted: names of sources that are switched off rather than at amplitude 0.
         recent: (n,) the last samples of the listener at the result's rate; the frame's own where it is None.
+        waiting: names of sources that have not been triggered.
 
     Returns:
         One message per cause; () where the listener feels something.
     """
     if not result.sources:
-        return (Message.of(Cause.NO_SOURCE),)
+        return (Message.of(Cause.WAITING, waiting[0], source=waiting[0]) if waiting else Message.of(Cause.NO_SOURCE),)
     arriving = [row for row in range(len(result.sources)) if result.gains[row, listener] > 0 and not _is_over(result, row)]
     if arriving:
         return _arrival_messages(result, listener, arriving, recent)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..message import Message
@@ -39,3 +41,9 @@ class Propagation:
     taps: Mapping[tuple[int, int], tuple[tuple[float, float], ...]] = field(default_factory=dict)
     warnings: tuple[Message, ...] = ()
     statistics: Mapping[str, int | float] = field(default_factory=dict)
+
+    def latest(self, names: Sequence[str]) -> dict[str, float]:
+        """The longest delay [s] of each source, by its name, at the listeners that it reaches; nothing where there are no delays."""
+        if self.delay is None:
+            return {}
+        return dict(zip(names, np.where(self.gain > 0, self.delay, 0.0).max(axis=1, initial=0.0).tolist(), strict=True))

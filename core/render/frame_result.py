@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ..arrays import FloatArray
 from ..contacts.contact_set import ContactSet
+from ..contacts.one_shots import Shot
 from ..contacts.tracker import Impact
 from ..graph.haptic_graph import HapticGraph
 from ..message import Message
@@ -32,7 +33,7 @@ class FrameResult:
     impacts; ``gains`` (s, l) include the sources' amplitudes. ``block`` (l, n): the rendered samples of the frame's interval, the first
     at sample number ``first_sample`` of ``sample_rate``; None where nothing was rendered. ``milliseconds`` per stage: read, broad,
     narrow, graph, propagate, mix. ``statistics``: counts of what was done and what was skipped. ``before``: what sounded at the start of
-    the block; None where there was none before it.
+    the block; None where there was none before it. ``shots``: of sources with triggers, which sound as temporary ones of their names.
     """
 
     number: int
@@ -52,6 +53,7 @@ class FrameResult:
     statistics: Mapping[str, int | float]
     warnings: tuple[Message, ...] = ()
     before: Sounding | None = None
+    shots: tuple[Shot, ...] = ()
 
     def path_objects(self, source: int, listener: int) -> tuple[str, ...]:
         """The objects of the best path from a source to a listener, () where there is none."""

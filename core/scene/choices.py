@@ -35,3 +35,12 @@ class Extent(enum.StrEnum):
 class SourceKind(enum.StrEnum):
     PERSISTENT = "persistent"
     TEMPORARY = "temporary"
+
+
+class TriggerKind(enum.StrEnum):
+    """What makes a source play its signal once."""
+
+    TIMES = "times"  # at given times
+    HIT = "hit"  # an impact of its object
+    PASSING = "passing"  # an object comes into a region
+    LEVEL = "level"  # a value rises above 0

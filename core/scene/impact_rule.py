@@ -24,9 +24,18 @@ Curve = tuple[float, float]
 RANGES = {"gain": (0.0, 1.0), "pitch": (0.25, 4.0), "decay": (0.01, 1.0), "brightness": (0.0, 1.0)}
 """What the curves may range over."""
 BENDS = (0.1, 10.0)
-_QUIETEST = 1e-4
+QUIETEST = 1e-4
+"""Least peak of a signal that is played once."""
 _STEPS = 48
 """Pitches an octave, 1.5 % apart, a tenth of what skin tells apart: recordings need a kernel for each."""
+
+
+def require_template(key: str, signal: Signal) -> None:
+    """Raise ValueError that names ``key`` where impacts and triggers can't play a signal."""
+    if not signal.duration <= LONGEST:
+        raise ValueError(f"{key}: the signal of an impact or a trigger must end within {LONGEST:g} seconds")
+    if not signal.peak >= QUIETEST:
+        raise ValueError(f"{key}: the signal of an impact or a trigger must not be silent")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,10 +74,8 @@ class ImpactRule:
     def __post_init__(self) -> None:
         if not isinstance(self.template, Signal):
             object.__setattr__(self, "template", ImpactTemplates(self.template))
-        elif not self.template.duration <= LONGEST:
-            raise ValueError(f"template: the signal of an impact must end within {LONGEST:g} seconds")
-        elif not self.template.peak >= _QUIETEST:
-            raise ValueError("template: the signal of an impact must not be silent")
+        else:
+            require_template("template", self.template)
         for key, (low, high) in {**RANGES, "bend": BENDS, "variation": (0.0, 1.0)}.items():
             values = getattr(self, key) if key in RANGES else (getattr(self, key),)
             if not all(low <= value <= high for value in values):

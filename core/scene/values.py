@@ -11,12 +11,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from ..signals import IMPACT_MATERIALS, Signal
+from ..signals import DEFAULT_IMPACT, IMPACT_MATERIALS, Signal
 from .choices import Extent as Extent
 from .choices import Mode as Mode
 from .choices import SourceKind as SourceKind
 from .choices import Strategy as Strategy
+from .choices import TriggerKind as TriggerKind
 from .functions import MIXING_VARIABLES, HapticTracing, Identity, ModulationFunction, compile_expression
+from .impact_rule import require_template
 from .references import require_known, require_unique
 from .rules import ContactSettings, Motion
 
@@ -169,9 +171,43 @@ class Contact:
 
 
 @dataclass(frozen=True, slots=True)
+class Trigger:
+    """What makes a source play its signal once.
+
+    times: at ``times`` [s], each with its strength in [0, 1], 1 where there are no ``strengths``; or, where ``by`` names the objects that
+    struck, with the part of the full energy. hit: impacts of the source's object. passing: the origin of ``object`` comes into the box of
+    edges ``size`` [m] at ``pose``, a plane where one of them is 0. level: ``value`` rises above 0, which a file has as times.
+    """
+
+    on: TriggerKind
+    times: tuple[float, ...] = ()
+    strengths: tuple[float, ...] = ()
+    by: tuple[str, ...] = ()
+    object: str = ""
+    pose: Pose = field(default_factory=Pose)
+    size: Vector = (0.0, 0.0, 0.0)
+    value: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "on", TriggerKind(self.on))
+        object.__setattr__(self, "size", _finite_vector("size", self.size))
+        if not all(map(math.isfinite, self.times)):
+            raise ValueError("times: must be finite")
+        for key in ("strengths", "by"):
+            if getattr(self, key) and len(getattr(self, key)) != len(self.times):
+                raise ValueError(f"{key}: expected as many as there are times")
+        for strength in self.strengths:
+            _unit_interval("strengths", strength)
+        if self.on is TriggerKind.PASSING:
+            _name("object", self.object)
+            if min(self.size) < 0:
+                raise ValueError(f"size: must be 0 or more, got {self.size!r}")
+
+
+@dataclass(frozen=True, slots=True)
 class Source:
     """Emits a signal. A source made by an impact, or by what slides or rolls, also feeds ``second_object``, the other side of its
-    contact."""
+    contact. A source with ``triggers`` is silent but for its signal once per trigger; None: it needs none."""
 
     name: str
     object: str
@@ -184,6 +220,7 @@ class Source:
     onset: float = 0.0
     priority: float = 1.0
     extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    triggers: tuple[Trigger, ...] | None = None
 
     def __post_init__(self) -> None:
         _name("name", self.name)
@@ -193,6 +230,8 @@ class Source:
         _unit_interval("amplitude", self.amplitude)
         if self.second_object is not None:
             object.__setattr__(self, "second_position", _finite_vector("second_position", self.second_position or self.position))
+        if self.triggers is not None:
+            require_template("signal", self.signal or DEFAULT_IMPACT)
 
     @property
     def rubs(self) -> bool:
@@ -274,5 +313,8 @@ class HapticScene:
             require_known(source.object, known, "object", ("sources", i, "object"))
             if source.second_object is not None:
                 require_known(source.second_object, known, "object", ("sources", i, "second_object"))
+            for k, trigger in enumerate(source.triggers or ()):
+                if trigger.on is TriggerKind.PASSING:
+                    require_known(trigger.object, known, "object", ("sources", i, "triggers", k, "object"))
         for i, listener in enumerate(self.listeners):
             require_known(listener.object, known, "object", ("listeners", i, "object"))

@@ -53,12 +53,12 @@ def baked_part(runs, origin, number, start):
 @pytest.mark.parametrize("name", SAMPLES)
 def test_parts_of_every_sample_add_up_to_the_bit(registered, tmp_path, name):
     scene = build_sample(name, FEWER.get(name))
-    last = next(last for last in range(60, 500, 7) if part.warm_start(scene, origin_of(name, last, 7), 7) > 1)
+    last = next(last for last in range(60, 500, 7) if timeline.warm_start(scene, origin_of(name, last, 7).range_of(7)[0]) > 1)
     if scene.rigidbody_world is not None:
         scene.rigidbody_world.point_cache.frame_end = last
     _bake_rigid_bodies(scene)
     starts = {
-        (parts, number): part.warm_start(scene, origin_of(name, last, parts), number)
+        (parts, number): max(timeline.warm_start(scene, origin_of(name, last, parts).range_of(number)[0]), 1)
         for parts in (2, 3, 7)
         for number in range(1, parts + 1)
     }

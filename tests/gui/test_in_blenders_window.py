@@ -141,6 +141,11 @@ def test_menus_with_pictures(play):
     assert all(seen.values()), seen
 
 
+def test_one_shots(play):
+    seen = played_through(play(SCENARIOS / "one_shots.py"))
+    assert all(seen.values()), seen
+
+
 def test_rules_of_impacts(play):
     seen = played_through(play(SCENARIOS / "rules.py"))
     assert all(seen.values()), seen

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -10,12 +10,13 @@ import numpy as np
 from ...arrays import FloatArray
 from ...collisions import EXACT_FRAMES
 from ...contacts.contact_set import ContactSet
+from ...contacts.one_shots import Shot
 from ...contacts.shapes import pose_matrix
 from ...contacts.tracker import Body
 from ...render.frame_result import FrameResult
 from ...render.renderer import SAMPLE_RATE
 from ...scene.functions import ModulationFunction
-from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, SourceKind, Vector
+from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, SourceKind, Trigger, TriggerKind, Vector
 from ...signals import DEFAULT_IMPACT
 from ...tracer import Frame, Tracer
 from .poses import POSE_DIGITS, PoseRow, Poses
@@ -82,8 +83,9 @@ def pair_of(contact: Contact) -> Pair:
     return _sorted_pair(*contact.objects)
 
 
-def states(scene: HapticScene, recording: Recording) -> Iterator[tuple[int, HapticScene]]:
-    """Every frame number from the first to the last recorded, with the scene in it: its sounding sources and its contacts."""
+def states(scene: HapticScene, recording: Recording, late: Callable[[], Mapping[str, float]] = dict) -> Iterator[tuple[int, HapticScene]]:
+    """Every frame number from the first to the last recorded, with the scene in it: its sounding sources and its contacts. ``late``: by how
+    many seconds a source is felt later, by its name."""
     state = _State(scene)
     frames = iter(recording.frames)
     change = next(frames, None)
@@ -92,7 +94,7 @@ def states(scene: HapticScene, recording: Recording) -> Iterator[tuple[int, Hapt
         if change.number == number:
             state.apply(change)
             change = next(frames, None)
-        state.end_sources(recording.time_of(number) - 1 / recording.frame_rate)
+        state.end_sources(recording.time_of(number) - 1 / recording.frame_rate, late())
         yield number, state.scene()
         number += 1
 
@@ -147,9 +149,9 @@ class _State:
             contacts=tuple(contact for touching in self._contacts.values() for contact in touching),
         )
 
-    def end_sources(self, time: float) -> None:
+    def end_sources(self, time: float, late: Mapping[str, float]) -> None:
         """Remove the temporary sources that have ended before ``time``."""
-        for name in [name for name, item in self._sources.items() if _is_over(item, time)]:
+        for name in [name for name, item in self._sources.items() if _is_over(item, time - late.get(name, 0.0))]:
             del self._sources[name]
 
     def apply(self, change: RecordedFrame) -> None:
@@ -199,7 +201,7 @@ def traced(scene: HapticScene, recording: Recording, sample_rate: float = SAMPLE
     """Trace every frame with the recorded contacts; if there are none at all, contacts are found from shapes and poses."""
     tracer = Tracer(scene.rules, sample_rate=sample_rate)
     detect = not scene.contacts and not any(frame.contacts or frame.parted for frame in recording.frames)
-    for number, state in states(scene, recording):
+    for number, state in states(scene, recording, lambda: tracer.collisions.late):
         frame = frame_of(state, number, recording.time_of(number), detect)
         yield tracer.step(replace(frame, exact=number % EXACT_FRAMES == 0))
 
@@ -219,7 +221,8 @@ def frame_of(scene: HapticScene, number: int, time: float, detect: bool) -> Fram
 class SceneRecorder:
     """Records the changes of a scene frame by frame.
 
-    A persistent source that disappears while its object stays gets the amplitude 0 until it is back.
+    A persistent source that disappears while its object stays gets the amplitude 0 until it is back. What made a source with triggers play
+    is written as the times at which it did.
     """
 
     def __init__(self, frame_rate: float, frame_start: int, settings: Settings | None = None) -> None:
@@ -232,6 +235,7 @@ class SceneRecorder:
         self._functions: dict[ModulationFunction, int] = {}
         self._first = HapticScene(settings=self._settings)
         self._frames: list[RecordedFrame] = []
+        self._shots: set[Shot] = set()
 
     def add(
         self,
@@ -241,8 +245,11 @@ class SceneRecorder:
         listeners: Sequence[Listener],
         contacts: ContactSet,
         names: Sequence[str],
+        shots: Collection[Shot] = (),
     ) -> None:
-        """Add a frame; ``names`` of objects by the indices in ``contacts``. Raises ValueError unless ``number`` ascends."""
+        """Add a frame; ``names`` of objects by the indices in ``contacts``, ``shots`` of sources with triggers. Raises ValueError
+        unless ``number`` ascends."""
+        self._shots.update(shots)
         if self._frames and number <= self._frames[-1].number:
             raise ValueError(f"number: frame {number} does not come after frame {self._frames[-1].number}")
         begun = not self._frames
@@ -288,11 +295,22 @@ class SceneRecorder:
 
     def scene(self) -> HapticScene:
         """The scene in the first frame."""
-        return self._first
+        return replace(self._first, sources=self._timed(self._first.sources))
 
     def recording(self) -> Recording:
         """The changes since the first frame."""
-        return Recording(self._rate, self._start, tuple(self._frames))
+        return Recording(self._rate, self._start, tuple(replace(frame, sources=self._timed(frame.sources)) for frame in self._frames))
+
+    def _timed(self, sources: tuple[Source, ...]) -> tuple[Source, ...]:
+        """The sources, with the times of their shots for triggers."""
+        return tuple(item if item.triggers is None else replace(item, triggers=self._times(item.name)) for item in sources)
+
+    def _times(self, source: str) -> tuple[Trigger, ...]:
+        shots = sorted((s.onset, s.strength, s.by) for s in self._shots if s.source == source)
+        if not shots:
+            return ()
+        onsets, strengths, by = zip(*shots, strict=True)
+        return (Trigger(TriggerKind.TIMES, onsets, strengths, by if any(by) else ()),)
 
     def _removed_objects(self, objects: Sequence[HapticObject]) -> tuple[str, ...]:
         """The names of objects that are gone; the sources on them are forgotten, so that they begin anew."""

@@ -18,7 +18,7 @@ from ...scene.references import Place, PlacedError
 from ...scene.rule_table import Rule, RuleTable, Side
 from ...scene.rules import ContactSettings
 from ...scene.texture import Texture
-from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source
+from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source, Trigger
 from ...signals import Signal, signal_from_dict
 
 T = TypeVar("T")
@@ -70,7 +70,17 @@ def read_source(form: Mapping[str, Any], place: Place) -> Source:
     arguments = dict(form)
     if "signal" in form:
         arguments["signal"] = _placed(lambda: signal_from_dict(form["signal"]), form["signal"], (*place, "signal"))
+    if "triggers" in form:
+        arguments["triggers"] = tuple(read_trigger(item, (*place, "triggers", k)) for k, item in enumerate(form["triggers"]))
     return read_value(Source, arguments, place)
+
+
+def read_trigger(form: Mapping[str, Any], place: Place) -> Trigger:
+    """What makes a source play once."""
+    arguments = dict(form)
+    if "pose" in form:
+        arguments["pose"] = read_value(Pose, form["pose"], (*place, "pose"))
+    return read_value(Trigger, arguments, place)
 
 
 def read_rules(form: Mapping[str, Any], place: Place) -> ContactSettings:
@@ -159,7 +169,7 @@ def json_value(value: Any) -> Any:
             return {"position": list(value.position), "rotation": list(value.rotation)}
         case ModulationFunction() | Shape() | Signal():
             return value.to_dict()
-        case ImpactLimits():
+        case ImpactLimits() | Trigger():
             return item_to_dict(value)
         case RuleTable():
             return [{"between": [item_to_dict(side) for side in row.between], **_does_to_dict(row.does)} for row in value.rows]

@@ -1,0 +1,91 @@
+"""What makes a source play once, from its properties."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.types import Object, Scene
+
+from ...core.scene.rule_table import Side
+from ...core.scene.values import Pose, Trigger, TriggerKind
+from ..blender.compatibility import fcurves_of
+from ..blender.time import seconds_of
+from .imported import imported_source
+from .problem import Problem
+
+PATH = "haptics.source.trigger"
+_MOST = 100_000
+"""Keyframes that are read."""
+
+
+def read_triggers(obj: Object, scene: Scene) -> tuple[tuple[Trigger, ...] | None, list[Problem]]:
+    """The triggers of a source, None where it needs none, and what is wrong with them, each with the property that it is about."""
+    source = obj.haptics.source
+    if not source.one_shot:
+        return None, []
+    faults: list[tuple[str, str]] = []
+    triggers = [*imported_source(source.imported).triggers, *_of_property(obj, scene, faults)]
+    if source.trigger_hit:
+        triggers.append(Trigger(TriggerKind.HIT))
+    if source.trigger_markers:
+        frames = marker_frames(scene, source.trigger_markers)
+        triggers.append(Trigger(TriggerKind.TIMES, tuple(seconds_of(scene, frame) for frame in frames)))
+        if not frames:
+            faults.append(("trigger_markers", iface_("there is no timeline marker '{}'").format(source.trigger_markers)))
+    triggers += _passing(source, scene, faults)
+    if not triggers and not faults:
+        faults.append(("trigger", iface_("it never plays: insert keyframes of Trigger, or choose something below")))
+    return tuple(triggers), [Problem(obj.name_full, message, (name, 0)) for name, message in faults]
+
+
+def marker_frames(scene: Scene, pattern: str) -> tuple[int, ...]:
+    """The frames of the timeline markers that a pattern fits."""
+    side = Side(object=pattern)
+    return tuple(sorted(marker.frame for marker in scene.timeline_markers if side.fits(marker.name, "")))
+
+
+def region_of(source: Any, scene: Scene) -> dict[str, Any]:
+    """Pose and size of the region of a source, for its triggers as it stands now; a plane where there is none."""
+    region = scene.objects.get(source.trigger_region)
+    if region is None:
+        return {}
+    place, rotation, scale = region.matrix_world.decompose()
+    corners = np.array([corner[:] for corner in region.bound_box])
+    if region.type == "EMPTY":  # drawn as a cube of twice its display size
+        corners = region.empty_display_size * np.array([(-1, -1, -1), (1, 1, 1)])
+    low, high = corners.min(axis=0) * scale, corners.max(axis=0) * scale
+    centre = place + rotation.to_matrix() @ type(place)((low + high) / 2)
+    return {"pose": Pose(tuple(centre), tuple(rotation)), "size": tuple(np.abs(high - low).tolist())}
+
+
+def _of_property(obj: Object, scene: Scene, faults: list[tuple[str, str]]) -> Iterator[Trigger]:
+    """Keyframes of the property where it has some, else what makes it rise: a driver, modifiers of its F-curve, the NLA."""
+    data = obj.animation_data
+    curve = next((c for c in fcurves_of(obj) if c.data_path == PATH and not c.mute), None)
+    driver = next((d for d in data.drivers if d.data_path == PATH and not d.mute), None) if data is not None else None
+    if driver is not None and any("haptics.felt" in t.data_path for v in driver.driver.variables for t in v.targets):
+        faults.append(("trigger", iface_("its driver reads what is felt, which depends on the trigger itself")))
+    elif driver is not None or (curve is not None and len(curve.modifiers)) or (data is not None and len(data.nla_tracks)):
+        yield Trigger(TriggerKind.LEVEL, value=obj.haptics.source.trigger)
+    elif curve is not None:
+        keys = np.empty(2 * len(curve.keyframe_points), dtype=np.float32)
+        curve.keyframe_points.foreach_get("co", keys)
+        above = [(frame, value) for frame, value in keys.reshape(-1, 2)[:_MOST].tolist() if value > 0]
+        times, strengths = (tuple(column) for column in zip(*above, strict=True)) if above else ((), ())
+        yield Trigger(TriggerKind.TIMES, tuple(seconds_of(scene, frame) for frame in times), tuple(min(s, 1.0) for s in strengths))
+
+
+def _passing(source: Any, scene: Scene, faults: list[tuple[str, str]]) -> Iterator[Trigger]:
+    name, region = source.trigger_object, source.trigger_region
+    side = Side(object=name)
+    found = [obj.name_full for obj in scene.objects if obj.haptics.enabled and obj.name != region and side.fits(obj.name_full, "")]
+    if name and not found:
+        faults.append(("trigger_object", iface_("no haptic object '{}' can come into it").format(name)))
+    if region in scene.objects:
+        yield from (Trigger(TriggerKind.PASSING, object=mover, **region_of(source, scene)) for mover in found)
+    elif region or name:
+        missing = iface_("there is no object '{}'").format(region) if region else iface_("choose the region that it comes into")
+        faults.append(("trigger_region", missing))
