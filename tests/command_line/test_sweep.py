@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.session import timeline
 from haptic_tracing.command_line import main
+from haptic_tracing.core.formats.tracks.track_recorder import TrackRecorder
 from haptic_tracing.core.scene.values import SourceKind
 from haptic_tracing.sample_scenes import build_sample
 from scipy.io import wavfile
@@ -90,11 +91,22 @@ def test_a_killed_worker_loses_nothing_and_one_worker_gives_the_same_bits(scene,
     assert "3 variants, 0 of them new" in again.stdout
     assert written == {file: file.stat().st_mtime_ns for file in (tmp_path / "two" / "kappa").rglob("*.*")}
 
-    subprocess.run(sweep_command(study, "--workers", 1, "--tracks", "--out", tmp_path / "one"), check=True, capture_output=True)
-    alone = table.read_table(tmp_path / "one" / "kappa.parquet").to_pylist()
-    assert [{**row, "milliseconds": 0} for row in alone] == [{**row, "milliseconds": 0} for row in rows]
-    for file in (tmp_path / "two" / "kappa" / "tracks").glob("*.wav"):
-        assert file.read_bytes() == (tmp_path / "one" / "kappa" / "tracks" / file.name).read_bytes()
+    # One worker gives the same bits, and so does Blender without any.
+    single = folder / "single.toml"
+    single.write_text(f"scenes = ['bench.blend']\nframes = [1, 4]\n[settings]\n'{path}' = [0.6]\n")
+    subprocess.run(sweep_command(single, "--workers", 1, "--tracks", "--out", tmp_path / "one"), check=True, capture_output=True)
+    alone = table.read_table(tmp_path / "one" / "single.parquet").to_pylist()
+    assert [{**row, "milliseconds": 0} for row in alone] == [{**row, "milliseconds": 0} for row in rows if row[path] == 0.6]
+    for file in (tmp_path / "one" / "single" / "tracks").glob("*.wav"):
+        assert file.read_bytes() == (tmp_path / "two" / "kappa" / "tracks" / file.name).read_bytes()
+    for key, kappa in {row["key"]: row[path] for row in rows}.items():
+        seat(scene).haptics.kappa = kappa
+        recorder = TrackRecorder()
+        traced = [step.result for step in timeline.steps(scene, 1, 4)]
+        for result in traced:
+            recorder.add(result)
+        samples = wavfile.read(tmp_path / "two" / "kappa" / "tracks" / f"{key}.wav")[1]
+        assert np.array_equal(samples, recorder.tracks().samples.T)
 
     # Levels are those of the tracks, gains the means of the frames.
     number = {name: k for k, name in enumerate(dict.fromkeys(row["listener"] for row in rows))}
@@ -102,8 +114,6 @@ def test_a_killed_worker_loses_nothing_and_one_worker_gives_the_same_bits(scene,
         samples = wavfile.read(tmp_path / "two" / "kappa" / "tracks" / f"{row['key']}.wav")[1][:, number[row["listener"]]]
         assert row["level"] == pytest.approx(20 * math.log10(math.sqrt(np.mean(samples.astype("f8") ** 2))), abs=1e-9)
         assert row["peak"] == np.abs(samples).max()
-    seat(scene).haptics.kappa = 0.6
-    traced = [step.result for step in timeline.steps(scene, 1, 4)]
     for row in (row for row in rows if row[path] == 0.6):
         gains = {s.name: [] for s in traced[0].sources if s.kind is SourceKind.PERSISTENT}
         for result in traced:
