@@ -12,6 +12,8 @@ from typing import Any
 
 from tqdm import tqdm
 
+from ..part_file import programs
+
 NEEDS = "pip install 'haptic-tracing[sweep]'"
 
 
@@ -40,18 +42,18 @@ def _needing(name: str) -> Any:
 
 
 def _sweep(args: argparse.Namespace, path: Path) -> int:
-    scheduling, table, study_file, checking = (_needing(name) for name in ("scheduling", "table", "study", "checking"))
+    table, study_file, checking = (_needing(name) for name in ("table", "study", "checking"))
     study = study_file.read_study(path)
     size = checking.check(study)
     folder = args.out / path.stem
     _make_folders(folder, study.count, size if args.tracks else 0.0)
-    versions = scheduling.programs()
+    versions = programs()
     keyed = list({variant.key(versions): variant for variant in study.variants()}.items())
     open_ = [(key, variant) for key, variant in keyed if not _is_done(folder, key, args.tracks)]
     tasks = [{"key": key, "variant": asdict(variant), "folder": str(folder.resolve()), "tracks": args.tracks} for key, variant in open_]
     failures = {}
     with tqdm(total=len(keyed), initial=len(keyed) - len(open_), desc=path.stem, unit="variant") as bar:
-        for key, failure in scheduling.run_all(args.on, args.workers, tasks):
+        for key, failure in _needing("scheduling").run_all(args.on, args.workers, tasks) if tasks else ():
             if failure:
                 failures[key] = failure
             bar.update()

@@ -53,8 +53,6 @@ def connected(on: str, workers: int) -> Iterator[Client]:
 def run_all(on: str, workers: int, tasks: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
     """Have all tasks worked on; yields the key of each that is done, and why it failed, or "". What a worker that dies was working on is
     given to another one. See `connected`."""
-    if not tasks:
-        return
     rest = iter(tasks)
     with connected(on, min(workers, len(tasks))) as client:
 

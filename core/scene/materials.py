@@ -142,5 +142,5 @@ def guess(names: Iterable[str], size: tuple[float, float, float] | None = None, 
     volume = math.prod(size)
     if mass is None or not mass > 0 or not volume > 0:
         return None
-    density = math.log(mass / volume)
+    density = math.log(mass) - math.log(volume)  # the quotient may be too small for a number
     return min((MATERIALS[name] for name in _BY_DENSITY), key=lambda material: abs(math.log(material.density) - density))

@@ -6,7 +6,7 @@ import pytest
 from haptic_tracing.core.scene.bands import BAND_CENTRES, BAND_COUNT
 from haptic_tracing.core.scene.functions import HapticTracing, Spectrum
 from haptic_tracing.core.scene.materials import MATERIALS, absorption, guess, named_in
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 
@@ -87,6 +87,7 @@ def test_shape_and_mass_tell_where_no_name_does():
 
 
 @settings(derandomize=True, deadline=None)
+@example([], (16.0, 3e4, 2e5), 2e-313)
 @given(st.lists(st.text(max_size=30), max_size=3), st.tuples(*[st.floats(0, 1e6)] * 3), st.none() | st.floats(0, 1e9))
 def test_anything_may_be_guessed_at(names, size, mass):
     found = guess(names, size, mass)
