@@ -40,7 +40,6 @@ def straight_line_message(result: FrameResult, settings: Settings, row: int, lis
 
 def loss_message(graph: HapticGraph, settings: Settings, row: int, column: int) -> Message | None:
     """What is lost on the best chain of contacts from source ``row`` to listener ``column``; None where no chain leads there."""
-    graph = graph.in_band(graph.sources[row].band) if graph.uses_bands else graph
     path = _best_path(graph, row, column)
     if path:
         return _weak_path_message(graph, settings, path)

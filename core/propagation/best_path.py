@@ -71,7 +71,8 @@ def best_paths(
 ) -> BestPaths:
     """The best path of each pair. ``budget`` bounds the search that is needed where shortest-path trees are not enough, per source.
     ``amplified``: some gain exceeds 1. ``known``: trees that are known already, and the row in them, by row of the source. ``bands``: the
-    frequency band by whose gains a source's paths are chosen; the plain gain where it has none. Costs are those of the plain gains."""
+    frequency band by whose gains a source's paths are chosen; the plain gain where it has none, and where nothing meets the threshold by
+    that band. Costs are those of the plain gains."""
     result = BestPaths()
     wanted = sorted(pairs)
     result.visited = max((trees.visited() for trees, _ in known.values()), default=0)
@@ -102,6 +103,14 @@ def best_paths(
         if pair in result.bound:  # as far below as it was
             result.bound[pair] += cost - result.cost[pair]
         result.cost[pair] = cost
+    missing = [pair for pair in wanted if pair[0] in (bands or {}) and pair not in result.nodes]
+    if missing:  # lower frequencies, in which the source is weak, may still arrive
+        plain = best_paths(graph, missing, max_connections, threshold, budget, amplified, {})
+        result.nodes |= plain.nodes
+        result.cost |= plain.cost
+        result.bound |= plain.bound
+        result.visited = max(result.visited, plain.visited)
+        result.relaxed, result.searched = result.relaxed + plain.relaxed, result.searched + plain.searched
     return result
 
 

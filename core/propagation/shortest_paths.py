@@ -196,7 +196,7 @@ def _relax(
     distance = graph.node_distances(begin, other)
     candidate = (cost + work.node_loss[origin])[which] + work.node_decay[origin][which] * distance
     if graph.table.spreading is not None:
-        exponent, reference, extent = graph.table.spreading.take(graph.node_object[begin], axis=1)
+        exponent, reference, extent = graph.table.spreading.take(graph.node_object[node], axis=1).take(which, axis=1)
         candidate += exponent * np.log1p(np.minimum(distance, extent) / reference)
     if work.special is not None:
         chosen = work.special[begin].nonzero()[0]
@@ -224,7 +224,8 @@ def _relax(
 def _finish_by_dijkstra(work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray, targets: IntArray | None) -> None:
     known: dict[int, _Elements] = {}
     for number in sorted(set(row.tolist())):
-        elements = known.setdefault(work.views[number], _Elements(work, work.views[number]))
+        view = work.views[number]
+        elements = known[view] = known.get(view) or _Elements(work, view)
         mine = row == number
         arrives, enters = _items(work.arrival[number]), _items(work.entry[number])
         _dijkstra(work, elements, number, list(zip(cost[mine].tolist(), node[mine].tolist(), strict=True)), arrives, enters, targets)

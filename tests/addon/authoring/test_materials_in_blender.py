@@ -246,3 +246,17 @@ def test_physical_materials_follow_from_preset_and_size(add_box, traced):
         alpha = np.pi * BAND_CENTRES[0] * damping.loss_factor / damping.speed
         gain = result.gains[names[0].index(f"{name} source"), names[1].index(f"{name} listener")]
         assert gain == pytest.approx(np.exp(-4 * alpha), rel=1e-5)
+
+
+def test_physical_flesh_has_the_resonance_of_the_part_that_it_is_named_after(add_box):
+    for name, size, wave, resonance in (
+        ("Avatar Hand.L", (0.1, 0.1, 0.2), "limb", 30),
+        ("Avatar Lower Leg.R", (0.1, 0.1, 0.4), "limb", 25),
+        ("Body", (0.4, 0.3, 1.8), "limb", 20),
+        ("Forearm Skin", (0.3, 0.1, 0.003), "surface", 20),
+    ):
+        box = add_box(name, (0, 0, 0), size)
+        _select(box)
+        bpy.ops.haptic.apply_material(preset="flesh")
+        bpy.ops.haptic.physical_materials()
+        assert (box.haptics.wave, box.haptics.resonance) == (wave, resonance)

@@ -4,7 +4,7 @@ import pytest
 from haptic_tracing.core.scene.bands import BAND_CENTRES
 from haptic_tracing.core.scene.spectra import leading_band
 from haptic_tracing.core.scene.values import Source, SourceKind
-from haptic_tracing.core.signals import Decay, Noise, Pulse, Sine
+from haptic_tracing.core.signals import Automation, Decay, Keyed, Loop, Noise, Pulse, Sampled, Sine, impact_template
 
 
 @pytest.mark.parametrize("band", range(6))
@@ -26,3 +26,12 @@ def test_of_a_source_without_a_signal_that_of_the_default_of_its_kind():
 def test_every_signal_has_one():
     for signal in (Noise(), Pulse(20.0), Sine(0.0), Sine(60.0) * 0.0):
         assert leading_band(Source("s", "o", signal=signal)) in range(6)
+
+
+def test_signals_of_every_kind_can_be_asked_again():
+    """Energies are kept by signal, so every signal needs a hash."""
+    curve = Automation((0.0, 1.0), (0.0, 1.0))
+    loop, blow = Loop(Sampled([0.0, 1.0], 100.0)), impact_template("stone", "metal")
+    for signal in (Sine(60.0) * curve, Sampled([0.0, 1.0, 0.0], 100.0), loop, blow, Keyed(curve)):
+        source = Source("s", "o", signal=signal)
+        assert leading_band(source) == leading_band(source)

@@ -11,8 +11,8 @@ import pytest
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.bands import BAND_COUNT, BAND_EDGES
-from haptic_tracing.core.scene.functions import Spectrum
-from haptic_tracing.core.scene.values import HapticScene, Settings, Strategy
+from haptic_tracing.core.scene.functions import Constant, Spectrum
+from haptic_tracing.core.scene.values import HapticObject, HapticScene, Listener, Settings, Source, Strategy
 from haptic_tracing.core.signals import Sine
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -148,3 +148,13 @@ def test_best_path_is_the_best_of_the_band_in_which_its_source_is_strong(seed):
             every = [math.prod(gains) * carried(scene, graph, path)[0][band] for path, gains in recursive_paths(graph, row, column)]
             found = 0.0 if result.band_gain is None else result.band_gain[row, column, band]
             assert found == pytest.approx(max(every, default=0.0), rel=1e-9, abs=1e-300)
+
+
+def test_what_only_low_frequencies_carry_still_arrives():
+    """At 453 Hz, in which the source is strong, nothing meets the threshold; by the plain gain a path does."""
+    spectrum = Spectrum(band_decays=(0.0, 0.0, 0.0, 0.0, 5.0, 5.0))
+    wall = HapticObject("wall", 0.1, 0.9, propagation=Constant(gain_value=0.5, spectrum=spectrum))
+    scene = HapticScene((wall,), (), (Source("s", "wall", signal=Sine(453.0)),), (Listener("l", "wall", (2.0, 0.0, 0.0), radius=0.0),))
+    result = propagate(graph_of_scene(scene), Settings(threshold=1e-3))
+    assert result.gain[0, 0] == pytest.approx(0.5)
+    assert result.band_gain[0, 0].tolist() == pytest.approx([0.5] * 4 + [0.5 * math.exp(-10.0)] * 2)
