@@ -27,7 +27,7 @@ _LENT = {
     "addon.session": "session",
     "addon.view": "comparison explanation gain_plot graph_mesh lane levels meter_layout meter_pictures meters overlay panel_picture "
     "paths watched",
-    "core.design": "wishes",
+    "core.design": "recordings wishes",
     "core.devices": "connection mapping",
     "core.formats": "haptic_scene registry",
     "core.render": "limiter mixing",

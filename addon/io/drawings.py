@@ -12,25 +12,30 @@ from bpy.types import NodeTree, Object, Scene
 
 from ...core.arrays import FloatArray
 from ...core.signals import DEFAULT_PERSISTENT, Automation, Drawing, Signal
-from ...core.signals.drawn import cut
+from ...core.signals.drawn import EMPHASIS_SECONDS, cut
 from ..blender.compatibility import ensure_fcurve, remove_fcurves
 from ..blender.time import frame_seconds
-from ..properties.drawing import AMPLITUDE, FREQUENCY
+from ..properties.drawing import AMPLITUDE, FREQUENCY, HERTZ, LONGEST
 from ..scene_reader import animated_curves as animated
-from ..scene_reader.drawings import mapping_of, points_of
+from ..scene_reader.drawings import MOST_EMPHASES, mapping_of, points_of
 from ..scene_reader.objects import read_source
 
 PATHS = {AMPLITUDE: animated.ENVELOPE, FREQUENCY: animated.FREQUENCY}
 """What F-curves animate in place of a curve."""
 _APART = 0.0125
 """Frames: Blender makes one key of two that are nearer than 0.01."""
+_MOST_POINTS = 1000
 _KINDS = ("AUTO", "AUTO_CLAMPED", "VECTOR")
 
 
 def drawn(name: str, signal: Signal) -> NodeTree | None:
-    """A new node group in which this signal is drawn, None where it can't be."""
+    """A new node group in which this signal is drawn, None where it can't be within the limits of the properties."""
     drawing = Drawing.of(signal)
-    return None if drawing is None else _new(name, drawing)
+    if drawing is None or not EMPHASIS_SECONDS <= drawing.duration <= LONGEST or len(drawing.emphases) > MOST_EMPHASES:
+        return None
+    hertz = drawing.frequency.values
+    fits = HERTZ[0] <= hertz.min() and hertz.max() <= HERTZ[1] and len(hertz) + len(drawing.amplitude.values) <= _MOST_POINTS
+    return _new(name, drawing) if fits else None
 
 
 def drawn_like(obj: Object, scene: Scene) -> NodeTree:

@@ -38,8 +38,7 @@ def files() -> list[Path]:
 
 def read(path: Path) -> Signal:
     """The signal in a file. Raises ValueError, which names the place in the file, or OSError."""
-    state = path.stat()
-    return _read(path, state.st_mtime_ns, state.st_size)
+    return signal_from_dict(parse_json(read_bytes(path, _MAX_BYTES), path))
 
 
 def save(name: str, signal: Signal) -> Path:
@@ -52,21 +51,16 @@ def picture(path: Path) -> tuple[str, tuple[float, ...]]:
     """A name for the present state of a file, and the wave of its signal as a picture of 64 x 64 pixels of RGBA from the bottom; an empty
     one where it can't be read."""
     try:
-        state = path.stat()
-        return f"{path} {state.st_mtime_ns}", _picture(path, state.st_mtime_ns, state.st_size)
+        changed = path.stat().st_mtime_ns
+        return f"{path} {changed}", _picture(path, changed)
     except (OSError, ValueError):
         return f"{path} unreadable", (0.0,) * (4 * _SIDE * _SIDE)
 
 
 @lru_cache(maxsize=128)
-def _read(path: Path, changed: int, size: int) -> Signal:
-    """The signal of a file as it is since it was ``changed``."""
-    return signal_from_dict(parse_json(read_bytes(path, _MAX_BYTES), path))
-
-
-@lru_cache(maxsize=128)
-def _picture(path: Path, changed: int, size: int) -> tuple[float, ...]:
-    signal = _read(path, changed, size)
+def _picture(path: Path, changed: int) -> tuple[float, ...]:
+    """The picture of a file as it is since it was ``changed``."""
+    signal = read(path)
     seconds = min(signal.duration, _LONGEST_SHOWN)
     count = max(round(seconds * _RATE), _SIDE * _FINE)
     columns = np.array_split(signal.sample(0, count, count / seconds), _SIDE)

@@ -16,6 +16,8 @@ AMPLITUDE, FREQUENCY = "Amplitude", "Frequency"
 """The nodes with the curves, from 0 to 1 in both directions."""
 HERTZ = (0.1, 1000.0)
 """Frequencies that sources take."""
+LONGEST = 3600.0
+"""Seconds that a drawn signal may last."""
 
 
 def _hertz(name: str, description: str, default: float) -> FloatProperty:
@@ -39,7 +41,13 @@ class HapticDrawing(PropertyGroup):
 
     is_signal: BoolProperty(name="Is Signal", description="This node group is a drawn signal", options={"HIDDEN"})
     duration: FloatProperty(
-        name="Duration (s)", description="How long the drawn signal lasts", default=1.0, min=0.02, max=3600.0, soft_max=10.0, update=changed
+        name="Duration (s)",
+        description="How long the drawn signal lasts",
+        default=1.0,
+        min=0.02,
+        max=LONGEST,
+        soft_max=10.0,
+        update=changed,
     )
     lowest: _hertz("Lowest (Hz)", "Frequency at the bottom of the curve", 40.0)
     highest: _hertz("Highest (Hz)", "Frequency at the top of the curve", 300.0)

@@ -9,7 +9,7 @@ from haptic_tracing.addon.scene_reader.drawings import mapping_of, points_of, re
 from haptic_tracing.addon.session import session
 from haptic_tracing.core.formats import haptic_scene
 from haptic_tracing.core.formats.scene.recording import traced as traced_again
-from haptic_tracing.core.signals import Adsr, Noise
+from haptic_tracing.core.signals import Adsr, Automation, Drawing, Emphasis, Noise
 
 RATE = 8000
 POINTS = np.array([(0.0, 0.1), (0.0371, 1.0), (0.3, 0.4), (0.8, 0.45), (1.0, 0.0)])
@@ -175,6 +175,23 @@ def test_what_can_not_be_drawn_is_kept_as_it_is(source, own):
     assert bpy.ops.haptic.use_signal(filepath=str(path)) == {"FINISHED"}
     assert source.signal == "KEPT"
     assert emitted() == pytest.approx(Noise(0.5, seed=3).sample(0, 2 * RATE, RATE), abs=0)
+
+
+@pytest.mark.parametrize(
+    "drawing",
+    (
+        Drawing(Automation((0.0, 1.0), (1.0, 0.0)), Automation((0.0,), (4000.0,))),
+        Drawing(Automation((0.0, 1.0), (1.0, 0.0)), Automation((0.0,), (60.0,)), 4000.0),
+        Drawing(Automation((0.0, 1.0), (1.0, 0.0)), Automation((0.0,), (60.0,)), 1.0, (Emphasis(0.5),) * 201),
+        Drawing(Automation(np.linspace(0, 1, 100_000), np.linspace(0, 1, 100_000)), Automation((0.0,), (60.0,))),
+    ),
+    ids=("too high", "too long", "too many emphases", "too many points"),
+)
+def test_a_drawing_beyond_the_properties_is_kept_as_it_is(source, own, drawing):
+    path = signal_library.save("far", drawing.to_signal())
+    assert bpy.ops.haptic.use_signal(filepath=str(path)) == {"FINISHED"}
+    assert source.signal == "KEPT"
+    assert drawings.signal_of(bpy.data.objects["box"], bpy.context.scene) == drawing.to_signal()
 
 
 @pytest.mark.parametrize("path", signal_library.files(), ids=lambda path: path.stem)
