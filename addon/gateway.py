@@ -23,15 +23,15 @@ _LENT = {
     "addon.io": "capture drawings frame_scene scene_builder signal_library vibration_signal",
     "addon.live_output": "adjustment outputs player preview unfelt",
     "addon.properties": "actuators",
-    "addon.scene_reader": "functions imported settings",
+    "addon.scene_reader": "functions imported settings triggers",
     "addon.session": "session",
-    "addon.view": "comparison explanation gain_plot graph_mesh lane levels meter_layout meter_pictures meters overlay panel_picture "
-    "paths watched",
+    "addon.view": "comparison explanation gain_plot graph_mesh lane levels masking meter_layout meter_pictures meters overlay "
+    "panel_picture paths watched",
     "core.design": "recordings wishes",
     "core.devices": "connection mapping",
     "core.formats": "haptic_scene registry",
     "core.render": "limiter mixing",
-    "core.scene": "functions",
+    "core.scene": "functions spectra",
 }
 MODULES = tuple(f"{package}.{name}" for package, names in _LENT.items() for name in names.split())
 """Those that modules imported at registration use, by their names in the extension's package."""

@@ -16,8 +16,8 @@ from ...sample_scenes import SAMPLES, build_sample
 from ..authoring import materials
 from ..blender.compatibility import animated_paths
 from ..blender.polling import UNDO, poll_active, poll_object_mode
+from ..scene_reader import triggers
 from ..scene_reader.roles import haptic_carrier
-from ..scene_reader.triggers import PATH as TRIGGER
 from .tagging import make_source
 
 _rpt = bpy.app.translations.pgettext_rpt
@@ -106,9 +106,9 @@ class HAPTIC_OT_make_one_shot(Operator):
         source = context.object.haptics.source
         source.enabled = source.one_shot = True
         source.signal, source.decay = "BLAST", 0.005 if self.kind == "EXPLOSION" else 0.001
-        if TRIGGER not in (animated_paths(context.object) or ()):
+        if triggers.PATH not in (animated_paths(context.object) or ()):
             source.trigger = 1.0
-            context.object.keyframe_insert(TRIGGER)
+            context.object.keyframe_insert(triggers.PATH)
         carrier = haptic_carrier(context.object)
         if carrier is not None and carrier.haptics.medium and carrier.haptics.function != "physical":
             _spread_as_front(context.scene, carrier)

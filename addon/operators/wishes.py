@@ -9,8 +9,8 @@ import bpy
 from bpy.types import Context, Operator
 
 from ...core.design import wishes
+from ...core.scene import spectra
 from ...core.scene.coefficients import coefficients_of, transfer_coefficient
-from ...core.scene.spectra import source_energies
 from ..blender.polling import UNDO, poll_object_mode, refuse
 from ..session import session, sessions
 from ..view import levels
@@ -74,7 +74,7 @@ def _change(traced: Traced, missing: dict[str, float], free: list[Any]) -> bool:
     result = traced.result
     wished = [wishes.Wish(name, rest) for name, rest in missing.items() if math.isfinite(rest)]
     bounds = [wishes.FreeMaterial(_made_of(traced, item.name), item.least_k, max(item.least_k, item.most_k)) for item in free]
-    answer = wishes.fulfil(result.graph, traced.settings, source_energies(result.sources), wished, bounds)
+    answer = wishes.fulfil(result.graph, traced.settings, spectra.source_energies(result.sources), wished, bounds)
     changed = False
     for item, k in zip(free, answer.k, strict=True):
         if abs(transfer_coefficient(item.kappa, item.rho) - k) > 1e-4 * k:

@@ -6,8 +6,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy.types import Context, PropertyGroup
 
 from ...core.scene.body import BODY_PARTS
-from ...core.scene.choices import Extent
-from ...core.scene.values import MOST_DUCKING
+from ...core.scene.choices import MOST_DUCKING, Extent
 from .callbacks import changed, edited
 from .imported import Imported
 

@@ -1,8 +1,11 @@
-"""Enumerations of an author's choices."""
+"""Enumerations of an author's choices, and a limit that properties share."""
 
 from __future__ import annotations
 
 import enum
+
+MOST_DUCKING = 60.0
+"""Largest ducking of a listener [dB]."""
 
 
 class Mode(enum.StrEnum):

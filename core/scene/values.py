@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from ..signals import DEFAULT_IMPACT, IMPACT_MATERIALS, Signal
+from .choices import MOST_DUCKING
 from .choices import Extent as Extent
 from .choices import Mode as Mode
 from .choices import SourceKind as SourceKind
@@ -21,9 +22,6 @@ from .functions import MIXING_VARIABLES, HapticTracing, Identity, ModulationFunc
 from .impact_rule import require_template
 from .references import require_known, require_unique
 from .rules import ContactSettings, Motion
-
-MOST_DUCKING = 60.0
-"""Decibels."""
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
