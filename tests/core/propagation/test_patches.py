@@ -42,6 +42,7 @@ def refined(scene: HapticScene, points: int, size: float, seed: int) -> tuple[Ha
     return dataclasses.replace(scene, contacts=tuple(patches)), dataclasses.replace(scene, contacts=tuple(centres))
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(SEEDS, st.integers(2, 5), st.booleans(), st.sampled_from([None, 3, 5, 7]))
 def test_best_path_takes_a_patch_as_one_contact_at_its_centre(seed, points, waves, most):
