@@ -12,7 +12,7 @@ from ..bake import playback, storage, takes
 from ..blender import job
 from ..blender.text import wrapped
 from ..view import levels
-from .drawing import HapticsPanel, draw_pair
+from .drawing import HapticsPanel, draw_pair, settings_layout
 from .texts import fitted
 
 if TYPE_CHECKING:
@@ -28,9 +28,7 @@ class HAPTIC_PT_bake(HapticsPanel, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = settings_layout(self)
         scene = context.scene
         bake = scene.haptics.bake
         if job.draw_running(layout):

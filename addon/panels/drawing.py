@@ -32,6 +32,21 @@ _PAGES = {"live_output": "devices", "export": "formats", "gltf": "formats", "mod
 """The page of the panels in a module, where it is not that of its name."""
 
 
+def settings_layout(panel: Any) -> UILayout:
+    """The layout of a panel of settings: names at the left of their values, and no buttons for keyframes."""
+    layout: UILayout = panel.layout
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    return layout
+
+
+def draw_properties(layout: UILayout, owner: Any, *names: str) -> None:
+    """Draw properties as a block, one under the other."""
+    column = layout.column(align=True)
+    for name in names:
+        column.prop(owner, name)
+
+
 def draw_carrier(layout: UILayout, obj: Object, verb: str) -> None:
     """Draw the haptic object that a source shakes or a listener feels through, or a warning where there is none."""
     carrier = haptic_carrier(obj)

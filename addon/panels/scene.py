@@ -8,7 +8,7 @@ from ..blender.documentation import page_url
 from ..scene_reader import roles
 from ..session import sessions
 from .answer import draw_answer, draw_progress
-from .drawing import HapticsPanel, draw_problems
+from .drawing import HapticsPanel, draw_problems, draw_properties, settings_layout
 from .formula import draw_parameters
 from .hints import draw_hint
 from .rules import draw_table
@@ -56,19 +56,14 @@ class HAPTIC_PT_propagation(HapticsPanel, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = settings_layout(self)
         haptics = context.scene.haptics
         layout.prop(haptics, "mode")
         row = layout.row()
         row.active = haptics.mode == "HT"
         row.prop(haptics, "localise", slider=True)
         layout.prop(haptics, "strategy")
-        column = layout.column(align=True)
-        column.prop(haptics, "threshold")
-        column.prop(haptics, "max_connections")
-        column.prop(haptics, "epsilon")
+        draw_properties(layout, haptics, "threshold", "max_connections", "epsilon")
 
 
 class HAPTIC_PT_impacts(HapticsPanel, Panel):
@@ -80,17 +75,11 @@ class HAPTIC_PT_impacts(HapticsPanel, Panel):
         self.layout.prop(context.scene.haptics, "impacts", text="")
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = settings_layout(self)
         haptics = context.scene.haptics
         layout.active = haptics.impacts
         layout.prop(haptics, "impact_signal")
-        column = layout.column(align=True)
-        column.prop(haptics, "minimum_energy")
-        column.prop(haptics, "maximum_energy")
-        column.prop(haptics, "impact_energy")
-        column.prop(haptics, "refractory_time")
+        draw_properties(layout, haptics, "minimum_energy", "maximum_energy", "impact_energy", "refractory_time")
 
 
 class HAPTIC_PT_impact_table(HapticsPanel, Panel):
@@ -100,9 +89,7 @@ class HAPTIC_PT_impact_table(HapticsPanel, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = settings_layout(self)
         layout.active = context.scene.haptics.impacts
         rule = draw_table(layout, context, "impact_table")
         if rule is None:
@@ -112,9 +99,7 @@ class HAPTIC_PT_impact_table(HapticsPanel, Panel):
             layout.prop(rule, "filepath")
         layout.prop(rule, "use_limits")
         if rule.use_limits:
-            column = layout.column(align=True)
-            for limit in ("least_energy", "full_energy", "refractory"):
-                column.prop(rule, limit)
+            draw_properties(layout, rule, "least_energy", "full_energy", "refractory")
         for curve in ("gain", "pitch", "decay", "brightness"):
             column = layout.column(align=True)
             column.prop(rule, curve, index=0)
@@ -134,18 +119,14 @@ class HAPTIC_PT_textures(HapticsPanel, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = settings_layout(self)
         layout.operator("haptic.add_textures", icon="MATERIAL")
         rule = draw_table(layout, context, "textures")
         if rule is None:
             return
         layout.prop(rule, "period")
         for names in (("sliding", "rolling"), ("noise", "bandwidth"), ("stick_speed", "full_speed", "full_force")):
-            column = layout.column(align=True)
-            for name in names:
-                column.prop(rule, name)
+            draw_properties(layout, rule, *names)
 
 
 class HAPTIC_PT_contacts(HapticsPanel, Panel):
@@ -155,13 +136,9 @@ class HAPTIC_PT_contacts(HapticsPanel, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = settings_layout(self)
         haptics = context.scene.haptics
-        column = layout.column(align=True)
-        column.prop(haptics, "contact_tolerance")
-        column.prop(haptics, "patch_points")
+        draw_properties(layout, haptics, "contact_tolerance", "patch_points")
         rule = draw_table(layout, context, "transmission_table")
         if rule is not None:
             layout.prop(rule, "function")
@@ -181,10 +158,5 @@ class HAPTIC_PT_overlay(HapticsPanel, Panel):
         layout = self.layout
         haptics = context.scene.haptics
         layout.active = haptics.show_overlay
-        column = layout.column(align=True)
-        column.prop(haptics, "show_intra")
-        column.prop(haptics, "show_best_paths")
-        column.prop(haptics, "show_labels")
-        column.prop(haptics, "show_flow")
-        column.prop(haptics, "xray")
+        draw_properties(layout, haptics, "show_intra", "show_best_paths", "show_labels", "show_flow", "xray")
         layout.operator("haptic.graph_to_geometry", icon="MESH_DATA")
