@@ -6,7 +6,8 @@ another file; a change in the library is written to all objects of the scene tha
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from operator import attrgetter
 from typing import Any
 
 from bpy.props import (
@@ -162,20 +163,9 @@ def _recording(name: str, description: str) -> Any:
     return StringProperty(name=name, description=description, subtype="FILE_PATH", options=set())
 
 
-def _one(name: str, description: str, poll: Callable[[PropertyGroup, Object], bool]) -> Any:
-    return PointerProperty(type=Object, name=name, description=description, poll=poll)
-
-
-def _is_source(self: PropertyGroup, obj: Object) -> bool:
-    return bool(obj.haptics.source.enabled)
-
-
-def _is_listener(self: PropertyGroup, obj: Object) -> bool:
-    return bool(obj.haptics.listener.enabled)
-
-
-def _is_haptic(self: PropertyGroup, obj: Object) -> bool:
-    return bool(obj.haptics.enabled)
+def _one(name: str, description: str, role: str) -> Any:
+    has_role = attrgetter(f"haptics.{role}")
+    return PointerProperty(type=Object, name=name, description=description, poll=lambda self, obj: bool(has_role(obj)))
 
 
 class HapticFit(PropertyGroup):
@@ -185,17 +175,17 @@ class HapticFit(PropertyGroup):
 
     source_file: _recording("At Source", "WAV file recorded at the source; its channels are averaged")
     listener_file: _recording("At Listener", "WAV file recorded at the listener at the same time, begun at the same moment")
-    source: _one("Source", "The source at which the first recording was made", _is_source)
-    listener: _one("Listener", "The listener at which the second recording was made", _is_listener)
-    object: _one("Object", "The object on the way whose loss is fitted; what is made of the same material changes with it", _is_haptic)
+    source: _one("Source", "The source at which the first recording was made", "source.enabled")
+    listener: _one("Listener", "The listener at which the second recording was made", "listener.enabled")
+    object: _one("Object", "The object on the way whose loss is fitted; what is made of the same material changes with it", "enabled")
     is_calibrated: BoolProperty(
         name="Calibrated Alike",
         description="Both recordings have the same scale. Otherwise they tell what high frequencies lose beyond low ones, nothing else",
         default=True,
         options=set(),
     )
-    first: _one("Contact", "One side of a contact on the way whose gain is fitted, too", _is_haptic)
-    second: _one("With", "The other side of that contact", _is_haptic)
+    first: _one("Contact", "One side of a contact on the way whose gain is fitted, too", "enabled")
+    second: _one("With", "The other side of that contact", "enabled")
     fitted: StringProperty(options={"HIDDEN"})
     values: FloatVectorProperty(size=6, options={"HIDDEN"})
     bands: FloatVectorProperty(size=4 * BAND_COUNT, options={"HIDDEN"})

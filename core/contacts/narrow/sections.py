@@ -24,6 +24,9 @@ _AROUND = _ACROSS * np.cos(_ANGLES) + np.cross(_POLE, _ACROSS, axis=0) * np.sin(
 _CLOSED = 4
 """Faces from which on a hull has an inside; a flat one has a face of its own to lie on."""
 
+_AT_ONCE = 1 << 14
+"""Numbers that are held at a time of each kind: few enough for the processor's cache."""
+
 _LEAST = 1e-12
 """Metres and slopes below which a face is at the point, and a direction runs along a face."""
 
@@ -37,8 +40,10 @@ def directions(normal: FloatArray) -> FloatArray:
 
 
 def section_area(reaches: Sequence[FloatArray]) -> FloatArray:
-    """Area (n,) of what two sections have in common that reach so far (k, n) [m] around a point in both."""
-    return np.asarray(np.square(np.minimum(*reaches)).sum(axis=0) * (np.pi / len(_ANGLES)))
+    """Area (n,) of what two sections have in common that reach so far (k, n) [m] around a point in both: that of the polygon of the places
+    reached, so never more than there is."""
+    both = np.minimum(*reaches)
+    return np.asarray((both * np.roll(both, 1, axis=0)).sum(axis=0) * (np.sin(_ANGLES[1]) / 2))
 
 
 def reach(table: CoreTable, core: IntArray, rotation: FloatArray, centre: FloatArray, point: FloatArray, around: FloatArray) -> FloatArray:
@@ -46,21 +51,32 @@ def reach(table: CoreTable, core: IntArray, rotation: FloatArray, centre: FloatA
     for a point outside. ``rotation``, ``centre``: poses of the cores (n,)."""
     local, ways = turned_back(rotation, point - centre), turned_back(rotation, around)
     result = np.zeros(ways.shape[1:])
-    for number in np.unique(core).tolist():
-        rows = np.flatnonzero(core == number)
-        item = table.cores[number]
-        if item.kind is Kind.BOX:
-            normals, offsets = np.concatenate([np.eye(3), -np.eye(3)]), np.tile(item.outline, 2)
-        else:
-            assert item.hull is not None
-            normals, offsets = item.hull.planes()
-            offsets = offsets + item.radius
-            if len(normals) < _CLOSED:
-                continue
-        x, y, z = normals.T[:, :, None]
-        place, way = local[:, rows], ways[..., rows][:, :, None]
-        room = np.maximum(offsets[:, None] - (x * place[0] + y * place[1] + z * place[2]), _LEAST)
-        # How much nearer the faces come per metre, in parts of the room to them (k, faces, n).
-        nearer = x / room * way[0] + y / room * way[1] + z / room * way[2]
-        result[:, rows] = 1.0 / np.maximum(nearer.max(axis=1), _LEAST)
+    if table.kind[core[0]] == Kind.BOX:
+        return _reach(np.concatenate([np.eye(3), -np.eye(3)]), np.tile(table.outline[:, core], (2, 1)), local, ways)
+    alike: dict[tuple[int, float], list[int]] = {}
+    for row, number in enumerate(core.tolist()):
+        alike.setdefault((id(table.cores[number].hull), table.cores[number].radius), []).append(row)
+    for rows in alike.values():
+        item = table.cores[int(core[rows[0]])]
+        assert item.hull is not None
+        normals, offsets = item.hull.planes()
+        if len(normals) < _CLOSED:
+            continue
+        size = max(1, _AT_ONCE // len(normals))
+        for some in (rows[first : first + size] for first in range(0, len(rows), size)):
+            result[:, some] = _reach(normals, (offsets + item.radius)[:, None], local[:, some], ways[..., some])
     return result
+
+
+def _reach(normals: FloatArray, offsets: FloatArray, point: FloatArray, ways: FloatArray) -> FloatArray:
+    """The same of one set of faces (f, 3), whose ``offsets`` (f, n) may differ. Directions in the second half are those of the first,
+    turned about."""
+    x, y, z = normals.T[:, :, None]
+    room = np.maximum(offsets - (x * point[0] + y * point[1] + z * point[2]), _LEAST)
+    x, y, z = x / room, y / room, z / room
+    half = ways.shape[1] // 2
+    nearer = np.empty(ways.shape[1:])  # how much nearer the next face comes per metre, in parts of the room to it
+    for k in range(half):
+        slope = x * ways[0, k] + y * ways[1, k] + z * ways[2, k]
+        nearer[k], nearer[k + half] = slope.max(axis=0), -slope.min(axis=0)
+    return np.asarray(1.0 / np.maximum(nearer, _LEAST))
