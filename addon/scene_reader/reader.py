@@ -119,9 +119,8 @@ class SceneReader:
         """The scene as it stands in ``depsgraph``; ``exact``: also what has moved by less than counts otherwise."""
         ids = session_ids()
         raw = raw_matrices(len(ids))
-        markers = tuple((marker.name, marker.frame) for marker in scene.timeline_markers)
-        if markers != self._markers:
-            self._markers, self._session_ids = markers, None
+        if self._marked(scene) != self._markers:
+            self._session_ids = None
         if self._session_ids is None or not np.array_equal(self._session_ids, ids):
             self._read_all(depsgraph, raw)
             self._imported.read(scene)
@@ -134,13 +133,14 @@ class SceneReader:
         lists = self._read_changed(depsgraph, raw, exact)
         now, duration = seconds_of(scene, scene.frame_current), frame_seconds(scene)
         heard = [
-            _with_regions(item, bpy.data.objects[row], scene)
+            _with_regions(item, row, scene) if isinstance(item, Source) and item.triggers else item
             for item, row in zip(self._placed, lists.of_places.tolist(), strict=True)
             if is_audible(item, now, duration)
         ]
         contact_settings = read_contact_settings(scene, self._impact_table, self._transmission_table, self._textures)
         if "source" in self.solo_roles:
             contact_settings = replace(contact_settings, impacts=False, textures=RuleTable())
+        self._markers = self._marked(scene)
         if contact_settings == self._contact_settings:
             contact_settings = self._contact_settings  # so that collisions know them again
         self._contact_settings = contact_settings
@@ -161,6 +161,11 @@ class SceneReader:
             settled=self._settled,
             authored=self._imported.authored(lists.homes, self._settled, contact_settings),
         )
+
+    def _marked(self, scene: Scene) -> tuple[tuple[str, int], ...]:
+        """The names and frames of the timeline's markers, where sources have triggers."""
+        triggered = any(isinstance(item, Source) and item.triggers is not None for item in self._placed)
+        return tuple((marker.name, marker.frame) for marker in scene.timeline_markers) if triggered else ()
 
     def _read_all(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> None:
         shown = {obj.session_uid for obj in depsgraph.view_layer.objects}
@@ -292,11 +297,10 @@ class SceneReader:
         return self._shapes[session_id][2]
 
 
-def _with_regions(item: Source | Listener, obj: Object, scene: Scene) -> Source | Listener:
-    """A source whose region is where it stands now."""
-    if not isinstance(item, Source) or not any(trigger.on is TriggerKind.PASSING for trigger in item.triggers or ()):
-        return item
-    kept, place = imported_source(obj.haptics.source.imported).triggers, region_of(obj.haptics.source, scene)
+def _with_regions(item: Source, row: int, scene: Scene) -> Source:
+    """The source of the object in that row of the file, its region where it stands now."""
+    source = bpy.data.objects[row].haptics.source
+    kept, place = imported_source(source.imported).triggers, region_of(source, scene)
     moved = (replace(t, **place) if t.on is TriggerKind.PASSING and t not in kept else t for t in item.triggers or ())
     return replace(item, triggers=tuple(moved))
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.contacts.one_shots import entry
 from haptic_tracing.core.contacts.shapes import Box, pose_matrix
 from haptic_tracing.core.contacts.tracker import Body, ContactSettings, Motion
@@ -13,7 +14,7 @@ from haptic_tracing.core.scene.functions import Identity, Physical
 from haptic_tracing.core.scene.functions.modulation import Spectrum
 from haptic_tracing.core.scene.impact_rule import ImpactRule
 from haptic_tracing.core.scene.rule_table import Rule, RuleTable, Side
-from haptic_tracing.core.scene.values import HapticObject, Listener, Pose, Settings, Source, SourceKind, Trigger
+from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Pose, Settings, Source, SourceKind, Trigger
 from haptic_tracing.core.sentences import sentence
 from haptic_tracing.core.signals import Constant, DecayingSine, Impulse, Noise
 from haptic_tracing.core.tracer import Frame, Tracer
@@ -249,6 +250,24 @@ def test_a_front_arrives_after_distance_over_speed_and_falls_with_the_distance()
         assert samples.max() == pytest.approx(level, rel=5e-3)
     gains = next(result.gains[0] for result in results if result.sources)
     np.testing.assert_allclose(gains, [RADIUS / (RADIUS + d) * math.exp(-DECAY * d) for d in DISTANCES], rtol=1e-9)
+
+
+def test_a_front_reaches_objects_in_the_medium_when_it_is_there():
+    """Two panes on either side, touched by the air at 3.43 and 6.86 m, which pass everything on."""
+    air = HapticObject(
+        "air", 0.3, 0.8, Physical(loss_factor=0.0, reference_distance=RADIUS, spectrum=Spectrum(wave_speed=SPEED)), medium=True
+    )
+    panes = tuple(HapticObject(f"pane {k}", 0.3, 0.8, Identity()) for k in (1, 2))
+    places = ((3.43, 0.0, 0.0), (0.0, -6.86, 0.0))
+    contacts = tuple(Contact(("air", pane.name), (place, place)) for pane, place in zip(panes, places, strict=True))
+    touching = ContactSet.from_contacts(contacts, {"air": 0, "pane 1": 1, "pane 2": 2})
+    hands = tuple(Listener(f"hand {k}", f"pane {k}", (9.0, 9.0, 9.0)) for k in (1, 2))
+    blast = Source("blast", "air", signal=Impulse(0.004), triggers=(Trigger("times", (0.05,)),))
+    results = play(range(6), lambda n, t: Frame(n, t, (air, *panes), (blast,), hands, contacts=touching))
+    for k, d in enumerate((3.43, 6.86)):
+        samples = heard(results, k)
+        assert np.argmax(samples) == pytest.approx((0.05 + d / SPEED + 0.002) * 8000.0, abs=1)
+        assert samples.max() == pytest.approx(RADIUS / (RADIUS + d), rel=5e-3)
 
 
 def test_what_is_short_is_felt_far_away_long_after_it_was_played():
