@@ -79,7 +79,7 @@ class OneShots:
 
     def follow(self, sources: Sequence[Source], start: float | None, time: float, places: Places, hits: Sequence[Hit]) -> None:
         """Find the triggers between ``start`` [s], None where no frame came before, and ``time``."""
-        before, self._levels = self._levels, {}
+        before, paths, self._levels, self._paths = self._levels, self._paths, {}, {}
         for source, number, trigger in ((s, k, trigger) for s in sources for k, trigger in enumerate(s.triggers or ())):
             found = Shot(source.name, time, on=trigger.on, object=trigger.object)
             if trigger.on is TriggerKind.HIT:
@@ -91,8 +91,8 @@ class OneShots:
                     self._found.append(replace(found, strength=min(trigger.value, 1.0)))
             elif trigger.on is TriggerKind.PASSING and (position := places.get(trigger.object)) is not None:
                 region = pose_matrix(trigger.pose)
-                path = self._paths.setdefault((source.name, number), [])
-                path[:] = [*path[-2:], region[:3, :3].T @ (position - region[:3, 3])]
+                path = [*paths.get((source.name, number), ())[-2:], region[:3, :3].T @ (position - region[:3, 3])]
+                self._paths[source.name, number] = path
                 way = entry(path, np.array(trigger.size) / 2)
                 if start is not None and way is not None:
                     self._found.append(replace(found, onset=start + way * (time - start)))
@@ -145,7 +145,15 @@ def _first_inside(start: FloatArray, way: FloatArray, bend: FloatArray, half: Fl
     """The least f in (0, 1] at which ``start + way f + bend f (f - 1) / 2`` is in a box."""
     parts = [1.0]
     for side in (-half, half):
-        for coefficients in zip(bend / 2, way - bend / 2, start - side, strict=True):
-            parts += [root.real for root in np.roots(coefficients) if abs(root.imag) < _NEAR and 0 < root.real <= 1]
+        for square, slope, height in np.column_stack([bend / 2, way - bend / 2, start - side]).tolist():
+            parts += [root for root in _roots(square, slope, height) if 0 < root <= 1]
     inside = (f for f in sorted(parts) if np.all(np.abs(start + way * f + bend * (f * (f - 1) / 2)) <= half + _NEAR))
     return next(inside, None)
+
+
+def _roots(a: float, b: float, c: float) -> tuple[float, ...]:
+    """Where ``a f^2 + b f + c`` is 0."""
+    if b * b < 4 * a * c:
+        return ()
+    q = -(b + math.copysign(math.sqrt(b * b - 4 * a * c), b)) / 2
+    return (*((q / a,) if a else ()), *((c / q,) if q else ()))

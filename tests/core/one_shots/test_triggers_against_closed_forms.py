@@ -254,9 +254,8 @@ def test_a_front_arrives_after_distance_over_speed_and_falls_with_the_distance()
 
 def test_a_front_reaches_objects_in_the_medium_when_it_is_there():
     """Two panes on either side, touched by the air at 3.43 and 6.86 m, which pass everything on."""
-    air = HapticObject(
-        "air", 0.3, 0.8, Physical(loss_factor=0.0, reference_distance=RADIUS, spectrum=Spectrum(wave_speed=SPEED)), medium=True
-    )
+    function = Physical(loss_factor=0.0, reference_distance=RADIUS, spectrum=Spectrum(wave_speed=SPEED))
+    air = HapticObject("air", 0.3, 0.8, function, medium=True)
     panes = tuple(HapticObject(f"pane {k}", 0.3, 0.8, Identity()) for k in (1, 2))
     places = ((3.43, 0.0, 0.0), (0.0, -6.86, 0.0))
     contacts = tuple(Contact(("air", pane.name), (place, place)) for pane, place in zip(panes, places, strict=True))
