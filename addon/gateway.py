@@ -20,15 +20,15 @@ from typing import Any
 _LENT = {
     "addon.authoring": "body_kit materials",
     "addon.bake": "baking curves playback sound storage takes waves",
-    "addon.io": "capture drawings frame_scene scene_builder signal_library vibration_signal",
+    "addon.io": "capture drawings frame_scene scene_builder signal_library sound_source vibration_signal",
     "addon.live_output": "adjustment outputs player preview unfelt",
     "addon.properties": "actuators",
     "addon.scene_reader": "functions imported settings triggers",
     "addon.session": "session",
     "addon.view": "comparison explanation gain_plot graph_mesh lane levels masking meter_layout meter_pictures meters overlay "
-    "panel_picture paths watched",
+    "panel_picture paths sound_picture watched",
     "core.design": "recordings wishes",
-    "core.devices": "connection mapping",
+    "core.devices": "connection mapping profiles",
     "core.formats": "haptic_scene registry",
     "core.render": "limiter mixing",
     "core.scene": "functions spectra",

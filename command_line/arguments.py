@@ -50,6 +50,16 @@ def _fit(parser: Parser) -> None:
     parser.add_argument("--out", type=Path, metavar="NEW.json", help="write the scene with the fitted values")
 
 
+def _sound(parser: Parser) -> None:
+    parser.add_argument("sound", metavar="IN.wav", type=Path, help="the sound")
+    parser.add_argument("--output", required=True, metavar="OUT.json", type=Path, help="the signal, as a source of a scene has it")
+    parser.add_argument(
+        "--carrier", default="160", metavar="HERTZ|pitch|DEVICE", help="a frequency, the sound's pitch, or a device's best (160)"
+    )
+    parser.add_argument("--gate", type=_number, default=-40.0, metavar="DB", help="what is quieter makes no vibration (-40)")
+    parser.add_argument("--gain", type=_not_negative, default=1.0, metavar="X", help="factor on the amplitude (1)")
+
+
 def _contacts(parser: Parser) -> None:
     parser.add_argument("scene", metavar="SCENE.json", help="haptic scene")
     parser.add_argument(
@@ -184,6 +194,11 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "write a haptic scene in other formats",
         "Write what the listeners of a haptic scene feel, in the formats of other programs.",
         _export,
+    ),
+    "sound": Subcommand(
+        "turn a sound into the signal of a source",
+        "Follow the level and the pitch of a sound and find its onsets, and write the vibration as the signal of a source.",
+        _sound,
     ),
     "convert": Subcommand(
         "convert between file formats", "Convert a vibration, or a haptic scene, to the format that the new name ends in.", _convert

@@ -77,9 +77,12 @@ def ensure_fcurve(datablock: Any, data_path: str, group: str = "", index: int = 
     return found or data.action.fcurves.new(data_path, index=index, action_group=group)
 
 
+STRIPS = "strips" if "strips" in bpy.types.SequenceEditor.bl_rna.properties else "sequences"
+
+
 def strips_of(editor: Any) -> Any:
     """All strips of the sequencer; they were called sequences."""
-    return editor.strips if hasattr(editor, "strips") else editor.sequences
+    return getattr(editor, STRIPS)
 
 
 def strip_ends(strip: Any) -> tuple[float, float]:
@@ -87,6 +90,11 @@ def strip_ends(strip: Any) -> tuple[float, float]:
     if hasattr(strip, "left_handle"):
         return strip.left_handle, strip.right_handle
     return strip.frame_final_start, strip.frame_final_end
+
+
+def strip_content_start(strip: Any) -> float:
+    """The frame at which the content of a strip begins, which may be before the strip does."""
+    return float(strip.content_start if hasattr(strip, "content_start") else strip.frame_start)
 
 
 def _channelbags(action: Any) -> list[Any]:

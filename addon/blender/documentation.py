@@ -9,6 +9,7 @@ _ROOT = Path(__file__).parents[2]
 
 _PAGES = {
     "panels/materials": "ops.haptic.*material types.hapticmaterial types.hapticfit ops.haptic.*wish",
+    "panels/sound": "ops.haptic.convert_sound types.hapticsound",
     "panels/bake": "ops.haptic.*bake ops.haptic.*take types.hapticbake types.haptictake types.hapticfelt",
     "panels/result": "ops.haptic.set_mode types.hapticmeters",
     "panels/source": "ops.haptic.*signal ops.haptic.*envelope ops.haptic.*emphasis types.hapticdrawing types.haptice types.hapticsource",

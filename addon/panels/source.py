@@ -111,7 +111,7 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
             layout.prop(source, "filepath")
         elif source.signal == "DRAWN":
             draw_drawing(layout, context.object)
-        elif source.signal not in ("NOISE", "KEPT", "BLAST"):
+        elif source.signal not in ("NOISE", "SOUND", "KEPT", "BLAST"):
             layout.prop(source, "frequency")
         _draw_faults(layout, context, "signal")
         layout.operator("haptic.import_signal", icon="IMPORT")

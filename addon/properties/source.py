@@ -8,6 +8,7 @@ from bpy.types import NodeTree, PropertyGroup
 from .callbacks import changed, edited
 from .drawing import HERTZ, is_drawing
 from .imported import Imported
+from .sound import HapticSoundProperties
 
 SIGNAL_ITEMS = (
     ("SINE", "Sine", "A pure vibration"),
@@ -15,6 +16,7 @@ SIGNAL_ITEMS = (
     ("NOISE", "Noise", "A rough, random vibration"),
     ("FILE", "WAV File", "A recorded signal"),
     ("DRAWN", "Drawn", "Amplitude and frequency as curves"),
+    ("SOUND", "Sound", "Vibration made of a sound: how strong, how high and where something begins"),
     ("KEPT", "Imported", "The signal of an imported file, kept in this one"),
     ("BLAST", "Blast", "The pressure wave of a shot or an explosion, whose overpressure lasts for the decay time (Friedlander)"),
 )
@@ -65,6 +67,7 @@ class HapticSourceProperties(Imported, PropertyGroup):
         update=changed,
     )
     filepath: StringProperty(name="WAV File", description="The recorded signal, looped", subtype="FILE_PATH", update=changed)
+    sound: PointerProperty(type=HapticSoundProperties)
     decay: FloatProperty(
         name="Decay Time (s)",
         description="The source wears off from the first frame on: after so many seconds it is 37% as strong; 0 keeps it up",

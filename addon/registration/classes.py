@@ -21,6 +21,7 @@ from ..operators import (
     modes,
     rules,
     selection,
+    sound,
     tagging,
     tracing,
     wishes,
@@ -31,11 +32,14 @@ from ..panels import live_output as live_output_panels
 from ..panels import materials as materials_panels
 from ..panels import modalities as modalities_panels
 from ..panels import rules as rules_panels
+from ..panels import sound as sound_panels
 from .module_classes import classes_of
 
 CLASSES = (
-    *classes_of(preferences, job, tagging, adding, tracing, selection, modes, felt, gizmos, materials, wishes, fit, body_kit, rules),
-    *classes_of(bake, exporting, importing, drawings, graph_to_geometry, live_output, scene, object, source, listener, result, export),
+    *classes_of(preferences, job, tagging, adding, tracing, selection, modes, felt, gizmos, materials, wishes, fit, body_kit, rules, sound),
+    *classes_of(
+        bake, exporting, importing, drawings, graph_to_geometry, live_output, scene, object, source, sound_panels, listener, result, export
+    ),
     *classes_of(materials_panels),
     *modalities_panels.PANELS,
     *classes_of(rules_panels, bake_panel, live_output_panels, file_menus, object_menus),

@@ -6,13 +6,13 @@ import bpy
 from bpy.props import PointerProperty
 from bpy.types import NodeTree, Object, Scene
 
-from ..properties import bake, drawing, gltf, listener, live_output, materials, meters, modalities, object, rules, scene, source
+from ..properties import bake, drawing, gltf, listener, live_output, materials, meters, modalities, object, rules, scene, sound, source
 from .module_classes import classes_of
 
 CLASSES = (
     *classes_of(bake, gltf, meters, live_output, materials),
     *modalities.GROUPS,
-    *classes_of(drawing, source, listener, object, rules, scene),
+    *classes_of(drawing, sound, source, listener, object, rules, scene),
 )
 """The property groups, each after those that it has in it."""
 

@@ -133,6 +133,8 @@ def _roles(obj: Object, scene: Scene) -> str:
     ]
     if haptics.source.one_shot and haptics.source.trigger_markers:
         roles.append(list(marker_frames(scene, haptics.source.trigger_markers)))
+    if haptics.source.sound.kept:
+        roles.append([_plain(haptics.source.sound.kept)])
     return _sum(roles)
 
 

@@ -15,6 +15,7 @@ from ...core.signals.envelopes import Decay, Keyed
 from ...core.signals.limits import MIN_SECONDS
 from ..blender.single_precision import shortest
 from .drawings import read_drawing
+from .imported import imported_source
 
 
 def read_signal(properties: Any, frequency: Automation | None = None, envelope: Automation | None = None) -> Signal:
@@ -35,6 +36,11 @@ def read_signal(properties: Any, frequency: Automation | None = None, envelope: 
             if phase < MIN_SECONDS:
                 raise ValueError(iface_("its signal has no end: set a decay time"))
             return Keyed(Automation((0.0, 10.0 * phase), (1.0, -9.0)))
+        case "SOUND":
+            kept = imported_source(properties.sound.kept).signal
+            if kept is None:
+                raise ValueError(iface_("its signal is made of a sound, but none is converted: press Convert Sound"))
+            return kept.of if properties.one_shot and isinstance(kept, Loop) else kept
     if not properties.filepath:
         raise ValueError(iface_("its signal is a WAV file, but none is chosen"))
     recorded = read_wav(bpy.path.abspath(properties.filepath))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from ..perception import BEST_FREQUENCY, threshold_level
 from ..scene.body import BODY_PART
 from .checked_json import parse_json, schema_fault
 from .families.family import AnyFamily, RumbleFamily
@@ -78,8 +79,8 @@ class Channel:
 class Actuator:
     """Something that vibrates.
 
-    body_parts: where it is felt. band: what it can vibrate at, in Hz. latency: seconds from command to touch.
-    safe_maximum: amplitude in (0, 1] never exceeded.
+    body_parts: where it is felt. band: what it can vibrate at, in Hz; resonances: where in it it is strongest, if known. latency: seconds
+    from command to touch. safe_maximum: amplitude in (0, 1] never exceeded.
     """
 
     name: str
@@ -90,6 +91,7 @@ class Actuator:
     safe_maximum: float
     channels: tuple[Channel, ...]
     calibration: Calibration
+    resonances: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +121,14 @@ class Profile:
     def latency(self) -> float:
         """Seconds from command to touch of the slowest actuator."""
         return max(actuator.latency for actuator in self.actuators)
+
+    @property
+    def best_frequency(self) -> float:
+        """The frequency in Hz at which it is felt most: of its actuators' resonances, or of their bands where none are known, the one for
+        which skin needs least."""
+        known = [hertz for actuator in self.actuators for hertz in actuator.resonances]
+        inside = [min(max(BEST_FREQUENCY, actuator.band[0]), actuator.band[1]) for actuator in self.actuators]
+        return min(known or inside, key=lambda hertz: float(threshold_level(hertz)))
 
     @property
     def plays_frequency(self) -> bool:
@@ -171,6 +181,7 @@ def _actuator(place: str, data: Mapping[str, Any]) -> Actuator:
             Channel(channel["name"], _band(f"{place}/channels/{i}/takes", channel["takes"])) for i, channel in enumerate(data["channels"])
         ),
         calibration=Calibration(**data.get("calibration", {})),
+        resonances=tuple(map(float, data.get("resonances", ()))),
     )
 
 

@@ -13,9 +13,9 @@ _spec.loader.exec_module(recording_layout)
 
 
 def _panels():
-    from haptic_tracing.addon.panels import export, listener, object, result, scene, source
+    from haptic_tracing.addon.panels import export, listener, object, result, scene, sound, source
 
-    return [panel for module in (scene, object, source, listener, result, export) for panel in classes_of(module)]
+    return [panel for module in (scene, object, source, sound, listener, result, export) for panel in classes_of(module)]
 
 
 def _draw(panel):

@@ -15,6 +15,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...signals.drawn import EMPHASIS_SECONDS, HIGHEST, LOWEST
+from ...signals.keys import needed_keys
 from ..io.atomic import write_text
 from ..io.catalogue import FORMATS
 from ..io.json_text import compact
@@ -23,7 +24,6 @@ from .ahap_reading import read as read
 from .carrier import Player
 from .comparison import Comparison, Kind, Measures
 from .envelopes import mean_frequency, powers, smoothed
-from .fitting import needed_keys
 from .listener_tracks import ListenerTrack, Row
 from .track_export import EDITOR, TrackExport, common_losses, listener_files
 

@@ -8,10 +8,11 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...signals.keys import needed_keys
 from .analytic import Band
 from .carrier import Carrier
 from .comparison import Comparison
-from .fitting import Fit, fit_bands, needed_keys
+from .fitting import Fit, fit_bands
 from .listener_tracks import CHUNK, Row
 
 WHOLE = Band(5, 700, 2.5, 90, 1600)

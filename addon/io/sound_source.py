@@ -1,0 +1,157 @@
+"""The sound that a source is to be made of: found in Blender, heard, and kept with the source as vibration."""
+
+from __future__ import annotations
+
+import hashlib
+import tempfile
+from collections.abc import Generator, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.types import Object, Scene
+
+from ...core.arrays import FloatArray
+from ...core.signals import Automation, Loop
+from ...core.signals.felt_sound import Feel, amplitudes, felt_onsets, vibration
+from ...core.signals.sound import Clip, Heard, block_count, heard, mixed
+from ..blender import compatibility
+from ..blender.single_precision import shortest
+from ..blender.time import frame_seconds, seconds_of
+from ..properties.sound import device_profiles, sound_path
+from ..scene_reader.imported import text_of
+
+WAVE_COLUMNS = 256
+"""Values of each of the two waves that a panel draws."""
+_KNOWN_SOUNDS = 8
+
+_known: dict[bytes, Heard] = {}
+"""What was heard in the last sounds, by the digest of their samples: 2 MB for ten minutes."""
+
+
+class DecodedSound:
+    """A sound of any format that Blender reads, decoded in parts. ``rate`` in hertz, ``count`` samples. Raises ValueError."""
+
+    def __init__(self, path: Path, folder: Any = None) -> None:
+        import aud
+
+        self._sound, self._folder = aud.Sound.file(str(path)), folder
+        try:
+            self.rate, self.count = float(self._sound.specs[0]), int(self._sound.length)
+        except aud.error as error:
+            raise ValueError(f"{path.name}: {error}") from None
+
+    def read(self, first: int, last: int) -> FloatArray:
+        """See `core.signals.sound.Recording`."""
+        part = self._sound.limit((first + 0.5) / self.rate, (last + 0.5) / self.rate).data()
+        return np.pad(part.astype(np.float64), ((0, max(last - first - len(part), 0)), (0, 0)))[: last - first]
+
+
+class Conversion:
+    """Makes the vibration of an object's sound, in steps. Raises OSError or ValueError where there is no sound."""
+
+    def __init__(self, scene: Scene, obj: Object) -> None:
+        sound = obj.haptics.source.sound
+        self._name, self._feel = obj.name, _feel(sound)
+        self._loops = sound.origin == "FILE" and sound.loop
+        self._clips = tuple(_CLIPS[sound.origin](scene, sound))
+        self.step_count = sum(block_count(clip.end) for clip in self._clips) + block_count(max(clip.end for clip in self._clips))
+
+    def steps(self) -> Iterator[None]:
+        """Hear the sound, then keep its vibration with the object; what is wrong with the sound is kept, too, and raised."""
+        try:
+            yield from self._steps()
+        except (OSError, ValueError) as error:
+            fault = bpy.data.objects[self._name].haptics.source.sound.fault = iface_(str(error))
+            raise ValueError(fault) from None
+
+    def _steps(self) -> Generator[None, None, None]:
+        samples = yield from mixed(self._clips)
+        key = hashlib.blake2b(samples.tobytes()).digest()
+        found = _known.pop(key, None) or (yield from heard(samples))
+        _known[key] = found
+        while len(_known) > _KNOWN_SOUNDS:
+            del _known[next(iter(_known))]
+        signal = vibration(found, self._feel)
+        sound = bpy.data.objects[self._name].haptics.source.sound
+        sound.waves, sound.is_edited, sound.fault = _waves(found, self._feel), False, ""
+        sound.kept = text_of(signal=(Loop(signal) if self._loops else signal).to_dict())
+
+
+def _feel(sound: Any) -> Feel:
+    numbers = {name: shortest(getattr(sound, name)) for name in ("frequency", "gate", "gain", "release", "bursts")}
+    if sound.carrier == "DEVICE":
+        known = device_profiles().get(sound.device)
+        if known is None:
+            raise ValueError(iface_("there is no device profile '{}'").format(sound.device))
+        numbers["frequency"] = known.best_frequency
+    low, high = sorted(map(shortest, sound.band))
+    return Feel(pitch=sound.carrier == "PITCH", band=(low, high), **numbers)
+
+
+def _waves(found: Heard, feel: Feel) -> str:
+    """The largest amplitude of the sound and of its vibration in each column of a picture as hexadecimals, 255 being the larger of them."""
+    felt = amplitudes(found, feel)
+    times, bursts = felt_onsets(found, feel)
+    np.maximum.at(felt, np.minimum(np.rint(times * len(felt) / found.seconds).astype(np.intp), len(felt) - 1), bursts)
+    borders = np.linspace(0, len(felt), WAVE_COLUMNS, endpoint=False).astype(np.intp)
+    rows = np.array([np.maximum.reduceat(values, borders) for values in (found.levels, felt)])
+    return (rows * (255 / rows.max())).astype(np.uint8).tobytes().hex()
+
+
+def _of_file(scene: Scene, sound: Any) -> Iterator[Clip]:
+    if not sound.filepath:
+        raise ValueError(iface_("choose a file first"))
+    yield Clip(DecodedSound(sound_path(sound.id_data, sound.filepath)))
+
+
+def _of_speaker(scene: Scene, sound: Any) -> Iterator[Clip]:
+    speaker = sound.speaker
+    if speaker is None or speaker.type != "SPEAKER" or speaker.data.sound is None or speaker.data.muted:
+        raise ValueError(iface_("choose a speaker first that has a sound and is not muted"))
+    animation, data = speaker.animation_data, speaker.data
+    tracks = [track for track in (animation.nla_tracks if animation is not None else ()) if not track.mute]
+    starts = [strip.frame_start for track in tracks for strip in track.strips if strip.type == "SOUND" and not strip.mute]
+    for start in starts or [scene.frame_start]:
+        clip = Clip(_decoded(data.sound), seconds_of(scene, start), speed=shortest(data.pitch))
+        yield replace(clip, volume=_volume(data, "volume", data.volume, scene, clip.end))
+
+
+def _of_sequencer(scene: Scene, sound: Any) -> Iterator[Clip]:
+    strips = compatibility.strips_of(scene.sequence_editor) if scene.sequence_editor is not None else ()
+    heard = [strip for strip in strips if strip.type == "SOUND" and strip.sound is not None and not strip.mute]
+    chosen = [strip for strip in heard if sound.strip in ("", strip.name)]
+    if not chosen:
+        raise ValueError(iface_("there is no sound strip '{}' that is not muted").format(sound.strip or "*"))
+    for strip in chosen:
+        if len(getattr(strip, "retiming_keys", ())):
+            raise ValueError(iface_("the strip '{}' is retimed: render the audio to a file and choose that").format(strip.name))
+        first, last = compatibility.strip_ends(strip)
+        begin, second = compatibility.strip_content_start(strip), frame_seconds(scene)
+        start = max(first, begin)
+        volume = _volume(scene, strip.path_from_id("volume"), strip.volume, scene, seconds_of(scene, last))
+        yield Clip(_decoded(strip.sound), seconds_of(scene, start), (start - begin) * second, (last - start) * second, volume=volume)
+
+
+_CLIPS = {"FILE": _of_file, "SPEAKER": _of_speaker, "SEQUENCER": _of_sequencer}
+
+
+def _decoded(sound: Any) -> DecodedSound:
+    if sound.packed_file is None:
+        return DecodedSound(sound_path(sound, sound.filepath))
+    folder = tempfile.TemporaryDirectory()
+    path = Path(folder.name) / "sound"
+    path.write_bytes(sound.packed_file.data)
+    return DecodedSound(path, folder)
+
+
+def _volume(owner: Any, path: str, value: float, scene: Scene, end: float) -> float | Automation:
+    """A volume, over the scene's time until ``end`` [s] where it is animated."""
+    curve = next((curve for curve in compatibility.fcurves_of(owner) if curve.data_path == path and not curve.mute), None)
+    if curve is None:
+        return shortest(value)
+    times = np.arange(max(end, 0.0) // frame_seconds(scene) + 2) * frame_seconds(scene)
+    return Automation(times, [max(curve.evaluate(scene.frame_start + frame), 0.0) for frame in range(len(times))])

@@ -1,0 +1,48 @@
+"""Panel "Sound": what the vibration of a source is made of."""
+
+from __future__ import annotations
+
+from bpy.types import Context, Panel
+
+from ..blender import compatibility
+from ..properties.preferences import preferences
+from ..properties.sound import SHOWN
+from ..view import panel_picture, sound_picture
+from .drawing import HapticsPanel
+from .texts import draw_sentence
+
+
+class HAPTIC_PT_sound(HapticsPanel, Panel):
+    bl_parent_id = "HAPTIC_PT_source"
+    bl_label = "Sound to Vibration"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        obj = context.object
+        return obj is not None and obj.haptics.source.enabled and obj.haptics.source.signal == "SOUND"
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        sound = context.object.haptics.source.sound
+        layout.prop(sound, "origin")
+        if sound.origin == "FILE":
+            layout.prop(sound, "filepath")
+            layout.prop(sound, "loop")
+        elif sound.origin == "SPEAKER":
+            layout.prop(sound, "speaker")
+        elif context.scene.sequence_editor is not None:
+            layout.prop_search(sound, "strip", context.scene.sequence_editor, compatibility.STRIPS)
+        if sound.fault:
+            draw_sentence(layout, sound.fault, "ERROR")
+        column = layout.column(align=True)
+        for name in ("carrier", *SHOWN[sound.carrier], "gate", "gain", "release", "bursts"):
+            column.prop(sound, name)
+        layout.operator("haptic.convert_sound", icon="FILE_REFRESH")
+        if sound.kept:
+            if sound.is_edited:
+                draw_sentence(layout, "Changed since it was converted", "INFO")
+            colour, ink = tuple(preferences().curve_colour), panel_picture.theme_ink(context)
+            layout.template_icon(icon_value=sound_picture.icon(sound.waves, colour, ink), scale=7.0)
+            layout.label(text="The sound, and over it its vibration")

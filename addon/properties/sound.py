@@ -1,0 +1,109 @@
+"""Properties of the sound that a source's vibration is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, PointerProperty, StringProperty
+from bpy.types import Context, Object, PropertyGroup
+
+from ...core.devices import profiles
+from ..blender.extension import profile_folders
+from .callbacks import changed
+
+if TYPE_CHECKING:
+    from ...core.devices.profiles import Profile
+
+ORIGINS = (
+    ("FILE", "File", "A WAV, FLAC, MP3 or Ogg file"),
+    ("SPEAKER", "Speaker", "The sound of a speaker, from the strips of its animation on, with its volume and pitch"),
+    ("SEQUENCER", "Sequencer", "Sound strips of the scene, at their times and with their volume"),
+)
+CARRIERS = (
+    ("FIXED", "Fixed", "One frequency"),
+    ("PITCH", "Pitch", "The sound's own pitch, by octaves brought into what is felt well"),
+    ("DEVICE", "Device", "The frequency at which a device is felt most"),
+)
+SHOWN = {"PITCH": ("band", "frequency"), "FIXED": ("frequency",), "DEVICE": ("device",)}
+"""Properties of each carrier."""
+
+
+def sound_path(owner: bpy.types.ID, path: str) -> Path:
+    """A path that is stored with ``owner``, in full. Raises ValueError where there is no such file."""
+    full = Path(bpy.path.abspath(path, library=owner.library))
+    if not full.is_file():
+        raise ValueError(iface_("there is no file {}").format(full))
+    return full
+
+
+def device_profiles() -> Mapping[str, Profile]:
+    """The profiles of devices that come with the add-on, and the user's own, by name."""
+    return profiles.load_profiles((profiles.BUILT_IN, *(folder for folder in profile_folders() if folder.is_dir())))[0]
+
+
+def _edited(self: HapticSoundProperties, context: Context) -> None:
+    self.is_edited, self.fault = True, ""
+    try:
+        if self.origin == "FILE" and self.filepath:
+            sound_path(self.id_data, self.filepath)
+    except ValueError as error:
+        self.fault = str(error)  # what else may be wrong is found when it is converted
+
+
+class HapticSoundProperties(PropertyGroup):
+    """A sound, how it becomes vibration, and that vibration."""
+
+    origin: EnumProperty(name="Sound", description="Where the sound comes from", items=ORIGINS, options=set(), update=_edited)
+    filepath: StringProperty(
+        name="File", description="The sound that becomes vibration", subtype="FILE_PATH", options=set(), update=_edited
+    )
+    speaker: PointerProperty(
+        type=Object, name="Speaker", description="It plays the sound", poll=lambda self, obj: obj.type == "SPEAKER", update=_edited
+    )
+    strip: StringProperty(name="Strip", description="One sound strip; empty for all that are not muted", options=set(), update=_edited)
+    loop: BoolProperty(
+        name="Loop",
+        description="Play it again and again; otherwise once, at the scene's beginning",
+        default=True,
+        options=set(),
+        update=_edited,
+    )
+    carrier: EnumProperty(
+        name="Carrier", description="What vibrates as strongly as the sound is loud", items=CARRIERS, options=set(), update=_edited
+    )
+    frequency: FloatProperty(
+        name="Frequency (Hz)", description="Of the carrier, in hertz; where it follows the pitch, that of sounds without one",
+        default=160.0, min=10.0, max=1000.0, options=set(), update=_edited,
+    )  # fmt: skip
+    device: StringProperty(
+        name="Device", description="The profile of the device", default="dualsense", options=set(), update=_edited,
+        search=lambda self, context, text: sorted(device_profiles()),
+    )  # fmt: skip
+    band: FloatVectorProperty(
+        name="Band (Hz)", description="Lowest and highest frequency of the carrier, in hertz; other pitches are brought into it by octaves",
+        size=2, default=(40.0, 400.0), min=10.0, max=1000.0, options=set(), update=_edited,
+    )  # fmt: skip
+    gate: FloatProperty(
+        name="Gate (dB)", description="What is quieter, in decibels below full scale, makes no vibration",
+        default=-40.0, min=-100.0, max=0.0, options=set(), update=_edited,
+    )  # fmt: skip
+    gain: FloatProperty(
+        name="Gain", description="Makes the vibration of the sound stronger or weaker",
+        default=1.0, min=0.0, max=100.0, soft_max=10.0, options=set(), update=_edited,
+    )  # fmt: skip
+    release: FloatProperty(
+        name="Release (s)", description="How long vibration goes on after the sound: so many seconds later it is 37% as strong",
+        default=0.03, min=0.001, max=2.0, precision=3, options=set(), update=_edited,
+    )  # fmt: skip
+    bursts: FloatProperty(
+        name="Onsets", description="Strength of the short burst where something begins in the sound",
+        default=1.0, min=0.0, max=1.0, subtype="FACTOR", options=set(), update=_edited,
+    )  # fmt: skip
+    kept: StringProperty(name="Vibration", description="What was made of the sound", options={"HIDDEN"}, update=changed)
+    waves: StringProperty(name="Waves", description="The sound and its vibration as the panel draws them", options={"HIDDEN"})
+    is_edited: BoolProperty(name="Edited", description="These settings have changed since the conversion", options={"HIDDEN"})
+    fault: StringProperty(name="Fault", description="What is wrong with the sound", options={"HIDDEN"})

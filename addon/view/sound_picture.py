@@ -1,0 +1,42 @@
+"""A sound and the vibration that was made of it, one over the other, as a picture in the panel."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..changes.events import disabled
+from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
+
+_picture = Picture()
+
+
+def picture(waves: str, colour: Colour, ink: Colour) -> Pixels:
+    """Both waves around the middle of the picture, over its width: the sound in ``ink``, the vibration in ``colour`` over it.
+
+    waves: as many values of the sound as of the vibration, one byte each in hexadecimals; empty where they are not.
+    """
+    pixels = blank()
+    try:
+        values = np.frombuffer(bytes.fromhex(waves), dtype=np.uint8)
+    except ValueError:
+        return pixels
+    if not len(values) or len(values) % 2:
+        return pixels
+    from_middle = np.abs(np.arange(SIZE) - (SIZE - 1) / 2)[:, None]
+    for wave, shade, opacity in zip(values.reshape(2, -1) / 255, (ink, colour), (0.4, 0.7), strict=True):
+        heights = np.interp(np.linspace(0, 1, SIZE), np.linspace(0, 1, len(wave)), wave) * (SIZE / 2 - 2)
+        tint(pixels, shade, opacity * np.clip(heights + 1 - from_middle, 0.0, 1.0))
+    return pixels
+
+
+def icon(waves: str, colour: Colour, ink: Colour) -> int:
+    """The identifier of the icon with the waves."""
+    return _picture.icon((waves, colour, ink), lambda: picture(waves, colour, ink))
+
+
+def forget() -> None:
+    """Free the picture."""
+    _picture.forget()
+
+
+disabled.subscribe(forget)

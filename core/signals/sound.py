@@ -1,0 +1,191 @@
+"""Sounds as what is heard in them: level, pitch and onsets over time.
+
+The level is that of the analytic signal (S. L. Marple, "Computing the discrete-time analytic signal via FFT", IEEE Trans. Signal Processing
+47, 1999), from `LOWEST` hertz on. Everything goes block by block, in generators, so that whoever steps them can show progress and stop.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import FloatArray
+from . import onsets, pitch
+from .automation import Automation, values_of
+
+RATE = 16_000
+"""Samples a second of the sounds that are analysed."""
+HOP = 0.005
+"""Seconds from one level to the next."""
+LONGEST = 1800.0
+"""Seconds of a sound: 115 MB."""
+LOWEST = 10.0
+"""Hertz below which nothing counts, such as an offset."""
+
+_BLOCK = 8 * RATE
+_MARGIN = RATE // 4
+_FINE = RATE // 1000
+_HOP = RATE // 200
+
+Samples = NDArray[np.float32]
+Value = TypeVar("Value")
+Steps = Generator[None, None, Value]
+"""Yields after each block, and returns the value."""
+
+
+class Recording(Protocol):
+    """What a decoder offers: ``count`` samples a channel, ``rate`` a second (hertz)."""
+
+    @property
+    def rate(self) -> float: ...
+
+    @property
+    def count(self) -> int: ...
+
+    def read(self, first: int, last: int) -> FloatArray:
+        """Return the samples from index ``first`` to before ``last``, shape (last - first, channels), full scale being 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class Clip:
+    """A part of a recording in a sound.
+
+    start: when it begins in the sound, below 0 where the sound begins within it; skip: where it begins in the recording, as it is played;
+    seconds: how long it lasts at most. speed: times as fast as recorded. volume: a factor, or one over the sound's time.
+    """
+
+    recording: Recording
+    start: float = 0.0
+    skip: float = 0.0
+    seconds: float = math.inf
+    speed: float = 1.0
+    volume: float | Automation = 1.0
+
+    @property
+    def rate(self) -> float:
+        """Samples a second at which it is played."""
+        return self.recording.rate * self.speed
+
+    @property
+    def samples(self) -> tuple[int, int]:
+        """The first of the recording's samples that is heard, and the one after the last."""
+        first = round((self.skip + max(-self.start, 0.0)) * self.rate)
+        last = min(self.recording.count, (self.skip + self.seconds) * self.rate)
+        return first, max(round(last), first)
+
+    @property
+    def end(self) -> float:
+        """Seconds into the sound."""
+        first, last = self.samples
+        return max(self.start, 0.0) + (last - first) / self.rate
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Heard:
+    """What is heard in a sound of so many ``seconds``.
+
+    levels: amplitude every `HOP` seconds from 0 on, averaged over 10 ms; that of a sine of full scale is 1. pitches: hertz at the same
+    times, 0 where there is none. onsets: when events begin [s]. strengths: the largest level in the 30 ms from each on.
+    """
+
+    seconds: float
+    levels: FloatArray
+    pitches: FloatArray
+    onsets: FloatArray
+    strengths: FloatArray
+
+
+def outcome(steps: Steps[Value]) -> Value:
+    """Step to the end."""
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            value: Value = end.value
+            return value
+
+
+def mixed(clips: tuple[Clip, ...]) -> Steps[Samples]:
+    """The sum of clips, the channels of each averaged, shape (n,), `RATE` a second.
+
+    Raises ValueError where it is longer than `LONGEST`, silent, or has samples that are not finite.
+    """
+    import soxr
+
+    length = max((clip.end for clip in clips), default=0.0)
+    if length > LONGEST:
+        raise ValueError("the sound is longer than 30 minutes")
+    result = np.zeros(math.ceil(length * RATE), dtype=np.float32)
+    for clip in clips:
+        stream = soxr.ResampleStream(clip.rate, RATE, 1, dtype="float64")
+        place, size = round(max(clip.start, 0.0) * RATE), max(round(_BLOCK * clip.rate / RATE), 1)
+        first, last = clip.samples
+        for begin in range(first, last, size):
+            samples = clip.recording.read(begin, min(begin + size, last)).mean(axis=1)
+            if not np.isfinite(samples).all():
+                raise ValueError("the sound has samples that are not finite")
+            ready = stream.resample_chunk(samples, last=begin + size >= last)[: max(len(result) - place, 0)]
+            times = np.arange(place, place + len(ready)) / RATE
+            result[place : place + len(ready)] += ready * values_of(clip.volume, times)
+            place += len(ready)
+            yield
+    if not result.any():
+        raise ValueError("the sound is silent")
+    return result
+
+
+def block_count(seconds: float) -> int:
+    """How often `heard` yields."""
+    return math.ceil(math.ceil(seconds * RATE) / _BLOCK)
+
+
+def heard(samples: Samples) -> Steps[Heard]:
+    """What is heard in a sound, shape (n,), `RATE` a second."""
+    count = len(samples)
+    power, fluxes, pitched = [np.zeros(0)], [np.zeros(0)], [np.zeros(0)]
+    for begin in range(0, count, _BLOCK):
+        end = min(begin + _BLOCK, -(-count // _HOP) * _HOP)
+        power.append(_power(_read(samples, begin - _MARGIN, end + _MARGIN))[_MARGIN:][: end - begin].reshape(-1, _FINE).mean(axis=1))
+        reach = onsets.FRAME // 2
+        around = _read(samples, begin - reach - onsets.LAG * _HOP, end - _HOP + reach)
+        fluxes.append(onsets.flux(onsets.band_levels(_frames(around, onsets.FRAME))))
+        around = _read(samples, begin - pitch.FRAME // 2, end - _HOP + pitch.FRAME // 2)
+        pitched.append(np.repeat(pitch.pitches(_frames(around, pitch.FRAME)[::2], RATE), 2)[: (end - begin) // _HOP])
+        yield
+    fine = np.concatenate(power)
+    sums = np.cumsum(np.pad(fine, (1 + _HOP // _FINE, _HOP // _FINE)))
+    width = 2 * _HOP // _FINE
+    levels = np.sqrt(np.maximum(sums[width :: width // 2] - sums[: -width : width // 2], 0.0) / width)
+    times = onsets.onsets(np.concatenate(fluxes), HOP, fine)
+    after = np.lib.stride_tricks.sliding_window_view(np.pad(levels, (0, 7)), 7).max(axis=1)
+    strengths = after[np.minimum(np.rint(times / HOP).astype(np.intp), len(levels) - 1)]
+    return Heard(count / RATE, levels, np.append(np.concatenate(pitched), 0.0), times, strengths)
+
+
+def _read(samples: Samples, first: int, last: int) -> FloatArray:
+    """Samples from ``first`` to before ``last``, zeros beyond the ends."""
+    inside = samples[max(first, 0) : max(last, 0)].astype(np.float64)
+    return np.pad(inside, (max(-first, 0), last - max(first, 0) - len(inside)))
+
+
+def _frames(samples: FloatArray, length: int) -> FloatArray:
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(samples, length)[::_HOP])
+
+
+def _power(samples: FloatArray) -> FloatArray:
+    """The squared magnitude of the analytic signal of samples, whose first and last `_MARGIN` are faded."""
+    fade = np.hanning(2 * _MARGIN + 1)[:_MARGIN]
+    samples[:_MARGIN] *= fade
+    samples[-_MARGIN:] *= fade[::-1]
+    count = len(samples)
+    spectrum = np.zeros(count, dtype=np.complex128)
+    half = np.fft.rfft(samples)[: (count + 1) // 2]
+    half[: math.ceil(LOWEST * count / RATE)] = 0.0
+    spectrum[: len(half)] = 2.0 * half
+    analytic = np.fft.ifft(spectrum)
+    return np.asarray(analytic.real**2 + analytic.imag**2)
