@@ -111,13 +111,14 @@ class HAPTIC_OT_make_one_shot(Operator):
             context.object.keyframe_insert(triggers.PATH)
         carrier = haptic_carrier(context.object)
         if carrier is not None and carrier.haptics.medium and carrier.haptics.function != "physical":
-            _spread_as_front(context.scene, carrier)
+            _spread_as_front(context.scene, carrier, 1.5 if self.kind == "EXPLOSION" else 0.3)
         return {"FINISHED"}
 
 
-def _spread_as_front(scene: Scene, medium: Object) -> None:
-    """Have what is emitted into a medium spread in all directions, weaker the farther it is, at the speed of sound."""
+def _spread_as_front(scene: Scene, medium: Object, radius: float) -> None:
+    """Have what is emitted into a medium spread from ``radius`` metres on in all directions, at the speed of sound."""
     haptics = medium.haptics
+    haptics.reference_distance = radius
     haptics.function, haptics.wave, haptics.loss_factor, haptics.absorption, haptics.extent = "physical", "solid", 0.0, 0.0, 0.0
     haptics.material_k = (1.0 - haptics.kappa) * haptics.rho  # so that the decay is as it is set
     material = scene.haptics.materials.items.get(haptics.material.name)

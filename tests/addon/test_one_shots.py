@@ -303,6 +303,7 @@ def test_a_front_in_a_medium_comes_when_sound_does_and_falls_with_the_distance(s
     bpy.context.view_layer.update()
     bpy.context.view_layer.objects.active = blast
     bpy.ops.haptic.make_one_shot(kind="GUN")
+    assert air.haptics.reference_distance == pytest.approx(0.3)
     air.haptics.reference_distance, air.haptics.absorption = 0.25, 0.05
     for d in (1.0, 8.0, 20.0):
         ear = add_empty(f"ear {d:g}", (d, 0, 0))

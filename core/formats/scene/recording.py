@@ -310,7 +310,7 @@ class SceneRecorder:
         if not shots:
             return ()
         onsets, strengths, by = zip(*shots, strict=True)
-        return (Trigger(TriggerKind.TIMES, onsets, strengths, by if any(by) else ()),)
+        return (Trigger(TriggerKind.TIMES, onsets, strengths if min(strengths) < 1 else (), by if any(by) else ()),)
 
     def _removed_objects(self, objects: Sequence[HapticObject]) -> tuple[str, ...]:
         """The names of objects that are gone; the sources on them are forgotten, so that they begin anew."""
