@@ -83,6 +83,13 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
             Sample("domino_wall", "Wall of Dominoes", 1039, "A thousand impacts, one after the other", 1000, about=("hand", "upper_leg")),
             Sample("pile", "Pile", 243, "Hundreds of things in a tray on a shaking table", 200, about=("hand", "upper_leg")),
             Sample("air_blast", "Air Blast", 56, "An explosion is felt through a medium, the air"),
+            Sample(
+                "sliding_and_rolling",
+                "Sliding and Rolling",
+                92,
+                "A file, a ball, a shoe, a crate and a wheel sound at their contacts, at the period of what they pass over",
+                about=("hand", "upper_leg"),
+            ),
             Sample("mine_ride", "Mine Ride", 461, "The ride of the paper's study: two and a half minutes in six sections", variation=0.0),
         )
     }

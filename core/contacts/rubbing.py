@@ -203,7 +203,7 @@ def _forces(
     bodies: Sequence[Body], contacts: ContactSet, rows: IntArray, middle: FloatArray, gravity: tuple[float, float, float]
 ) -> FloatArray:
     """The forces (k,) of contacts ``rows`` [N]: those of resting bodies; where that can't be known, the weight of the lighter of the two
-    that have one; NaN where neither has, and without gravity."""
+    that move and have a mass; NaN where neither does, and without gravity."""
     strength = math.hypot(*gravity)
     if not strength:
         return np.full(len(rows), np.nan)
@@ -212,7 +212,8 @@ def _forces(
     asked = np.zeros(len(contacts), dtype=np.bool_)
     asked[rows] = True
     pressed = contact_forces(contacts, np.where(held, 0.0, mass), middle, gravity, asked)[rows]
-    lighter = np.fmin.reduce(np.where(mass > 0, mass, np.nan)[contacts.pairs[rows]], axis=1)
+    weighs = (mass > 0) & np.array([body.motion is not Motion.STATIC for body in bodies])
+    lighter = np.fmin.reduce(np.where(weighs, mass, np.nan)[contacts.pairs[rows]], axis=1)
     return np.where(np.isfinite(pressed), pressed, lighter * strength * contacts.share[rows])
 
 

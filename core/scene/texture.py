@@ -28,6 +28,8 @@ RANGES = {
 }
 """What the values of a texture may range over."""
 
+_ROUNDING = 1e-9
+"""Seconds by which a piece ends early, at 0, so that none of it is left in the frame after its own."""
 _AS_STRONG = 1.5 * math.sqrt(2.0)
 """Amplitude at which interpolated uniform noise times a sine has the power of the sine."""
 
@@ -80,4 +82,5 @@ class Texture:
         if self.noise:
             rate = min(max(self.bandwidth * frequency, 1.0), MAX_FREQUENCY)
             parts.append(Product((Sine(frequency, _AS_STRONG * math.sqrt(self.noise), phase), Noise(seed=seed, rate=rate))))
-        return Product((Constant(1.0, 2.0 * step), fades, parts[0] if len(parts) == 1 else Sum(tuple(parts))))
+        gate = Constant(1.0, 2.0 * step - _ROUNDING)
+        return Product((gate, fades, parts[0] if len(parts) == 1 else Sum(tuple(parts))))

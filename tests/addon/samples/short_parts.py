@@ -26,6 +26,7 @@ PARTS: dict[str, tuple[int, int, int | None]] = {
     "domino_wall": (1, 45, 16),
     "pile": (1, 24, 12),
     "air_blast": (28, 38, None),
+    "sliding_and_rolling": (1, 14, None),
     "mine_ride": (62, 72, None),
 }
 """First and last frame, and how many things where that can be chosen. Simulations end before one collision leads to another, from where on

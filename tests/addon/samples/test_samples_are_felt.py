@@ -24,6 +24,7 @@ PARTS = {
     "domino_wall": [(1, 60)],
     "pile": [(1, 12)],
     "air_blast": [(26, 38)],
+    "sliding_and_rolling": [(12, 40), (200, 225)],
     "mine_ride": [(860, 890), (2105, 2125)],
 }
 """Frames in which something is felt."""

@@ -4,8 +4,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from haptic_tracing.core.perception import dominant_frequency, sensation_level
 from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
-from haptic_tracing.sample_scenes import domino_wall, hammer_nail, mine_ride
+from haptic_tracing.sample_scenes import domino_wall, hammer_nail, mine_ride, sliding_and_rolling
 
 RELATIVE = 1e-5  # Blender keeps positions and properties in single precision
 
@@ -186,3 +187,29 @@ def test_shock_wave_passes_from_left_to_right(build, results):
     assert order[0].endswith(".L")
     assert order[-1].endswith(".R")
     assert {"Avatar Chest", "Avatar Belly", "Avatar Head"} < set(order[1:-1])
+
+
+@pytest.mark.slow
+def test_what_slides_and_rolls_is_felt_by_whom_it_is_about_and_silent_at_rest(build, results):
+    """The wheel's fundamental is its speed over the period of the rail; a start and an end of a tenth of the time each are slower."""
+    scene = build("sliding_and_rolling")
+    sections, waves, names = sliding_and_rolling.SECTIONS, {}, {}
+    for result in results(scene, 1, scene.frame_end):
+        assert not result.impacts
+        (section,) = [name for name, (first, last) in sections.items() if first < result.number <= last + 1] or [None]
+        if section is None:
+            assert not result.sources and (result.block is None or not result.block.any())
+        else:
+            waves.setdefault(section, []).append(result.block)
+            names.setdefault(section, set()).update(source.name for source in result.sources)
+    assert all("sliding on" in name for section in ("File", "Shoe", "Crate") for name in names[section])
+    assert all("rolling on" in name for section in ("Ball", "Wheel") for name in names[section])
+    felt = {name: sensation_level(np.concatenate(blocks, axis=1), result.sample_rate) for name, blocks in waves.items()}
+    for name, who in {"File": "hand.R", "Ball": "hand.L", "Shoe": "upper_leg.L", "Crate": "upper_leg.R", "Wheel": "upper_leg.R"}.items():
+        assert felt[name][listener(result, who)] > 3.0, name
+    assert felt["File"].argmax() == listener(result, "hand.R") and felt["Ball"].argmax() == listener(result, "hand.L")
+    low, high = sliding_and_rolling.TRACK_X
+    first, last = sections["Wheel"]
+    speed = (high - low) / 0.9 / ((last - first) / scene.render.fps)
+    middle = np.concatenate(waves["Wheel"][15:45], axis=1)[listener(result, "upper_leg.R")]
+    assert dominant_frequency(middle, result.sample_rate) == pytest.approx(speed / 0.025, rel=0.1)
