@@ -13,7 +13,6 @@ from typing import Any
 
 import networkx
 import numpy as np
-from haptic_tracing.core.scene.values import SourceKind
 
 
 def fading(obj: Any, epsilon: float) -> tuple[float, float]:
@@ -74,18 +73,18 @@ def levels(results: Iterable[Any], found: Mapping[int, tuple[np.ndarray, np.ndar
     """RMS (l,) of what the listeners feel over consecutive frames with these gains and delays. A persistent source fades in over its first
     frame; one that begins within a frame is at full gain at once."""
     squares, count = 0.0, 0
-    last: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    last: dict[tuple[str, float], tuple[np.ndarray, np.ndarray]] = {}  # by name and onset: what slides begins anew under its name
     before = None
     for result in results:
-        now = {s.name: (s.amplitude * g, d) for s, g, d in zip(result.sources, *found[result.number], strict=True)}
+        now = {(s.name, s.onset): (s.amplitude * g, d) for s, g, d in zip(result.sources, *found[result.number], strict=True)}
         if before is not None:
             numbers = np.arange(math.ceil(before * rate - 1e-6), math.ceil(result.time * rate - 1e-6))
             times, part = numbers / rate, ((numbers / rate - before) / (result.time - before))[:, None]
             mix = np.zeros((len(numbers), len(result.listeners)))
             for source in result.sources:
-                gain, delay = now[source.name]
-                begins = source.kind is not SourceKind.PERSISTENT and source.onset >= before
-                start, early = last.get(source.name, (gain if begins else 0 * gain, delay))
+                gain, delay = now[source.name, source.onset]
+                begins = source.onset >= before
+                start, early = last.get((source.name, source.onset), (gain if begins else 0 * gain, delay))
                 wave = [source.signal.at(times - source.onset - late, 1 / rate) for late in (early + (delay - early) * part).T]
                 mix += np.transpose(wave) * (start + (gain - start) * part)
             mix *= [item.gain for item in result.listeners]
