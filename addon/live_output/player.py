@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import perf_counter as clock
 from typing import Any
 
 import numpy as np
 
 from ...core.arrays import FloatArray
-from ...core.devices.mapping import ActuatorMapping, Loss, Place, map_listeners
+from ...core.devices.mapping import ActuatorMapping, Loss, Place, map_listeners, shares
 from ...core.devices.pacing import WATCHDOG
 from ...core.message import Cause, Message, Names
 from ...core.render.frame_result import FrameResult
 from ...core.render.playback import Playback, grain, recorded_grain
+from ...core.scene.body_map import Spot
 from ...core.signals import Automation, Decay, Product, Signal, Sine
 from ..properties.actuators import places_of
 from ..properties.preferences import preferences
@@ -49,6 +50,7 @@ class _State:
     timed: float | None = None  # the time [s] of the last frame whose tracing time was looked at
     slow: int = 0  # frames in a row that took long
     ahead: _Ahead | None = None
+    arrived: tuple[FrameResult, FloatArray] | None = None  # the frame of the last block, and where it arrives at its listeners
 
 
 _state = _State()
@@ -80,7 +82,7 @@ def stop() -> None:
 def rest(release: bool = True) -> None:
     """Zero, then release, now; the next frame plays again."""
     with _state.lock:
-        _state.result = _state.ahead = None
+        _state.result = _state.ahead = _state.arrived = None
         _state.playback = Playback()
         (outputs.rest if release else outputs.silence)()
     preview.silence()
@@ -142,11 +144,33 @@ def correct(result: FrameResult) -> None:
 def _send(result: FrameResult, samples: FloatArray, choices: Mapping[str, str], recorded: bool = False, sent: float | None = None) -> None:
     """Send a block to the devices, and what would follow it."""
     mapping, running = _mapping_of(result, choices, {}), dict(outputs.running())
-    blocks = {key: block for key, block in mapping.blocks(samples).items() if key in running}
+    before = after = None
+    if mapping.pans:
+        before = after = result.arrivals()
+        if _state.arrived is not None and len(_state.arrived[1]) == len(after):
+            before = _state.arrived[1]
+        _state.arrived = result, after
+    blocks = {key: block for key, block in mapping.blocks(samples, before, after).items() if key in running}
     times = {key: running[key].send(block) if sent is None else running[key].send(block, sent) for key, block in blocks.items()}
     if times and _state.playing and not recorded:
         following = _state.playback.following(result, WATCHDOG)
-        outputs.expect(lambda: mapping.blocks(following()), times)
+        outputs.expect(lambda: mapping.blocks(following(), after, after), times)
+
+
+def spots() -> tuple[Spot, ...]:
+    """The actuators that share what listeners feel by their positions, as played last."""
+    if _state.arrived is None or False not in _state.mappings:
+        return ()
+    (result, arrivals), (_, mapping) = _state.arrived, _state.mappings[False]
+    found = []
+    for device in mapping.weights.keys() & outputs.running().keys():
+        for row, listener in enumerate(result.listeners):
+            places = mapping.positions[device][mapping.panned(device, row)]
+            if len(places):
+                parts = np.sqrt(shares(places, arrivals[row])).tolist()
+                within = (places - places.min(axis=0)) / np.maximum(np.ptp(places, axis=0), 1e-9)
+                found += [Spot(listener.body_part, x, y, part) for (x, y), part in zip(within.tolist(), parts, strict=True)]
+    return tuple(found)
 
 
 def _samples(result: FrameResult, frame_seconds: float, recorded: bool) -> FloatArray:
@@ -204,4 +228,4 @@ def _mapped(listeners: Mapping[str, str], choices: Mapping[str, str], bands: Map
             names = Names(f"{place.actuator} of {place.device}" for place in missing)
             absent.append(Loss(listener, "actuator", Message.of(Cause.ACTUATOR_GONE, actuators=names)))
     mapping = map_listeners(listeners, devices, chosen=chosen, bands=bands)
-    return ActuatorMapping(mapping.listeners, mapping.weights, (*absent, *mapping.losses))
+    return replace(mapping, losses=(*absent, *mapping.losses))

@@ -114,7 +114,8 @@ class HAPTIC_PT_felt(HapticsPanel, Panel):
             layout.label(text="Nothing traced yet")
             return
         felt, column = latest.value, layout.column(align=True)
-        draw_pair(column, fitted(felt.listener, 0.5), iface_("{} felt, {} hidden, {} too weak").format(*felt.counts()), 0.4)
+        column.label(text=fitted(felt.listener, icon=True), icon="OUTLINER_OB_LIGHTPROBE", translate=False)
+        column.label(text=iface_("{} felt, {} hidden, {} too weak").format(*felt.counts()), translate=False)
         for source in felt.sources[:_FELT_SOURCES]:
             row = column.row(align=True)
             row.active = source.state == "felt"

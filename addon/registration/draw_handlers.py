@@ -10,6 +10,7 @@ from bpy.types import SpaceDopeSheetEditor, SpaceView3D
 
 from ..bake import waves
 from ..gateway import is_loaded
+from ..live_output import player
 from ..session import session
 from ..view import lane, meters, overlay
 
@@ -23,7 +24,7 @@ def _draw_view() -> None:
 
 def _draw_pixels() -> None:
     if is_loaded(session):
-        meters.draw_pixels()
+        meters.draw_pixels(player.spots() if is_loaded(player) else ())
         overlay.draw_pixels()
 
 

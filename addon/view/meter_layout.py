@@ -10,7 +10,7 @@ import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray, IntArray
-from ...core.scene.body_map import HALF_WIDTH, HEIGHT, View, figure
+from ...core.scene.body_map import HALF_WIDTH, HEIGHT, Spot, View, figure
 from ..blender.text import Measure, shortened
 from .colour_map import colour_table
 from .hud import FAINT_INK, INK, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder
@@ -108,8 +108,10 @@ def meter_hud(
     title: str = "",
     *,
     body: bool = True,
+    spots: Sequence[Spot] = (),
 ) -> Hud:
-    """The meters, their lower left corner at the origin, within ``room`` [pixels]. ``scale``: pixels per point.
+    """The meters, their lower left corner at the origin, within ``room`` [pixels]. ``scale``: pixels per point. ``spots``: the
+    actuators that the body shows.
 
     Where room is short these are left out: the margins, the body, the scope, then listeners, finally everything.
     """
@@ -135,7 +137,7 @@ def meter_hud(
     if layout.body:
         parts = {level.body_part: level for level in levels if level.body_part}
         left = x + (columns.width - 4 * FIGURE_HEIGHT / HEIGHT * HALF_WIDTH) / 2 * scale
-        _add_body(builder, (left, y - (FIGURE_HEIGHT + ROW) * scale), FIGURE_HEIGHT, parts, measure)
+        _add_body(builder, (left, y - (FIGURE_HEIGHT + ROW) * scale), FIGURE_HEIGHT, parts, spots, measure)
     return builder.build()
 
 
@@ -248,8 +250,15 @@ def spans(scope: Scope, count: int) -> tuple[IntArray, FloatArray, FloatArray]:
     return filled, np.minimum.reduceat(samples, starts), np.maximum.reduceat(samples, starts)
 
 
-def _add_body(builder: HudBuilder, corner: tuple[float, float], height: float, parts: dict[str, Level], measure: Measure) -> None:
-    """Two figures of ``height`` points, from the front and from behind; parts with a listener light up."""
+def _add_body(
+    builder: HudBuilder,
+    corner: tuple[float, float],
+    height: float,
+    parts: dict[str, Level],
+    spots: Sequence[Spot],
+    measure: Measure,
+) -> None:
+    """Two figures of ``height`` points, from the front and from behind; parts with a listener light up, actuators as far as they play."""
     scale, size = builder.scale, SMALL_TEXT * builder.scale
     unit = height / HEIGHT * scale
     x, y = corner
@@ -260,6 +269,12 @@ def _add_body(builder: HudBuilder, corner: tuple[float, float], height: float, p
             colour = colour_of(parts[limb.part]) if limb.part in parts else _ABSENT
             start, end = ((middle + place[0] * unit, y + place[1] * unit) for place in (limb.start, limb.end))
             builder.line(start, end, colour, limb.width * unit / scale)
+            edge = 0.3 * limb.width * unit
+            low, high = (np.array([pick(start[k], end[k]) for k in (0, 1)]) + shift for pick, shift in ((min, -edge), (max, edge)))
+            for spot in (one for one in spots if one.part == limb.part):
+                share = np.array((1.0 - spot.across if view == "front" else spot.across, 1.0 - spot.down))
+                at = (low + share * (high - low)).tolist()
+                builder.line(at, at, (*_WHITE[:3], 0.25 + 0.75 * spot.amplitude), 2.5)
         words = iface_(view)
         width = measure(words, size)
         builder.text(words, (middle - width / 2, y + HEIGHT * unit + 6 * scale), FAINT_INK, SMALL_TEXT)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +11,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Scene
 
+from ...core.scene.body_map import Spot
 from ..blender.playing import is_playing
 from ..blender.text import text_width
 from ..changes.events import file_changed
@@ -52,8 +54,8 @@ def scope_of(scene: Scene) -> Scope | None:
     return Scope(name, traced.samples[row], traced.result.sample_rate)
 
 
-def draw_pixels() -> None:
-    """Draw callback: the meters."""
+def draw_pixels(spots: Sequence[Spot] = ()) -> None:
+    """Draw callback: the meters, with the actuators that play at ``spots``."""
     context = bpy.context
     scene, space = context.scene, context.space_data
     if scene is not None and space is not None:
@@ -64,7 +66,7 @@ def draw_pixels() -> None:
         _shown.pop(context.region.as_pointer(), None)
         return
     with sessions.drawing(scene):
-        _draw_meters(context, scene)
+        _draw_meters(context, scene, spots)
 
 
 def draw_redo_panel() -> None:
@@ -97,12 +99,12 @@ def _refresh_panels(context: Context) -> None:
             region.tag_redraw()
 
 
-def _draw_meters(context: Context, scene: Scene) -> None:
+def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
     region, scale = context.region, context.preferences.system.ui_scale * preferences().overlay_size
-    key = _key(context, scene, scale)
+    key = spots, *_key(context, scene, scale)
     known = _shown.get(region.as_pointer())
     if known is None or known.key != key:
-        hud = _placed_meters(context, scene, scale)
+        hud = _placed_meters(context, scene, scale, spots)
         known = _Shown(key, shader.upload(quads_of((hud.lines, shared_atlas().lines(hud.texts)), hud.points)), hud)
         known.key = (*key[:-1], shared_atlas().generation)  # drawing the texts may have emptied the atlas
         if len(_shown) > 16:
@@ -128,12 +130,13 @@ def _room(context: Context, scene: Scene, scale: float) -> Rectangle:
     return corner_room(context, scene.haptics.meters.corner, _SHARE_ACROSS * context.region.width, scale, margin)
 
 
-def _placed_meters(context: Context, scene: Scene, scale: float) -> Hud:
+def _placed_meters(context: Context, scene: Scene, scale: float, spots: Sequence[Spot]) -> Hud:
     """The meters in their corner of the viewport."""
     left, bottom, right, top = _room(context, scene, scale)
     free, chosen = free_rectangle(context), scene.haptics.meters
     room = right - left, min(top - bottom, _SHARE_UP * (free[3] - free[1]))
-    hud = meter_hud(levels_of(scene), scope_of(scene), room, scale, text_width, _title(scene), body=chosen.show_body)
+    words = _title(scene)
+    hud = meter_hud(levels_of(scene), scope_of(scene), room, scale, text_width, words, body=chosen.show_body, spots=spots)
     width, height = (max((bounds[k] for bounds in hud.bounds), default=0.0) for k in (2, 3))
     vertical, horizontal = chosen.corner.split("_")
     return hud.moved(round(left if horizontal == "LEFT" else right - width), round(bottom if vertical == "BOTTOM" else top - height))

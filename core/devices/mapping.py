@@ -8,7 +8,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, IntArray
 from ..message import Cause, Hertz, Message, Names, Seconds
 from ..scene.body import body_part
 from .profiles import Actuator
@@ -55,18 +55,62 @@ class Loss:
 class ActuatorMapping:
     """How samples of listeners become blocks of devices.
 
-    listeners: names, in the order of the samples' rows. weights: for each device an array (actuators, listeners) of gains.
+    listeners: names, in the order of the samples' rows. weights: for each device an array (actuators, listeners) of gains. positions: of
+    the actuators of each device (actuators, 2), NaN where unknown.
     """
 
     listeners: tuple[str, ...]
     weights: Mapping[str, FloatArray]
     losses: tuple[Loss, ...]
+    positions: Mapping[str, FloatArray]
 
-    def blocks(self, samples: FloatArray) -> dict[str, FloatArray]:
-        """For each device the sum of its listeners, (actuators, n). samples: (listeners, n)."""
+    def panned(self, device: str, row: int) -> IntArray:
+        """The actuators of a device that share listener number ``row`` by their positions; none where fewer than two could."""
+        chosen = np.flatnonzero(np.isfinite(self.positions[device][:, 0]) & (self.weights[device][:, row] > 0))
+        return chosen if len(chosen) > 1 else chosen[:0]
+
+    @property
+    def pans(self) -> bool:
+        """Whether any actuator has a position."""
+        return any(np.isfinite(positions).any() for positions in self.positions.values())
+
+    def blocks(self, samples: FloatArray, before: FloatArray | None = None, after: FloatArray | None = None) -> dict[str, FloatArray]:
+        """For each device the sum of its listeners, (actuators, n). samples: (listeners, n).
+
+        before, after: where in the unit square of its actuators each listener is felt at the beginning and the end of the block,
+        (listeners, 2). Actuators with positions share the power of a listener by that.
+        """
         if samples.ndim != 2 or samples.shape[0] != len(self.listeners):
             raise ValueError(f"samples has the shape {samples.shape}, not ({len(self.listeners)}, n)")
-        return {device: weights @ samples for device, weights in self.weights.items()}
+        blocks = {device: weights @ samples for device, weights in self.weights.items()}
+        if before is None or after is None:
+            return blocks
+        ramp = np.arange(samples.shape[1]) / max(samples.shape[1], 1)
+        for device, weights in self.weights.items():
+            for row in range(len(self.listeners)):
+                chosen = self.panned(device, row)
+                if len(chosen):
+                    begin, end = (shares(self.positions[device][chosen], place[row])[:, None] for place in (before, after))
+                    blocks[device][chosen] += weights[chosen, row, None] * (np.sqrt(begin + (end - begin) * ramp) - 1.0) * samples[row]
+        return blocks
+
+
+def shares(positions: FloatArray, place: FloatArray) -> FloatArray:
+    """The parts (k,) of a power that actuators at ``positions`` (k, 2) play of what is felt at ``place`` in the unit square about them.
+
+    They add up to 1, so that amplitudes are those of the energy model, sqrt(1 - beta) and sqrt(beta) at beta of the way from one to the
+    next (A. Israr, I. Poupyrev, "Tactile Brush", CHI 2011, doi 10.1145/1978942.1979235): along rows and columns where the actuators fill
+    a grid, else by the reciprocals of their distances.
+    """
+    where = positions.min(axis=0) + np.ptp(positions, axis=0) * place
+    ticks = [np.unique(column) for column in positions.T]
+    if len(ticks[0]) * len(ticks[1]) != len(positions):
+        near = 1.0 / np.maximum(np.hypot(*(positions - where).T), 1e-9)
+        return np.asarray(near / near.sum())
+    parts = np.ones(len(positions))
+    for tick, column, here in zip(ticks, positions.T, where.tolist(), strict=True):
+        parts *= np.array([np.interp(here, tick, row) for row in np.eye(len(tick))])[np.searchsorted(tick, column)]
+    return parts
 
 
 def map_listeners(
@@ -102,7 +146,11 @@ def map_listeners(
             weights[place.device][_index(devices[place.device], place), row] = place.gain
     for device, profile in devices.items():
         losses += _losses(profile, weights[device], names, bands)
-    return ActuatorMapping(names, weights, tuple(losses))
+    positions = {
+        device: np.array([actuator.position or (np.nan, np.nan) for actuator in profile.actuators], dtype=np.float64).reshape(-1, 2)
+        for device, profile in devices.items()
+    }
+    return ActuatorMapping(names, weights, tuple(losses), positions)
 
 
 def _places_at(part: str, devices: Mapping[str, ActuatedDevice]) -> list[Place]:

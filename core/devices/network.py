@@ -5,11 +5,14 @@ A connection takes the place of a HID device: `DeviceOutput` drives both, with t
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
+from ..scene.bhaptics import DEVICES, region
+from ..scene.body import BODY_PARTS
 from .checked_json import schema_fault
 from .connection import DeviceError
 from .families.family import RESEND, RumbleFamily, any_interface
@@ -28,39 +31,21 @@ _PING = json.dumps([{"Ping": {"Id": 2}}])
 # A frame lasts so long by itself: a program that hangs leaves the vest silent.
 _FRAME_MILLISECONDS = 100
 _TAKES = (10.0, 1000.0)
-# What an actuator is called; its position and dots at bHaptics (five rows of four in either half of a vest); where it is felt.
-_UPPER, _LOWER = (0, 1), (2, 3, 4)
-_LEFT, _RIGHT = (0, 1), (2, 3)
-
-
-def _dots(rows: Iterable[int], columns: Iterable[int]) -> tuple[int, ...]:
-    return tuple(4 * row + column for row in rows for column in columns)
-
-
-_PLACES: tuple[tuple[str, str, tuple[int, ...], tuple[str, ...]], ...] = (
-    ("head", "Head", tuple(range(6)), ("head", "ear.L", "ear.R")),
-    ("chest left", "VestFront", _dots(_UPPER, _LEFT), ("chest.L",)),
-    ("chest right", "VestFront", _dots(_UPPER, _RIGHT), ("chest.R",)),
-    ("belly", "VestFront", _dots(_LOWER, (*_LEFT, *_RIGHT)), ("belly",)),
-    ("upper back left", "VestBack", _dots(_UPPER, _LEFT), ("upper_back.L",)),
-    ("upper back right", "VestBack", _dots(_UPPER, _RIGHT), ("upper_back.R",)),
-    ("middle back left", "VestBack", _dots(_LOWER, _LEFT), ("middle_back.L",)),
-    ("middle back right", "VestBack", _dots(_LOWER, _RIGHT), ("middle_back.R",)),
-    ("forearm left", "ForearmL", tuple(range(6)), ("forearm.L",)),
-    ("forearm right", "ForearmR", tuple(range(6)), ("forearm.R",)),
-    ("hand left", "HandL", tuple(range(3)), ("hand.L",)),
-    ("hand right", "HandR", tuple(range(3)), ("hand.R",)),
-    ("foot left", "FootL", tuple(range(3)), ("foot.L",)),
-    ("foot right", "FootR", tuple(range(3)), ("foot.R",)),
-)
+_MOTORS = tuple((position, index) for device in DEVICES.values() for position, places in device.items() for index in range(len(places)))
 
 
 def bhaptics(url: str = BHAPTICS) -> tuple[Profile, PlayerModule]:
-    """bHaptics Player: every place that it has dots for is an actuator. Raises DeviceError where it does not run."""
+    """bHaptics Player: every motor is an actuator. Raises DeviceError where it does not run."""
     Connection(url).close()
-    family = _family("bhaptics", "bHaptics Player", [name for name, *_ in _PLACES], _encode_bhaptics, _release_bhaptics, refresh=0.06)
-    parts = {name: parts for name, _, _, parts in _PLACES}
-    return _profile(family, parts), PlayerModule(Player(url, _no_greeting, b"turnOffAll"), family.name)
+    names = [f"{position} {index + 1}" for position, index in _MOTORS]
+    family = _family("bhaptics", "bHaptics Player", names, _encode_bhaptics, _release_bhaptics, refresh=0.06)
+    places = {position: places for device in DEVICES.values() for position, places in device.items()}
+    felt = [
+        tuple(part.name for part in BODY_PARTS if part.bhaptics == position and index in region(part, places[position]))
+        for position, index in _MOTORS
+    ]
+    profile = _profile(family, dict(zip(names, felt, strict=True)), [places[position][index] for position, index in _MOTORS])
+    return profile, PlayerModule(Player(url, _no_greeting, b"turnOffAll"), family.name)
 
 
 def _no_greeting(connection: Connection) -> None:
@@ -69,8 +54,8 @@ def _no_greeting(connection: Connection) -> None:
 
 def _encode_bhaptics(drive: Tones, transport: Transport, sequence: int) -> Report:
     frames: dict[str, list[dict[str, int]]] = {}
-    for amplitude, (_, position, dots, _) in zip(drive.amplitudes, _PLACES, strict=True):
-        frames.setdefault(position, []).extend({"Index": dot, "Intensity": round(100 * amplitude)} for dot in dots)
+    for amplitude, (position, index) in zip(drive.amplitudes, _MOTORS, strict=True):
+        frames.setdefault(position, []).append({"Index": index, "Intensity": round(100 * amplitude)})
     submits = [
         {
             "Type": "frame",
@@ -181,8 +166,11 @@ def _family(
     )
 
 
-def _profile(family: RumbleFamily, parts: Mapping[str, tuple[str, ...]]) -> Profile:
+def _profile(
+    family: RumbleFamily, parts: Mapping[str, tuple[str, ...]], positions: Iterable[tuple[float, float] | None] = itertools.repeat(None)
+) -> Profile:
     actuators = tuple(
-        Actuator(name, places, "ERM", (30.0, 250.0), 0.05, 1.0, (Channel(name, _TAKES),), Calibration()) for name, places in parts.items()
+        Actuator(name, places, "ERM", (30.0, 250.0), 0.05, 1.0, (Channel(name, _TAKES),), Calibration(), position=position)
+        for (name, places), position in zip(parts.items(), positions, strict=False)
     )
     return Profile(family.name, family.title, family, True, None, 20.0, 0.7, 10.0, actuators)

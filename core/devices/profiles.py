@@ -80,7 +80,8 @@ class Actuator:
     """Something that vibrates.
 
     body_parts: where it is felt. band: what it can vibrate at, in Hz; resonances: where in it it is strongest, if known. latency: seconds
-    from command to touch. safe_maximum: amplitude in (0, 1] never exceeded.
+    from command to touch. safe_maximum: amplitude in (0, 1] never exceeded. position: across from the wearer's left and down, in any unit,
+    among the actuators of its body part; None: it plays what they play, wherever that arrives.
     """
 
     name: str
@@ -92,6 +93,7 @@ class Actuator:
     channels: tuple[Channel, ...]
     calibration: Calibration
     resonances: tuple[float, ...] = ()
+    position: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,6 +184,7 @@ def _actuator(place: str, data: Mapping[str, Any]) -> Actuator:
         ),
         calibration=Calibration(**data.get("calibration", {})),
         resonances=tuple(map(float, data.get("resonances", ()))),
+        position=tuple(data["position"]) if "position" in data else None,
     )
 
 

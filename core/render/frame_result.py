@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..arrays import FloatArray
 from ..contacts.contact_set import ContactSet
 from ..contacts.one_shots import Shot
@@ -54,6 +56,21 @@ class FrameResult:
     warnings: tuple[Message, ...] = ()
     before: Sounding | None = None
     shots: tuple[Shot, ...] = ()
+
+    def arrivals(self) -> FloatArray:
+        """Where in its bounding volume what each listener feels arrives, (l, 2): across from the wearer's left and down, each from 0 to 1,
+        of a body that faces -Y. The mean over the sources by their power; the middle where nothing arrives."""
+        graph, places = self.graph, np.full((len(self.listeners), 2), 0.5)
+        for column, (listener, node) in enumerate(zip(self.listeners, graph.listener_nodes.tolist(), strict=True)):
+            paths = [(row, self.propagation.best_path.get((row, column), ())) for row in np.flatnonzero(self.gains[:, column]).tolist()]
+            entries = [(row, nodes[-2]) for row, nodes in paths if len(nodes) > 1]
+            if entries and listener.radius > 0:
+                rows, nodes = np.array(entries).T
+                power = (self.gains[rows, column] / self.gains[rows, column].max()) ** 2
+                away = power @ (graph.node_position[nodes] - graph.node_position[node]) / power.sum()
+                local = graph.frames.axes[graph.node_object[node]].T @ away / listener.radius
+                places[column] = np.clip((1 - local[[0, 2]]) / 2, 0.0, 1.0)
+        return places
 
     def path_objects(self, source: int, listener: int) -> tuple[str, ...]:
         """The objects of the best path from a source to a listener, () where there is none."""

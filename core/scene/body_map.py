@@ -23,6 +23,16 @@ class Limb:
     width: float
 
 
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """An actuator of a body part: across from the wearer's left and down, 0 to 1, and its part of the amplitude."""
+
+    part: str
+    across: float
+    down: float
+    amplitude: float
+
+
 # On the wearer's left side, seen from behind: x to the right is the wearer's right, so the left side has x < 0.
 _MIDLINE = {
     "front": (

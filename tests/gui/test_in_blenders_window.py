@@ -154,3 +154,8 @@ def test_one_shots(play):
 def test_rules_of_impacts(play):
     seen = played_through(play(SCENARIOS / "rules.py"))
     assert all(seen.values()), seen
+
+
+def test_who_is_felt_among_twenty(play):
+    seen = played_through(play(SCENARIOS / "felt.py"))
+    assert all(seen.values()), seen

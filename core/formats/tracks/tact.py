@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from ...arrays import IntArray
+from ...scene.bhaptics import DEVICES, region
 from ..io.atomic import write_text
 from ..io.catalogue import FORMATS
 from ..io.file_names import file_stems
 from ..io.json_text import compact
-from .bhaptics_layout import DEVICES, region
 from .comparison import Comparison, Kind, Measures
 from .envelopes import coarse_envelope, compare_steps
 from .listener_tracks import Tracks

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray
+from ...scene.bhaptics import DEVICES, region
 from ...scene.body import BODY_PARTS
 from ..io.error import FormatError
 from ..io.schema import validate
 from ..io.strict_json import read_json
-from .bhaptics_layout import DEVICES, region
 from .carrier import Carrier
 from .vibration_file import Channel, VibrationFile
 

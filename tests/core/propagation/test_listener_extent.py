@@ -58,7 +58,8 @@ def products(scene, radii, column):
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(SEEDS)
 def test_the_largest_and_the_sum_over_all_paths_to_the_nearest_points(seed):
-    scene = connected_scene(seed, (*METRIC, *OTHER), listeners=3)
+    plain = [function for function in (*METRIC, *OTHER) if function.name != "physical"]  # whose bands decide which path is the best
+    scene = connected_scene(seed, tuple(plain), listeners=3)
     radii = [Random(seed + k).choice([0.0, 0.1, 0.4, 2.0]) for k in range(len(scene.listeners))]
     graph = graph_of_scene(extended(scene, radii))
     best, total = (propagate(graph, replace(EVERYTHING, strategy=way)) for way in (Strategy.BEST_PATH, Strategy.ALL_PATHS))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...scene.body import BodyPart
+from .body import BodyPart
 
 # Places of the motors, x from the wearer's left to right (also on the back), y downwards, as in the maker's own files.
 _VEST = tuple((i % 4 / 3, i // 4 / 4) for i in range(20))
