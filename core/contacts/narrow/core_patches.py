@@ -51,13 +51,14 @@ class CorePatches:
         kind = np.maximum(self._table.kind[rows.first], self._table.kind[rows.second])
         result = _at_nearest_points(result, np.isin(kind, _DRAWN_ROUGHLY))
         area = result.area
-        if self._table.kind[rows.second[0]] == Kind.HULL and self._table.kind[rows.first[0]] in (Kind.BOX, Kind.HULL):
-            around = directions(normal)
+        faceted = (self._table.kind[rows.second] == Kind.HULL) & np.isin(self._table.kind[rows.first], (Kind.BOX, Kind.HULL))
+        if faceted.any():
+            some, place, around = rows.chosen(faceted), middle[:, faceted], directions(normal[:, faceted])
             reaches = [
-                reach(self._table, core, rotation, centre, middle, around)
-                for core, rotation, centre in ((rows.first, rows.rotation_a, rows.centre_a), (rows.second, rows.rotation_b, rows.centre_b))
+                reach(self._table, core, rotation, centre, place, around)
+                for core, rotation, centre in ((some.first, some.rotation_a, some.centre_a), (some.second, some.rotation_b, some.centre_b))
             ]
-            area = np.maximum(area, section_area(reaches))
+            area[faceted] = np.maximum(area[faceted], section_area(reaches))
         return Patches(
             middle + result.centre, area, result.found, result.gap, middle[:, None] + result.corners, result.used, wide_a & wide_b
         )

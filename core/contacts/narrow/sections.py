@@ -51,11 +51,14 @@ def reach(table: CoreTable, core: IntArray, rotation: FloatArray, centre: FloatA
     for a point outside. ``rotation``, ``centre``: poses of the cores (n,)."""
     local, ways = turned_back(rotation, point - centre), turned_back(rotation, around)
     result = np.zeros(ways.shape[1:])
-    if table.kind[core[0]] == Kind.BOX:
-        return _reach(np.concatenate([np.eye(3), -np.eye(3)]), np.tile(table.outline[:, core], (2, 1)), local, ways)
+    boxes = np.flatnonzero(table.kind[core] == Kind.BOX)
+    if len(boxes):
+        sides = np.concatenate([np.eye(3), -np.eye(3)])
+        result[:, boxes] = _reach(sides, np.tile(table.outline[:, core[boxes]], (2, 1)), local[:, boxes], ways[..., boxes])
     alike: dict[tuple[int, float], list[int]] = {}
-    for row, number in enumerate(core.tolist()):
-        alike.setdefault((id(table.cores[number].hull), table.cores[number].radius), []).append(row)
+    for row in np.flatnonzero(table.kind[core] == Kind.HULL).tolist():
+        item = table.cores[int(core[row])]
+        alike.setdefault((id(item.hull), item.radius), []).append(row)
     for rows in alike.values():
         item = table.cores[int(core[rows[0]])]
         assert item.hull is not None

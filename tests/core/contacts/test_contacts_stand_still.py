@@ -160,9 +160,12 @@ def test_overlapping_round_hulls_have_the_area_of_their_common_section(overlap, 
     generator = np.random.default_rng(seed)
     way = generator.normal(size=3)
     way *= (0.4 - overlap) / np.linalg.norm(way)
-    poses = placed([(0, 0, 0), way], [(0, 0, 0), generator.uniform(-3, 3, 3)])
-    found = ContactTracker([Body("a", BALL), Body("b", BALL)]).update(0.0, poses).contacts
-    points = [np.array(BALL.points) @ pose[:3, :3].T + pose[:3, 3] for pose in poses]
+    # Beside the two, a ball on a box: pairs of several kinds are looked at together.
+    poses = placed([(0, 0, 0), way, (3, 0, 0), (3, 0, 0.69)], [(0, 0, 0), generator.uniform(-3, 3, 3), (0, 0, 0), (0, 0, 0)])
+    bodies = [Body("a", BALL), Body("b", BALL), Body("c", Box((1.0, 1.0, 1.0))), Body("d", BALL)]
+    found = ContactTracker(bodies).update(0.0, poses).contacts
+    assert found.pairs.tolist() == [[0, 1], [2, 3]]
+    points = [np.array(BALL.points) @ pose[:3, :3].T + pose[:3, 3] for pose in poses[:2]]
     expected = common_section(points, found.positions[0].mean(axis=0), found.normal[0])
     assert found.area[0] == pytest.approx(expected, rel=0.05)
     assert expected > 0.5 * np.pi * 0.2 * (overlap - 0.004)  # of the order of the balls' own circle, R² - (R - d / 2)²
