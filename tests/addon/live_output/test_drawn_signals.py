@@ -183,7 +183,7 @@ def test_what_can_not_be_drawn_is_kept_as_it_is(source, own):
         Drawing(Automation((0.0, 1.0), (1.0, 0.0)), Automation((0.0,), (4000.0,))),
         Drawing(Automation((0.0, 1.0), (1.0, 0.0)), Automation((0.0,), (60.0,)), 4000.0),
         Drawing(Automation((0.0, 1.0), (1.0, 0.0)), Automation((0.0,), (60.0,)), 1.0, (Emphasis(0.5),) * 201),
-        Drawing(Automation(np.linspace(0, 1, 100_000), np.linspace(0, 1, 100_000)), Automation((0.0,), (60.0,))),
+        Drawing(Automation(np.linspace(0, 1, 2_000), np.linspace(0, 1, 2_000)), Automation((0.0,), (60.0,))),
     ),
     ids=("too high", "too long", "too many emphases", "too many points"),
 )
@@ -225,6 +225,7 @@ def test_a_strangers_drawing_is_refused_with_its_fault(drawn, scene, traced):
     assert "is damaged: it has no curve 'Frequency'" in problem.message
 
 
+@pytest.mark.slow
 def test_the_command_line_plays_the_same(drawn, scene, tmp_path):
     """As it goes into a scene file, a drawn signal is made of known signals; the core alone plays it like the add-on."""
     scene.frame_start, scene.frame_end = 1, 24
@@ -233,11 +234,11 @@ def test_the_command_line_plays_the_same(drawn, scene, tmp_path):
     assert bpy.ops.export_scene.haptic_scene(filepath=str(path), **arguments) == {"FINISHED"}
     export = haptic_scene.read_export(path)
     (played,) = export.scene.sources
-    assert played.signal.sample(0, 2 * RATE, RATE) == pytest.approx(emitted(), abs=1e-12)
+    assert np.abs(played.signal.sample(0, 2 * RATE, RATE) - emitted()).max() <= 1e-12
     blocks = [result.block for result in traced_again(export.scene, export.recording) if result.block is not None]
     traced = np.concatenate(blocks, axis=1)
     assert np.abs(traced).max() > 0.5
-    assert export.tracks.samples == pytest.approx(traced, abs=1e-6)
+    assert np.abs(export.tracks.samples - traced).max() < 1e-6
 
 
 def test_a_signal_is_heard_as_it_is(drawn, monkeypatch):
@@ -257,6 +258,6 @@ def test_a_signal_is_heard_as_it_is(drawn, monkeypatch):
     signal = drawings.signal_of(bpy.data.objects["box"], bpy.context.scene)
     heard = loudspeaker.sound.data()[:, 0]
     assert len(heard) == 2 * preview.RATE
-    assert heard[:-100] == pytest.approx(np.tanh(signal.sample(0, 2 * preview.RATE, preview.RATE))[:-100], abs=1e-6)
+    assert np.abs(heard - np.tanh(signal.sample(0, 2 * preview.RATE, preview.RATE)))[:-100].max() < 1e-6
     preview.switch_off()
     assert loudspeaker.stopped

@@ -23,7 +23,7 @@ def test_the_envelope_is_the_lines_and_the_phase_the_integral_of_the_frequency()
         low, high = FREQUENCY.values[k : k + 2].tolist()
         return low + (high - low) * (t - keys[k]) / (keys[k + 1] - keys[k])
 
-    for n in range(7, RATE, 173):
+    for n in range(7, RATE, 373):
         t = n / RATE
         phase = mp.quad(hertz, [*(key for key in keys if key < t), t])
         expected = np.interp(t, AMPLITUDE.times, AMPLITUDE.values) * float(mp.sin(2 * mp.pi * phase))
