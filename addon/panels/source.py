@@ -69,7 +69,8 @@ def draw_drawing(layout: UILayout, obj: Object) -> None:
     layout.prop(drawing, "duration")
     layout.prop(drawing, "loops")
     row = layout.row(align=True)
-    row.operator("haptic.shape_envelope", icon="IPO_EASE_IN_OUT")
+    if not keyed:
+        row.operator("haptic.shape_envelope", icon="IPO_EASE_IN_OUT")
     row.operator("haptic.switch_envelopes", text="To Curves" if keyed else "To F-Curves", icon="GRAPH")
     column = layout.column(align=True)
     column.use_property_split = False
