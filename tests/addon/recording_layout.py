@@ -56,6 +56,16 @@ class RecordingLayout:
         assert icon_value >= 0
         self.icons.append(icon_value)
 
+    def popover(self, panel: str, **_: Any) -> None:
+        assert hasattr(bpy.types, panel)
+
+    def template_ID(self, data: Any, name: str, **_: Any) -> None:
+        assert name in data.bl_rna.properties, f"{data.bl_rna.identifier} has no property {name}"
+
+    def template_curve_mapping(self, data: Any, name: str, **_: Any) -> None:
+        assert name in data.bl_rna.properties, f"{data.bl_rna.identifier} has no property {name}"
+        self.properties.append(name)
+
     def progress(self, *, factor: float, text: str = "", **_: Any) -> None:
         assert 0 <= factor <= 1
         self.labels.append(text)
