@@ -45,4 +45,4 @@ class HAPTIC_PT_sound(HapticsPanel, Panel):
                 draw_sentence(layout, "Changed since it was converted", "INFO")
             colour, ink = tuple(preferences().curve_colour), panel_picture.theme_ink(context)
             layout.template_icon(icon_value=sound_picture.icon(sound.waves, colour, ink), scale=7.0)
-            layout.label(text="The sound, and over it its vibration")
+            layout.label(text="The vibration, and over it the sound")

@@ -1,4 +1,4 @@
-"""A sound and the vibration that was made of it, one over the other, as a picture in the panel."""
+"""The vibration that was made of a sound and the sound, one over the other, as a picture in the panel."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _picture = Picture()
 
 
 def picture(waves: str, colour: Colour, ink: Colour) -> Pixels:
-    """Both waves around the middle of the picture, over its width: the sound in ``ink``, the vibration in ``colour`` over it.
+    """Both waves around the middle of the picture, over its width: the vibration in ``colour``, the sound in ``ink`` over it.
 
     waves: as many values of the sound as of the vibration, one byte each in hexadecimals; empty where they are not.
     """
@@ -23,9 +23,9 @@ def picture(waves: str, colour: Colour, ink: Colour) -> Pixels:
     if not len(values) or len(values) % 2:
         return pixels
     from_middle = np.abs(np.arange(SIZE) - (SIZE - 1) / 2)[:, None]
-    for wave, shade, opacity in zip(values.reshape(2, -1) / 255, (ink, colour), (0.4, 0.7), strict=True):
+    for wave, shade, opacity in zip(values.reshape(2, -1)[::-1] / 255, (colour, ink), (0.8, 0.5), strict=True):
         heights = np.interp(np.linspace(0, 1, SIZE), np.linspace(0, 1, len(wave)), wave) * (SIZE / 2 - 2)
-        tint(pixels, shade, opacity * np.clip(heights + 1 - from_middle, 0.0, 1.0))
+        tint(pixels, shade, opacity * np.clip(heights + 0.5 - from_middle, 0.0, 1.0))
     return pixels
 
 

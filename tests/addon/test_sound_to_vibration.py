@@ -278,7 +278,7 @@ def test_the_panel_shows_what_is_set_what_is_wrong_and_the_waves(convert, fails,
     sound = convert(filepath=write_wav(tmp_path / "click.wav", click_at(0.5)))
     layout = drawn(HAPTIC_PT_sound)
     assert {"filepath", "loop", "carrier", "frequency", "gate", "gain"} <= set(layout.properties)
-    assert "The sound, and over it its vibration" in layout.labels
+    assert "The vibration, and over it the sound" in layout.labels
     assert "Changed since it was converted" not in layout.labels
     sound.gain = 2.0
     assert "Changed since it was converted" in drawn(HAPTIC_PT_sound).labels
