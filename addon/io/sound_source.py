@@ -39,6 +39,7 @@ class DecodedSound:
         import aud
 
         self._sound, self._folder = aud.Sound.file(str(path)), folder
+        self._name, self._error = path.name, aud.error
         try:
             self.rate, self.count = float(self._sound.specs[0]), int(self._sound.length)
         except aud.error as error:
@@ -46,7 +47,10 @@ class DecodedSound:
 
     def read(self, first: int, last: int) -> FloatArray:
         """See `core.signals.sound.Recording`."""
-        part = self._sound.limit((first + 0.5) / self.rate, (last + 0.5) / self.rate).data()
+        try:
+            part = self._sound.limit((first + 0.5) / self.rate, (last + 0.5) / self.rate).data()
+        except self._error as error:
+            raise ValueError(f"{self._name}: {error}") from None
         return np.pad(part.astype(np.float64), ((0, max(last - first - len(part), 0)), (0, 0)))[: last - first]
 
 

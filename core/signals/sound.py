@@ -20,6 +20,8 @@ from .automation import Automation, values_of
 
 RATE = 16_000
 """Samples a second of the sounds that are analysed."""
+RATES = (1000.0, 2e6)
+"""Lowest and highest sample rate that is read [Hz]."""
 HOP = 0.005
 """Seconds from one level to the next."""
 LONGEST = 1800.0
@@ -41,11 +43,8 @@ Steps = Generator[None, None, Value]
 class Recording(Protocol):
     """What a decoder offers: ``count`` samples a channel, ``rate`` a second (hertz)."""
 
-    @property
-    def rate(self) -> float: ...
-
-    @property
-    def count(self) -> int: ...
+    rate: float
+    count: int
 
     def read(self, first: int, last: int) -> FloatArray:
         """Return the samples from index ``first`` to before ``last``, shape (last - first, channels), full scale being 1."""
@@ -113,10 +112,12 @@ def outcome(steps: Steps[Value]) -> Value:
 def mixed(clips: tuple[Clip, ...]) -> Steps[Samples]:
     """The sum of clips, the channels of each averaged, shape (n,), `RATE` a second.
 
-    Raises ValueError where it is longer than `LONGEST`, silent, or has samples that are not finite.
+    Raises ValueError where it is longer than `LONGEST`, silent, has samples that are not finite, or more or fewer a second than `RATES`.
     """
     import soxr
 
+    if not all(RATES[0] <= clip.rate <= RATES[1] for clip in clips):  # beyond these, the resampler may crash
+        raise ValueError("the sound has too many or too few samples a second")
     length = max((clip.end for clip in clips), default=0.0)
     if length > LONGEST:
         raise ValueError("the sound is longer than 30 minutes")

@@ -235,6 +235,7 @@ def test_what_is_wrong_with_a_sound_is_said_and_the_rest_goes_on(scene, convert,
         silent: "silent",
         write_float_wav(tmp_path / "nan.wav", np.full(1000, np.nan)): "not finite",
         str(broken): "broken.wav",
+        write_wav(tmp_path / "slow.wav", np.ones(100), 1): "samples a second",
         write_wav(tmp_path / "faint.wav", 0.001 * click_at(0.5)): "louder than the gate",
     }
     for path, fault in faults.items():

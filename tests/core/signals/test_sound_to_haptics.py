@@ -193,6 +193,12 @@ def test_what_is_wrong_with_a_sound_is_said(samples, fault):
         listen(samples)
 
 
+@pytest.mark.parametrize("rate", [0.001, 1.0, 999.0, 4e9])
+def test_rates_that_no_sound_has_are_refused(rate):
+    with pytest.raises(ValueError, match="samples a second"):
+        listen(np.ones(1000), rate)
+
+
 def test_longer_than_half_an_hour_is_refused_before_anything_is_read():
     recording = Held(np.zeros(10), 16000)
     recording.count = 1801 * 16000
