@@ -82,7 +82,7 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
             ),
             Sample("domino_wall", "Wall of Dominoes", 1039, "A thousand impacts, one after the other", 1000, about=("hand", "upper_leg")),
             Sample("pile", "Pile", 243, "Hundreds of things in a tray on a shaking table", 200, about=("hand", "upper_leg")),
-            Sample("air_blast", "Air Blast", 56, "An explosion is felt through a medium, the air"),
+            Sample("air_blast", "Air Blast", 56, "An explosion is felt through a medium, the air: its pressure arrives as a front"),
             Sample(
                 "sliding_and_rolling",
                 "Sliding and Rolling",

@@ -1,4 +1,4 @@
-"""An explosion felt through the air: a persistent source that sounds for a moment, in a medium that touches all it overlaps."""
+"""An explosion felt through the air: a source that plays once, whose pressure spreads as a front in a medium."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .explosion import add_explosion, add_shock_ring
 from .geometry import SUNK, box, cylinder, joined, lathe, superellipsoid
 from .lighting import add_area_light, add_backdrop, add_camera, add_sun, add_world, set_picture
 from .materials import SOFTWOOD, SOIL, STEEL, surface
-from .staging import add_rigid_body_world, make_dynamic, make_medium, make_source, make_static, place
+from .staging import add_rigid_body_world, make_blast, make_dynamic, make_medium, make_static, place, place_empty, spread_as_front
 
 FRAMES = 96
 EXPLOSION = 30  # frame
@@ -28,7 +28,8 @@ BARREL = (
     *((0.272, 0.57), (0.285, 0.585), (0.285, 0.605), (0.272, 0.62)),
     *((0.272, 0.85), (0.285, 0.86), (0.285, 0.885), (0.25, 0.885), (0.25, 0.87), (0.0, 0.87)),
 )
-AIR_FADES = 0.12  # per metre
+FIREBALL = 2.0  # metres that the blast itself fills
+OVERPRESSURE = 0.005  # seconds
 AIR_ABOVE_GROUND = 0.014  # larger than the tolerance of contacts
 SPEED_OF_SOUND = 343.0
 
@@ -47,12 +48,13 @@ def build(scene: Scene) -> None:
     build_avatar(scene, standing(hands), AVATAR)
     _add_wall(scene)
     air = place(scene, "Air", box((9.0, 4.6, 2.6)).moved(0.0, 0.0, 1.3 + AIR_ABOVE_GROUND), (surface("Air", "#9fc4e8"),))
-    make_medium(air, AIR_FADES).haptics.wave_speed = SPEED_OF_SOUND
+    spread_as_front(make_medium(air, 0.0), FIREBALL, SPEED_OF_SOUND)
+    make_blast(place_empty(scene, "Blast", BLAST - air.location, air), EXPLOSION, OVERPRESSURE)
     _add_surroundings(scene)
 
 
 def _add_barrels(scene: Scene) -> None:
-    """Steel barrels. The red one blows up; its bottom, which stays, is the source."""
+    """Steel barrels. The red one blows up; its bottom stays."""
     white = surface("Barrel Label", "#e9e4d4", 0.5)
     red, green = surface("Barrel Red", "#b3261e", 0.35, 0.3), surface("Barrel Green", "#3f6f5a", 0.4, 0.3)
     label = cylinder(0.276, 0.16, 32).moved(z=0.45).painted(1)
@@ -63,10 +65,6 @@ def _add_barrels(scene: Scene) -> None:
     soot = surface("Soot", "#2a2725", 0.8, 0.3)
     bottom = place(scene, "Barrel Bottom", cylinder(0.285, 0.03, 32, 0.006), (soot,), (BLAST.x, BLAST.y, 0.015 - SUNK))
     make_static(scene, bottom, STEEL, "CYLINDER")
-    make_source(bottom, "NOISE")
-    # Nothing, then a blow that dies away within a second.
-    fading = {float(EXPLOSION + k): math.exp(-k / 6.0) for k in range(25)}
-    animate(bottom, "haptics.source.amplitude", {1.0: 0.0, EXPLOSION - 1.0: 0.0, **fading, EXPLOSION + 30.0: 0.0})
     for number, (x, y) in enumerate(((-2.2, 1.5), (-4.1, -1.0)), 1):
         other = place(scene, f"Barrel {number}", barrel, (green, white), (x, y, -SUNK))
         make_static(scene, other, STEEL, "CYLINDER")

@@ -11,6 +11,7 @@ from mathutils import Euler, Vector
 
 from ..addon.blender.progress import show
 from ..core.scene.materials import Material as Substance
+from .animation import CONSTANT, animate
 from .geometry import Geometry, Point, to_mesh
 from .materials import tag
 
@@ -146,6 +147,25 @@ def make_medium(obj: Object, alpha: float) -> Object:
     haptics = obj.haptics
     haptics.enabled = haptics.medium = True
     return fade_exponentially(obj, alpha)
+
+
+def spread_as_front(medium: Object, radius: float, speed: float) -> Object:
+    """Let a blast spread all around: ``radius`` / (``radius`` + distance) of it, in metres, arrives, at ``speed`` metres per second."""
+    haptics = medium.haptics
+    haptics.function, haptics.wave = "physical", "solid"
+    haptics.loss_factor = haptics.absorption = haptics.extent = 0.0
+    haptics.material_k = (1.0 - haptics.kappa) * haptics.rho
+    haptics.reference_distance = radius
+    haptics.wave_speed = speed
+    return medium
+
+
+def make_blast(obj: Object, frame: int, seconds: float) -> Object:
+    """A source that plays once, at ``frame``: the pressure of a blast whose overpressure lasts so many ``seconds``."""
+    source = make_source(obj, "BLAST").haptics.source
+    source.decay, source.one_shot = seconds, True
+    animate(obj, "haptics.source.trigger", {float(frame): 1.0}, CONSTANT)
+    return obj
 
 
 def fade_exponentially(obj: Object, alpha: float) -> Object:

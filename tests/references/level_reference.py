@@ -15,14 +15,17 @@ import networkx
 import numpy as np
 
 
-def fading(obj: Any, epsilon: float) -> tuple[float, float]:
-    """The gain at no distance, and the decay per metre, of an object of Blender."""
+def loss(obj: Any, distance: float, epsilon: float) -> float:
+    """What an object of Blender takes over a distance in metres, in neper."""
     haptics = obj.haptics
     if haptics.function == "exponential":
-        return 1.0, haptics.alpha
+        return haptics.alpha * distance
+    if haptics.function == "physical":
+        assert (haptics.wave, haptics.loss_factor, haptics.absorption, haptics.extent) == ("solid", 0, 0, 0)
+        return math.log(1 + distance / haptics.reference_distance)
     assert haptics.function == "haptic_tracing"
     factor = (1 - haptics.kappa) * haptics.rho
-    return factor, max(factor, epsilon)
+    return max(factor, epsilon) * distance - math.log(factor)
 
 
 def explicit_graph(scene: Any, result: Any) -> tuple[networkx.Graph, list[list[Any]], list[Any]]:
@@ -47,11 +50,10 @@ def explicit_graph(scene: Any, result: Any) -> tuple[networkx.Graph, list[list[A
         places.setdefault(number[item.object], []).append((node, np.array(item.position)))
     for index, nodes in places.items():
         obj = scene.objects[result.objects[index]]
-        factor, decay = fading(obj, scene.haptics.epsilon)
         speed = obj.haptics.wave_speed
         for (a, here), (b, there) in itertools.combinations(nodes, 2):
             distance = float(np.linalg.norm(here - there))
-            graph.add_edge(a, b, loss=decay * distance - math.log(factor), delay=distance / speed if speed else 0.0)
+            graph.add_edge(a, b, loss=loss(obj, distance, scene.haptics.epsilon), delay=distance / speed if speed else 0.0)
     graph.add_nodes_from([*itertools.chain(*roots), *targets])
     return graph, roots, targets
 

@@ -55,6 +55,8 @@ def gain_along() -> Callable[..., float]:
                 distance = max(0.0, distance - result.listeners[listener].radius)
             if haptics.function == "exponential":
                 product *= np.exp(-haptics.alpha * distance)
+            elif haptics.function == "physical":  # a front: it only spreads
+                product /= 1 + distance / haptics.reference_distance
             else:
                 factor = (1 - haptics.kappa) * haptics.rho
                 product *= factor * np.exp(-max(factor, scene.haptics.epsilon) * distance)

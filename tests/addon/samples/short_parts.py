@@ -25,7 +25,7 @@ PARTS: dict[str, tuple[int, int, int | None]] = {
     "rails": (1, 6, None),
     "domino_wall": (1, 45, 16),
     "pile": (1, 24, 12),
-    "air_blast": (28, 38, None),
+    "air_blast": (28, 31, None),
     "sliding_and_rolling": (1, 14, None),
     "mine_ride": (62, 72, None),
 }
