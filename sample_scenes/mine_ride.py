@@ -298,12 +298,14 @@ def _add_shock_wave(scene: Scene, cart: Object) -> None:
 
 # Section 5
 
+PASSING = 2.8  # metres between the middles of the carts
+
 
 def _add_crossing_carts(scene: Scene) -> None:
     """One cart crosses before the user and one behind; each is a source while it rolls."""
     for name, x, frame, direction, colour in (
-        ("Front Cart", FRONT_CROSSING, frame_at(FRONT_CROSSING - 2.4), 1.0, "#4f6f8a"),
-        ("Back Cart", BACK_CROSSING, frame_at(BACK_CROSSING + 2.2), -1.0, "#6f7d4a"),
+        ("Front Cart", FRONT_CROSSING, frame_at(FRONT_CROSSING - PASSING), 1.0, "#4f6f8a"),
+        ("Back Cart", BACK_CROSSING, frame_at(BACK_CROSSING + PASSING), -1.0, "#6f7d4a"),
     ):
         _add_cross_rails(scene, name, x)
         cart = add_cart(scene, name, colour, seat=False)

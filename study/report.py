@@ -136,7 +136,7 @@ def _pairs_table(heads: tuple[str, str], rows: Sequence[tuple[str, str]]) -> str
 def _materials(rides: Mapping[str, Ride]) -> list[str]:
     """The ride by what its objects are made of: the checks, the walls and what is felt, way by way."""
     heads = "".join(f"<th>{escape(WAYS[way])}" for way in rides)
-    sign = {True: "<td class=yes>", False: "<td class=no>does not hold: ", None: "<td>"}
+    sign = {True: "<td>", False: "<td class=fails>does not hold: ", None: "<td>"}
     columns = [measured_checks(ride) for ride in rides.values()]
     checks = [
         f"<tr><td><b>{escape(row[0].name)}</b><br>{escape(row[0].statement)}{''.join(sign[c.holds] + escape(c.measured) for c in row)}</tr>"

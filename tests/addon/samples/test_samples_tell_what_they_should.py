@@ -141,6 +141,17 @@ def test_coming_into_the_wind_is_no_collision(build, results):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("x", [mine_ride.FRONT_CROSSING - mine_ride.PASSING, mine_ride.BACK_CROSSING + mine_ride.PASSING])
+def test_carts_cross_close_by_without_touching(build, results, x):
+    frame = round(mine_ride.frame_at(x))
+    for result in results(build("mine_ride"), frame - 14, frame + 14):
+        assert impacts(result) == []
+        own = {k for k, name in enumerate(result.objects) if name.startswith(("Cart ", "Avatar "))}
+        other = {k for k, name in enumerate(result.objects) if name.startswith(("Front Cart ", "Back Cart ")) and "Rail" not in name}
+        assert not any(set(pair) & own and set(pair) & other for pair in result.contacts.pairs.tolist())
+
+
+@pytest.mark.slow
 def test_wind_blows_from_below_while_the_cart_is_on_the_bridge(build, results):
     scene = build("mine_ride")
     *_, result = results(scene, 900, 901)
