@@ -16,7 +16,7 @@ from ..addon.authoring import materials as library
 from ..addon.session import session
 from ..core.render.history import still_samples
 
-SAMPLES = (("jackhammer_bench", 3), ("hammer_nail", 20), ("mine_ride", 2636))
+SAMPLES = (("jackhammer_bench", 3), ("hammer_nail", 20), ("mine_ride", 2638))
 """Module and frame: the jackhammer at work, the blow on the nail, the cart that rumbles."""
 WAYS = ("paper", "physical", "physical, impedance")
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.session import session
+from haptic_tracing.addon.session import session, sessions
+from haptic_tracing.addon.view.levels import shown_levels
 
 DOCS = Path(__file__).parents[3] / "docs"
 _specification = importlib.util.spec_from_file_location("hammer_nail_by_hand", DOCS / "pictures" / "tutorial" / "hammer_nail_by_hand.py")
@@ -38,6 +39,10 @@ def test_the_blow_is_felt_in_the_hand_as_the_text_says(by_hand, gain_along):
     assert result.number == tutorial.STRIKES[0] == int(re.search(r"strikes at frame (\d+)", text)[1])
     assert impact.energy == pytest.approx(float(re.search(r"([\d.]+) joules", text)[1]), abs=0.05)
     assert impact.amplitude == pytest.approx(impact.energy / tutorial.FULL_ENERGY)
+    by_hand.frame_set(result.number)
+    session.result_of(by_hand)
+    (level,) = shown_levels(sessions.shown(by_hand), False)
+    assert level.margin_text() == re.search(r"(\+\d+ dB) above the threshold", text)[1]
     (gain,) = result.gains[-1]
     path = result.path_objects(len(result.sources) - 1, 0)
     assert path == ("Hammer", "Hand")
