@@ -97,6 +97,8 @@ class HAPTIC_PT_impact_table(HapticsPanel, Panel):
         layout.prop(rule, "template")
         if rule.template == "FILE":
             layout.prop(rule, "filepath")
+        if rule.template == "DRAWN":
+            layout.prop(rule, "drawing")
         layout.prop(rule, "use_limits")
         if rule.use_limits:
             draw_properties(layout, rule, "least_energy", "full_energy", "refractory")

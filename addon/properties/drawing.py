@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bpy.props import BoolProperty, CollectionProperty, FloatProperty
+from bpy.props import BoolProperty, CollectionProperty, FloatProperty, PointerProperty
 from bpy.types import NodeTree, PropertyGroup
 
 from .callbacks import changed
@@ -55,6 +55,12 @@ class HapticDrawing(PropertyGroup):
     emphases: CollectionProperty(type=HapticEmphasis)
 
 
-def is_drawing(_: Any, tree: NodeTree) -> bool:
+def _is_drawing(_: Any, tree: NodeTree) -> bool:
     """Whether a node group is a drawn signal."""
     return tree.haptics.is_signal
+
+
+def drawing_property() -> PointerProperty:
+    """The choice of a drawn signal."""
+    words = "The signal that is drawn"
+    return PointerProperty(name="Drawn Signal", description=words, type=NodeTree, poll=_is_drawing, options=set(), update=changed)

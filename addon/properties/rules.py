@@ -12,6 +12,7 @@ from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatPrope
 from bpy.types import PropertyGroup
 
 from .callbacks import changed, edited
+from .drawing import drawing_property
 from .function import TRANSMISSIONS, ContactParameters, function_property
 from .imported import Imported
 
@@ -94,6 +95,7 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
             *SIGNAL_ITEMS,
             ("FILE", "File", "The first vibration in a file: .wav, .hjif, .haptic, .ahap, .haps or .tact"),
             ("KEPT", "Imported", "The signal of an imported file, kept in this one"),
+            ("DRAWN", "Drawn", "A signal that was drawn for a source, once"),
         ),
         options=set(),
         update=changed,
@@ -101,6 +103,7 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
     filepath: StringProperty(
         name="File", description="The file with the vibration that impacts play", subtype="FILE_PATH", options=set(), update=changed
     )
+    drawing: drawing_property()
     use_limits: BoolProperty(
         name="Own Energies", description="These collisions need other energies than others of the scene", options=set(), update=changed
     )

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
-from bpy.types import NodeTree, PropertyGroup
+from bpy.types import PropertyGroup
 
 from .callbacks import changed, edited
-from .drawing import HERTZ, is_drawing
+from .drawing import HERTZ, drawing_property
 from .imported import Imported
 from .sound import HapticSoundProperties
 
@@ -54,9 +54,7 @@ class HapticSourceProperties(Imported, PropertyGroup):
         soft_max=500.0,
         update=changed,
     )
-    drawing: PointerProperty(
-        name="Drawn Signal", description="The signal that is drawn", type=NodeTree, poll=is_drawing, options=set(), update=changed
-    )
+    drawing: drawing_property()
     envelope: FloatProperty(
         name="Envelope",
         description="Amplitude of the drawn signal where F-curves draw it instead of a curve",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
 from pathlib import Path
@@ -20,6 +21,7 @@ from ...core.scene.texture import Texture
 from ...core.scene.values import HapticObject
 from ...core.signals import LONGEST, Signal
 from ..blender.single_precision import shortest
+from .drawings import read_drawing
 from .imported import LIMITS, OF_IMPACTS, ImportedRule, exact, imported_rule
 from .problem import Problem
 
@@ -79,6 +81,8 @@ def read_texture(row: Any) -> tuple[Texture, str]:
 def _template(row: Any, kept: Signal | None) -> ImpactTemplates | Signal:
     if row.template == "KEPT":
         return kept or ImpactTemplates.BY_MATERIAL
+    if row.template == "DRAWN":
+        return replace(read_drawing(row.drawing), loops=False).to_signal()
     if row.template != "FILE":
         return TEMPLATES[row.template]
     if not row.filepath:

@@ -6,8 +6,9 @@ import wave
 import bpy
 import numpy as np
 import pytest
+from haptic_tracing.addon.io import drawings
 from haptic_tracing.addon.session import session, sessions
-from haptic_tracing.core.signals import DEFAULT_IMPACT, impact_template
+from haptic_tracing.core.signals import DEFAULT_IMPACT, Automation, Drawing, impact_template
 
 
 def write_wav(path, samples, rate=8000):
@@ -74,6 +75,20 @@ def test_the_row_of_the_pair_is_played(scene, blow, tmp_path):
     assert source.signal.duration == pytest.approx(0.25)
     assert source.signal.sample(0, 2000, 16_000.0) == pytest.approx(ring[:2000], abs=1e-3)
     assert problems(scene) == {}
+
+
+def test_a_drawn_signal_is_played_once_in_frames_after_its_edit_too(scene, blow):
+    tree = drawings.drawn("click", Drawing(Automation((0.0, 0.1), (1.0, 0.0)), Automation((0.0,), (200.0,)), 0.1, loops=True).to_signal())
+    rule = add_rule(scene, template="DRAWN")
+    assert blow().signal == impact_template("stone", "wood")
+    (message,) = problems(scene).values()
+    assert message.startswith("no signal is drawn yet")
+    rule.drawing = tree
+    scene.frame_set(1)
+    times = np.arange(800) / 8000
+    assert blow().signal.sample(0, 800, 8000.0) == pytest.approx((1 - 10 * times) * np.sin(400 * np.pi * times), abs=1e-5)
+    assert problems(scene) == {}
+    assert tree in {item.original for item in bpy.context.evaluated_depsgraph_get().ids}, "editing its curves traces again"
 
 
 def test_own_energies_decide_for_the_pair(scene, blow):
