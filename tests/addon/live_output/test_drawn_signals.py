@@ -1,5 +1,7 @@
 """Signals drawn in Blender: what the curves show is what is emitted, in files, as F-curves, in libraries and on the command line."""
 
+import json
+
 import bpy
 import numpy as np
 import pytest
@@ -149,6 +151,19 @@ def test_a_linked_signal_is_that_of_its_library(drawn, tmp_path, add_box):
     bpy.context.view_layer.objects.active = box
     assert not bpy.ops.haptic.shape_envelope.poll(), "it belongs to the library"
     assert bpy.ops.haptic.draw_signal.poll()
+
+
+def test_an_imported_clip_can_be_drawn_on(source, tmp_path):
+    points = [{"time": 0.0, "amplitude": 0.0}, {"time": 0.3, "amplitude": 1.0}, {"time": 1.0, "amplitude": 0.2}]
+    envelopes = {"amplitude": points, "frequency": [{"time": 0.0, "frequency": 0.1}, {"time": 1.0, "frequency": 0.9}]}
+    form = {"version": {"major": 1, "minor": 0, "patch": 0}, "signals": {"continuous": {"envelopes": envelopes}}}
+    (tmp_path / "clip.haptic").write_text(json.dumps(form))
+    assert bpy.ops.haptic.import_signal(filepath=str(tmp_path / "clip.haptic"), loop=False) == {"FINISHED"}
+    before = emitted()
+    assert bpy.ops.haptic.draw_signal() == {"FINISHED"}
+    assert source.signal == "DRAWN"
+    assert points_of(mapping_of(source.drawing, "Amplitude"))[0] == pytest.approx(np.array([(0, 0), (0.3, 1), (1, 0.2)]), abs=1e-6)
+    assert np.abs(emitted() - before).max() < 5e-5
 
 
 @pytest.fixture
