@@ -159,3 +159,8 @@ def test_rules_of_impacts(play):
 def test_who_is_felt_among_twenty(play):
     seen = played_through(play(SCENARIOS / "felt.py"))
     assert all(seen.values()), seen
+
+
+def test_sliding_and_rolling(play):
+    seen = played_through(play(SCENARIOS / "textures.py"))
+    assert all(seen.values()), seen
