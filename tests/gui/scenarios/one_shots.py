@@ -9,8 +9,9 @@ def steps(window):
     sessions = window.module("addon.session.sessions")
     barrel = scene.objects["Barrel Bottom"]
     source = barrel.haptics.source
-    barrel.animation_data_clear()
-    source.amplitude = 1.0
+    source.enabled = True
+    bpy.data.objects.remove(scene.objects["Blast"])  # the sample's own
+    scene.objects["Air"].haptics.function = "exponential"
     window.open_only("HAPTIC_PT_source")
     yield from window.show_sidebar()
     with window.context():
