@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.bake import storage
+from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.io.capture import Capture
 from haptic_tracing.addon.io.frame_scene import scene_of_frame
 from haptic_tracing.addon.io.scene_builder import build
@@ -92,7 +93,7 @@ def test_a_region_may_move_and_be_an_empty(scene, bell, ball, add_empty):
     for frame in (1, 48):
         region.location.z = -1.0 + seconds(frame)
         region.keyframe_insert("location", frame=frame)
-    for curve in bpy.data.actions[-1].layers[0].strips[0].channelbags[0].fcurves:
+    for curve in compatibility.fcurves_of(region):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
     bell.haptics.source.trigger_object, bell.haptics.source.trigger_region = "ball", "region"

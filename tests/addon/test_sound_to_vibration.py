@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.blender import job
+from haptic_tracing.addon.blender import compatibility, job
 from haptic_tracing.addon.io import sound_source
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view import sound_picture
@@ -158,7 +158,7 @@ def test_other_formats_are_read(scene, convert, tmp_path, ending, names):
 def test_a_strip_plays_at_its_time_in_the_scene(scene, convert, tmp_path, is_packed):
     scene.frame_start, scene.render.fps = 11, 25
     editor = scene.sequence_editor_create()
-    strip = editor.strips.new_sound("clap", write_wav(tmp_path / "click.wav", click_at(0.5)), 1, 36)
+    strip = compatibility.strips_of(editor).new_sound("clap", write_wav(tmp_path / "click.wav", click_at(0.5)), 1, 36)
     if is_packed:
         strip.sound.pack()
         (tmp_path / "click.wav").unlink()
@@ -169,7 +169,7 @@ def test_a_strip_plays_at_its_time_in_the_scene(scene, convert, tmp_path, is_pac
     assert first_touch(scene) == pytest.approx(0.5 - 0.2, abs=0.010)
     strip.content_start = 11
     strip.left_handle = 16
-    other = editor.strips.new_sound("late", write_wav(tmp_path / "late.wav", click_at(0.1)), 2, 11)
+    other = compatibility.strips_of(editor).new_sound("late", write_wav(tmp_path / "late.wav", click_at(0.1)), 2, 11)
     other.left_handle = 18  # its click is cut away
     convert(strip="")
     assert first_touch(scene) == pytest.approx(0.5, abs=0.010)
@@ -178,7 +178,7 @@ def test_a_strip_plays_at_its_time_in_the_scene(scene, convert, tmp_path, is_pac
 def test_the_volume_of_a_strip_and_its_fades_count(scene, convert, tmp_path):
     t = np.arange(2 * RATE) / RATE
     editor = scene.sequence_editor_create()
-    strip = editor.strips.new_sound("hum", write_wav(tmp_path / "hum.wav", 0.5 * np.sin(2 * np.pi * 200 * t)), 1, 1)
+    strip = compatibility.strips_of(editor).new_sound("hum", write_wav(tmp_path / "hum.wav", 0.5 * np.sin(2 * np.pi * 200 * t)), 1, 1)
     strip.volume = 0.5
     convert(origin="SEQUENCER", bursts=0.0)
     assert signal_of(scene).of[0].at(np.array([1.0]), 1e-3) == pytest.approx(0.25, rel=0.03)
@@ -186,7 +186,7 @@ def test_the_volume_of_a_strip_and_its_fades_count(scene, convert, tmp_path):
     strip.keyframe_insert("volume", frame=1)
     strip.volume = 1.0
     strip.keyframe_insert("volume", frame=49)
-    for curve in bpy.context.scene.animation_data.action.layers[0].strips[0].channelbags[0].fcurves:
+    for curve in compatibility.fcurves_of(scene):
         for key in curve.keyframe_points:
             key.interpolation = "LINEAR"
     convert()

@@ -19,7 +19,7 @@ def steps(window):
     scene.frame_set(10)
     yield from window.click_button("haptic.make_one_shot")
     window.seen["a preset makes a blast"] = source.one_shot and source.signal == "BLAST"
-    curve = barrel.animation_data.action.layers[0].strips[0].channelbags[0].fcurves[0]
+    (curve,) = window.module("addon.blender.compatibility").fcurves_of(barrel)
     window.seen["at the current frame"] = (curve.data_path, curve.keyframe_points[0].co[0]) == ("haptics.source.trigger", 10.0)
     yield from window.screenshot("one-shot")
     source.trigger_markers, source.trigger_object, source.trigger_region = "Shot", "Crate*", "nowhere"
