@@ -88,10 +88,10 @@ class CollisionDetector:
     None for the identity.
 
     Impacts take two frames that follow each other. The impacts of each frame are remembered, at most `MOST_FRAMES` frames of them, for
-    frames with ``recall``: come to by a jump, or detected again after an edit, they have the same impacts as before. So modes, gains,
-    materials and strategies are compared on the same blow. What makes impacts drops all that is remembered: other bodies, shapes, masses
-    or motions, other rules of contacts and impacts, a struck body that stands elsewhere, and `forget_impacts`, which whoever knows of
-    edits of animation and physics calls.
+    frames with ``recall``: come to by a jump, or detected again after an edit, they have the same impacts as before, and the same slides
+    and rolls. So modes, gains, materials and strategies are compared on the same blow. What makes impacts drops all that is remembered:
+    other bodies, shapes, masses or motions, other rules of contacts and impacts, a struck body that stands elsewhere, and
+    `forget_impacts`, which whoever knows of edits of animation and physics calls.
     """
 
     def __init__(self, settings: ContactSettings, impact_signal: Signal, transmission: ModulationFunction | None, lazy: bool) -> None:
@@ -132,8 +132,8 @@ class CollisionDetector:
 
     @property
     def remembers(self) -> bool:
-        """True where impacts of some frame are remembered, or what slides or rolls in the last one."""
-        return bool(self._remembered) or self._rubbing.plays
+        """True where impacts of some frame are remembered, or what slides or rolls in it."""
+        return bool(self._remembered)
 
     def impacts_of(self, number: int) -> FrameImpacts | None:
         """Return the impacts that are remembered of a frame."""
@@ -212,8 +212,8 @@ class CollisionDetector:
             self._sources.end_before(previous)
         if again or (frame.recall and previous is None):
             self._sources.clear()
-            kept = self._recalled(frame.number, frame.transforms) if self.settings.impacts else None
-        recalled = () if kept is None else self._sources.recall(kept, self._templates(frame))
+            kept = self._recalled(frame.number, frame.transforms)
+        recalled = () if kept is None or not self.settings.impacts else self._sources.recall(kept, self._templates(frame))
         rules = self._transmissions(table)
         # The force of a contact depends on all the others.
         hits = any(trigger.on is TriggerKind.HIT for source in frame.sources for trigger in source.triggers or ())
@@ -226,9 +226,9 @@ class CollisionDetector:
         if impacts:
             self._sources.add(impacts, [body.name for body in frame.bodies], frame.transforms, self._templates(frame))
         shots = self._one_shots(frame, previous, kept, found.impacts, again)
+        rubbing = self._rub(frame, frame.transforms, found, previous, kept, again)
         if previous is not None and not again:
-            self._remember(frame.number, self._sources.kept(previous, frame.transforms, self._shots.sounding))
-        rubbing = self._rub(frame, frame.transforms, found, previous, again)
+            self._remember(frame.number, self._sources.kept(previous, frame.transforms, self._shots.sounding, self._rubbing.kept))
         self._last = frame
         return Collisions(
             contacts=contacts,
@@ -246,15 +246,19 @@ class CollisionDetector:
             shots=self._shots.sounding,
         )
 
-    def _rub(self, frame: Frame, transforms: FloatArray, found: FrameContacts, previous: float | None, again: bool) -> tuple[Source, ...]:
-        """Return the sources of what slides or rolls."""
+    def _rub(
+        self, frame: Frame, transforms: FloatArray, found: FrameContacts, previous: float | None, kept: FrameImpacts | None, again: bool
+    ) -> tuple[Source, ...]:
+        """Return the sources of what slides or rolls since ``previous`` [s], or of what did so in a frame that is ``kept``."""
         if not self.settings.textures.rows:
             self._rubbing.clear()
             return ()
-        if again:
-            return self._rubbing.again(self.settings.textures)
-        span = None if previous is None else (previous, frame.time)
-        return self._rubbing.follow(frame.number, span, frame.bodies, found.contacts, transforms, self._numbering.middles(), self.settings)
+        if not again:
+            span, middles = None if previous is None else (previous, frame.time), self._numbering.middles()
+            self._rubbing.follow(frame.number, span, frame.bodies, found.contacts, transforms, middles, self.settings)
+        if kept is not None and kept.rubbed is not None:
+            self._rubbing.recall(kept.rubbed)
+        return self._rubbing.sources(frame.bodies, self.settings.textures)
 
     def _one_shots(
         self, frame: Frame, previous: float | None, kept: FrameImpacts | None, impacts: Sequence[Impact], again: bool = False

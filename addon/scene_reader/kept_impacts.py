@@ -33,12 +33,12 @@ def text_of_impacts(frame: int, kept: FrameImpacts, names: Sequence[str], motion
             "local": [place.tolist() for place in item.local],
             "poses": poses.reshape(2, 12).tolist(),
         }
-        for item, poses in zip(kept.sounding, kept.poses, strict=True)
+        for item, poses in zip(kept.sounding, kept.poses, strict=False)  # others are of what slides
     ]
     shots = {"shots": list(map(asdict, kept.shots))} if kept.shots else {}
     form = {"frame": frame, "start": kept.start, "motion": motion, "impacts": impacts, **shots}
     text = json.dumps(form, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return text if len(text) <= _MOST_CHARACTERS else ""
+    return text if (impacts or shots) and len(text) <= _MOST_CHARACTERS else ""
 
 
 def impacts_from_text(text: str, frame: int, names: Sequence[str], motion: str) -> FrameImpacts | None:

@@ -87,7 +87,8 @@ def _frames(scene: Scene, start: int, end: int) -> Generator[int, None, None]:
 
 def warm_start(scene: Scene, first: int) -> int:
     """The frame from which frames are traced so that ``first`` knows all that is moving, all pairs that have just hit each other, and all
-    impacts and triggers that still sound: the last of the `EXACT_FRAMES` before that, at which nothing is held from earlier frames."""
+    impacts and triggers that still sound: the last of the `EXACT_FRAMES` before that, at which nothing is held from earlier frames, and
+    where something may slide or roll, the one before that: `Rubbing` has a block of frames, and the one before."""
     reading = SceneReader().read(scene, bpy.context.evaluated_depsgraph_get())
     rules = reading.contact_settings.impact_rules()
     signals = [DEFAULT_IMPACT, *(impact_template(*pair) for pair in product(IMPACT_MATERIALS, repeat=2))]
@@ -97,7 +98,8 @@ def warm_start(scene: Scene, first: int) -> int:
     seconds += max(limits.refractory for limits in reading.contact_settings.all_limits())
     slow = ((item.propagation.spectrum.wave_speed, body.shape) for item, body in zip(reading.objects, reading.bodies, strict=True))
     seconds += min(sum(math.dist(*shape.local_bounds()) / speed for speed, shape in slow if speed), MAX_DELAY)
-    return (first - _MOTION_FRAMES - math.ceil(seconds / frame_seconds(scene))) // EXACT_FRAMES * EXACT_FRAMES
+    blocks = (first - _MOTION_FRAMES - math.ceil(seconds / frame_seconds(scene))) // EXACT_FRAMES
+    return (blocks - bool(scene.haptics.textures.items)) * EXACT_FRAMES
 
 
 def _simulation_start(scene: Scene, start: int) -> int:
@@ -109,14 +111,11 @@ def _simulation_start(scene: Scene, start: int) -> int:
 
 
 def _tracing_start(scene: Scene, start: int) -> int:
-    """The frame from which tracing knows all that ``start`` depends on: shots still sound, `Rubbing` has a block of frames, and the one
-    before."""
-    first = start
-    if start > scene.frame_start and any(obj.haptics.source.enabled and obj.haptics.source.one_shot for obj in scene.objects):
-        first = warm_start(scene, start)
-    if scene.haptics.textures.items:
-        first = ((first - 1) // EXACT_FRAMES - 1) * EXACT_FRAMES
-    return min(max(first, scene.frame_start), start)
+    """The frame from which tracing knows all that ``start`` depends on where shots may sound, or something may slide or roll."""
+    if start <= scene.frame_start:
+        return start
+    shoots = any(obj.haptics.source.enabled and obj.haptics.source.one_shot for obj in scene.objects)
+    return max(warm_start(scene, start), scene.frame_start) if shoots or scene.haptics.textures.items else start
 
 
 def _from(start: int, result: FrameResult) -> FrameResult:

@@ -13,6 +13,7 @@ from ..scene.values import HapticObject, Source, SourceKind
 from ..signals import Signal, impact_template
 from .impacts import Impact
 from .one_shots import Shot
+from .rubbing import Rubbed
 
 MOST_FRAMES = 4096
 """Number of frames whose impacts are stored."""
@@ -77,17 +78,18 @@ class Sounding:
 
 @dataclass(frozen=True, slots=True)
 class FrameImpacts:
-    """What sounds in a frame that begins at ``start`` [s]; ``poses`` (k, 2, 3, 4) of the bodies of each impact at its end; ``shots``: of
-    sources with triggers."""
+    """What sounds in a frame that begins at ``start`` [s]; ``poses`` (k, 2, 3, 4) of the bodies of each impact at its end, and of those
+    that slide or roll, as ``rubbed`` says; ``shots``: of sources with triggers."""
 
     start: float
     sounding: tuple[Sounding, ...]
     poses: FloatArray
     shots: tuple[Shot, ...] = ()
+    rubbed: Rubbed | None = None
 
     def stands(self, transforms: FloatArray) -> bool:
-        """Whether the struck bodies are at ``transforms`` (n, 4, 4) where they were."""
-        poses = _struck_poses(self.sounding, transforms)
+        """Whether these bodies are at ``transforms`` (n, 4, 4) where they were."""
+        poses = _touched_poses(self.sounding, self.rubbed, transforms)
         return bool(np.allclose(poses, self.poses, rtol=0.0, atol=_UNMOVED * max(1.0, float(np.abs(poses).max(initial=0.0)))))
 
 
@@ -108,11 +110,11 @@ class ImpactSources:
         """Of the sources, which say between what and when."""
         return tuple(sounding.source.name for sounding in self._sounding)
 
-    def kept(self, start: float, transforms: FloatArray, shots: tuple[Shot, ...] = ()) -> FrameImpacts | None:
+    def kept(self, start: float, transforms: FloatArray, shots: tuple[Shot, ...], rubbed: Rubbed | None) -> FrameImpacts | None:
         """What sounds in the frame from ``start`` [s], for `recall`; None where nothing does."""
-        if not self._sounding and not shots:
+        if not self._sounding and not shots and rubbed is None:
             return None
-        return FrameImpacts(start, tuple(self._sounding), _struck_poses(self._sounding, transforms), shots)
+        return FrameImpacts(start, tuple(self._sounding), _touched_poses(self._sounding, rubbed, transforms), shots, rubbed)
 
     def recall(self, kept: FrameImpacts, templates: Templates) -> tuple[Impact, ...]:
         """Have the impacts of a frame sound again, by these ``templates``; return those that it began."""
@@ -145,8 +147,9 @@ class ImpactSources:
         return tuple(sounding.source.moved(*place) for sounding, place in zip(self._sounding, places, strict=True))
 
 
-def _struck_poses(sounding: Sequence[Sounding], transforms: FloatArray) -> FloatArray:
-    return transforms[np.array([item.impact.objects for item in sounding], dtype=np.int64).reshape(-1, 2), :3]
+def _touched_poses(sounding: Sequence[Sounding], rubbed: Rubbed | None, transforms: FloatArray) -> FloatArray:
+    pairs = [*(item.impact.objects for item in sounding), *(() if rubbed is None else rubbed.pairs)]
+    return transforms[np.array(pairs, dtype=np.int64).reshape(-1, 2), :3]
 
 
 def _to_body(transform: FloatArray, position: Sequence[float]) -> FloatArray:

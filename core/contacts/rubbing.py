@@ -14,8 +14,8 @@ before the block before its own: traced from any frame before that one on, it is
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from hashlib import blake2b
 
 import numpy as np
@@ -44,17 +44,32 @@ _NAMES = ("{0} sliding on {1}", "{1} sliding on {0}"), ("{0} rolling on {1}", "{
 
 @dataclass(frozen=True, slots=True)
 class _Moving:
-    """Touching bodies that move along each other in a frame: what they play by is ``texture``; ``speeds`` [m/s] of sliding and of rolling,
-    ``force`` [N], NaN where it is unknown."""
+    """Touching bodies that move along each other in a frame, numbered ``rows``; ``speeds`` [m/s] of sliding and of rolling, ``force`` [N],
+    NaN where it is unknown."""
 
-    bodies: tuple[Body, Body]
+    rows: tuple[int, int]
+    names: tuple[str, str]
     positions: tuple[list[float], list[float]]
     speeds: tuple[float, float]
     force: float
 
+
+@dataclass(frozen=True, slots=True)
+class Rubbed:
+    """What slides and rolls in a frame from ``start`` [s] on for ``step`` [s]; ``paths`` [m] in its block of frames and in the one before,
+    by names and whether it rolls; ``last``: sources of the frame before."""
+
+    number: int = 0
+    start: float = 0.0
+    step: float = 0.0
+    moving: tuple[_Moving, ...] = ()
+    paths: Mapping[tuple[str, str, bool], tuple[float, float]] = field(default_factory=dict)
+    last: tuple[Source, ...] = ()
+
     @property
-    def names(self) -> tuple[str, str]:
-        return self.bodies[0].name, self.bodies[1].name
+    def pairs(self) -> tuple[tuple[int, int], ...]:
+        """Numbers of the bodies that move along each other."""
+        return tuple(item.rows for item in self.moving)
 
 
 class Rubbing:
@@ -67,16 +82,18 @@ class Rubbing:
     def clear(self) -> None:
         """Forget all motion."""
         self._before: FloatArray | None = None
-        self._paths: dict[tuple[str, str, bool], tuple[float, float]] = {}  # [m] in this block and in the one before
-        self._moving: tuple[_Moving, ...] = ()
-        self._frame, self._start, self._step = 0, 0.0, 0.0
-        self._last: tuple[Source, ...] = ()
+        self._paths: dict[tuple[str, str, bool], tuple[float, float]] = {}  # as in `Rubbed`
+        self._now = Rubbed()
         self._sources: tuple[Source, ...] = ()
 
     @property
-    def plays(self) -> bool:
-        """Whether anything slides or rolls in the frame that was followed last."""
-        return bool(self._moving)
+    def kept(self) -> Rubbed | None:
+        """The frame that was followed last, for `recall`; None where nothing slides or rolls."""
+        return self._now if self._now.moving or self._now.last else None
+
+    def recall(self, kept: Rubbed) -> None:
+        """Take a frame for the one that was followed last."""
+        self._now, self._paths = kept, dict(kept.paths)
 
     def history(self) -> str:
         """What later frames depend on beside poses."""
@@ -91,56 +108,56 @@ class Rubbing:
         transforms: FloatArray,
         middles: FloatArray,
         settings: ContactSettings,
-    ) -> tuple[Source, ...]:
-        """The sources of frame ``number``, from and to the times ``span`` [s]; None where it follows no other. ``contacts`` number
+    ) -> None:
+        """Follow to frame ``number``, from and to the times ``span`` [s]; None where it follows no other. ``contacts`` number
         ``bodies``, whose ``middles`` (n, 3) are in their own space and whose rigid transforms (n, 4, 4) are these."""
-        before, self._before = self._before, transforms
+        before, self._before, self._now = self._before, transforms, Rubbed()
         if span is None or before is None or len(before) != len(transforms):
-            return ()
-        self._frame, self._start, self._step = number, span[0], span[1] - span[0]
+            return
+        start, step = span[0], span[1] - span[0]
         if (number - 1) % self._block == 0:
             self._paths = {key: (0.0, path) for key, (path, _) in self._paths.items() if path}
-        poses = _Poses(before, transforms, _placed(before, middles), _placed(transforms, middles), self._step)
-        self._moving = _moving_contacts(bodies, contacts, poses, settings)
-        for item in self._moving:
+        poses = _Poses(before, transforms, _placed(before, middles), _placed(transforms, middles), step)
+        moving = _moving_contacts(bodies, contacts, poses, settings)
+        for item in moving:
             for rolls, speed in zip((False, True), item.speeds, strict=True):
                 if speed:
                     key = *item.names, rolls
                     path, earlier = self._paths.get(key, (0.0, 0.0))
-                    self._paths[key] = path + speed * self._step, earlier
-        self._last = tuple(source for source in self._sources if source.onset > self._start - 1.5 * self._step)
-        return self.again(settings.textures)
+                    self._paths[key] = path + speed * step, earlier
+        last = tuple(source for source in self._sources if source.onset > start - 1.5 * step)
+        self._now = Rubbed(number, start, step, moving, dict(self._paths), last)
 
-    def again(self, textures: RuleTable[Texture]) -> tuple[Source, ...]:
-        """The sources of the frame that was followed last, by these rules."""
-        new = [source for item in self._moving for source in self._of(item, textures)]
-        there = {item.names: item.positions for item in self._moving}
+    def sources(self, bodies: Sequence[Body], textures: RuleTable[Texture]) -> tuple[Source, ...]:
+        """The sources of the frame that was followed last, by the materials of ``bodies`` and by these rules."""
+        new = [source for item in self._now.moving for source in self._of(item, bodies, textures)]
+        there = {item.names: item.positions for item in self._now.moving}
         last = [
             source.moved(*there[pair]) if (pair := (source.object, source.second_object or "")) in there else source
-            for source in self._last
+            for source in self._now.last
         ]
         self._sources = (*last, *new)
         return self._sources
 
-    def _of(self, item: _Moving, textures: RuleTable[Texture]) -> list[Source]:
-        first, second = item.bodies
-        texture = textures.of(first.named, second.named)
+    def _of(self, item: _Moving, bodies: Sequence[Body], textures: RuleTable[Texture]) -> list[Source]:
+        now, (first, second) = self._now, item.rows
+        texture = textures.of(bodies[first].named, bodies[second].named)
         found = []
         for rolls, speed in zip((False, True), item.speeds, strict=True):
             amplitude = texture.amplitude(speed, item.force, rolls) if texture is not None and speed else 0.0
             if texture is None or not amplitude:
                 continue
-            name = _NAMES[rolls][self._frame % 2].format(*item.names)
-            signal = texture.piece(speed, self._cycles(item, rolls, speed, texture.period), self._step, _seed(name, self._frame))
-            found.append(_source(name, item, amplitude, signal, self._start))
+            name = _NAMES[rolls][now.number % 2].format(*item.names)
+            signal = texture.piece(speed, self._cycles(item, rolls, speed, texture.period), now.step, _seed(name, now.number))
+            found.append(_source(name, item, amplitude, signal, now.start))
         return found
 
     def _cycles(self, item: _Moving, rolls: bool, speed: float, period: float) -> float:
         """Of the tone in the middle of a piece, half a frame ago."""
-        path, earlier = self._paths[(*item.names, rolls)]
+        path, earlier = self._now.paths[(*item.names, rolls)]
         left = earlier / period
-        part = ((self._frame - 1) % self._block + 1) / self._block
-        return (path - speed * self._step / 2) / period + (left - round(left)) * (1.0 - part)
+        part = ((self._now.number - 1) % self._block + 1) / self._block
+        return (path - speed * self._now.step / 2) / period + (left - round(left)) * (1.0 - part)
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,7 +190,7 @@ def _moving_contacts(bodies: Sequence[Body], contacts: ContactSet, poses: _Poses
         weights = share[points] / share[points].sum()
         first, second = np.einsum("p,pij->ij", weights, contacts.positions[rows[points]]).tolist()
         slides, rolls = (speeds[:, points] @ weights).tolist()
-        found.append(_Moving((bodies[a], bodies[b]), (first, second), (slides, rolls), float(forces[points].sum())))
+        found.append(_Moving((a, b), (bodies[a].name, bodies[b].name), (first, second), (slides, rolls), float(forces[points].sum())))
     return tuple(found)
 
 

@@ -16,6 +16,7 @@ from haptic_tracing.command_line.part_file import HeardFrame, Origin, Part, prog
 from haptic_tracing.command_line.sample import _bake_rigid_bodies
 from haptic_tracing.core.formats.tracks.track_recorder import TrackRecorder
 from haptic_tracing.core.propagation import Propagation
+from haptic_tracing.core.render.renderer import sample_index
 from haptic_tracing.core.scene.values import Listener, Source, SourceKind
 from haptic_tracing.core.signals import Sampled, Sine
 from haptic_tracing.sample_scenes import SAMPLES, build_sample
@@ -52,6 +53,7 @@ def baked_part(runs, origin, number, start):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
 def test_parts_of_every_sample_add_up_to_the_bit(registered, tmp_path, name):
+    bpy.ops.wm.read_homefile(use_empty=True)  # rows name objects
     scene = build_sample(name, FEWER.get(name))
     last = next(last for last in range(60, 500, 7) if timeline.warm_start(scene, origin_of(name, last, 7).range_of(7)[0]) > 1)
     if scene.rigidbody_world is not None:
@@ -79,6 +81,34 @@ def test_parts_of_every_sample_add_up_to_the_bit(registered, tmp_path, name):
             assert (one.name, one.impacts.tobytes()) == (other.name, other.impacts.tobytes())
     assert len(runs) > 1  # some part was traced without the first frames
     assert rings_over_a_cut or name not in RINGING
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scene_start", "frames"), [(1, (1, 304)), (200, (180, 260))])
+def test_parts_and_ranges_of_what_slides_have_the_bits_of_the_whole(registered, tmp_path, scene_start, frames):
+    """The range begins with the scene's first frame, and before it."""
+    bpy.ops.wm.read_homefile(use_empty=True)  # rows name objects
+    scene = build_sample("sliding_and_rolling")
+    _bake_rigid_bodies(scene)
+    scene.frame_start = scene_start
+    runs = {frames[0]: Run(scene, *frames)}
+    whole = runs[frames[0]].tracks
+    assert whole.samples.any(axis=1).sum() > 1
+    for parts in (2, 3, 7):
+        origin = replace(origin_of("slides", frames[1], parts), frames=frames)
+        for number in range(1, parts + 1):
+            first, last = origin.range_of(number)
+            start = max(timeline.warm_start(scene, first), frames[0])
+            if start not in runs or last not in runs[start].frames:
+                runs[start] = Run(scene, start, last)
+            write_part(baked_part(runs, origin, number, start), tmp_path / f"{number}.npz")
+        merged = merge._tracks(merge._bakes([tmp_path / f"{number}.npz" for number in range(1, parts + 1)])["slides"])
+        assert merged.samples.tobytes() == whole.samples.tobytes()
+    if scene_start == frames[0]:
+        own = Run(scene, 190, 200)
+        begin = sample_index((190 - frames[0]) / 24, own.rate)
+        assert own.tracks.samples.any()
+        assert np.array_equal(own.tracks.samples, whole.samples[:, begin : begin + own.tracks.samples.shape[1]])
 
 
 def run(*arguments):

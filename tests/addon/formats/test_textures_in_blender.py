@@ -121,6 +121,48 @@ def test_a_frame_that_is_looked_at_follows_an_edit_of_its_texture(scene, crate):
     assert len(results[-1].sources) == 2 and results[-1].block.any()
 
 
+def slides(scene):
+    return [(item.name, item.onset, item.amplitude, item.signal) for item in session.result_of(scene).sources]
+
+
+def test_a_jump_to_a_frame_that_was_played_brings_back_its_slide(scene, crate):
+    add_texture(scene, sliding=0.2, full_force=0.1, full_speed=0.01, noise=0.4)
+    scene.haptics.impacts = False
+    played = {}
+    for frame in range(1, 31):
+        scene.frame_set(frame)
+        played[frame] = slides(scene)
+    for frame in (7, 25, 12, 30):
+        scene.frame_set(frame)
+        assert slides(scene) == played[frame] and len(played[frame]) == 2
+
+
+def test_edits_of_a_paused_frame_compare_on_the_same_slide(scene, crate):
+    add_texture(scene, first_kind="MATERIAL", first="Softwood", sliding=0.2, full_force=0.1, full_speed=0.01)
+    play(scene, 30)
+    scene.frame_set(12)
+    slide = slides(scene)
+    assert len(slide) == 2
+    scene.haptics.mode = "SD"
+    crate.haptics.rho = 0.3
+    scene.frame_set(12)
+    assert slides(scene) == slide
+    row = scene.haptics.textures.items[0]
+    row.sliding = 0.4
+    scene.frame_set(12)
+    assert slides(scene)[-1][2] == pytest.approx(0.4)
+    assert bpy.ops.haptic.add_textures() == {"FINISHED"}
+    scene.frame_set(12)
+    assert len(slides(scene)) == 2
+    crate.haptics.material.name = "Steel"
+    scene.frame_set(12)
+    assert slides(scene)[-1][2] != pytest.approx(0.4)  # the row of concrete counts
+    crate.location.z += 1.0
+    crate.keyframe_insert("location", frame=12)
+    scene.frame_set(12)
+    assert slides(scene) == []
+
+
 @pytest.mark.slow
 def test_the_core_plays_the_exported_file_as_blender_plays_the_scene(scene, crate, tmp_path):
     add_texture(scene, period=0.007, noise=0.4)
