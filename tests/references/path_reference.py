@@ -11,6 +11,7 @@ from haptic_tracing.core.graph.haptic_graph import HapticGraph
 from haptic_tracing.core.scene.functions import Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction
 from haptic_tracing.core.scene.functions.physical import Physical, Wave
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Source
+from haptic_tracing.core.signals import Sine
 from hypothesis import strategies as st
 
 METRIC: tuple[ModulationFunction, ...] = (
@@ -22,6 +23,8 @@ METRIC: tuple[ModulationFunction, ...] = (
     Constant(gain_value=0.0),
     Physical(wave=Wave.SURFACE, loss_factor=0.2, phase_speed=200.0, reference_distance=0.3, extent=1.0),
 )
+LOW = Sine(25.0)
+"""A signal in the lowest band, for which the path of the largest plain gain is the best one."""
 OTHER: tuple[ModulationFunction, ...] = (Linear(range=3.0), Expression(expression="x / (1 + d)"), Expression(expression="0.9 * exp(-d**2)"))
 AMPLIFYING: tuple[ModulationFunction, ...] = (Constant(gain_value=1.5), Expression(expression="x * (1.2 - 0.1 * d)"))
 
@@ -54,7 +57,7 @@ def scenes(
             Contact((first, second), (at, draw(st.sampled_from([at, draw(place)]))), draw(st.sampled_from(transmissions)), share=share)
         )
     second_object = draw(st.sampled_from([None, *names]))
-    source = Source("s", draw(st.sampled_from(names)), draw(place), second_object=second_object)
+    source = Source("s", draw(st.sampled_from(names)), draw(place), signal=LOW, second_object=second_object)
     heard = tuple(Listener(f"l{k}", draw(st.sampled_from(names)), draw(place)) for k in range(draw(st.integers(1, listeners))))
     return HapticScene(objects, tuple(contacts), (source,), heard)
 
@@ -139,6 +142,6 @@ def connected_scene(
         points = random.randint(1, 2) if refined else 1
         contacts += [Contact(pair, (at if k == 0 else place(), at), random.choice(transmissions), share=1 / points) for k in range(points)]
     random.shuffle(contacts)
-    source = Source("s", names[0], place(), second_object=names[1] if random.random() < 0.2 else None)
+    source = Source("s", names[0], place(), signal=LOW, second_object=names[1] if random.random() < 0.2 else None)
     heard = tuple(Listener(f"l{k}", random.choice([names[-1], random.choice(names)]), place()) for k in range(random.randint(1, listeners)))
     return HapticScene(objects, tuple(contacts), (source,), heard)

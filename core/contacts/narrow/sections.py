@@ -15,7 +15,7 @@ from ...arrays import FloatArray, IntArray
 from .cores import CoreTable, Kind
 from .frames import dot, turned_back
 
-_ANGLES = 2 * np.pi * np.arange(16) / 16
+_ANGLES = 2 * np.pi * np.arange(24) / 24
 _POLE = np.array([[0.36], [0.48], [0.8]])
 """Opposite of the one normal at which the directions around it turn quickly: no usual one."""
 _ACROSS = np.array([[0.8], [-0.6], [0.0]])
