@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -115,11 +115,12 @@ def _differences(one: Origin, other: Origin) -> Iterable[str]:
 
 def _tracks(parts: Sequence[Part]) -> Tracks:
     """What is felt in all frames."""
-    rate, recorder, before = parts[0].sample_rate, TrackRecorder(), None
+    rate, recorder, before, first = parts[0].sample_rate, TrackRecorder(), None, parts[0].origin.frames[0]
     mixdown = Mixdown(sample_rate=rate)
     for frame in (frame for part in parts for frame in part.frames):
-        recorder.add(_rendered(mixdown, before, frame))
-        before = frame.time
+        rendered, before = _rendered(mixdown, before, frame), frame.time
+        if frame.number >= first:
+            recorder.add(rendered if frame.number > first else replace(rendered, block=None))
     return recorder.tracks()
 
 

@@ -25,9 +25,15 @@ def write_part_of(scene: Scene, args: argparse.Namespace, name: str, frames: tup
     if _is_there(path, origin, number):
         print(f"kept {path}: it is this part already")
         return
-    start = frames[0] if args.from_start else max(timeline.warm_start(scene, origin.range_of(number)[0]), frames[0])
+    start = start_of(scene, origin, 1 if args.from_start else number)
     write_part(_baked(scene, origin, number, start), path)
     print(f"wrote {path}: {origin.title(number)}, traced from frame {start}")
+
+
+def start_of(scene: Scene, origin: Origin, number: int) -> int:
+    """The frame that a part is traced from."""
+    begin = timeline.tracing_start(scene, origin.frames[0])
+    return begin if number == 1 else max(timeline.warm_start(scene, origin.range_of(number)[0]), begin)
 
 
 def _is_there(path: Path, origin: Origin, number: int) -> bool:
@@ -46,9 +52,9 @@ def _baked(scene: Scene, origin: Origin, number: int, start: int) -> Part:
         for step in timeline.steps(scene, start, last):
             if not step.result.listeners:
                 raise ValueError("there is no listener: add one to feel something")
-            if step.result.number == first - 1:
+            if step.result.number == first - 1 and number > 1:
                 before = own.tracer.checksum()
-            elif step.result.number >= first:
+            elif step.result.number >= first or number == 1:
                 heard.append(HeardFrame.of(step.result))
                 rate = step.result.sample_rate
             after = own.tracer.checksum() if step.result.number == last else ""

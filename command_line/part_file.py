@@ -79,7 +79,8 @@ class HeardFrame:
 @dataclass(frozen=True, slots=True)
 class Part:
     """Part ``number`` of a bake. ``before``, ``after``: checksums of the tracer before its first frame ("" in the first part) and after
-    its last one: it continues the part whose ``after`` is its ``before``."""
+    its last one: it continues the part whose ``after`` is its ``before``. The first part also has the frames before its own that the bake
+    was traced from: what still sounds of them is rendered in its own."""
 
     origin: Origin
     number: int
@@ -190,7 +191,8 @@ def _part(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Part
     origin = Origin(**{**given, "settings": tuple(given["settings"]), "frames": (int(given["frames"][0]), int(given["frames"][1]))})
     sources = [read_source(form, ("sources", number)) for number, form in enumerate(header["sources"])]
     listeners = [read_listener(form, ("listeners", number)) for number, form in enumerate(header["listeners"])]
-    counts, first = arrays["counts"], origin.range_of(header["number"])[0]
+    (first, last), counts = origin.range_of(header["number"]), arrays["counts"]
+    more = len(arrays["time"]) - (last - first + 1)
     rows = np.cumsum([0, *counts])
     delays, bands = np.cumsum([0, *(counts * arrays["has_delay"])]), np.cumsum([0, *(counts * arrays["has_bands"])])
     frames = []
@@ -203,8 +205,8 @@ def _part(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Part
         delay = arrays["delay"][delays[k] : delays[k + 1]] if arrays["has_delay"][k] else None
         band_gain = arrays["bands"][bands[k] : bands[k + 1]] if arrays["has_bands"][k] else None
         propagation = _propagation(arrays["gain"][own], band_gain, delay)
-        frames.append(HeardFrame(first + k, time, heard, tuple(listeners[n] for n in arrays["listener"][k].tolist()), propagation))
-    if len(frames) != origin.range_of(header["number"])[1] - first + 1 or rows[-1] != len(arrays["gain"]):
+        frames.append(HeardFrame(first - more + k, time, heard, tuple(listeners[n] for n in arrays["listener"][k].tolist()), propagation))
+    if more < 0 or (more and header["number"] > 1) or rows[-1] != len(arrays["gain"]):
         raise ValueError("frames are missing")
     return Part(origin, header["number"], float(header["sample_rate"]), header["before"], header["after"], tuple(frames))
 

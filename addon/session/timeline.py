@@ -71,7 +71,7 @@ def _frames(scene: Scene, start: int, end: int) -> Generator[int, None, None]:
     """Let Blender come to the frames in order, the tracing of each begun when it is given."""
     before = scene.frame_current
     try:
-        first = _tracing_start(scene, start)
+        first = tracing_start(scene, start)
         for frame in range(_simulation_start(scene, first), first):
             with suspended():
                 scene.frame_set(frame)
@@ -110,7 +110,7 @@ def _simulation_start(scene: Scene, start: int) -> int:
     return min(world.point_cache.frame_start, start)
 
 
-def _tracing_start(scene: Scene, start: int) -> int:
+def tracing_start(scene: Scene, start: int) -> int:
     """The frame from which tracing knows all that ``start`` depends on where shots may sound, or something may slide or roll."""
     if start <= scene.frame_start:
         return start
