@@ -36,8 +36,10 @@ class DecodedSound:
     """A sound of any format that Blender reads, decoded in parts. ``rate`` in hertz, ``count`` samples. Raises ValueError."""
 
     def __init__(self, path: Path, folder: Any = None) -> None:
-        import aud
-
+        try:
+            import aud
+        except ImportError:
+            raise ValueError(iface_("this Blender is built without audio")) from None
         self._sound, self._folder = aud.Sound.file(str(path)), folder
         self._name, self._error = path.name, aud.error
         try:

@@ -170,6 +170,7 @@ def test_the_file_plays_what_blender_plays(scene, struck, ball, tmp_path):
     # And imported, Blender plays the file.
     other = bpy.data.scenes.new("imported")
     bpy.context.window.scene = other
+    bpy.context.view_layer.update()  # Blender 4.2 without a window shows a new scene's poses only after this
     build(export, other)
     again = play(other)
     assert onsets(again) == onsets(results)
