@@ -27,8 +27,8 @@ def table(text):
 def labels():
     """Every label of the add-on that a reader may look for."""
     found = {getattr(getattr(bpy.types, name), "bl_label", "") for name in dir(bpy.types) if name.startswith("HAPTIC_")}
-    haptics = bpy.context.scene.haptics
-    found |= {prop.name for group in (haptics, haptics.bake, bpy.context.object.haptics) for prop in group.bl_rna.properties}
+    haptics, own = bpy.context.scene.haptics, bpy.context.object.haptics
+    found |= {prop.name for group in (haptics, haptics.bake, own, own.listener) for prop in group.bl_rna.properties}
     found |= {getattr(bpy.types, f"HAPTIC_OT_{name}").bl_label for name in ("make_objects", "add_listener", "bake")}
     found |= {item.identifier for item in haptics.bl_rna.properties["mode"].enum_items}
     return found | {"Haptics", "Play"}
