@@ -307,8 +307,10 @@ class CollisionDetector:
             tracker = self._tracker = ContactTracker(bodies, self._tracked)
             self._sources.clear()
             self._rubbing.clear()
-        elif tracker.bodies is not bodies and tracker.bodies != bodies:
-            tracker.replace_bodies(bodies)
+        elif tracker.bodies is not bodies:
+            if tracker.bodies != bodies:
+                tracker.replace_bodies(bodies)
+            tracker.bodies = bodies  # known by identity in the next frame
         if self._numbering.bodies is not bodies or self._numbering.table is not table:
             self._numbering = _Numbering(bodies, table)
             self._found = None
