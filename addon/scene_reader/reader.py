@@ -67,8 +67,8 @@ _STEADY = frozenset(
 )
 """Modifiers whose result is the same in every frame unless they are animated."""
 
-_UNMOVED = np.float32(1e-6)
-"""Below this change of every element of its matrix an object counts as unmoved."""
+_UNMOVED = np.float32(4e-6)
+"""Below this change of every element of its matrix an object counts as unmoved: bodies at rest tremble by half of it."""
 
 
 class SceneReader:
