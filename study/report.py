@@ -152,8 +152,8 @@ def _materials(rides: Mapping[str, Ride]) -> list[str]:
     return [
         "<h2>By material: the paper's function and measured materials</h2>",
         "<p>The same ride with the library's κ and ρ, with measured loss factors and speeds of the same materials, and with these and "
-        "contacts by impedance. Blows play the templates of what strikes what. No value was tuned; what is said here may turn out either "
-        "way.</p>",
+        "contacts by impedance. Blows play the templates of what strikes what. No material was tuned; what is said here may turn out "
+        "either way.</p>",
         "<p>What is felt: the strongest actuator above the threshold of feeling, and at how many of them anything is:</p>",
         table("Section", [list(row) for row in felt]),
         "<p>Walls of different materials, in difference thresholds (everybody feels 2.98 dB, nobody 1.65 dB):</p>",
@@ -179,7 +179,7 @@ def _sensitivity(ride: Ride, varied: Sequence[tuple[Variation, Ride]]) -> list[s
     chosen = [(item.title, f"κ {item.kappa:g}, ρ {item.rho:g}: K = {item.k:.2f}, {20 * np.log10(item.k):.1f} dB") for item in CHOSEN]
     return [
         "<h2>Sensitivity</h2>",
-        "<p>No value was tuned for this ride. Those of the library are chosen by design, so that neighbours differ:</p>",
+        "<p>No material was tuned for this ride. Those of the library are chosen by design, so that neighbours differ:</p>",
         _pairs_table(("Material", "Value"), chosen),
         "<p>Which checks by measurement hold where a material takes half or double as many decibels, and by strategy:</p>",
         f"<table class=numbers><tr><th>Varied<th>To{heads}</tr>{''.join(lines)}</table>",

@@ -1,6 +1,6 @@
 """The ride with the paper's function, with measured materials, and with these and contacts by impedance, side by side.
 
-Nothing is tuned: objects have the library's values, blows the templates of what they strike. What is said of the ride is a measurement,
+No material is tuned: objects have the library's values, blows the templates of what they strike. What is said of the ride is a measurement,
 whether it turns out as the paper describes or not.
 """
 
