@@ -65,7 +65,7 @@ class Cause(enum.Enum):
         "what presses '{first}' and '{second}' together can't be known: bodies need a mass, must rest on what carries "
         "them, and at most 150 may hang together; as many contacts pass as if pressed by the reference force: {count}"
     )
-    # What recordings do not determine
+    # Parameters that a fit to recordings leaves undetermined
     FIT_ALIKE = "'{object}' takes the same of all frequencies, so it can't be told from the contact"
     FIT_SMALL = "'{object}' takes {loss} dB at most: its loss is not determined below 3 dB"
     FIT_UNCERTAIN = "the loss of '{object}' is uncertain by {percent} %"

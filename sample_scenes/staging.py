@@ -9,6 +9,7 @@ import bpy
 from bpy.types import Material, Mesh, Object, Scene
 from mathutils import Euler, Vector
 
+from ..addon.authoring.materials import spread_all_around
 from ..addon.blender.progress import show
 from ..core.scene.materials import Material as Substance
 from .animation import CONSTANT, animate
@@ -151,12 +152,8 @@ def make_medium(obj: Object, alpha: float) -> Object:
 
 def spread_as_front(medium: Object, radius: float, speed: float) -> Object:
     """Let a blast spread all around: ``radius`` / (``radius`` + distance) of it, in metres, arrives, at ``speed`` metres per second."""
-    haptics = medium.haptics
-    haptics.function, haptics.wave = "physical", "solid"
-    haptics.loss_factor = haptics.absorption = haptics.extent = 0.0
-    haptics.material_k = (1.0 - haptics.kappa) * haptics.rho
-    haptics.reference_distance = radius
-    haptics.wave_speed = speed
+    spread_all_around(medium.haptics, radius)
+    medium.haptics.wave_speed = speed
     return medium
 
 

@@ -19,8 +19,8 @@ paper's function."""
 
 @dataclass(frozen=True, slots=True)
 class Variation:
-    """Another transfer coefficient K of a material, or another strategy. ``name``: of what; ``label``: which one. ``power``: K to the power
-    of it, so that its loss in decibels is so many times as high."""
+    """A variant of the ride: a material with another loss, or another strategy. ``name``: the material's; ``label``: of the variant;
+    ``power``: to which the material's transfer coefficient K is raised, a factor on its loss in decibels."""
 
     name: str
     label: str

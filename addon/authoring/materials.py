@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 from bpy.types import Context, Object, Scene
 
@@ -12,6 +13,13 @@ from ...core.scene.skeleton import part_in
 from ..blender.progress import progress
 from ..properties.function import PARAMETERS
 from ..properties.materials import HapticMaterial, add_material, values_of, write_values
+
+
+def spread_all_around(haptics: Any, radius: float) -> None:
+    """Let a medium spread pressure in all directions without loss: ``radius`` / (``radius`` + distance) of it, in metres, arrives."""
+    haptics.function, haptics.wave, haptics.reference_distance = "physical", "solid", radius
+    haptics.loss_factor = haptics.absorption = haptics.extent = 0.0
+    haptics.material_k = (1.0 - haptics.kappa) * haptics.rho  # so that a decay that is set later counts as it is
 
 
 def preset_values(material: Material) -> dict[str, object]:

@@ -29,7 +29,7 @@ LEAD = 0.060
 """Seconds between a block and its sound, so that a frame may be late without a gap."""
 _LATE = 0.300
 LONGEST_HEARD = 4.0
-"""Seconds of a signal that are heard by itself."""
+"""Longest part of a signal that `hear` plays [s]."""
 
 
 OLDEST = (5, 2, 0)

@@ -25,7 +25,3 @@ def stop() -> None:
 def _tick() -> float | None:
     redraw_sidebars()
     return _SECONDS if outputs.running() or outputs.is_finding() else None
-
-
-def unregister() -> None:
-    stop()

@@ -118,9 +118,7 @@ class HAPTIC_OT_make_one_shot(Operator):
 def _spread_as_front(scene: Scene, medium: Object, radius: float) -> None:
     """Have what is emitted into a medium spread from ``radius`` metres on in all directions, at the speed of sound."""
     haptics = medium.haptics
-    haptics.reference_distance = radius
-    haptics.function, haptics.wave, haptics.loss_factor, haptics.absorption, haptics.extent = "physical", "solid", 0.0, 0.0, 0.0
-    haptics.material_k = (1.0 - haptics.kappa) * haptics.rho  # so that the decay is as it is set
+    materials.spread_all_around(haptics, radius)
     material = scene.haptics.materials.items.get(haptics.material.name)
     speed = haptics.wave_speed or MATERIALS["air"].wave_speed
     if material is None:

@@ -9,7 +9,7 @@ import bpy
 from bpy.props import FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
-from ..blender.polling import UNDO, poll_active
+from ..blender.polling import UNDO, poll_active, refuse
 from ..io import drawings, signal_library
 from ..live_output import preview
 from ..scene_reader import imported
@@ -27,8 +27,7 @@ class _OnSource:
         try:
             self.apply(context, context.object.haptics.source)
         except (ValueError, OSError, preview.AudioUnavailable) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return refuse(self, str(error))
         return {"FINISHED"}
 
 

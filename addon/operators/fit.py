@@ -13,7 +13,7 @@ from bpy.types import Context, Operator, Scene
 from ...core.design import recordings
 from ...core.scene.coefficients import coefficients_of
 from ..blender import job
-from ..blender.polling import poll_object_mode
+from ..blender.polling import poll_object_mode, refuse
 from ..session import session, sessions
 from ..translations.sentences import sentence
 
@@ -45,13 +45,11 @@ class HAPTIC_OT_fit_material(Operator):
         traced = sessions.shown(scene)
         if traced is None or not chosen.object.is_editable:
             words = "Nothing traced yet" if traced is None else "The object is linked from a library; make it local or override it first"
-            self.report({"ERROR"}, _rpt(words))
-            return {"CANCELLED"}
+            return refuse(self, _rpt(words))
         try:
             read = recordings.read_recordings(*(Path(bpy.path.abspath(path)) for path in (chosen.source_file, chosen.listener_file)))
         except (ValueError, OSError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return refuse(self, str(error))
         reports: list[job.Report] = []
         work = _steps(scene, traced.result.graph, read, reports)
         return job.run(self, context, job.Job("Fit Material", len(read.starts), work, lambda _: reports))

@@ -6,7 +6,7 @@ import bpy
 from bpy.types import Context, Operator
 
 from ..blender import job
-from ..blender.polling import UNDO, poll_active
+from ..blender.polling import UNDO, poll_active, refuse
 from ..io import sound_source
 
 _rpt = bpy.app.translations.pgettext_rpt
@@ -26,7 +26,6 @@ class HAPTIC_OT_convert_sound(Operator):
             work = sound_source.Conversion(context.scene, context.object)
         except (OSError, ValueError) as error:
             context.object.haptics.source.sound.fault = str(error)
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return refuse(self, str(error))
         written = [({"INFO"}, _rpt("Sound converted"))]
         return job.run(self, context, job.Job("Converting", work.step_count, work.steps(), lambda running: written, "Convert Sound"))

@@ -12,7 +12,7 @@ from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.materials import MATERIALS
 from ..blender import job
 from ..view import levels, watched
-from .drawing import HapticsPanel, draw_pair
+from .drawing import HapticsPanel, draw_pair, settings_layout
 from .texts import draw_sentence, fitted
 from .thumbnails import cell
 
@@ -110,8 +110,7 @@ class HAPTIC_PT_fit(HapticsPanel, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split, layout.use_property_decorate = True, False
+        layout = settings_layout(self)
         fit = context.scene.haptics.materials.fit
         keys = "source_file", "source", "listener_file", "listener", "is_calibrated", "object", "first", "second"
         for pair in (keys[:2], keys[2:4], keys[4:6], keys[6:]):

@@ -8,7 +8,7 @@ from ..blender import compatibility
 from ..properties.preferences import preferences
 from ..properties.sound import SHOWN
 from ..view import panel_picture, sound_picture
-from .drawing import HapticsPanel
+from .drawing import HapticsPanel, draw_properties, settings_layout
 from .texts import draw_sentence
 
 
@@ -22,9 +22,7 @@ class HAPTIC_PT_sound(HapticsPanel, Panel):
         return obj is not None and obj.haptics.source.enabled and obj.haptics.source.signal == "SOUND"
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = settings_layout(self)
         sound = context.object.haptics.source.sound
         layout.prop(sound, "origin")
         if sound.origin == "FILE":
@@ -36,9 +34,7 @@ class HAPTIC_PT_sound(HapticsPanel, Panel):
             layout.prop_search(sound, "strip", context.scene.sequence_editor, compatibility.STRIPS)
         if sound.fault:
             draw_sentence(layout, sound.fault, "ERROR")
-        column = layout.column(align=True)
-        for name in ("carrier", *SHOWN[sound.carrier], "gate", "gain", "release", "bursts"):
-            column.prop(sound, name)
+        draw_properties(layout, sound, "carrier", *SHOWN[sound.carrier], "gate", "gain", "release", "bursts")
         layout.operator("haptic.convert_sound", icon="FILE_REFRESH")
         if sound.kept:
             if sound.is_edited:

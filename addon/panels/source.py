@@ -10,7 +10,7 @@ from ..io import drawings, signal_library
 from ..properties.drawing import AMPLITUDE, FREQUENCY
 from ..scene_reader.roles import haptic_carrier
 from ..session import sessions
-from .drawing import HapticsPanel, draw_carrier
+from .drawing import HapticsPanel, draw_carrier, draw_properties
 from .object import draw_wave_speed, library_owner
 from .texts import draw_sentence
 from .thumbnails import cell
@@ -63,9 +63,7 @@ def draw_drawing(layout: UILayout, obj: Object) -> None:
         layout.prop(source, "envelope")
         layout.prop(source, "frequency")
     else:
-        column = layout.column(align=True)
-        column.prop(drawing, "lowest")
-        column.prop(drawing, "highest")
+        draw_properties(layout, drawing, "lowest", "highest")
     layout.prop(drawing, "duration")
     layout.prop(drawing, "loops")
     row = layout.row(align=True)

@@ -29,7 +29,7 @@ def _share(name: str, description: str, default: float) -> FloatProperty:
 
 
 class HapticEmphasis(PropertyGroup):
-    """A short burst in a drawn signal."""
+    """A transient of a drawn signal: a short burst at a place, with strength and sharpness."""
 
     place: _share("Place", "Where in the signal it begins: 0 is the beginning, 1 the end", 0.0)
     strength: _share("Strength", "Amplitude of the burst, which is added to the envelope", 1.0)

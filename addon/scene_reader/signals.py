@@ -53,7 +53,7 @@ def decaying(signal: Signal | None, seconds: float) -> Signal | None:
 
 
 def played_once(signal: Signal | None) -> Signal:
-    """The signal of a source that plays it once per trigger. Raises ValueError where it can't."""
+    """Check and return the signal of a source that plays once per trigger. Raises ValueError where it is endless, too long or silent."""
     if signal is None or signal.duration == math.inf:
         raise ValueError(iface_("its signal has no end: set a decay time"))
     if signal.duration > LONGEST:

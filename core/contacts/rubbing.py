@@ -153,7 +153,7 @@ class Rubbing:
         return found
 
     def _cycles(self, item: _Moving, rolls: bool, speed: float, period: float) -> float:
-        """Of the tone in the middle of a piece, half a frame ago."""
+        """Phase of the tone, in cycles, in the middle of a piece, which is half a frame ago."""
         path, earlier = self._now.paths[(*item.names, rolls)]
         left = earlier / period
         part = ((self._now.number - 1) % self._block + 1) / self._block

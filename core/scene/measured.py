@@ -65,7 +65,7 @@ LIMBS: Mapping[str, tuple[float, float]] = MappingProxyType(
 """Of parts of a body: the resonance [Hz] up to which it moves as a whole, and the speed [m/s] that suits the loss above it."""
 
 SKIN = 0.005
-"""Thickness [m] up to which flesh is skin, and the radius of the region of skin that a small actuator drives."""
+"""Largest thickness of flesh that counts as skin [m]; also the radius of the area of skin that a small actuator excites."""
 
 _THIN = 0.25
 """Of an extent to the next greater one: below this a body is a plate, or a rod."""

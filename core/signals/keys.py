@@ -7,7 +7,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 
 RARE = 200
-"""Thinning stops when fewer than one key in ``RARE`` is removed."""
+"""Thinning ends after two passes in a row that each remove fewer than one key in ``RARE``."""
 
 
 def needed_keys(times: FloatArray, values: FloatArray, tolerance: FloatArray, run: IntArray | None = None) -> IntArray:

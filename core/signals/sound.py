@@ -179,7 +179,7 @@ def _frames(samples: FloatArray, length: int) -> FloatArray:
 
 
 def _power(samples: FloatArray) -> FloatArray:
-    """The squared magnitude of the analytic signal of samples, whose first and last `_MARGIN` are faded."""
+    """The squared envelope of samples, by their analytic signal; the first and last `_MARGIN` of them are faded in place."""
     fade = np.hanning(2 * _MARGIN + 1)[:_MARGIN]
     samples[:_MARGIN] *= fade
     samples[-_MARGIN:] *= fade[::-1]

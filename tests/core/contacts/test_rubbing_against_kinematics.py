@@ -56,7 +56,7 @@ def play(settings, shape, poses, mass=20.0, floor=None, first=0, lazy=False):
 
 
 def slid(path):
-    """Poses of a crate at these x, y (n, 2)."""
+    """Poses of a crate on the floor along a ``path`` of x and y, shape (n, 2)."""
     return [placed((x, y, EDGE / 2)) for x, y in path]
 
 
