@@ -111,7 +111,8 @@ def _placed_legend(data: RenderData, free: Rectangle, scale: float, measure: Mea
     shapes = tuple(shape for shape in NAMES if (data.points.shape == shape).any())
     names = tuple(iface_(name) for name in NAMES.values())
     margin = _MARGIN * scale
-    for legend in (_legend(data.scale, shapes, names, scale, measure), _small_legend(data.scale, iface_("Gain"), scale, measure)):
+    small = _small_legend(data.scale, iface_("Gain"), scale, measure)
+    for legend in (_legend(data.scale, shapes, names, scale, measure), small) if shapes else (small,):
         ((_, _, width, height),) = legend.bounds
         left = round(free[0] + margin if at_left else free[2] - margin - width)
         bottoms = [free[1], *(top for _, _, _, top in occupied)]

@@ -6,13 +6,15 @@ import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.view.annotations import placed_annotations
+from haptic_tracing.addon.view.hud import TEXT_SIZE
 from haptic_tracing.addon.view.label_placement import place_labels, project
 from haptic_tracing.addon.view.render_data import Options, Shape, render_data
+from haptic_tracing.core.scene.values import HapticObject, HapticScene, Settings
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mathutils import Vector
 
-from .conftest import BRIDGE
+from .conftest import BRIDGE, traced
 
 SIZE = (400.0, 300.0)
 ROOM = (20.0, 10.0, 390.0, 280.0)
@@ -101,3 +103,16 @@ def test_legend_scales_with_the_user_interface(scene, camera, bridge):
     extents = [np.ptp(items.lines.position[0], axis=0)[:2] for items in (one, two)]
     assert extents[1] == pytest.approx(2 * extents[0], rel=0.03)
     assert [text.size * 2 for text in one.texts] == pytest.approx([text.size for text in two.texts])
+
+
+def test_a_legend_without_symbols_shows_the_gains_alone(scene, camera):
+    nothing = traced(HapticScene((HapticObject("deck", 0.0, 1.0),), ()))
+    size = (900.0, 700.0)
+    items = placed_annotations(
+        render_data(nothing, Settings(), Options()), _perspective(scene, camera, size), size, 1.0, (0.0, 0.0, *size), text_width
+    )
+    assert items.texts
+    assert not items.points.shape.size
+    ((_, _, _, top),) = items.bounds
+    assert 0 <= max(text.position[1] for text in items.texts) + items.texts[0].size <= top
+    assert top - max(text.position[1] for text in items.texts) < 2 * TEXT_SIZE
