@@ -10,28 +10,3 @@ from .expression import MIXING_VARIABLES, compile_expression
 from .modulation import Conduction, Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction, Spectrum
 from .physical import Physical, Wave
 from .registry import FUNCTIONS, TRANSMISSIONS, function_from_dict
-
-__all__ = [
-    "FUNCTIONS",
-    "MIXING_VARIABLES",
-    "TRANSMISSIONS",
-    "Conduction",
-    "Constant",
-    "Exponential",
-    "Expression",
-    "Finding",
-    "HapticTracing",
-    "Identity",
-    "Impedance",
-    "Linear",
-    "ModulationFunction",
-    "NormalForce",
-    "Physical",
-    "Resilient",
-    "Spectrum",
-    "Wave",
-    "check_expression",
-    "compile_expression",
-    "excerpt",
-    "function_from_dict",
-]
