@@ -1,11 +1,17 @@
-"""The 25 body parts that a listener can stand for, and how other systems name them: one table for devices, formats and the body kit."""
+"""The 25 body parts that a listener can stand for, and how other systems name them: one table for devices, formats and the body kit.
+
+It is `body_parts.json`. Masks: bits of HapticReferenceSoftware's OHM metadata (HEAD_FRONT 0x1 ... L_FOOT_FINGERS 0x80000000). A whole hand
+is palm, dorsum and fingers; a whole foot likewise. Arms have no region of their own in WYVRN's files: they go to the hand of the same limb.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal
 
 Side = Literal["L", "R", ""]
 
@@ -36,58 +42,19 @@ class BodyPart:
     radius: float
 
 
-_WyvrnTarget = Literal["Head", "Chest", "Waist", "Leg", "Hand"]
+_TABLE = json.loads(Path(__file__).with_name("body_parts.json").read_text("utf-8"))
 
 
-def _midline(name: str, mask: int, target: tuple[str, ...], wyvrn: _WyvrnTarget, bhaptics: str | None, radius: float) -> tuple[BodyPart]:
-    return (BodyPart(name, "", name, mask, target, wyvrn, "Global", bhaptics, radius),)
+def _body_part(row: Mapping[str, Any]) -> BodyPart:
+    return BodyPart(**{**row, "mpeg_mask": int(row["mpeg_mask"], 16), "mpeg_target": tuple(row["mpeg_target"])})
 
 
-def _pair(
-    name: str, left_mask: int, right_mask: int, target: tuple[str, ...], wyvrn: _WyvrnTarget, bhaptics: str | None, radius: float
-) -> tuple[BodyPart, BodyPart]:
-    """Both sides of a part; ``{}`` in the bHaptics position is the letter of the side."""
-    left, right = (None, None) if bhaptics is None else (bhaptics.format("L"), bhaptics.format("R"))
-    return (
-        BodyPart(f"{name}.L", "L", f"{name}.R", left_mask, (*target, "Left"), wyvrn, "Left", left, radius),
-        BodyPart(f"{name}.R", "R", f"{name}.L", right_mask, (*target, "Right"), wyvrn, "Right", right, radius),
-    )
-
-
-# Masks: bits of HapticReferenceSoftware's OHM metadata (HEAD_FRONT 0x1 ... L_FOOT_FINGERS 0x80000000). A whole hand is palm, dorsum and
-# fingers; a whole foot likewise. Arms have no region of their own in WYVRN's files: they go to the hand of the same limb.
-BODY_PARTS: tuple[BodyPart, ...] = (
-    *_midline("head", 0x1 | 0x2, ("Head",), "Head", "Head", 0.10),
-    *_pair("ear", 0x8, 0x4, ("Head",), "Head", "Head", 0.04),
-    *_pair("chest", 0x20, 0x10, ("Chest", "Front"), "Chest", "VestFront", 0.10),
-    *_midline("belly", 0x40, ("Waist", "Front"), "Waist", "VestFront", 0.12),
-    *_midline("hips", 0x80, ("Waist",), "Waist", None, 0.15),
-    *_pair("upper_back", 0x100, 0x100, ("Chest", "Back"), "Chest", "VestBack", 0.10),
-    *_pair("middle_back", 0x200, 0x200, ("Waist", "Back"), "Waist", "VestBack", 0.10),
-    *_pair("upper_arm", 0x800, 0x400, ("Upper-arm",), "Hand", None, 0.08),
-    *_pair("forearm", 0x2000, 0x1000, ("Forearm",), "Hand", "Forearm{}", 0.07),
-    *_pair("hand", 0x2A0000, 0x150000, ("Hand",), "Hand", "Hand{}", 0.06),
-    *_pair("index_finger", 0x200000, 0x100000, ("Hand", "Index"), "Hand", "Glove{}", 0.02),
-    *_pair("upper_leg", 0x800000, 0x400000, ("Thigh",), "Leg", None, 0.12),
-    *_pair("lower_leg", 0x2000000, 0x1000000, ("Calf",), "Leg", None, 0.09),
-    *_pair("foot", 0xA8000000, 0x54000000, ("Foot",), "Leg", "Foot{}", 0.08),
-)
+BODY_PARTS: tuple[BodyPart, ...] = tuple(map(_body_part, _TABLE["parts"]))
 
 BODY_PART: Mapping[str, BodyPart] = MappingProxyType({part.name: part for part in BODY_PARTS})
 """Body parts by name."""
 
-DEFAULT_LISTENERS: tuple[str, ...] = (
-    "ear.L",
-    "ear.R",
-    "hand.L",
-    "hand.R",
-    "upper_back.L",
-    "upper_back.R",
-    "middle_back.L",
-    "middle_back.R",
-    "upper_leg.L",
-    "upper_leg.R",
-)
+DEFAULT_LISTENERS: tuple[str, ...] = tuple(_TABLE["default_listeners"])
 """The ten places of the default set-up."""
 
 

@@ -1,10 +1,12 @@
-"""Predefined signals: the defaults, and those of impacts between materials."""
+"""Predefined signals: the defaults, and those of impacts between materials, whose values are in `impact_materials.json`."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
@@ -44,52 +46,14 @@ class ImpactMaterial:
     grain: float = 0.0
 
 
-IMPACT_MATERIALS: Mapping[str, ImpactMaterial] = MappingProxyType(
-    {
-        "stone": ImpactMaterial(320.0, 0.014, 0.0005, 0.8, 0.15),
-        "concrete": ImpactMaterial(250.0, 0.010, 0.0006, 0.6, 0.20),
-        "brick": ImpactMaterial(280.0, 0.006, 0.0008, 0.6, 0.25),
-        "wood": ImpactMaterial(100.0, 0.0125, 0.0020, 0.9),  # measured
-        "hardwood": ImpactMaterial(190.0, 0.028, 0.0012, 0.9),
-        "metal": ImpactMaterial(300.0, 0.140, 0.0004, 1.0),  # frequency measured
-        "glass": ImpactMaterial(560.0, 0.060, 0.0004, 0.9),
-        "ceramic": ImpactMaterial(480.0, 0.030, 0.0004, 0.9),
-        "plastic": ImpactMaterial(220.0, 0.012, 0.0020, 0.7),
-        "rubber": ImpactMaterial(18.8, 0.0167, 0.0080, 0.8),  # measured
-        "soil": ImpactMaterial(45.0, 0.010, 0.0100, 0.4, 0.30),
-        "sand": ImpactMaterial(60.0, 0.006, 0.0120, 0.2, 0.60),
-        "gravel": ImpactMaterial(110.0, 0.020, 0.0040, 0.3, 0.80),
-        "fabric": ImpactMaterial(40.0, 0.008, 0.0120, 0.3, 0.15),
-        "ribbon": ImpactMaterial(80.0, 0.008, 0.0100, 0.2, 0.10),
-        "leather": ImpactMaterial(70.0, 0.012, 0.0060, 0.5, 0.05),
-        "flesh": ImpactMaterial(30.0, 0.025, 0.0150, 0.6),
-        "bone": ImpactMaterial(270.0, 0.018, 0.0010, 0.8),
-        "ice": ImpactMaterial(380.0, 0.010, 0.0006, 0.7, 0.30),
-        "water": ImpactMaterial(25.0, 0.060, 0.0200, 0.5, 0.20),
-    }
-)
-
-
-# Materials without a template of their own, and the one that stands for them.
-_KINDRED = {
-    "steel": "metal",
-    "aluminium": "metal",
-    "brass": "metal",
-    "lead": "metal",
-    "plaster": "brick",
-    "asphalt": "concrete",
-    "softwood": "wood",
-    "plywood": "wood",
-    "cork": "rubber",
-    "snow": "sand",
-    "foam": "fabric",
-    "paper": "fabric",
-}
+_TABLE = json.loads(Path(__file__).with_name("impact_materials.json").read_text("utf-8"))
+_MATERIALS = {name: ImpactMaterial(**row) for name, row in _TABLE["materials"].items()}
+IMPACT_MATERIALS: Mapping[str, ImpactMaterial] = MappingProxyType(_MATERIALS)
 
 
 def impact_material(name: str) -> str | None:
-    """The name in IMPACT_MATERIALS of a material of `core.materials`; None for air and unknown names."""
-    known = _KINDRED.get(name, name)
+    """The name in IMPACT_MATERIALS of a material of `core.materials` or of its kindred; None for air and unknown names."""
+    known = str(_TABLE["kindred"].get(name, name))
     return known if known in IMPACT_MATERIALS else None
 
 
