@@ -20,7 +20,7 @@ from ...core.formats.io.schema import load_schema
 from ...core.formats.io.strict_json import parse_json
 from ...core.formats.scene.recording import pair_of
 from ...core.formats.scene.scene_json import FORMAT, VERSION, scene_from_dict
-from ...core.formats.scene.values_json import item_to_dict, read_trigger
+from ...core.formats.scene.values_json import item_to_dict, read_triggers
 from ...core.scene.functions import Identity, ModulationFunction, function_from_dict
 from ...core.scene.rules import Motion
 from ...core.scene.values import Contact, Pose, SourceKind, Trigger, Vector
@@ -236,7 +236,7 @@ _VALUES: Mapping[str, Callable[[Any], Any]] = {
     "tolerance": float,
     "slack": float,
     "profile": str,
-    "triggers": lambda forms: tuple(read_trigger(form, ()) for form in forms),
+    "triggers": lambda forms: read_triggers(forms, ()),
 }
 """What makes a value of the stored one, by key."""
 

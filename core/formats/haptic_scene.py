@@ -11,11 +11,12 @@ from .io.catalogue import FORMATS
 from .io.strict_json import read_json
 from .scene.devices_json import device_to_dict, devices_from_dict
 from .scene.frames_json import frame_to_dict, recording_from_dict
-from .scene.materials_json import material_to_dict, materials_from_dict
+from .scene.materials_json import materials_from_dict
 from .scene.modalities_json import modalities_from_dict, modalities_to_dict
 from .scene.motion import packed
 from .scene.scene_json import current_document, scene_of, scene_to_dict, write_document
 from .scene.tracks_json import tracks_from_dict, tracks_to_dict
+from .scene.values_json import item_to_dict
 from .tracks import wav
 from .tracks.comparison import Comparison, Kind, Measures
 from .tracks.track_export import scene_file
@@ -58,7 +59,7 @@ def write_export(export: Export, path: Path, frames: bool = True, tracks: str = 
     files = [path]
     document: dict[str, Any] = {**scene}
     if export.materials:
-        document["materials"] = [material_to_dict(material) for material in export.materials]
+        document["materials"] = [item_to_dict(material) for material in export.materials]
     if export.devices:
         document["devices"] = [device_to_dict(device) for device in export.devices]
     modalities = modalities_to_dict(export.modalities)

@@ -39,6 +39,13 @@ def _form(value: Any) -> Any:
     return item_to_dict(value)
 
 
+def _as_tuples(value: Any) -> Any:
+    """Lists, and those in an object, as tuples."""
+    if isinstance(value, dict):
+        return {name: _as_tuples(member) for name, member in value.items()}
+    return tuple(value) if isinstance(value, list) else value
+
+
 def recording_from_dict(document: Mapping[str, Any], scene: HapticScene, file: str | Path) -> Recording | None:
     """The frames of a validated document, or None where it has none. Raises FormatError."""
     with errors_in(file):
@@ -81,25 +88,11 @@ class _FrameReader:
         for name, row in form.get("poses", {}).items():
             read_value(Pose, {"position": row[:3], "rotation": row[3:]}, (*place, "poses", name))
         contacts = self._contacts(form, place)
-        return RecordedFrame(
-            number=number,
-            poses={name: tuple(row) for name, row in form.get("poses", {}).items()},
-            properties={name: (row[0], row[1]) for name, row in form.get("properties", {}).items()},
-            functions={name: read_function(f, (*place, "functions", name)) for name, f in form.get("functions", {}).items()},
-            amplitudes=form.get("amplitudes", {}),
-            source_positions={
-                name: tuple((x, y, z) for x, y, z in positions) for name, positions in form.get("source_positions", {}).items()
-            },
-            listener_positions={name: (x, y, z) for name, (x, y, z) in form.get("listener_positions", {}).items()},
-            gains=form.get("gains", {}),
-            contacts=contacts,
-            parted=parted,
-            sources=sources,
-            objects=objects,
-            listeners=listeners,
-            removed_objects=tuple(form.get("removed_objects", ())),
-            removed_listeners=tuple(form.get("removed_listeners", ())),
-        )
+        functions = {name: read_function(function, (*place, "functions", name)) for name, function in form.get("functions", {}).items()}
+        positions = {name: tuple(map(tuple, places)) for name, places in form.get("source_positions", {}).items()}
+        read = {"functions": functions, "source_positions": positions, "contacts": contacts, "parted": parted, "sources": sources}
+        others = {key: _as_tuples(value) for key, value in form.items() if key != "frame"}
+        return RecordedFrame(number, **{**others, **read, "objects": objects, "listeners": listeners})
 
     def moved(self, frame: RecordedFrame, moving: dict[int, Poses], place: Place) -> RecordedFrame:
         """The frame that was read last with the poses of its motions, which are removed from ``moving``."""

@@ -6,13 +6,14 @@ Objects name theirs in ``material`` and have their own copy of its values.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ...scene.bands import BAND_COUNT
 from ...scene.references import require_unique
 from ..io.error import errors_in
+from .values_json import read_value
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,20 +33,9 @@ class LibraryMaterial:
     conductivity: float = 1.0
 
 
-def material_to_dict(material: LibraryMaterial) -> dict[str, Any]:
-    """The JSON object of a material; defaults are left out."""
-    values = {item.name: (getattr(material, item.name), item.default) for item in fields(LibraryMaterial)}
-    return {key: list(value) if isinstance(value, tuple) else value for key, (value, default) in values.items() if value != default}
-
-
 def materials_from_dict(document: Mapping[str, Any], file: str | Path) -> tuple[LibraryMaterial, ...]:
     """The materials of a validated document. Raises FormatError."""
     forms = document.get("materials", [])
     with errors_in(file):
         require_unique([form["name"] for form in forms], "material", "materials")
-    return tuple(_material(form) for form in forms)
-
-
-def _material(form: Mapping[str, Any]) -> LibraryMaterial:
-    values: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in form.items()}
-    return LibraryMaterial(**values)
+        return tuple(read_value(LibraryMaterial, form, ("materials", i)) for i, form in enumerate(forms))

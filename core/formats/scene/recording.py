@@ -266,32 +266,14 @@ class SceneRecorder:
             del self._listeners[name]
         appearing = tuple(item for item in objects if item.name not in self._objects)
         hearing = tuple(_placed(item) for item in listeners if item.name not in self._listeners)
-        poses, properties, functions = self._changed_objects(objects)
-        new, amplitudes, source_positions = self._changed_sources(sources)
-        listener_positions, gains = self._changed_listeners(listeners)
+        of_objects, of_listeners = self._changed_objects(objects), self._changed_listeners(listeners)
+        new, of_sources = self._changed_sources(sources)
         if begun:
             self._first = HapticScene(objects=appearing, contacts=moved, sources=new, listeners=hearing, settings=self._settings)
             self._frames.append(RecordedFrame(number))
         else:
-            self._frames.append(
-                RecordedFrame(
-                    number,
-                    poses,
-                    properties,
-                    functions,
-                    amplitudes,
-                    source_positions,
-                    listener_positions,
-                    gains,
-                    moved,
-                    parted,
-                    new,
-                    appearing,
-                    hearing,
-                    gone,
-                    removed,
-                )
-            )
+            change = RecordedFrame(number, *of_objects, *of_sources, *of_listeners, moved, parted, new, appearing, hearing, gone, removed)
+            self._frames.append(change)
 
     def scene(self) -> HapticScene:
         """The scene in the first frame."""
@@ -341,7 +323,10 @@ class SceneRecorder:
                 functions[item.name] = item.propagation
         return Poses.of(poses), properties, functions
 
-    def _changed_sources(self, sources: Sequence[Source]) -> tuple[tuple[Source, ...], dict[str, float], dict[str, tuple[Vector, ...]]]:
+    def _changed_sources(
+        self, sources: Sequence[Source]
+    ) -> tuple[tuple[Source, ...], tuple[dict[str, float], dict[str, tuple[Vector, ...]]]]:
+        """The sources that begin; amplitudes and positions of the others."""
         new: list[Source] = []
         amplitudes: dict[str, float] = {}
         positions: dict[str, tuple[Vector, ...]] = {}
@@ -362,7 +347,7 @@ class SceneRecorder:
             if gone.kind is SourceKind.PERSISTENT and gone.amplitude:
                 amplitudes[name] = 0.0
                 self._sources[name] = replace(gone, amplitude=0.0)
-        return tuple(new), dict(sorted(amplitudes.items())), positions
+        return tuple(new), (dict(sorted(amplitudes.items())), positions)
 
     def _changed_listeners(self, listeners: Sequence[Listener]) -> tuple[dict[str, Vector], dict[str, float]]:
         positions: dict[str, Vector] = {}

@@ -36,64 +36,60 @@ def read_function(
     return _placed(lambda: function_from_dict(form, functions), form, place)
 
 
+def _members(form: Mapping[str, Any], place: Place, **readers: Callable[[Any, Place], Any]) -> dict[str, Any]:
+    """The members of ``form``; each that has a reader is what that makes of it."""
+    return {key: readers[key](value, (*place, key)) if key in readers else value for key, value in form.items()}
+
+
+def _read_signal(form: Mapping[str, Any], place: Place) -> Signal:
+    return _placed(lambda: signal_from_dict(form), form, place)
+
+
+def _read_shape(form: Mapping[str, Any], place: Place) -> Shape:
+    return _placed(lambda: shape_from_dict(form), form, place)
+
+
+_read_pose = partial(read_value, Pose)
+_read_transmission = partial(read_function, functions=TRANSMISSIONS)
+
+
 def read_object(form: Mapping[str, Any], place: Place) -> HapticObject:
     """An object with its function, pose and shape."""
-    arguments = dict(form)
+    arguments = _members(form, place, propagation=read_function, pose=_read_pose, shape=_read_shape)
     if "material" not in form and isinstance(form.get("extras", {}).get("material"), str):  # where it was written at first
         arguments["extras"] = dict(form["extras"])
         arguments["material"] = arguments["extras"].pop("material")
-    if "propagation" in form:
-        arguments["propagation"] = read_function(form["propagation"], (*place, "propagation"))
-    if "pose" in form:
-        arguments["pose"] = read_value(Pose, form["pose"], (*place, "pose"))
-    if "shape" in form:
-        arguments["shape"] = _placed(lambda: shape_from_dict(form["shape"]), form["shape"], (*place, "shape"))
     return read_value(HapticObject, arguments, place)
 
 
 def read_contact(form: Mapping[str, Any], place: Place) -> Contact:
     """A contact; its normal is normalised."""
-    arguments = dict(form)
-    if "transmission" in form:
-        arguments["transmission"] = read_function(form["transmission"], (*place, "transmission"), TRANSMISSIONS)
-    if "normal" in form:
-        length = math.hypot(*form["normal"])
-        if length < 1e-12:
-            raise PlacedError((*place, "normal"), "a vector of length 0 has no direction")
-        if abs(length - 1) > 1e-6:
-            arguments["normal"] = tuple(component / length for component in form["normal"])
-    return read_value(Contact, arguments, place)
+    return read_value(Contact, _members(form, place, transmission=_read_transmission, normal=_read_normal), place)
+
+
+def _read_normal(vector: Sequence[float], place: Place) -> Sequence[float]:
+    length = math.hypot(*vector)
+    if length < 1e-12:
+        raise PlacedError(place, "a vector of length 0 has no direction")
+    return vector if abs(length - 1) <= 1e-6 else [component / length for component in vector]
 
 
 def read_source(form: Mapping[str, Any], place: Place) -> Source:
     """A source with its signal."""
-    arguments = dict(form)
-    if "signal" in form:
-        arguments["signal"] = _placed(lambda: signal_from_dict(form["signal"]), form["signal"], (*place, "signal"))
-    if "triggers" in form:
-        arguments["triggers"] = tuple(read_trigger(item, (*place, "triggers", k)) for k, item in enumerate(form["triggers"]))
-    return read_value(Source, arguments, place)
+    return read_value(Source, _members(form, place, signal=_read_signal, triggers=read_triggers), place)
 
 
-def read_trigger(form: Mapping[str, Any], place: Place) -> Trigger:
+def read_triggers(forms: Sequence[Mapping[str, Any]], place: Place) -> tuple[Trigger, ...]:
     """What makes a source play once."""
-    arguments = dict(form)
-    if "pose" in form:
-        arguments["pose"] = read_value(Pose, form["pose"], (*place, "pose"))
-    return read_value(Trigger, arguments, place)
+    return tuple(read_value(Trigger, _members(form, (*place, k), pose=_read_pose), (*place, k)) for k, form in enumerate(forms))
 
 
 def read_rules(form: Mapping[str, Any], place: Place) -> ContactSettings:
     """The rules of contacts and impacts, with their tables."""
-    arguments = dict(form)
-    if "impact_table" in form:
-        arguments["impact_table"] = read_table(form["impact_table"], (*place, "impact_table"), _read_impact_rule)
-    if "transmission_table" in form:
-        rows = form["transmission_table"]
-        arguments["transmission_table"] = read_table(rows, (*place, "transmission_table"), _read_transmission)
-    if "textures" in form:
-        arguments["textures"] = read_table(form["textures"], (*place, "textures"), partial(read_value, Texture))
-    return read_value(ContactSettings, arguments, place)
+    impacts, textures = partial(read_table, read=_read_impact_rule), partial(read_table, read=partial(read_value, Texture))
+    transmissions = partial(read_table, read=lambda row, own: _members(row, own, transmission=_read_transmission)["transmission"])
+    members = _members(form, place, impact_table=impacts, transmission_table=transmissions, textures=textures)
+    return read_value(ContactSettings, members, place)
 
 
 def read_table(forms: Sequence[Mapping[str, Any]], place: Place, read: Callable[[Mapping[str, Any], Place], T]) -> RuleTable[T]:
@@ -106,17 +102,13 @@ def read_table(forms: Sequence[Mapping[str, Any]], place: Place, read: Callable[
     return RuleTable(tuple(rows))
 
 
-def _read_transmission(form: Mapping[str, Any], place: Place) -> ModulationFunction:
-    return read_function(form["transmission"], (*place, "transmission"), TRANSMISSIONS)
-
-
 def _read_impact_rule(form: Mapping[str, Any], place: Place) -> ImpactRule:
-    arguments = dict(form)
-    if isinstance(form.get("template"), dict):
-        arguments["template"] = _placed(lambda: signal_from_dict(form["template"]), form["template"], (*place, "template"))
-    if "limits" in form:
-        arguments["limits"] = read_value(ImpactLimits, form["limits"], (*place, "limits"))
-    return read_value(ImpactRule, arguments, place)
+    return read_value(ImpactRule, _members(form, place, template=_read_template, limits=partial(read_value, ImpactLimits)), place)
+
+
+def _read_template(value: Any, place: Place) -> Any:
+    """A signal, or the name of predefined ones."""
+    return _read_signal(value, place) if isinstance(value, dict) else value
 
 
 def read_listener(form: Mapping[str, Any], place: Place) -> Listener:
