@@ -48,7 +48,8 @@ def write(export: Export, folder: Path, options: Mapping[str, Any], measured: Co
     """Write ``<scene>.json`` or ``.json.gz``, and ``<scene>.tracks.wav`` if asked to."""
     if export.tracks is not None:
         wav.compare_encoded(export.tracks, options["encoding"], measured)
-    path = scene_file(export.name, folder, SUFFIX + (".gz" if options["compressed"] else ""))
+    path = scene_file(export.name, folder, "scene")
+    path = path.with_name(f"{path.name}.gz") if options["compressed"] else path
     return write_export(export, path, frames=options["frames"], tracks=options["tracks"], encoding=options["encoding"])
 
 

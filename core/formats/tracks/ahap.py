@@ -17,17 +17,15 @@ from ...arrays import FloatArray
 from ...signals.drawn import EMPHASIS_SECONDS, HIGHEST, LOWEST
 from ...signals.keys import needed_keys
 from ..io.atomic import write_text
-from ..io.catalogue import FORMATS
 from ..io.json_text import compact
 from .ahap_reading import carriers_of, intensity, sharpness
 from .ahap_reading import read as read
-from .carrier import Player
+from .carrier import compare_carriers
 from .comparison import Comparison, Kind, Measures
 from .envelopes import mean_frequency, powers, smoothed
 from .listener_tracks import ListenerTrack, Row
 from .track_export import EDITOR, TrackExport, common_losses, listener_files
 
-SUFFIX = FORMATS["ahap"].suffix
 TRANSIENTS_SUFFIX = ".transients.ahap"
 
 LONGEST_EVENT = 30.0
@@ -54,23 +52,18 @@ def keeps(options: Mapping[str, Any]) -> Measures:
 
 def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
     """Write ``<scene>.<listener>.ahap`` and, for impacts, ``.transients.ahap``."""
-    tracks = export.need_tracks()
     files = []
-    for number, (listener, path) in enumerate(zip(tracks.listeners, listener_files(export, folder, SUFFIX), strict=True)):
-        row = tracks.row(number)
+    for number, listener, row, path in listener_files(export, folder, "ahap"):
         transients = _transients(row, listener.impacts)
         power, change, width = powers(row, options["step"])
         _subtract(power, change, transients, row, options["step"])
         amplitude, frequency = smoothed(power, change, width, row.sample_rate)
         continuous = list(_continuous(amplitude, frequency, options["step"], row.duration, options["error"]))
         clicks = [_event("HapticTransient", time, strength, pitch) for time, strength, pitch in transients.tolist()]
-        player = Player(row, number, measured)
-        for pattern in (continuous, clicks):
-            player.add(carriers_of(pattern, {}))
-        player.play_until(math.inf)
+        compare_carriers(row, number, carriers_of(continuous, {}) + carriers_of(clicks, {}), measured)
         files.append(_write(path, export, listener, continuous))
         if clicks:
-            files.append(_write(path.with_name(path.name.removesuffix(SUFFIX) + TRANSIENTS_SUFFIX), export, listener, clicks))
+            files.append(_write(path.with_suffix(TRANSIENTS_SUFFIX), export, listener, clicks))
     return files
 
 

@@ -178,6 +178,13 @@ def _sum(carriers: Iterable[Carrier], first: int, last: int, rate: float) -> Flo
     return samples
 
 
+def compare_carriers(original: Row, listener: int, carriers: Iterable[Carrier], measured: Comparison) -> None:
+    """Compare the samples of a listener with all that is played instead."""
+    player = Player(original, listener, measured)
+    player.add(carriers)
+    player.play_until(math.inf)
+
+
 class Player:
     """Renders carriers and hands them with the original samples to a comparison, in pieces.
 

@@ -13,13 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..io.atomic import atomic_file
-from ..io.catalogue import FORMATS
 from . import wav
 from .comparison import Comparison
 from .listener_tracks import Tracks
 from .track_export import TrackExport, common_losses, scene_file
-
-SUFFIX = FORMATS["csv"].suffix
 
 _WIDTH = 8
 _LINES = 2**15
@@ -36,7 +33,7 @@ keeps = wav.keeps
 def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
     """Write ``<scene>.csv``: seconds with six decimals, values with five."""
     tracks = export.need_tracks()
-    path = scene_file(export.name, folder, SUFFIX)
+    path = scene_file(export.name, folder, "csv")
     head = io.StringIO()
     csv.writer(head, lineterminator="\n").writerow(["time", *(listener.name for listener in tracks.listeners)])
     with atomic_file(path) as file:

@@ -7,7 +7,6 @@ published files have. With ``points`` 0 they follow the wave.
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -16,20 +15,17 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ..io.atomic import write_text
-from ..io.catalogue import FORMATS
 from ..io.error import FormatError
 from ..io.json_text import compact, json_rows, write_json
 from ..io.schema import validate
 from ..io.strict_json import read_json
-from .carrier import Carrier, Player
+from .carrier import Carrier, compare_carriers
 from .comparison import Comparison, Kind, Measures
 from .envelopes import single_carrier, thinned_carrier
 from .fitting import Fit
 from .listener_tracks import ListenerTrack
 from .track_export import EDITOR, TrackExport, common_losses, listener_files
 from .vibration_file import Channel, VibrationFile
-
-SUFFIX = FORMATS["haptic"].suffix
 
 ATTACK = 0.03
 """Time after an impact within which its vibration peaks (seconds)."""
@@ -57,19 +53,16 @@ def keeps(options: Mapping[str, Any]) -> Measures:
 
 def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
     """Write ``<scene>.<listener>.haptic`` and ``.acf`` for each listener."""
-    tracks = export.need_tracks()
     low, high = _range(options)
     files = []
-    for number, (listener, path) in enumerate(zip(tracks.listeners, listener_files(export, folder, SUFFIX), strict=True)):
-        row = tracks.row(number)
+    for number, listener, row, path in listener_files(export, folder, "haptic"):
         if options["points"]:
             carrier = thinned_carrier(row, low, high, options["points"])
         else:
             carrier = single_carrier(row, Fit(error=options["error"], lowest=low, highest=high))
         text = "".join(_document(export, listener, carrier, low, high, options["emphasis"]))
-        player = Player(row, number, measured)
-        player.add(_carriers(json.loads(text)["signals"]["continuous"]["envelopes"], low, high, str(path)))
-        player.play_until(math.inf)
+        played = _carriers(json.loads(text)["signals"]["continuous"]["envelopes"], low, high, str(path))
+        compare_carriers(row, number, played, measured)
         files.append(write_text(path, [text]))
         files.append(write_json(path.with_suffix(".acf"), _configuration(export, listener, low, high)))
     return files

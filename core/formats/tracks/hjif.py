@@ -17,7 +17,6 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ..io.atomic import write_text
-from ..io.catalogue import FORMATS
 from ..io.json_text import compact
 from .bands import bands_for
 from .carrier import Carrier, Player
@@ -28,8 +27,6 @@ from .hjif_reading import read as read
 from .listener_tracks import ListenerTrack, Row, Tracks
 from .track_export import TrackExport, body_part_of, common_losses, scene_file
 from .transients import TRANSIENT_CYCLES, TRANSIENT_SECONDS, transient_carrier, without_transients
-
-SUFFIX = FORMATS["hjif"].suffix
 
 TIMESCALE = 1000
 CHANNELS_OF_LEVEL_1 = 127
@@ -64,7 +61,7 @@ def keeps(options: Mapping[str, Any]) -> Measures:
 def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
     """Write ``<scene>.hjif``."""
     tracks = export.need_tracks()
-    path = scene_file(export.name, folder, SUFFIX)
+    path = scene_file(export.name, folder, "hjif")
     return [write_text(path, _document(export, tracks, options, measured))]
 
 

@@ -9,13 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..io.atomic import write_text
-from ..io.catalogue import FORMATS
 from ..io.json_text import compact
 from .comparison import Comparison, Kind, Measures
 from .envelopes import coarse_envelope, compare_steps
 from .track_export import TrackExport, common_losses, listener_files
-
-SUFFIX = FORMATS["hla"].suffix
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
@@ -35,11 +32,9 @@ def keeps(options: Mapping[str, Any]) -> Measures:
 
 def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
     """Write ``<scene>.<listener>.hla``."""
-    tracks = export.need_tracks()
     step = options["step"] / 1000
     files = []
-    for number, (listener, path) in enumerate(zip(tracks.listeners, listener_files(export, folder, SUFFIX), strict=True)):
-        row = tracks.row(number)
+    for number, listener, row, path in listener_files(export, folder, "hla"):
         amplitude, _ = coarse_envelope(row, step)
         levels = np.rint(np.clip(amplitude, 0.0, 1.0) * 255).astype(np.int64)
         compare_steps(row, number, levels / 255, step, measured)

@@ -11,13 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..io.atomic import atomic_file
-from ..io.catalogue import FORMATS
 from . import wav
 from .comparison import Comparison
 from .listener_tracks import CHUNK, Tracks
 from .track_export import TrackExport, common_losses, scene_file
-
-SUFFIX = FORMATS["npz"].suffix
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
@@ -35,7 +32,7 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
     listener index, time and strength.
     """
     tracks = export.need_tracks()
-    path = scene_file(export.name, folder, SUFFIX)
+    path = scene_file(export.name, folder, "npz")
     method = zipfile.ZIP_DEFLATED if options["compressed"] else zipfile.ZIP_STORED
     with atomic_file(path) as file, zipfile.ZipFile(file, "w", method) as archive:
         _write_samples(archive, tracks)

@@ -8,13 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from ..io.atomic import write_bytes
-from ..io.catalogue import FORMATS
 from . import wav
 from .comparison import Comparison
 from .listener_tracks import ListenerTrack
 from .track_export import TrackExport, body_part_of, scene_file
-
-SUFFIX = FORMATS["ohm"].suffix
 
 _ENCODING = "pcm16"
 
@@ -31,7 +28,7 @@ keeps = wav.keeps
 def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
     """Write ``<scene>.ohm`` and ``<scene>.wav``."""
     tracks = export.need_tracks()
-    path, recording = scene_file(export.name, folder, SUFFIX), scene_file(export.name, folder, wav.SUFFIX)
+    path, recording = scene_file(export.name, folder, "ohm"), scene_file(export.name, folder, "wav")
     if len(tracks.listeners) > 32767 or len(recording.name.encode()) > 64:
         raise ValueError(f"{path}: more listeners, or a longer name, than an OHM file can hold")
     wav.write_wav(tracks, recording, _ENCODING)

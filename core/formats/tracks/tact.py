@@ -21,8 +21,6 @@ from .listener_tracks import Tracks
 from .tact_reading import read as read
 from .track_export import TrackExport, body_part_of, common_losses
 
-SUFFIX = FORMATS["tact"].suffix
-
 INTERVAL = 20
 """Step of strengths (milliseconds)."""
 
@@ -72,7 +70,9 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
     files = []
     for device, stem in zip(devices, stems, strict=True):
         modes = {position: _mode(driven.get(position, {}), steps, options["levels"]) for position in DEVICES[device]}
-        files.append(write_text(folder / f"{stem}{SUFFIX}", [compact(_document(export, tracks, device, stem, modes)), "\n"]))
+        files.append(
+            write_text(folder / f"{stem}{FORMATS['tact'].suffix}", [compact(_document(export, tracks, device, stem, modes)), "\n"])
+        )
     return files
 
 

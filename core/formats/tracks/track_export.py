@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Protocol
 
 from ...scene.body import BODY_PART, BodyPart
-from ..io.file_names import file_stems
-from .listener_tracks import ListenerTrack, Tracks
+from ..io.catalogue import FORMATS
+from ..io.file_names import file_stem, file_stems
+from .listener_tracks import ListenerTrack, Row, Tracks
 
 EDITOR = "Haptic Tracing"
 
@@ -30,16 +31,18 @@ def body_part_of(listener: ListenerTrack) -> BodyPart | None:
     return BODY_PART.get(listener.body_part)
 
 
-def listener_files(export: TrackExport, folder: Path, suffix: str) -> list[Path]:
-    """A path per listener: ``<scene>.<listener><suffix>``, or ``<scene><suffix>`` for the only one."""
-    listeners = export.need_tracks().listeners
-    names = [export.name] if len(listeners) == 1 else [f"{export.name}.{listener.name}" for listener in listeners]
-    return [folder / f"{stem}{suffix}" for stem in file_stems(names)]
+def listener_files(export: TrackExport, folder: Path, form: str) -> Iterator[tuple[int, ListenerTrack, Row, Path]]:
+    """Number, name and samples of each listener, and the path of its file in the format ``form``: ``<scene>.<listener><suffix>``, or
+    ``<scene><suffix>`` for the only one."""
+    tracks = export.need_tracks()
+    names = [export.name] if len(tracks.listeners) == 1 else [f"{export.name}.{listener.name}" for listener in tracks.listeners]
+    for number, (listener, stem) in enumerate(zip(tracks.listeners, file_stems(names), strict=True)):
+        yield number, listener, tracks.row(number), folder / f"{stem}{FORMATS[form].suffix}"
 
 
-def scene_file(name: str, folder: Path, suffix: str) -> Path:
-    """``<name><suffix>``, with ``name`` made safe for every file system."""
-    return folder / f"{file_stems([name])[0]}{suffix}"
+def scene_file(name: str, folder: Path, form: str) -> Path:
+    """``<name><suffix>`` in the format ``form``, with ``name`` made safe for every file system."""
+    return folder / f"{file_stem(name)}{FORMATS[form].suffix}"
 
 
 def common_losses(tracks: Tracks, *, body: bool) -> Iterator[str]:

@@ -15,7 +15,6 @@ from ...signals.interpolation import resample
 from ...signals.limits import MAX_PEAK
 from ...signals.wav import WavFile
 from ..io.atomic import atomic_file
-from ..io.catalogue import FORMATS
 from ..io.error import FormatError
 from ..io.json_text import write_json
 from ..io.strict_json import read_json_beside
@@ -24,7 +23,6 @@ from .listener_tracks import CHUNK, ListenerTrack, Tracks
 from .track_export import TrackExport, body_part_of, common_losses, scene_file
 from .vibration_file import Channel, VibrationFile
 
-SUFFIX = FORMATS["wav"].suffix
 SIDECAR_SUFFIX = ".wav.json"
 
 _REST_OF_GUID = bytes.fromhex("000000001000800000aa00389b71")
@@ -57,7 +55,7 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
     """Write ``<scene>.wav`` and ``<scene>.wav.json``."""
     original = export.need_tracks()
     tracks = at_rate(original, options["sample_rate"])
-    path = scene_file(export.name, folder, SUFFIX)
+    path = scene_file(export.name, folder, "wav")
     write_wav(tracks, path, options["encoding"])
     if tracks is original:
         compare_encoded(tracks, options["encoding"], measured)
@@ -65,7 +63,7 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
         again = at_rate(tracks, original.sample_rate)
         for number in range(len(original.listeners)):
             measured.add(number, original.row(number).read(0, original.count), again.row(number).read(0, original.count))
-    sidecar = path.with_name(path.name.removesuffix(SUFFIX) + SIDECAR_SUFFIX)
+    sidecar = path.with_suffix(SIDECAR_SUFFIX)
     return [path, write_json(sidecar, {"format": "haptic-tracks", "version": "1.0", "file": path.name, **described(tracks)})]
 
 

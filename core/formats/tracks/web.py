@@ -18,12 +18,9 @@ from ...arrays import FloatArray
 from ...scene.body_map import figure
 from ...signals.interpolation import resample
 from ..io.atomic import write_text
-from ..io.catalogue import FORMATS
 from .comparison import Comparison, Kind, Measures
 from .listener_tracks import Tracks
 from .track_export import TrackExport, common_losses, scene_file
-
-SUFFIX = FORMATS["web"].suffix
 
 RATE = 2000
 """Samples a second at most: 150 s of ten listeners stay below 5 MB."""
@@ -64,7 +61,7 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
     text = json.dumps(document, ensure_ascii=True, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
     parts = {"@TITLE@": html.escape(export.name), "@DATA@": text}
     page = Path(__file__).with_name("player.html").read_text("utf-8")
-    path = scene_file(export.name, folder, SUFFIX)
+    path = scene_file(export.name, folder, "web")
     return [write_text(path, (parts.get(piece, piece) for piece in re.split(r"(@[A-Z]+@)", page)))]
 
 

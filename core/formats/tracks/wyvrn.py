@@ -19,15 +19,13 @@ from ..io.json_text import compact, json_rows, write_json
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .bands import wide_bands
-from .carrier import Carrier, Player
+from .carrier import Carrier, compare_carriers
 from .comparison import Comparison, Kind, Measures
 from .fitting import Fit, fit_bands
 from .listener_tracks import ListenerTrack, Row
 from .track_export import TrackExport, body_part_of, common_losses
 from .transients import TRANSIENT_SECONDS, transient_carrier, without_transients
 from .vibration_file import Channel, VibrationFile
-
-SUFFIX = FORMATS["wyvrn"].suffix
 
 BANDS = wide_bands((5, 90, 430))
 """The bands of the melodies: published clips have at most three, and frequencies up to 366 Hz."""
@@ -69,10 +67,8 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
     files = []
     for number, (listener, stem) in enumerate(zip(tracks.listeners, stems, strict=True)):
         clip = "".join(_clip(tracks.row(number), listener, options))
-        player = Player(tracks.row(number), number, measured)
-        player.add(_carriers_of(json.loads(clip), {}))
-        player.play_until(math.inf)
-        files.append(write_text(inside / f"{stem}{SUFFIX}", [clip]))
+        compare_carriers(tracks.row(number), number, _carriers_of(json.loads(clip), {}), measured)
+        files.append(write_text(inside / f"{stem}{FORMATS['wyvrn'].suffix}", [clip]))
     events = [
         {
             "Haptic_Effect": stem,
