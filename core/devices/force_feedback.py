@@ -135,7 +135,6 @@ FORCE_FEEDBACK = RumbleFamily(
     name="force-feedback",
     title="Gamepad (kernel)",
     ids=frozenset({(0, 0)}),
-    transports=("usb", "bt"),
     minimum_interval={"usb": 0.010, "bt": 0.050},
     refresh_interval=0.250,
     picks=any_interface,

@@ -64,7 +64,6 @@ DUALSENSE = RumbleFamily(
     name="dualsense",
     title="DualSense",
     ids=frozenset({(SONY, PRODUCT), (SONY, EDGE)}),
-    transports=("usb", "bt"),
     minimum_interval={"usb": 0.010, "bt": 0.010},
     release=release,
     encode=_encode,

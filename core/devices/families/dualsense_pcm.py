@@ -30,7 +30,6 @@ DUALSENSE_PCM = StreamFamily(
     name="dualsense-pcm",
     title="DualSense (samples over Bluetooth, experimental)",
     ids=frozenset({(SONY, PRODUCT)}),
-    transports=("bt",),
     minimum_interval={"bt": FRAMES / RATE},
     release=release,
     rate=RATE,

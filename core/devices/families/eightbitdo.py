@@ -1,25 +1,20 @@
-"""8BitDo pads with the firmware that SDL drives. Experimental: one driver is the only source."""
+"""8BitDo pads, as SDL sets them up."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
 
-from ..report import Report, Tones, Transport, unsigned8
-from .family import HidDevice, Interface, RumbleFamily
+from ..report import Report
+from .family import HidDevice, Interface
+from .pads import pad
 
 _ULTIMATE_2_WIRELESS, _ULTIMATE_3 = 0x6012, 0x202F
-_PADS = (0x6001, 0x6101, 0x6000, 0x6100, 0x6003, 0x6006, 0x6009, _ULTIMATE_2_WIRELESS, _ULTIMATE_3)
 # Reading this feature report switches to the firmware's extended protocol; the Ultimate 3 has another, with its abilities.
 _EXTENDED, _ABILITIES = 0x06, 0x30
 _ATTEMPTS = 5
 # The firmware of the Ultimate 2 Wireless that rumbles sends input reports of this length, earlier ones shorter reports.
 _LONG_INPUT = 34
-
-
-def _encode(drive: Tones, transport: Transport, sequence: int) -> Report:
-    left, right = map(unsigned8, drive.amplitudes)
-    return Report(bytes([0x05, left, right, 0, 0]))
 
 
 def _prepare(device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> None:
@@ -50,12 +45,4 @@ def _feature(device: HidDevice, report: int) -> list[int]:
     return []
 
 
-EIGHTBITDO = RumbleFamily(
-    name="8bitdo",
-    title="8BitDo controller",
-    ids=frozenset((0x2DC8, product) for product in _PADS),
-    transports=("usb", "bt"),
-    minimum_interval={"usb": 0.020, "bt": 0.020},
-    prepare=_prepare,
-    encode=_encode,
-)
+EIGHTBITDO = pad("8bitdo", prepare=_prepare)

@@ -114,9 +114,8 @@ class Family:
 
     name: key in the registry and on the command line.
     ids: (vendor, product) numbers.
-    transports: those it can be driven over, the default first.
     channels: names of what a drive has one value for, in order.
-    minimum_interval: least seconds from the end of one report to the next, per transport.
+    minimum_interval: least seconds from the end of one report to the next, by the transports that it can be driven over, the default first.
     refresh_interval: seconds after which an unchanged non-zero drive is sent again.
     picks: whether an interface is the one to open.
     probe_input: of several such interfaces, the right one is that which emits input within 16 ms.
@@ -130,7 +129,6 @@ class Family:
     name: str
     title: str
     ids: frozenset[tuple[int, int]]
-    transports: tuple[Transport, ...]
     minimum_interval: Mapping[Transport, float]
     channels: tuple[str, ...] = ("left", "right")
     refresh_interval: float = RESEND
@@ -141,6 +139,11 @@ class Family:
     release: Callable[[Transport, int], tuple[Report, ...]] = nothing
     farewell: Callable[[Transport, int], tuple[Report, ...]] = nothing
     zero_repeats: int = 1
+
+    @property
+    def transports(self) -> tuple[Transport, ...]:
+        """Those it can be driven over, the default first."""
+        return tuple(self.minimum_interval)
 
     def matches(self, interface: Interface) -> bool:
         """Whether this is a device of the family, on a transport and interface it is driven through."""

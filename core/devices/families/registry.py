@@ -7,23 +7,20 @@ from types import MappingProxyType
 
 from .dualsense import DUALSENSE
 from .dualsense_pcm import DUALSENSE_PCM
-from .dualshock4 import DUALSHOCK4
 from .eightbitdo import EIGHTBITDO
 from .family import AnyFamily, Interface
-from .shield import SHIELD_2015, SHIELD_2017
+from .pads import pad
 from .sinput import SINPUT
-from .stadia import STADIA
-from .steam_controller import STEAM_CONTROLLER, STEAM_CONTROLLER_PCM
-from .steam_deck import STEAM_DECK
+from .steam import STEAM_CONTROLLER, STEAM_CONTROLLER_PCM, STEAM_DECK
 from .switch import JOYCON_LEFT, JOYCON_RIGHT, SWITCH_PRO
-from .xbox import LUNA, XBOX
 
-_SONY: tuple[AnyFamily, ...] = (DUALSENSE, DUALSENSE_PCM, DUALSHOCK4)
+_SONY: tuple[AnyFamily, ...] = (DUALSENSE, DUALSENSE_PCM, pad("dualshock4"))
 _NINTENDO = (SWITCH_PRO, JOYCON_LEFT, JOYCON_RIGHT)
 _VALVE: tuple[AnyFamily, ...] = (STEAM_DECK, STEAM_CONTROLLER, STEAM_CONTROLLER_PCM)
-_OTHERS = (LUNA, SHIELD_2017, SHIELD_2015, EIGHTBITDO, SINPUT)
+_OTHERS = (pad("luna"), pad("shield-2017"), pad("shield-2015"), EIGHTBITDO, SINPUT)
+_ALL = (*_SONY, *_NINTENDO, pad("xbox"), pad("stadia"), *_VALVE, *_OTHERS)
 
-FAMILIES: Mapping[str, AnyFamily] = MappingProxyType({it.name: it for it in (*_SONY, *_NINTENDO, XBOX, STADIA, *_VALVE, *_OTHERS)})
+FAMILIES: Mapping[str, AnyFamily] = MappingProxyType({family.name: family for family in _ALL})
 
 
 def family(name: str) -> AnyFamily:

@@ -122,10 +122,9 @@ def _family(name: str, title: str, products: tuple[int, ...], picks: Callable[[I
         name=name,
         title=title,
         ids=frozenset((NINTENDO, product) for product in products),
-        transports=("usb", "bt") if PRO in products else ("bt", "usb"),
         channels=("left.low", "left.high", "right.low", "right.high"),
         # Faster than 30 ms SDL saw controllers switch off; over Bluetooth the kernel keeps 60 ms.
-        minimum_interval={"usb": 0.030, "bt": 0.060},
+        minimum_interval={"usb": 0.030, "bt": 0.060} if PRO in products else {"bt": 0.060, "usb": 0.030},
         refresh_interval=0.050,
         picks=picks,
         prepare=_prepare,

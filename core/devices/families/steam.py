@@ -1,4 +1,4 @@
-"""Steam Controller of 2026: rumble, or 8-bit samples at 8 kHz to its two internal actuators.
+"""Steam Deck, and Steam Controller of 2026: rumble, or 8-bit samples at 8 kHz to its two internal actuators.
 
 Layout: SDL's driver, Linux ``hid-steam.c`` and the notes of the steam-controller-stuff and TritonLib projects. Steam itself writes to
 the pad: drive it only while Steam is closed.
@@ -9,11 +9,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..report import Report, Tones, Transport, unsigned16
-from .family import Interface, RumbleFamily, StreamFamily, is_vendor_defined
-from .steam_deck import VALVE
+from ..report import Report, Transport
+from .family import Interface, StreamFamily, is_vendor_defined
+from .pads import pad
 
-WIRED, BLE, DONGLES = 0x1302, 0x1303, (0x1304, 0x1305)
+VALVE = 0x28DE
+WIRED, DONGLES = 0x1302, (0x1304, 0x1305)
 
 FRAMES = 31
 RATE = 8000
@@ -21,11 +22,6 @@ RATE = 8000
 _BOTH_INTERNAL = 2
 _SETUP, _CANCEL = 2, 1
 _SIGNED_8_BIT_8_KHZ = 4
-
-
-def _encode_rumble(drive: Tones, transport: Transport, sequence: int) -> Report:
-    left, right = (unsigned16(amplitude).to_bytes(2, "little") for amplitude in drive.amplitudes)
-    return Report(bytes([0x80, 0, 0, 0]) + left + b"\0" + right + b"\0")
 
 
 def _encode_samples(samples: NDArray[np.int8], sequence: int) -> Report:
@@ -42,28 +38,27 @@ def _cancel_stream(transport: Transport, sequence: int) -> tuple[Report, ...]:
     return (Report(bytes([0x86, _CANCEL, _BOTH_INTERNAL, 0])),)
 
 
+_KEYBOARD, _MOUSE = (0x01, 0x06), (0x01, 0x02)
+
+
+def _not_keyboard_or_mouse(interface: Interface) -> bool:
+    return (interface.usage_page, interface.usage) not in (_KEYBOARD, _MOUSE)
+
+
+STEAM_DECK = pad("steam-deck", picks=_not_keyboard_or_mouse, probe_input=True)
+
+
 def _carries_a_controller(interface: Interface) -> bool:
     """On the wireless adaptor, interfaces 2 to 5 are the controllers paired with it."""
     return is_vendor_defined(interface) and (interface.product not in DONGLES or 2 <= interface.number <= 5)
 
 
-STEAM_CONTROLLER = RumbleFamily(
-    name="steam-controller",
-    title="Steam Controller (2026)",
-    ids=frozenset((VALVE, product) for product in (WIRED, BLE, *DONGLES)),
-    transports=("usb", "bt"),
-    minimum_interval={"usb": 0.010, "bt": 0.020},
-    refresh_interval=0.040,
-    picks=_carries_a_controller,
-    probe_input=True,
-    encode=_encode_rumble,
-)
+STEAM_CONTROLLER = pad("steam-controller", picks=_carries_a_controller, probe_input=True)
 
 STEAM_CONTROLLER_PCM = StreamFamily(
     name="steam-controller-pcm",
     title="Steam Controller (2026, samples)",
     ids=frozenset((VALVE, product) for product in (WIRED, *DONGLES)),
-    transports=("usb",),
     minimum_interval={"usb": FRAMES / RATE},
     picks=_carries_a_controller,
     probe_input=True,
