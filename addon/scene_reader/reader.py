@@ -67,9 +67,6 @@ _STEADY = frozenset(
 )
 """Modifiers whose result is the same in every frame unless they are animated."""
 
-_UNMOVED = np.float32(4e-6)
-"""Below this change of every element of its matrix an object counts as unmoved: bodies at rest tremble by half of it."""
-
 
 class SceneReader:
     """Reads one scene at every frame."""
@@ -187,7 +184,7 @@ class SceneReader:
             rows, moved = set(), np.arange(len(lists.rows))  # everything has just been read
         else:
             # Where simulations at rest tremble, the matrix of before stays.
-            rows, moved = animated, np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= (0 if exact else _UNMOVED)).all(axis=1))
+            rows, moved = animated, np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= (0.0 if exact else lists.still)).all(axis=1))
         if len(moved) == len(lists.rows):
             self._raw = raw_tagged
             self._rigid, scales = rigid_transforms(raw_tagged)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.arrays import FloatArray, IntArray
-from ...core.contacts.tracker import Body
+from ...core.contacts.tracker import STILL, Body
 from ...core.scene.values import HapticObject, Listener, Pose, Source
 from .imported_contacts import Homes
 from .problem import Problem
@@ -32,10 +32,12 @@ class Tagged:
 @dataclass(frozen=True, slots=True)
 class TaggedLists:
     """What is tagged, in the order of the rows: ``rows`` (m,) in the file and ``scales`` (m, 3) as authored; which of them are bodies, and
-    the rows in the file where sources and listeners are."""
+    the rows in the file where sources and listeners are. ``still`` (m, 16): changes of world matrices that move no corner by more than
+    about `STILL`."""
 
     rows: IntArray
     scales: FloatArray
+    still: FloatArray
     animated: tuple[tuple[int, tuple[str, ...] | None], ...]  # rows and data paths
     deforming: bool  # any of them
     of_bodies: IntArray
@@ -59,9 +61,11 @@ class TaggedLists:
             objects = before.objects if objects == before.objects else objects
             alone = before.bodies if alone == before.bodies else alone
         homed = before is not None and (names, poses) == (before.homes.names, before.homes.poses)
+        still = before.still if before is not None and alone is before.bodies else _still([t.scale for t in tagged], bodies)
         return cls(
             rows=np.array([t.row for t in tagged], dtype=np.int64),
             scales=np.array([t.scale for t in tagged], dtype=np.float64).reshape(-1, 3),
+            still=still,
             animated=tuple((t.row, t.animated) for t in tagged if t.animated != ()),
             deforming=any(t.deforming for t in tagged),
             of_bodies=np.array([k for k, _, _ in bodies], dtype=np.int64),
@@ -72,3 +76,13 @@ class TaggedLists:
             homes=before.homes if before is not None and homed else Homes.of(names, poses),
             problems=tuple(dict.fromkeys(problem for t in tagged for problem in t.problems)),
         )
+
+
+def _still(scales: list[tuple[float, float, float]], bodies: list[tuple[int, HapticObject, Body]]) -> FloatArray:
+    """Of objects with these ``scales``, the limits of changes of world matrices (m, 16), column by column: that of a turn is less the
+    further the corners of a body are away."""
+    limits = np.full((len(scales), 16), STILL)
+    for k, _, body in bodies:
+        arm = np.linalg.norm(np.abs(body.shape.local_bounds()).max(axis=0))
+        limits[k, :12] *= np.repeat(np.abs(scales[k]), 4) / max(float(arm), 1e-9)
+    return limits

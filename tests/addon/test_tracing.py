@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import bpy
+import numpy as np
 import pytest
 from haptic_tracing.addon.session import session
 
@@ -38,6 +39,27 @@ def test_gain_of_two_touching_boxes_is_the_closed_form(seesaw, traced):
     assert result.gains.shape == (1, 1)
     assert result.gains[0, 0] == pytest.approx(expected, rel=1e-6)
     assert result.path_objects(0, 0) == ("plank", "box")
+
+
+def test_what_creeps_is_where_it_is_to_ten_micrometres_and_in_every_32nd_frame_to_the_bit(seesaw, scene):
+    plank, box, _, _ = seesaw
+    scene.frame_end = 97
+    for obj, path, speed in ((plank, "rotation_euler", 1e-6), (box, "location", 2e-6)):
+        begin = np.array(getattr(obj, path))
+        for frame in (1, 97):
+            setattr(obj, path, begin + speed * (frame - 1))
+            obj.keyframe_insert(path, frame=frame)
+    corners = np.array([(x, y, z, 1) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+    kept = []
+    for frame in range(2, 98):
+        scene.frame_set(frame)
+        reading = session.of(scene).reading
+        kept.append(reading.transforms)
+        for body, transform in zip((box, plank), reading.transforms, strict=True):
+            matrix, sides = np.array(body.matrix_world), np.array([*body.scale, 1])
+            away = np.linalg.norm(((transform * sides - matrix) @ corners.T)[:3], axis=0).max()
+            assert away <= (1e-6 if frame % 32 == 0 else 3e-5), (body.name, frame)
+    assert 10 < len({id(transforms) for transforms in kept}) < 60
 
 
 def test_amplitude_and_kappa_that_are_keyframed_count_at_each_frame(seesaw, scene):
