@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from hashlib import blake2b
 
 from ..signals import LONGEST, Signal, Struck
+from .functions.modulation import require
 
 
 class ImpactTemplates(enum.StrEnum):
@@ -49,8 +50,7 @@ class ImpactLimits:
 
     def __post_init__(self) -> None:
         for key in ("least_energy", "refractory"):
-            if not 0 <= getattr(self, key) < math.inf:
-                raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")
+            require(key, getattr(self, key))
         if not 0 < self.full_energy < math.inf:
             raise ValueError(f"full_energy: must be finite and > 0, got {self.full_energy!r}")
 

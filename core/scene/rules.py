@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass, field
 
 from .functions import ModulationFunction
+from .functions.modulation import require
 from .impact_rule import ImpactLimits, ImpactRule
 from .impact_rule import ImpactTemplates as ImpactTemplates
 from .rule_table import RuleTable
@@ -60,8 +61,7 @@ class ContactSettings:
         object.__setattr__(self, "energy", ImpactEnergy(self.energy))
         object.__setattr__(self, "templates", ImpactTemplates(self.templates))
         for key in ("tolerance", "slack"):
-            if not 0 <= getattr(self, key) < math.inf:
-                raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")
+            require(key, getattr(self, key))
         if not 0 < self.time_scale < math.inf:
             raise ValueError(f"time_scale: must be finite and > 0, got {self.time_scale!r}")
         assert self.limits  # which are checked when they are made

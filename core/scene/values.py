@@ -19,6 +19,7 @@ from .choices import SourceKind as SourceKind
 from .choices import Strategy as Strategy
 from .choices import TriggerKind as TriggerKind
 from .functions import MIXING_VARIABLES, HapticTracing, Identity, ModulationFunction, compile_expression
+from .functions.modulation import require
 from .impact_rule import require_template
 from .references import require_known, require_unique
 from .rules import ContactSettings, Motion
@@ -80,8 +81,7 @@ class Settings:
         for key in ("threshold", "localise"):
             _unit_interval(key, getattr(self, key))
         for key in ("epsilon", "tolerance"):
-            if not 0 <= getattr(self, key) < math.inf:
-                raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")
+            require(key, getattr(self, key))
 
 
 @dataclass(frozen=True, slots=True)
@@ -269,8 +269,7 @@ class Listener:
         object.__setattr__(self, "extent", Extent(self.extent))
         object.__setattr__(self, "position", _finite_vector("position", self.position))
         for key in ("radius", "gain"):
-            if not 0 <= getattr(self, key) < math.inf:
-                raise ValueError(f"{key}: must be finite and >= 0, got {getattr(self, key)!r}")
+            require(key, getattr(self, key))
         if not 0 < self.s_max <= 1:
             raise ValueError(f"s_max: must lie in (0, 1], got {self.s_max!r}")
         if not 0 <= self.ducking <= MOST_DUCKING:

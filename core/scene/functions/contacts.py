@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ..bands import BAND_CENTRES
-from .modulation import ModulationFunction, Value, require
+from .modulation import ModulationFunction, OnContact, Value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,9 +20,7 @@ class Impedance(ModulationFunction):
 
     name: ClassVar[str] = "impedance"
 
-    def gain(
-        self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
-    ) -> FloatArray:
+    def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
         return np.ones(np.shape(distance)) * (contact or {}).get("match", 1.0)
 
     def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
@@ -39,17 +36,11 @@ class Resilient(ModulationFunction):
     """
 
     name: ClassVar[str] = "resilient"
+    positive: ClassVar[tuple[str, ...]] = ("stiffness", "load")
     stiffness: float = 1e5
     load: float = 10.0
     loss_factor: float = 0.2
     fall_off: float = 12.0
-
-    def __post_init__(self) -> None:
-        for key in ("stiffness", "load", "loss_factor", "fall_off"):
-            require(key, getattr(self, key))
-        for key in ("stiffness", "load"):
-            if getattr(self, key) == 0:
-                raise ValueError(f"{key}: must be greater than 0")
 
     @property
     def resonance(self) -> float:
@@ -77,22 +68,15 @@ class NormalForce(ModulationFunction):
     (Greenwood and Williamson). reference: newtons; 1 where the force is unknown."""
 
     name: ClassVar[str] = "normal_force"
+    positive: ClassVar[tuple[str, ...]] = ("reference",)
     reference: float = 10.0
     exponent: float = 1 / 3
-
-    def __post_init__(self) -> None:
-        for key in ("reference", "exponent"):
-            require(key, getattr(self, key))
-        if self.reference == 0:
-            raise ValueError("reference: must be greater than 0 N")
 
     @property
     def uses_force(self) -> bool:
         return True
 
-    def gain(
-        self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
-    ) -> FloatArray:
+    def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
         force = np.nan_to_num((contact or {}).get("force", math.nan), nan=self.reference)
         return np.ones(np.shape(distance)) * np.minimum(force / self.reference, 1.0) ** self.exponent
 

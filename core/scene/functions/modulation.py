@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from functools import cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -20,6 +21,8 @@ from .expression import CompiledExpression, compile_expression
 from .interval import Interval
 
 Value = float | FloatArray
+OnContact = Mapping[str, Value] | None
+"""What is known of a contact, by the names of variables."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,10 +67,16 @@ class Spectrum:
         return used
 
 
-def require(key: str, value: float, low: float = 0.0) -> None:
-    """Raise ValueError that names ``key`` where a parameter is not finite or is less than ``low``."""
-    if not (math.isfinite(value) and value >= low):
-        raise ValueError(f"{key}: must be finite and >= {low:g}, got {value!r}")
+def require(key: str, value: float) -> None:
+    """Raise ValueError that names ``key`` where a parameter is not finite or is less than 0."""
+    if not (math.isfinite(value) and value >= 0):
+        raise ValueError(f"{key}: must be finite and >= 0, got {value!r}")
+
+
+@cache
+def _numbers(cls: type[ModulationFunction]) -> tuple[tuple[str, str], ...]:
+    """The parameters of a function that are numbers, each with its key in files."""
+    return tuple((entry.name, entry.metadata.get("key", entry.name)) for entry in fields(cls) if entry.type == "float")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,7 +84,15 @@ class ModulationFunction:
     """Base of all modulation functions. Values, hashable, compared by content."""
 
     name: ClassVar[str] = ""
+    positive: ClassVar[tuple[str, ...]] = ()
+    """Parameters that must be greater than 0; all are finite and 0 or more."""
     spectrum: Spectrum = field(default_factory=Spectrum)
+
+    def __post_init__(self) -> None:
+        for name, key in _numbers(type(self)):  # type: ignore[arg-type]
+            require(key, getattr(self, name))
+            if name in self.positive and getattr(self, name) == 0:
+                raise ValueError(f"{key}: must be greater than 0")
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float] | None:
         """``(factor, decay)`` where the gain is ``factor * exp(-decay * d)``, times that of `spreading_law`; None for another form."""
@@ -91,9 +108,7 @@ class ModulationFunction:
         assert pair is not None
         return -math.log(pair[0]) if pair[0] > 0 else math.inf
 
-    def gain(
-        self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
-    ) -> FloatArray:
+    def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
         """Gains over ``distance`` (metres, >= 0, any shape). ``contact`` gives area (m^2), depth (m), angle (rad) and, where it is used,
         force (N, NaN: unknown) of a contact, and match, the gain where the impedances of its two bodies meet. ``kappa``, ``rho`` and those
         are numbers or arrays like ``distance``."""
@@ -156,9 +171,6 @@ class Constant(ModulationFunction):
     name: ClassVar[str] = "constant"
     gain_value: float = field(default=0.5, metadata={"key": "gain"})
 
-    def __post_init__(self) -> None:
-        require("gain", self.gain_value)
-
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return self.gain_value, 0.0
 
@@ -172,9 +184,6 @@ class Exponential(ModulationFunction):
 
     name: ClassVar[str] = "exponential"
     alpha: float = 0.2
-
-    def __post_init__(self) -> None:
-        require("alpha", self.alpha)
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return 1.0, self.alpha
@@ -193,9 +202,7 @@ class HapticTracing(ModulationFunction):
     def loss(self, kappa: float, rho: float, epsilon: float) -> float:
         return -(math.log1p(-kappa) + math.log(rho)) if kappa < 1 and rho > 0 else math.inf
 
-    def gain(
-        self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
-    ) -> FloatArray:
+    def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
         k = transfer_coefficient(np.asarray(kappa), np.asarray(rho))
         return np.asarray(k * np.exp(-np.maximum(k, epsilon) * np.asarray(distance, dtype=np.float64)))
 
@@ -209,16 +216,10 @@ class Linear(ModulationFunction):
     """``max(0, 1 - d / range)``."""
 
     name: ClassVar[str] = "linear"
+    positive: ClassVar[tuple[str, ...]] = ("range",)
     range: float = 10.0
 
-    def __post_init__(self) -> None:
-        require("range", self.range)
-        if self.range == 0:
-            raise ValueError("range: must be greater than 0 m")
-
-    def gain(
-        self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
-    ) -> FloatArray:
+    def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
         return np.asarray(np.maximum(0.0, 1.0 - np.asarray(distance, dtype=np.float64) / self.range))
 
     def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
@@ -243,9 +244,7 @@ class Expression(ModulationFunction):
     def uses_force(self) -> bool:
         return self.compiled.uses("force")
 
-    def gain(
-        self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
-    ) -> FloatArray:
+    def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
         """Raises ValueError where the formula gives a negative or non-finite gain."""
         values = {"kappa": kappa, "rho": rho, "epsilon": epsilon, **_NO_CONTACT, **(contact or {})}
         values["force"] = np.nan_to_num(values["force"], nan=1.0)
@@ -282,16 +281,10 @@ class Conduction(ModulationFunction):
     """
 
     name: ClassVar[str] = "conduction"
+    positive: ClassVar[tuple[str, ...]] = ("conductivity", "thickness")
     conductivity: float = 1.0
     thickness: float = 0.1
     exchange: float = 10.0
-
-    def __post_init__(self) -> None:
-        for key in ("conductivity", "thickness", "exchange"):
-            require(key, getattr(self, key))
-        for key in ("conductivity", "thickness"):
-            if getattr(self, key) == 0:
-                raise ValueError(f"{key}: must be greater than 0")
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return 1.0, math.sqrt(2.0 * self.exchange / (self.conductivity * self.thickness))

@@ -13,7 +13,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ..bands import BAND_CENTRES
 from ..coefficients import transfer_coefficient
-from .modulation import ModulationFunction, Value, require
+from .modulation import ModulationFunction, OnContact, Value
 
 _FELT = 0.06
 """Nepers (0.5 dB) by which a band must differ from the lowest one over `_FAR` metres for bands to be worth their cost."""
@@ -54,6 +54,7 @@ class Physical(ModulationFunction):
     """
 
     name: ClassVar[str] = "physical"
+    positive: ClassVar[tuple[str, ...]] = ("phase_speed", "density", "thickness", "reference_distance")
     wave: Wave = Wave.SOLID
     loss_factor: float = 0.01
     phase_speed: float = 1000.0
@@ -70,12 +71,7 @@ class Physical(ModulationFunction):
             object.__setattr__(self, "wave", Wave(self.wave))
         except ValueError:
             raise ValueError(f"wave: expected one of {', '.join(Wave)}, got {self.wave!r}") from None
-        for key in ("loss_factor", "absorption", "extent", "resonance"):
-            require(key, getattr(self, key))
-        for key in ("phase_speed", "density", "thickness", "reference_distance"):
-            require(key, getattr(self, key))
-            if getattr(self, key) == 0:
-                raise ValueError(f"{key}: must be greater than 0")
+        ModulationFunction.__post_init__(self)
         if not 0.001 <= self.material_k <= 0.999:
             raise ValueError(f"material_k: must lie in [0.001, 0.999], got {self.material_k!r}")
 
@@ -103,9 +99,7 @@ class Physical(ModulationFunction):
         limited = np.minimum(distance, self.extent) if self.extent > 0 else distance
         return np.asarray((1.0 + limited / self.reference_distance) ** -SPREADING[self.wave])
 
-    def gain(
-        self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: Mapping[str, Value] | None = None
-    ) -> FloatArray:
+    def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
         away = np.asarray(distance, dtype=np.float64)
         damped = np.where(away > 0, self.damping(BAND_CENTRES[0], kappa, rho), 0.0) * away
         return np.asarray(self.spreading(away) * np.exp(-damped))
