@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ from ...core.arrays import FloatArray
 from ...core.contacts.shapes import pose_matrix
 from ...core.formats.scene.poses import PoseRow
 from ...core.formats.scene.recording import RecordedFrame, Recording
-from ...core.scene.values import HapticScene, Pose, SourceKind, Vector
+from ...core.scene.values import HapticScene, Listener, Pose, Source, SourceKind, Vector
 from ..blender.compatibility import ensure_fcurve
 
 Keys = dict[int, tuple[float, ...]]
@@ -41,23 +41,9 @@ class _Changes:
     def of(cls, scene: HapticScene, recording: Recording) -> _Changes:
         """From the first frame of a recording on."""
         first = recording.frames[0].number
-        attached = [(f"source {item.name}", item) for item in scene.sources] + [(f"listener {item.name}", item) for item in scene.listeners]
-        changes = cls(
-            poses={item.name: {first: _row(item.pose)} for item in scene.objects},
-            properties={item.name: {first: (item.kappa, item.rho)} for item in scene.objects},
-            amplitudes={item.name: {first: (item.amplitude,)} for item in scene.sources},
-            gains={item.name: {first: (item.gain,)} for item in scene.listeners},
-            places={key: {first: item.position} for key, item in attached},
-            carriers={key: item.object for key, item in attached},
-            objects_there={item.name: {first: (1.0,)} for item in scene.objects},
-            listeners_there={item.name: {first: (1.0,)} for item in scene.listeners},
-        )
-        for there, items in (
-            (changes.objects_there, (item for frame in recording.frames for item in frame.objects)),
-            (changes.listeners_there, (item for frame in recording.frames for item in frame.listeners)),
-        ):
-            there.update((item.name, {first: (0.0,)}) for item in items if item.name not in there)
-        for frame in recording.frames:
+        changes = cls({}, {}, {}, {}, {}, {}, {}, {})
+        begin = RecordedFrame(first, objects=scene.objects, sources=scene.sources, listeners=scene.listeners)
+        for frame in (begin, *recording.frames):
             changes._add(frame, first)
         return changes
 
@@ -68,19 +54,18 @@ class _Changes:
         for name in change.removed_listeners:
             self.listeners_there[name][number] = (0.0,)
         for item in change.objects:
-            self.objects_there[item.name][number] = (1.0,)
+            self.objects_there.setdefault(item.name, {first: (0.0,)})[number] = (1.0,)
             self.poses.setdefault(item.name, {})[number] = _row(item.pose)
             self.properties.setdefault(item.name, {})[number] = (item.kappa, item.rho)
         for listener in change.listeners:
-            self.listeners_there[listener.name][number] = (1.0,)
+            self.listeners_there.setdefault(listener.name, {first: (0.0,)})[number] = (1.0,)
             self.gains.setdefault(listener.name, {})[number] = (listener.gain,)
-            self.places.setdefault(f"listener {listener.name}", {})[number] = listener.position
-            self.carriers.setdefault(f"listener {listener.name}", listener.object)
         for source in change.sources:
             before: Keys = {first: (0.0,)} if source.kind is SourceKind.PERSISTENT else {}
             self.amplitudes.setdefault(source.name, before)[number] = (source.amplitude,)
-            self.places.setdefault(f"source {source.name}", {})[number] = source.position
-            self.carriers.setdefault(f"source {source.name}", source.object)
+        for key, attached in _attached(change):
+            self.places.setdefault(key, {})[number] = attached.position
+            self.carriers.setdefault(key, attached.object)
         for name, row in change.poses.items():
             self.poses[name][number] = row
         for name, pair in change.properties.items():
@@ -93,6 +78,12 @@ class _Changes:
             self.places[f"listener {name}"][number] = position
         for name, gain in change.gains.items():
             self.gains[name][number] = (gain,)
+
+
+def _attached(change: RecordedFrame) -> Iterator[tuple[str, Source | Listener]]:
+    """The sources and listeners that appear in a frame, by the keys of their places."""
+    yield from ((f"source {item.name}", item) for item in change.sources)
+    yield from ((f"listener {item.name}", item) for item in change.listeners)
 
 
 def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[str, Object], attached: Mapping[str, Object]) -> list[str]:

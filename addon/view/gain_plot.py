@@ -10,7 +10,6 @@ import numpy as np
 from ...core.arrays import FloatArray, IntArray
 from ...core.scene.bands import BAND_COUNT, BAND_EDGES
 from ...core.scene.functions import ModulationFunction
-from ..changes.events import disabled
 from ..session.derived import Background, Latest
 from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
 
@@ -122,11 +121,3 @@ def latest_curve(key: tuple[ModulationFunction, float, float, float]) -> Latest[
 def icon(key: Hashable, curve: Curve, colour: Colour, ink: Colour) -> int:
     """The identifier of the icon with the curve; ``key`` identifies its content."""
     return _picture.icon((key, colour, ink), lambda: picture(curve, colour, ink))
-
-
-def forget() -> None:
-    """Free the picture."""
-    _picture.forget()
-
-
-disabled.subscribe(forget)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import bpy
@@ -171,76 +173,53 @@ def solid_mesh(name: str, solid: Solid) -> Mesh:
     return mesh
 
 
+_COLOUR = {"attribute_name": COLOUR_ATTRIBUTE}
+_EMITTING = {"emission": ("Emission", (-440, 0), {}), "output": ("OutputMaterial", (0, 0), {})}
+_MIXED = {"colour": ("Attribute", (-660, 60), _COLOUR), "clear": ("BsdfTransparent", (-440, -160), {}), "mix": ("MixShader", (-220, 0), {})}
+"""Nodes of materials: kinds without "ShaderNode", places and settings."""
+
+
 def graph_material() -> Material:
     """A material that emits the colours of the mesh, darker towards the edges for a round look in any light. Back faces are not drawn."""
-    material = bpy.data.materials.get(NAME)
-    if material is not None:
-        return material
-    material, nodes, links = _shining_material(NAME)
-    colour = nodes.new("ShaderNodeAttribute")
-    colour.attribute_name = COLOUR_ATTRIBUTE
-    facing = nodes.new("ShaderNodeLayerWeight")
-    facing.inputs["Blend"].default_value = 0.35
-    strength = nodes.new("ShaderNodeMath")
-    strength.operation = "MULTIPLY_ADD"
-    strength.inputs[1].default_value, strength.inputs[2].default_value = -0.7, 1.0
-    links.new(facing.outputs["Facing"], strength.inputs[0])
-    links.new(strength.outputs[0], nodes["Emission"].inputs["Strength"])
-    links.new(colour.outputs["Color"], nodes["Emission"].inputs["Color"])
-    side = nodes.new("ShaderNodeNewGeometry")
-    clear, mix = nodes.new("ShaderNodeBsdfTransparent"), nodes.new("ShaderNodeMixShader")
-    links.new(side.outputs["Backfacing"], mix.inputs["Fac"])
-    links.new(nodes["Emission"].outputs[0], mix.inputs[1])
-    links.new(clear.outputs[0], mix.inputs[2])
-    links.new(mix.outputs[0], nodes["Material Output"].inputs["Surface"])
-    places = ((colour, (-660, 60)), (strength, (-660, -140)), (facing, (-880, -140)), (nodes["Emission"], (-440, 0)))
-    for node, place in (*places, (side, (-440, 240)), (clear, (-440, -160)), (mix, (-220, 0))):
-        node.location = place
-    return material
+    strength = ("Math", (-660, -140), {"operation": "MULTIPLY_ADD"})
+    more = {"strength": strength, "facing": ("LayerWeight", (-880, -140), {}), "side": ("NewGeometry", (-440, 240), {})}
+    links = [("facing", "Facing", "strength", 0), ("strength", 0, "emission", "Strength"), ("colour", "Color", "emission", "Color")]
+    links += [("side", "Backfacing", "mix", "Fac"), ("emission", 0, "mix", 1), ("clear", 0, "mix", 2), ("mix", 0, "output", "Surface")]
+    return _material(NAME, {**_MIXED, **more}, links, {("facing", "Blend"): 0.35, ("strength", 1): -0.7, ("strength", 2): 1.0})
 
 
 def flat_material() -> Material:
     """A material that emits the colours of the mesh, with their opacity."""
-    name = "Haptic Labels"
-    material = bpy.data.materials.get(name)
-    if material is not None:
-        return material
-    material, nodes, links = _shining_material(name)
-    material.surface_render_method = "BLENDED"
-    colour = nodes.new("ShaderNodeAttribute")
-    colour.attribute_name = COLOUR_ATTRIBUTE
-    clear, mix = nodes.new("ShaderNodeBsdfTransparent"), nodes.new("ShaderNodeMixShader")
-    links.new(colour.outputs["Color"], nodes["Emission"].inputs["Color"])
-    links.new(colour.outputs["Alpha"], mix.inputs["Fac"])
-    links.new(clear.outputs[0], mix.inputs[1])
-    links.new(nodes["Emission"].outputs[0], mix.inputs[2])
-    links.new(mix.outputs[0], nodes["Material Output"].inputs["Surface"])
-    for node, place in ((colour, (-660, 60)), (nodes["Emission"], (-440, -60)), (clear, (-440, 60)), (mix, (-220, 0))):
-        node.location = place
-    return material
+    links = [("colour", "Color", "emission", "Color"), ("colour", "Alpha", "mix", "Fac"), ("clear", 0, "mix", 1)]
+    return _material("Haptic Labels", _MIXED, [*links, ("emission", 0, "mix", 2), ("mix", 0, "output", "Surface")], blended=True)
 
 
 def text_material() -> Material:
     """A material that emits the object's colour."""
-    name = "Haptic Text"
+    links = [("own", "Color", "emission", "Color"), ("emission", 0, "output", "Surface")]
+    return _material("Haptic Text", {"own": ("ObjectInfo", (-660, 0), {})}, links)
+
+
+def _material(
+    name: str, nodes: Mapping[str, Any], links: Sequence[Any], values: Mapping[Any, float] = MappingProxyType({}), blended: bool = False
+) -> Material:
+    """The material ``name``; where there is none, of ``nodes`` by name, ``links`` (from, output, to, input) and ``values`` of inputs."""
     material = bpy.data.materials.get(name)
     if material is not None:
         return material
-    material, nodes, links = _shining_material(name)
-    own = nodes.new("ShaderNodeObjectInfo")
-    links.new(own.outputs["Color"], nodes["Emission"].inputs["Color"])
-    own.location = (-440, 0)
-    return material
-
-
-def _shining_material(name: str) -> tuple[Material, Any, Any]:
     material = bpy.data.materials.new(name)
     if material.node_tree is None:
         material.use_nodes = True
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    nodes.clear()
-    emission, output = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeOutputMaterial")
-    emission.name, output.name = "Emission", "Material Output"
-    emission.location = (-220, 0)
-    links.new(emission.outputs[0], output.inputs["Surface"])
-    return material, nodes, links
+    made, tree = {}, material.node_tree
+    tree.nodes.clear()
+    for key, (kind, place, settings) in {**_EMITTING, **nodes}.items():
+        made[key] = tree.nodes.new(f"ShaderNode{kind}")
+        for setting, value in {**settings, "location": place}.items():
+            setattr(made[key], setting, value)
+    for start, output, end, taken in links:
+        tree.links.new(made[start].outputs[output], made[end].inputs[taken])
+    for (key, taken), value in values.items():
+        made[key].inputs[taken].default_value = value
+    if blended:
+        material.surface_render_method = "BLENDED"
+    return material

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
 from ...core.scene.body_map import HALF_WIDTH, HEIGHT, View, figure
-from ..changes.events import disabled
 from .levels import Level
 from .meter_layout import SCOPE_COLOUR, Scope, colour_of, full_scale, spans
 from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
@@ -83,12 +82,3 @@ def _limbs() -> tuple[tuple[str, ...], NDArray[np.intp], FloatArray]:
             names.append(limb.part)
     every = np.array(distances)
     return tuple(names), every.argmin(axis=0), np.clip(0.5 - every.min(axis=0), 0, 1)
-
-
-def forget() -> None:
-    """Free the pictures."""
-    _scope.forget()
-    _body.forget()
-
-
-disabled.subscribe(forget)

@@ -10,6 +10,7 @@ from bpy.types import Context
 from bpy.utils import previews
 from numpy.typing import NDArray
 
+from ..changes.events import disabled
 from ..session.derived import Background
 
 Pixels = NDArray[np.float32]
@@ -26,6 +27,7 @@ class Picture:
         self._previews: Any = None
         self._pixels: Background[Pixels] = Background()
         self._shown: Pixels | None = None
+        disabled.subscribe(self.forget)
 
     def icon(self, key: Hashable, draw: Callable[[], Pixels]) -> int:
         """The identifier of the icon with the last picture; where ``key`` has changed, ``draw`` makes a new one."""

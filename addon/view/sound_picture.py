@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..changes.events import disabled
 from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
 
 _picture = Picture()
@@ -32,11 +31,3 @@ def picture(waves: str, colour: Colour, ink: Colour) -> Pixels:
 def icon(waves: str, colour: Colour, ink: Colour) -> int:
     """The identifier of the icon with the waves."""
     return _picture.icon((waves, colour, ink), lambda: picture(waves, colour, ink))
-
-
-def forget() -> None:
-    """Free the picture."""
-    _picture.forget()
-
-
-disabled.subscribe(forget)
