@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _iface, _rpt = bpy.app.translations.pgettext_iface, bpy.app.translations.pgettext_rpt
 
 TRACK_FORMATS = tuple(name for name in FORMATS if name != "scene")
+TRACK_ENDINGS = tuple(named(name).suffix for name in TRACK_FORMATS)
 SCENE_ENDINGS = (".json.gz", ".json")
 LINE = 34
 """Width of the file browser's sidebar in characters."""
@@ -42,6 +43,13 @@ class RangeExport(ExportHelper):
     """Mixin: a range of frames, the objects of a collection, losses shown beforehand."""
 
     __annotations__ = dict(_RANGE)
+    endings: Collection[str] = ()
+    """Those of the files; another one of them gives way to that of the chosen options."""
+
+    def check(self, context: Context) -> bool:
+        before: str = self.properties.filepath
+        self.properties.filepath = with_ending(before, self.endings, self.filename_ext)
+        return self.properties.filepath != before
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         if not self.properties.is_property_set("frame_end"):
@@ -77,6 +85,7 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
     bl_idname = "export_scene.haptic_scene"
     bl_label = "Export Haptic Scene"
     bl_options = {"PRESET"}
+    endings = SCENE_ENDINGS
 
     filter_glob: StringProperty(default="*.json;*.json.gz", options={"HIDDEN"})
     frames: EnumProperty(
@@ -109,12 +118,6 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
     @property
     def filename_ext(self) -> str:
         return ".json.gz" if self.compressed else ".json"
-
-    def check(self, context: Context) -> bool:
-        before: str = self.properties.filepath
-        path = with_ending(before, SCENE_ENDINGS, self.filename_ext)
-        self.properties.filepath = path
-        return path != before
 
     def draw(self, context: Context) -> None:
         layout = self.layout
@@ -168,8 +171,9 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
     bl_idname = "export_scene.haptic_tracks"
     bl_label = "Export Haptic Tracks"
     bl_options = {"PRESET"}
+    endings = TRACK_ENDINGS
     __annotations__ = {
-        "filter_glob": StringProperty(default=";".join(f"*{named(name).suffix}" for name in TRACK_FORMATS), options={"HIDDEN"}),
+        "filter_glob": StringProperty(default=";".join(f"*{ending}" for ending in TRACK_ENDINGS), options={"HIDDEN"}),
         "format": EnumProperty(
             name="Format",
             description="Where it will be felt",
@@ -182,12 +186,6 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
     @property
     def filename_ext(self) -> str:
         return named(self.format).suffix
-
-    def check(self, context: Context) -> bool:
-        before: str = self.properties.filepath
-        path = with_ending(before, [named(name).suffix for name in TRACK_FORMATS], self.filename_ext)
-        self.properties.filepath = path
-        return path != before
 
     def draw(self, context: Context) -> None:
         layout = self.layout
@@ -261,5 +259,5 @@ def export_name(path: str) -> str:
     name = Path(path).name
     for suffix in SCENE_ENDINGS:
         name = name[: -len(suffix)] if name.lower().endswith(suffix) else name
-    stem = Path(name).stem if Path(name).suffix in {named(form).suffix for form in TRACK_FORMATS} else name
+    stem = Path(name).stem if Path(name).suffix in TRACK_ENDINGS else name
     return stem or "haptics"

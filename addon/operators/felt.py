@@ -35,9 +35,7 @@ class HAPTIC_OT_make_felt(Operator):
     listener: StringProperty(name="Listener", options={"HIDDEN"})
     margin: FloatProperty(name="Margin (dB)", description="How far above the threshold of feeling", default=6.0, min=0.0, max=60.0)
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_object_mode(cls, context)
+    poll = classmethod(poll_object_mode)
 
     def execute(self, context: Context) -> set[str]:
         found: Any = context.scene.objects.get(self.listener)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import bpy
+from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 from bpy.types import Context, Operator
 
@@ -18,7 +18,9 @@ PRESET_ITEMS = tuple((material.name, material.title, "") for material in MATERIA
 
 
 def _poll_material(cls: type[Operator], context: Context) -> bool:
-    """The library has an active material."""
+    """Object Mode, and the library has an active material."""
+    if not poll_object_mode(cls, context):
+        return False
     library_of = context.scene.haptics.materials
     if not 0 <= library_of.active < len(library_of.items):
         cls.poll_message_set("Choose a material of the library first")
@@ -61,9 +63,7 @@ class HAPTIC_OT_apply_material(Operator):
         library.apply(objects, item)
         linked = sum(not obj.is_editable for obj in chosen)
         if linked:
-            self.report(
-                {"WARNING"}, bpy.app.translations.pgettext_rpt("{} linked objects can't be changed; override them first").format(linked)
-            )
+            self.report({"WARNING"}, _rpt("{} linked objects can't be changed; override them first").format(linked))
         return {"FINISHED"}
 
 
@@ -79,7 +79,7 @@ class HAPTIC_OT_guess_material(Operator):
     def execute(self, context: Context) -> set[str]:
         objects = [obj for obj in context.selected_objects if obj.type in SOLID_TYPES and obj.is_editable]
         known = library.apply_guesses(context.scene, objects)
-        message = bpy.app.translations.pgettext_rpt("{} of {} objects have a name, shape or mass that tells their material")
+        message = _rpt("{} of {} objects have a name, shape or mass that tells their material")
         self.report({"INFO"}, message.format(known, len(objects)))
         return {"FINISHED"} if known else {"CANCELLED"}
 
@@ -100,7 +100,7 @@ class HAPTIC_OT_physical_materials(Operator):
     def execute(self, context: Context) -> set[str]:
         objects = [obj for obj in context.scene.objects if obj.haptics.enabled and obj.is_editable]
         known = library.make_physical(objects, self.in_a_building)
-        message = bpy.app.translations.pgettext_rpt("{} of {} haptic objects are made of a preset")
+        message = _rpt("{} of {} haptic objects are made of a preset")
         self.report({"INFO"}, message.format(known, len(objects)))
         return {"FINISHED"} if known else {"CANCELLED"}
 
@@ -128,9 +128,7 @@ class HAPTIC_OT_copy_material(Operator):
     bl_label = "Copy Material"
     bl_options = UNDO
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_object_mode(cls, context) and _poll_material(cls, context)
+    poll = classmethod(_poll_material)
 
     def execute(self, context: Context) -> set[str]:
         materials = context.scene.haptics.materials
@@ -145,9 +143,7 @@ class HAPTIC_OT_remove_material(Operator):
     bl_label = "Remove Material"
     bl_options = UNDO
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return poll_object_mode(cls, context) and _poll_material(cls, context)
+    poll = classmethod(_poll_material)
 
     def execute(self, context: Context) -> set[str]:
         materials = context.scene.haptics.materials
