@@ -15,6 +15,7 @@ from ..session import sessions
 from ..translations.sentences import sentence
 from ..view import explanation, levels, paths, watched
 from .cures import draw_cure
+from .drawing import select_button
 from .texts import draw_sentence, fitted, source_title
 
 if TYPE_CHECKING:
@@ -54,10 +55,7 @@ def _draw_level(layout: UILayout, level: Level) -> None:
     split = layout.split(factor=0.5)
     row = split.row()
     row.alignment = "LEFT"
-    button = row.operator(
-        "haptic.select_object", text=fitted(level.listener, 0.5, icon=True), icon="OUTLINER_OB_LIGHTPROBE", emboss=False, translate=False
-    )
-    button.name = level.listener
+    select_button(row, level.listener, fitted(level.listener, 0.5, icon=True), icon="OUTLINER_OB_LIGHTPROBE", emboss=False)
     text = levels.decibels(level.rms)
     split.progress(factor=level.place, text=text if level.is_silent else iface_("Level {}").format(text))
     if level.is_felt:
@@ -72,9 +70,8 @@ def _draw_level(layout: UILayout, level: Level) -> None:
 def _draw_origin(layout: UILayout, path: ListenerPath) -> None:
     """Draw the source that is felt most, its gain, and the objects in between."""
     split = layout.split(factor=0.6)
-    title = source_title(path.source, 0.6)
-    button = split.operator("haptic.select_object", text=title, icon="OUTLINER_OB_FORCE_FIELD", emboss=False, translate=False)
-    button.name = path.source.name if path.source.second_object is None else path.source.object
+    name = path.source.name if path.source.second_object is None else path.source.object
+    select_button(split, name, source_title(path.source, 0.6), icon="OUTLINER_OB_FORCE_FIELD", emboss=False)
     split.label(text=iface_("Gain {}").format(levels.decibels(20 * math.log10(path.gain))), translate=False)
     if path.hops:
         draw_sentence(layout, iface_("through {}").format(written(Chain(hop.object for hop in path.hops))))

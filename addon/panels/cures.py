@@ -9,6 +9,7 @@ import bpy
 from bpy.types import Context, UILayout
 
 from ...core.message import Cause, Message
+from .drawing import select_button
 from .texts import fitted
 
 
@@ -18,8 +19,7 @@ def draw_cure(layout: UILayout, context: Context, reason: Message) -> None:
     if draw is not None:
         draw(layout, context, reason)
     if reason.object and reason.cause not in _COMPLETE:
-        button = layout.operator("haptic.select_object", text=fitted(reason.object, icon=True), icon="RESTRICT_SELECT_OFF", translate=False)
-        button.name = reason.object
+        select_button(layout, reason.object, fitted(reason.object, icon=True), icon="RESTRICT_SELECT_OFF")
 
 
 def _add_source(layout: UILayout, context: Context, reason: Message) -> None:

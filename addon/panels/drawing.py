@@ -32,6 +32,16 @@ _PAGES = {"live_output": "devices", "export": "formats", "gltf": "formats", "mod
 """The page of the panels in a module, where it is not that of its name."""
 
 
+def poll_object(cls: type[Any], context: Context) -> bool:
+    """There is an active object."""
+    return context.object is not None
+
+
+def select_button(layout: UILayout, name: str, text: str, **look: Any) -> None:
+    """Draw a button with a text of its own that selects the object ``name``."""
+    layout.operator("haptic.select_object", text=text, translate=False, **look).name = name
+
+
 def settings_layout(panel: Any) -> UILayout:
     """The layout of a panel of settings: names at the left of their values, and no buttons for keyframes."""
     layout: UILayout = panel.layout
@@ -82,6 +92,5 @@ def draw_problems(layout: UILayout, context: Context) -> None:
     for problem in problems[:_SHOWN_PROBLEMS]:
         column = box.column(align=True)
         if problem.object:
-            text = fitted(problem.object, icon=True)
-            column.operator("haptic.select_object", text=text, icon="RESTRICT_SELECT_OFF", translate=False).name = problem.object
+            select_button(column, problem.object, fitted(problem.object, icon=True), icon="RESTRICT_SELECT_OFF")
         draw_sentence(column, problem.message)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bpy.types import Context, Panel
 
 from ...core.render import mixing
-from .drawing import HapticsPanel, draw_carrier
+from .drawing import HapticsPanel, draw_carrier, draw_properties, poll_object
 from .formula import draw_finding
 
 
@@ -13,9 +13,7 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
     bl_label = "Haptic Listener"
     bl_order = 30
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return context.object is not None
+    poll = classmethod(poll_object)
 
     def draw_header(self, context: Context) -> None:
         self.layout.prop(context.object.haptics.listener, "enabled", text="")
@@ -39,9 +37,7 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
             row.prop(listener, "mixing_expression", text="")
             draw_finding(layout, listener.mixing_expression, mixing.check_mixing(listener.mixing_expression, listener.s_max))
         layout.prop(listener, "ducking")
-        column = layout.column(align=True)
-        column.prop(listener, "gain")
-        column.prop(listener, "s_max")
+        draw_properties(layout, listener, "gain", "s_max")
         layout.prop(listener, "limiter")
         layout.prop(listener, "muted")
         draw_carrier(layout, context.object, "Feels")

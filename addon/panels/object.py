@@ -15,7 +15,7 @@ from ...core.scene.coefficients import transfer_coefficient
 from ..properties.preferences import gain_text, preferences
 from ..scene_reader import functions
 from ..view import gain_plot, panel_picture
-from .drawing import HapticsPanel, draw_pair, warn
+from .drawing import HapticsPanel, draw_pair, draw_properties, poll_object, warn
 from .formula import draw_parameters
 from .texts import draw_sentence
 
@@ -32,13 +32,16 @@ def library_owner(context: Context, obj: Object) -> Any:
     return context.scene.haptics.materials.items.get(name) if name else None
 
 
+def _poll_haptic(cls: type[Panel], context: Context) -> bool:
+    """There is an active object that is haptic, and not a skeleton."""
+    return context.object is not None and context.object.type != "ARMATURE" and context.object.haptics.enabled
+
+
 class HAPTIC_PT_object(HapticsPanel, Panel):
     bl_label = "Haptic Object"
     bl_order = 10
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return context.object is not None
+    poll = classmethod(poll_object)
 
     def draw_header(self, context: Context) -> None:
         self.layout.prop(context.object.haptics, "enabled", text="")
@@ -56,9 +59,7 @@ class HAPTIC_PT_object(HapticsPanel, Panel):
         layout.label(text=obj.name, icon="OBJECT_DATA", translate=False)
         material = library_owner(context, obj)
         _draw_material(layout, context, material)
-        column = layout.column(align=True)
-        column.prop(material or haptics, "kappa")
-        column.prop(material or haptics, "rho")
+        draw_properties(layout, material or haptics, "kappa", "rho")
         if material is not None:  # the library's values are shared and can't be keyed
             layout.operator("haptic.unlink_material", text="Make Own, to Key It", icon="UNLINKED")
         layout.prop(haptics, "function")
@@ -133,9 +134,7 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
     bl_parent_id = "HAPTIC_PT_object"
     bl_label = "Gain over Distance"
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return context.object is not None and context.object.type != "ARMATURE" and context.object.haptics.enabled
+    poll = classmethod(_poll_haptic)
 
     def draw(self, context: Context) -> None:
         layout = self.layout
@@ -195,9 +194,7 @@ class HAPTIC_PT_bands(HapticsPanel, Panel):
     bl_label = "Frequency Bands"
     bl_options = {"DEFAULT_CLOSED"}
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return context.object is not None and context.object.type != "ARMATURE" and context.object.haptics.enabled
+    poll = classmethod(_poll_haptic)
 
     def draw_header(self, context: Context) -> None:
         owner = library_owner(context, context.object) or context.object.haptics.material

@@ -19,7 +19,7 @@ from ..session import sessions
 from ..translations.sentences import sentence
 from ..view import comparison, explanation, levels, masking, meter_layout, meter_pictures, meters, panel_picture, paths, watched
 from .cures import draw_cure
-from .drawing import HapticsPanel, draw_pair
+from .drawing import HapticsPanel, draw_pair, select_button
 from .texts import draw_sentence, fitted, source_title
 
 if TYPE_CHECKING:
@@ -156,10 +156,7 @@ def _draw_hops(layout: UILayout, context: Context, path: ListenerPath) -> None:
         cell.label(text=title, translate=False)
     for hop in hops:
         name, distance, loss = _columns(column)
-        button = name.operator(
-            "haptic.select_object", text=fitted(hop.object, _OBJECTS, button=True), depress=hop.object == active, translate=False
-        )
-        button.name = hop.object
+        select_button(name, hop.object, fitted(hop.object, _OBJECTS, button=True), depress=hop.object == active)
         distance.label(text=written(Metres(hop.distance)), translate=False)
         loss.label(text=f"{hop.loss:.1f} dB", translate=False)
     draw_pair(column, "Gain of the best path", levels.decibels(path.best_gain))
@@ -278,8 +275,7 @@ def _draw_level(layout: UILayout, level: Level) -> None:
     row = split.row()
     row.alignment = "LEFT"
     text = fitted(level.listener, 0.5 * _BESIDE_SWITCHES, icon=True)
-    button = row.operator("haptic.select_object", text=text, icon="OUTLINER_OB_LIGHTPROBE", emboss=False, translate=False)
-    button.name = level.listener
+    select_button(row, level.listener, text, icon="OUTLINER_OB_LIGHTPROBE", emboss=False)
     too_weak = not level.is_silent and not level.is_felt
     split.progress(factor=level.place, text=iface_("{}, weak" if too_weak else "{}").format(levels.decibels(level.rms)))
     _draw_switches(line, level.listener, "listener")

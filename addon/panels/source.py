@@ -10,7 +10,7 @@ from ..io import drawings, signal_library
 from ..properties.drawing import AMPLITUDE, FREQUENCY
 from ..scene_reader.roles import haptic_carrier
 from ..session import sessions
-from .drawing import HapticsPanel, draw_carrier, draw_properties
+from .drawing import HapticsPanel, draw_carrier, draw_properties, poll_object
 from .object import draw_wave_speed, library_owner
 from .texts import draw_sentence
 from .thumbnails import cell
@@ -29,9 +29,7 @@ class HAPTIC_PT_signals(Panel):
     bl_options = {"INSTANCED"}
     bl_ui_units_x = 22
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return context.object is not None
+    poll = classmethod(poll_object)
 
     def draw(self, context: Context) -> None:
         flow = self.layout.grid_flow(row_major=True, columns=5, even_columns=True)
@@ -88,9 +86,7 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
     bl_label = "Haptic Source"
     bl_order = 20
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return context.object is not None
+    poll = classmethod(poll_object)
 
     def draw_header(self, context: Context) -> None:
         self.layout.prop(context.object.haptics.source, "enabled", text="")
@@ -114,9 +110,8 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
             layout.prop(source, "frequency")
         _draw_faults(layout, context, "signal")
         layout.operator("haptic.import_signal", icon="IMPORT")
-        layout.prop(source, "decay")
-        layout.prop(source, "priority")
-        layout.prop(source, "muted")
+        for name in ("decay", "priority", "muted"):
+            layout.prop(source, name)
         draw_carrier(layout, context.object, "Shakes")
         layout.prop(source, "one_shot")
         if source.one_shot:

@@ -27,10 +27,7 @@ def draw_sentence(layout: UILayout, text: str, icon: str = "NONE") -> None:
     column = layout.column(align=True)
     column.scale_y = 0.85
     for number, line in enumerate(lines(text[:1].upper() + text[1:], content_width() - (_ICON if icon != "NONE" else 0.0))):
-        if icon == "NONE":
-            column.label(text=line, translate=False)
-        else:
-            column.label(text=line, icon=icon if number == 0 else "BLANK1", translate=False)
+        column.label(text=line, icon=icon if number == 0 or icon == "NONE" else "BLANK1", translate=False)
 
 
 def fitted(text: str, share: float = 1.0, icon: bool = False, button: bool = False) -> str:

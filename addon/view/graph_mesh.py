@@ -174,7 +174,7 @@ def solid_mesh(name: str, solid: Solid) -> Mesh:
 
 
 _COLOUR = {"attribute_name": COLOUR_ATTRIBUTE}
-_EMITTING = {"emission": ("Emission", (-440, 0), {}), "output": ("OutputMaterial", (0, 0), {})}
+_EMITTING: Mapping[str, Any] = {"emission": ("Emission", (-440, 0), {}), "output": ("OutputMaterial", (0, 0), {})}
 _MIXED = {"colour": ("Attribute", (-660, 60), _COLOUR), "clear": ("BsdfTransparent", (-440, -160), {}), "mix": ("MixShader", (-220, 0), {})}
 """Nodes of materials: kinds without "ShaderNode", places and settings."""
 
