@@ -54,8 +54,9 @@ _NOISE = {"def", "org", "mch", "b", "j", "c", "bip", "biped", "cc", "base", "jnt
 _SECOND_RATE = ("ORG-", "MCH-", "VIS_")
 _MAKEHUMAN_INDEX = 2  # its fingers are numbered: finger1 is the thumb
 
-# In parts of the body's height: from the middle of a bone to the skin, and to the side.
-_DEPTH, _ASIDE, _EAR = 0.06, 0.055, 0.045
+_BACK = (-0.06, 0.055)
+_OFF_THE_BONE = {"ear": (0.0, 0.045), "belly": (0.06, 0.0), "chest": (0.06, 0.055), "upper_back": _BACK, "middle_back": _BACK}
+"""From the middle of a bone to the skin in front, and to the side, in parts of the body's height."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,32 +111,19 @@ def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dic
     left = _unit(left)
     front = np.cross(left, up)
     height = _height(head, limbs, up, hips)
-    chest, middle = torso[-1], torso[len(torso) // 2]
     belly = next((bone for bone in torso if bone is not hips), torso[0])
+    trunk = {"head": head, "ear": head, "hips": hips, "belly": belly, "middle_back": torso[len(torso) // 2]}
+    trunk |= dict.fromkeys(("chest", "upper_back"), torso[-1])
     result: dict[str, Place] = {}
     for part in parts:
         name = part.name.partition(".")[0]
-        sideways = left * {"L": 1.0, "R": -1.0, "": 0.0}[part.side]
-        match name:
-            case "head":
-                carrier, position = head, head.middle
-            case "ear":
-                carrier, position = head, head.middle + sideways * _EAR * height
-            case "hips":
-                carrier, position = hips, hips.head
-            case "belly":
-                carrier, position = belly, belly.middle + front * _DEPTH * height
-            case "chest" | "upper_back":
-                outwards = front if name == "chest" else -front
-                carrier, position = chest, chest.middle + outwards * _DEPTH * height + sideways * _ASIDE * height
-            case "middle_back":
-                carrier, position = middle, middle.middle - front * _DEPTH * height + sideways * _ASIDE * height
-            case _:
-                limb = limbs.get((name, part.side))
-                if limb is None:
-                    continue
-                carrier, position = limb, limb.tail if name == "index_finger" else limb.middle
-        result[part.name] = Place(carrier.bone.name, tuple(position.tolist()))
+        carrier = trunk[name] if name in trunk else limbs.get((name, part.side))
+        if carrier is None:
+            continue
+        forwards, aside = _OFF_THE_BONE.get(name, (0.0, 0.0))
+        sideways = left * {"L": aside, "R": -aside, "": 0.0}[part.side]
+        start = carrier.head if name == "hips" else carrier.tail if name == "index_finger" else carrier.middle
+        result[part.name] = Place(carrier.bone.name, tuple((start + (front * forwards + sideways) * height).tolist()))
     return result
 
 

@@ -1,7 +1,10 @@
-"""DualSense and DualSense Edge: rumble emulated by the pad's firmware on two voice coils.
+"""DualSense and DualSense Edge: rumble emulated by the pad's firmware on two voice coils, or samples over Bluetooth.
 
 Layout: Linux ``hid-playstation.c`` and SDL's PS5 driver agree on it; the drivers' common block of 47 bytes starts at byte 1 (USB) or 3
 (Bluetooth). Only the flags of the vibration are set, so lights and triggers stay as the game or the system left them.
+
+Samples without a cable are experimental. The layout of report 0x32 was found by the SAxense project (egormanga/SAxense): two packets, one
+that counts and one with 32 frames of 8-bit samples, left and right in turn, at 3 kHz.
 """
 
 from __future__ import annotations
@@ -9,8 +12,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..report import Report, Tones, Transport, unsigned8, with_crc
-from .family import HidDevice, Interface, RumbleFamily
+from .family import HidDevice, Interface, RumbleFamily, StreamFamily
 
 SONY = 0x054C
 PRODUCT, EDGE = 0x0CE6, 0x0DF2
@@ -71,3 +77,27 @@ DUALSENSE = RumbleFamily(
 )
 
 DUALSENSE_FIRST_GENERATION = replace(DUALSENSE, encode=_encode_first_generation, prepare=None)
+
+FRAMES = 32
+RATE = 3000
+
+
+def _encode_samples(samples: NDArray[np.int8], sequence: int) -> Report:
+    if samples.shape != (2, FRAMES):
+        raise ValueError(f"samples has the shape {samples.shape}, not (2, {FRAMES})")
+    # The pad accepts a constant sequence nibble; the counter inside the first packet is what it follows.
+    counting = bytes([0x91, 7, 0xFE, 0, 0, 0, 0, 0xFF, sequence & 0xFF])
+    sounding = bytes([0x92, 2 * FRAMES]) + samples.T.tobytes()
+    return Report(with_crc((bytes([0x32, 0x00]) + counting + sounding).ljust(137, b"\0")))
+
+
+DUALSENSE_PCM = StreamFamily(
+    name="dualsense-pcm",
+    title="DualSense (samples over Bluetooth, experimental)",
+    ids=frozenset({(SONY, PRODUCT)}),
+    minimum_interval={"bt": FRAMES / RATE},
+    release=release,
+    rate=RATE,
+    frames=FRAMES,
+    encode=_encode_samples,
+)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from .dualsense import DUALSENSE
-from .dualsense_pcm import DUALSENSE_PCM
+from .dualsense import DUALSENSE, DUALSENSE_PCM
 from .eightbitdo import EIGHTBITDO
 from .family import AnyFamily, Interface
 from .pads import pad

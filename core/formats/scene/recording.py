@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -22,6 +23,8 @@ from ...tracer import Frame, Tracer
 from .poses import POSE_DIGITS, PoseRow, Poses
 
 Pair = tuple[str, str]
+Item = TypeVar("Item")
+Value = TypeVar("Value")
 
 DIGITS = 13
 """Decimals of recorded values that gains depend on, so that a recording plays as it was traced to 12 digits."""
@@ -228,7 +231,7 @@ class SceneRecorder:
     def __init__(self, frame_rate: float, frame_start: int, settings: Settings | None = None) -> None:
         self._rate, self._start = frame_rate, frame_start
         self._settings = settings or Settings()
-        self._objects: dict[str, tuple[float, float, PoseRow | None, ModulationFunction]] = {}
+        self._objects: dict[str, tuple[HapticObject, PoseRow | None]] = {}
         self._sources: dict[str, Source] = {}
         self._listeners: dict[str, Listener] = {}
         self._contacts: dict[Pair, bytes] = {}
@@ -262,8 +265,6 @@ class SceneRecorder:
         self._contacts = touching
         gone = self._removed_objects(objects)
         removed = tuple(sorted(self._listeners.keys() - {item.name for item in listeners}))
-        for name in removed:
-            del self._listeners[name]
         appearing = tuple(item for item in objects if item.name not in self._objects)
         hearing = tuple(_placed(item) for item in listeners if item.name not in self._listeners)
         of_objects, of_listeners = self._changed_objects(objects), self._changed_listeners(listeners)
@@ -297,8 +298,6 @@ class SceneRecorder:
     def _removed_objects(self, objects: Sequence[HapticObject]) -> tuple[str, ...]:
         """The names of objects that are gone; the sources on them are forgotten, so that they begin anew."""
         gone = self._objects.keys() - {item.name for item in objects}
-        for name in gone:
-            del self._objects[name]
         for name in [name for name, item in self._sources.items() if gone and is_on(item, gone)]:
             del self._sources[name]
         return tuple(sorted(gone))
@@ -306,22 +305,12 @@ class SceneRecorder:
     def _changed_objects(
         self, objects: Sequence[HapticObject]
     ) -> tuple[Mapping[str, PoseRow], dict[str, tuple[float, float]], dict[str, ModulationFunction]]:
-        poses: dict[str, PoseRow] = {}
-        properties: dict[str, tuple[float, float]] = {}
-        functions: dict[str, ModulationFunction] = {}
-        for item in objects:
-            row = None if item.pose is None else _pose_row(item.pose)
-            before = self._objects.get(item.name)
-            self._objects[item.name] = (item.kappa, item.rho, row, item.propagation)
-            if before is None:
-                continue
-            if row is not None and row != before[2]:
-                poses[item.name] = row
-            if (item.kappa, item.rho) != before[:2]:
-                properties[item.name] = (item.kappa, item.rho)
-            if item.propagation != before[3]:
-                functions[item.name] = item.propagation
-        return Poses.of(poses), properties, functions
+        """Poses, (kappa, rho) and functions of the objects that there were before."""
+        before, self._objects = self._objects, {item.name: (item, None if item.pose is None else _pose_row(item.pose)) for item in objects}
+        rows = _changed(self._objects, before, lambda known: known[1])
+        poses = Poses.of({name: row for name, row in rows.items() if row is not None})
+        properties = _changed(self._objects, before, lambda known: (known[0].kappa, known[0].rho))
+        return poses, properties, _changed(self._objects, before, lambda known: known[0].propagation)
 
     def _changed_sources(
         self, sources: Sequence[Source]
@@ -350,19 +339,16 @@ class SceneRecorder:
         return tuple(new), (dict(sorted(amplitudes.items())), positions)
 
     def _changed_listeners(self, listeners: Sequence[Listener]) -> tuple[dict[str, Vector], dict[str, float]]:
-        positions: dict[str, Vector] = {}
-        gains: dict[str, float] = {}
-        for item in listeners:
-            rounded = _placed(item)
-            before = self._listeners.get(item.name)
-            self._listeners[item.name] = rounded
-            if before is None:
-                continue
-            if rounded.position != before.position:
-                positions[item.name] = rounded.position
-            if rounded.gain != before.gain:
-                gains[item.name] = rounded.gain
-        return positions, gains
+        """Positions and gains of the listeners that there were before."""
+        before, self._listeners = self._listeners, {item.name: _placed(item) for item in listeners}
+        positions = _changed(self._listeners, before, lambda item: item.position)
+        return positions, _changed(self._listeners, before, lambda item: item.gain)
+
+
+def _changed(now: Mapping[str, Item], before: Mapping[str, Item], value: Callable[[Item], Value]) -> dict[str, Value]:
+    """A value by name, of what was there before and had another one."""
+    values = {name: value(item) for name, item in now.items() if name in before}
+    return {name: known for name, known in values.items() if known != value(before[name])}
 
 
 def _placed(item: Listener) -> Listener:

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from haptic_tracing.command_line.devices import rumble_report
-from haptic_tracing.core.devices.families.dualsense import DUALSENSE, DUALSENSE_FIRST_GENERATION
-from haptic_tracing.core.devices.families.dualsense_pcm import DUALSENSE_PCM
+from haptic_tracing.core.devices.families.dualsense import DUALSENSE, DUALSENSE_FIRST_GENERATION, DUALSENSE_PCM
 from haptic_tracing.core.devices.families.steam import STEAM_CONTROLLER_PCM
 from haptic_tracing.core.devices.families.switch import (
     SWITCH_PRO,

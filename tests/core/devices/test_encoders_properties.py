@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from haptic_tracing.command_line.devices import rumble_report
-from haptic_tracing.core.devices.families.dualsense_pcm import DUALSENSE_PCM
+from haptic_tracing.core.devices.families.dualsense import DUALSENSE_PCM
 from haptic_tracing.core.devices.families.family import RumbleFamily, StreamFamily
 from haptic_tracing.core.devices.families.registry import FAMILIES
 from haptic_tracing.core.devices.families.switch import SWITCH_PRO, actuator_word
