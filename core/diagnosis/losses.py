@@ -109,7 +109,7 @@ def object_losses(graph: HapticGraph, path: tuple[int, ...]) -> list[tuple[str, 
 def _best_path(graph: HapticGraph, row: int, column: int) -> tuple[int, ...]:
     """Nodes of the best path without any limit, () where there is none."""
     patches = merge_patches(graph)
-    found = best_paths(patches.graph, [(row, column)], None, 0.0, BUDGET, amplifying(graph), {})
+    found = best_paths(patches.graph, np.array([[row, column]]), None, 0.0, BUDGET, amplifying(graph), {}, {})
     return tuple(patches.node[list(found.nodes.get((row, column), ()))].tolist())
 
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..arrays import FloatArray, IntArray
 from ..graph.haptic_graph import HapticGraph
 from ..scene.choices import Strategy
 from ..scene.values import Settings
-from .connections import LARGEST, SLACK, bounded_exp, cost_limit, intra_costs, path_costs
+from .connections import LARGEST, SLACK, PathConnections, bounded_exp, cost_limit, intra_costs
 from .hop_constrained import HopConstrainedPaths, hop_constrained_paths
 from .shortest_paths import ShortestPaths, shortest_paths
 from .strongest_paths import StrongestPaths
@@ -32,11 +33,13 @@ HOPS_UNLIMITED = 64
 @dataclass(slots=True)
 class BestPaths:
     """Per pair (row of the source, column of the listener): the nodes of its best path, and its cost ``-log(gain)``. Pairs without a path
-    are left out. ``bound`` holds, where it is not certain that the path is the best, a cost that no path falls below. ``visited`` nodes of
-    the graph, the most for any one source or listener; ``relaxed`` connections looked at, and ``searched`` partial paths."""
+    are left out. ``bands`` (p, bands): gains of these paths in each band, in their order and relative to that; None where none is used.
+    ``bound`` holds, where it is not certain that the path is the best, a cost that no path falls below. ``visited`` nodes of the graph,
+    the most for any one source or listener; ``relaxed`` connections looked at, and ``searched`` partial paths."""
 
     nodes: dict[Pair, Path] = field(default_factory=dict)
     cost: dict[Pair, float] = field(default_factory=dict)
+    bands: FloatArray | None = None
     bound: dict[Pair, float] = field(default_factory=dict)
     visited: int = 0
     relaxed: int = 0
@@ -61,103 +64,128 @@ def crosses_twice(graph: HapticGraph, path: Path) -> bool:
 
 def best_paths(
     graph: HapticGraph,
-    pairs: Iterable[Pair],
+    pairs: IntArray,
     max_connections: int | None,
     threshold: float,
     budget: int,
     amplified: bool,
     known: Mapping[int, tuple[ShortestPaths, int]],
-    bands: Mapping[int, int] | None = None,
+    bands: Mapping[int, int],
 ) -> BestPaths:
-    """The best path of each pair. ``budget`` bounds the search that is needed where shortest-path trees are not enough, per source.
-    ``amplified``: some gain exceeds 1. ``known``: trees that are known already, and the row in them, by row of the source. ``bands``: the
-    frequency band by whose gains a source's paths are chosen; the plain gain where it has none, and where nothing meets the threshold by
-    that band. Costs are those of the plain gains."""
+    """The best path of each of ``pairs`` (p, 2). ``budget`` bounds the search that is needed where shortest-path trees are not enough, per
+    source. ``amplified``: some gain exceeds 1. ``known``: trees that are known already, and the row in them, by row of the source.
+    ``bands``: the frequency band by whose gains a source's paths are chosen; the plain gain where it has none, and where nothing meets the
+    threshold by that band. Costs are those of the plain gains."""
     result = BestPaths()
-    wanted = sorted(pairs)
     result.visited = max((trees.visited() for trees, _ in known.values()), default=0)
     crossings = crossings_of(max_connections)
-    if not wanted or crossings < 0:
+    if len(pairs) == 0 or crossings < 0:
         return result
     limit = cost_limit(threshold)
-    in_band = {band: graph.in_band(band) for band in set((bands or {}).values())}
-    views = {row: in_band[(bands or {})[row]] if row in (bands or {}) else graph for row, _ in wanted}
+    in_band = {band: graph.in_band(band) for band in set(bands.values())}
+    views = {row: in_band[bands[row]] if row in bands else graph for row in np.unique(pairs[:, 0]).tolist()}
+    left: list[Pair] = []
     if amplified:
-        left = wanted
+        left += map(tuple, pairs.tolist())
     else:
-        candidates = _unconstrained_paths(graph, views, [pair for pair in wanted if pair[0] not in known], limit, result)
-        for row, (trees, number) in known.items():
-            columns = [column for other, column in wanted if other == row]
-            paths = trees.paths(graph, [(number, (node,)) for node in graph.listener_nodes[columns].tolist()])
-            candidates.update({(row, column): path for column, path in zip(columns, paths, strict=True) if path})
+        result.nodes = _unconstrained_paths(_Walks(graph, views, limit), pairs, known, result)
         judged = bool(graph.table.special)
-        left = [pair for pair, path in candidates.items() if len(path) > 2 * crossings + 2 or (judged and crosses_twice(graph, path))]
+        if judged or crossings < graph.contact_count:
+            longest = 2 * crossings + 2
+            left += (pair for pair, path in result.nodes.items() if len(path) > longest or (judged and crosses_twice(graph, path)))
         for pair in left:
-            del candidates[pair]
-        for view in {id(view): view for view in views.values()}.values():
-            _accept(view, {pair: path for pair, path in candidates.items() if views[pair[0]] is view}, limit, result)
+            del result.nodes[pair]
     for row in sorted({row for row, _ in left}):
         _search_row(views[row], row, [column for r, column in left if r == row], crossings, limit, budget, amplified, result)
-    judged_anew = [pair for pair in result.nodes if pair[0] in (bands or {})]
-    for pair, cost in zip(judged_anew, path_costs(graph, [result.nodes[pair] for pair in judged_anew]), strict=True):
-        if pair in result.bound:  # as far below as it was
-            result.bound[pair] += cost - result.cost[pair]
-        result.cost[pair] = cost
-    missing = [pair for pair in wanted if pair[0] in (bands or {}) and pair not in result.nodes]
+    missing = [pair for pair in map(tuple, pairs.tolist()) if pair[0] in bands and pair not in result.nodes] if bands else []
     if missing:  # lower frequencies, in which the source is weak, may still arrive
-        plain = best_paths(graph, missing, max_connections, threshold, budget, amplified, {})
+        plain = best_paths(graph, np.array(missing), max_connections, threshold, budget, amplified, {}, {})
         result.nodes |= plain.nodes
         result.cost |= plain.cost
         result.bound |= plain.bound
         result.visited = max(result.visited, plain.visited)
         result.relaxed, result.searched = result.relaxed + plain.relaxed, result.searched + plain.searched
+    _judge(graph, result)
     return result
+
+
+def _judge(graph: HapticGraph, result: BestPaths) -> None:
+    """Costs of all paths by the plain gains, and their gains in bands; bounds stay as far below the costs as they were."""
+    along = PathConnections(graph, result.nodes.values())
+    costs = dict(zip(result.nodes, along.costs(), strict=True))
+    for pair in result.bound.keys() & result.nodes.keys():
+        result.bound[pair] += costs[pair] - result.cost[pair]
+    result.cost, result.bands = costs, along.bands() if graph.uses_bands else None
 
 
 def _accept(graph: HapticGraph, candidates: dict[Pair, Path], limit: float, result: BestPaths) -> None:
     """Take over the paths that meet the threshold."""
-    for (pair, path), cost in zip(candidates.items(), path_costs(graph, list(candidates.values())), strict=True):
+    costs = PathConnections(graph, candidates.values()).costs()
+    for (pair, path), cost in zip(candidates.items(), costs, strict=True):
         if cost <= limit and cost < math.inf:
             result.nodes[pair], result.cost[pair] = path, cost
 
 
+@dataclass(slots=True)
+class _Walks:
+    """Cheapest walks by pair, as far as they meet the threshold; ``views``: the graph by row of the source."""
+
+    graph: HapticGraph
+    views: Mapping[int, HapticGraph]
+    limit: float
+    found: dict[Pair, Path] = field(default_factory=dict)
+
+    def take(self, trees: ShortestPaths, pairs: IntArray, tree: IntArray, targets: IntArray, backwards: bool = False) -> None:
+        """Take those of ``pairs`` (p, 2) from the trees of numbers ``tree`` (p,) to the nearest of ``targets`` (1 or 2, p)."""
+        cost = trees.cost[tree, targets].min(axis=0)
+        near = (cost <= self.limit + SLACK) & (cost < math.inf)
+        if not near.all():
+            pairs, tree, targets, cost = pairs[near], tree[near], targets[:, near], cost[near]
+        paths = trees.paths(self.graph, tree, targets[0], targets[-1])
+        keys = list(map(tuple, pairs.tolist()))
+        self.found.update(zip(keys, [path[::-1] for path in paths] if backwards else paths, strict=True))
+        for number in (cost > self.limit - SLACK).nonzero()[0].tolist():
+            pair = keys[number]
+            if PathConnections(self.views[pair[0]], [self.found[pair]]).costs()[0] > self.limit:
+                del self.found[pair]
+
+
 def _unconstrained_paths(
-    graph: HapticGraph, views: Mapping[int, HapticGraph], wanted: Sequence[Pair], limit: float, result: BestPaths
+    walks: _Walks, pairs: IntArray, known: Mapping[int, tuple[ShortestPaths, int]], result: BestPaths
 ) -> dict[Pair, Path]:
-    """Cheapest walks by trees, from the side that has fewer nodes; ``views``: the graph by row of the source. A tree from a listener is for
-    sources of one view."""
-    if not wanted:
-        return {}
-    rows, columns = sorted({row for row, _ in wanted}), sorted({column for _, column in wanted})
-    listener_nodes = graph.listener_nodes.tolist()
-    alike = {id(views[row]): views[row] for row in rows}
-    forward = len(rows) <= len(columns) * len(alike)
-    if forward:
-        starts = [(row, views[row]) for row in rows]
-        roots, targets = [graph.sources[row].nodes for row in rows], [listener_nodes[column] for column in columns]
+    """Cheapest walks by trees, from the side that has fewer nodes. A tree from a listener is for sources of one view."""
+    graph, views = walks.graph, walks.views
+    for number, (trees, tree) in known.items():
+        mine = pairs[pairs[:, 0] == number]
+        walks.take(trees, mine, np.full(len(mine), tree), graph.listener_nodes[mine[:, 1]][None])
+    if known:
+        pairs = pairs[~np.isin(pairs[:, 0], list(known))]
+    if len(pairs) == 0:
+        return walks.found
+    rows, columns = np.unique(pairs[:, 0]), np.unique(pairs[:, 1])
+    row, column = rows.searchsorted(pairs[:, 0]), columns.searchsorted(pairs[:, 1])
+    starts = np.array([(nodes[0], nodes[-1]) for nodes in (graph.sources[number].nodes for number in rows.tolist())]).T
+    seen = [views[number] for number in rows.tolist()]
+    alike = list({id(view): view for view in seen}.values())
+    lane = {id(view): number for number, view in enumerate(alike)}
+    backwards = len(rows) > len(columns) * len(alike)
+    if backwards:
+        roots = [(node,) for node in graph.listener_nodes[columns].tolist()] * len(alike)
+        number_of = np.array([lane[id(view)] for view in seen])[row] * len(columns) + column
+        seen, targets = [view for view in alike for _ in columns], starts[:, row]
     else:
-        starts = [(column, view) for view in alike.values() for column in columns]
-        roots, targets = [(listener_nodes[column],) for column, _ in starts], [node for row in rows for node in graph.sources[row].nodes]
-    target_nodes = np.array(sorted(set(targets)), dtype=np.int64)
+        roots, number_of = [graph.sources[number].nodes for number in rows.tolist()], row
+        targets = graph.listener_nodes[pairs[:, 1]][None]
+    sought = np.unique(targets)
     at_once = max(1, COSTS_AT_ONCE // max(1, graph.node_count))
-    found: dict[Pair, Path] = {}
     for first in range(0, len(roots), at_once):
-        part = roots[first : first + at_once]
-        trees = shortest_paths([view for _, view in starts[first : first + at_once]], part, np.full(len(part), limit + SLACK), target_nodes)
+        part = slice(first, first + at_once)
+        trees = shortest_paths(seen[part], roots[part], np.full(len(roots[part]), walks.limit + SLACK), sought)
         result.relaxed += trees.relaxed
         result.visited = max(result.visited, trees.visited())
-        numbers = {(start, id(view)): number for number, (start, view) in enumerate(starts[first : first + at_once])}
-        pairs = [pair for pair in wanted if (pair[0 if forward else 1], id(views[pair[0]])) in numbers]
-        ways: list[tuple[int, tuple[int, ...]]] = [
-            (numbers[row, id(views[row])], (listener_nodes[column],))
-            if forward
-            else (numbers[column, id(views[row])], graph.sources[row].nodes)
-            for row, column in pairs
-        ]
-        for pair, path in zip(pairs, trees.paths(graph, ways), strict=True):
-            if path:
-                found[pair] = path if forward else path[::-1]
-    return found
+        here = number_of // at_once == first // at_once
+        walks.take(trees, pairs[here], number_of[here] - first, targets[:, here], backwards)
+    return walks.found
 
 
 def _search_row(
@@ -205,7 +233,7 @@ def _search_pair(
         _accept(graph, {pair: found.nodes}, limit, result)
     elif search.bound < math.inf:
         simple = {path for k in range(len(walks.changes)) if (path := walks.walk(graph, target, k)) and not crosses_twice(graph, path)}
-        ranked = sorted(zip(path_costs(graph, sorted(simple)), sorted(simple), strict=True))
+        ranked = sorted(zip(PathConnections(graph, sorted(simple)).costs(), sorted(simple), strict=True))
         if ranked:
             _accept(graph, {pair: ranked[0][1]}, limit, result)
         result.bound[pair] = search.bound

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -65,54 +64,48 @@ def band_factors(graph: HapticGraph, index: IntArray, distance: FloatArray) -> F
     return factors
 
 
-class _Hops(NamedTuple):
-    """The connections of several paths, one after the other: from nodes ``a`` to ``b`` (n,); numbers of those ``inside`` objects and of
-    those ``across`` contacts, the others lead from one path to the next. ``ends``: number of nodes up to the end of each path."""
+class PathConnections:
+    """The connections of several paths, one path after the other: what costs and band gains of paths are computed from."""
 
-    a: IntArray
-    b: IntArray
-    inside: IntArray
-    across: IntArray
-    ends: list[int]
+    def __init__(self, graph: HapticGraph, paths: Collection[tuple[int, ...]]) -> None:
+        self._graph = graph
+        nodes = np.fromiter(itertools.chain.from_iterable(paths), dtype=np.int64)
+        a, b = nodes[:-1], nodes[1:]
+        ends = np.fromiter(itertools.accumulate(map(len, paths)), dtype=np.int64)
+        self._begins, self._ends = np.concatenate([[0], ends[:-1]])[: len(ends)], ends
+        across = graph.partner[a] == b
+        inside = ~across
+        joints = self._begins[1:] - 1  # from the last node of a path to the first of the next
+        across[joints] = inside[joints] = False
+        self._count, self._inside, self._across = len(a), inside.nonzero()[0], across.nonzero()[0]
+        a = a[self._inside]
+        self._object, self._distance = graph.node_object[a], graph.node_distances(a, b[self._inside])
+        self._contact = graph.contact[nodes[self._across]]
 
+    def costs(self) -> list[float]:
+        """The cost ``-log(gain)`` of each path: the exactly rounded sum of the costs of its connections."""
+        terms = np.zeros((self._count, 2))
+        constant, varying = self._graph.table.costs(self._object, self._distance)
+        terms[self._inside, 0], terms[self._inside, 1] = constant, varying
+        terms[self._across, 0] = self._graph.transmission_loss[self._contact]
+        flat = terms.reshape(-1).tolist()
+        return [_exact_sum(flat[2 * first : 2 * end - 2]) for first, end in zip(self._begins.tolist(), self._ends.tolist(), strict=True)]
 
-def _hops(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> _Hops:
-    nodes = np.array([node for path in paths for node in path], dtype=np.int64)
-    a, b = nodes[:-1], nodes[1:]
-    ends = list(itertools.accumulate(map(len, paths)))
-    joints = [end - 1 for end in ends[:-1]]  # between the last node of a path and the first of the next
-    across = graph.partner[a] == b
-    inside = ~across
-    across[joints] = inside[joints] = False
-    return _Hops(a, b, inside.nonzero()[0], across.nonzero()[0], ends)
-
-
-def path_costs(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> list[float]:
-    """The cost ``-log(gain)`` of each path: the exactly rounded sum of the costs of its connections."""
-    if not paths:
-        return []
-    a, b, here, crossed, ends = _hops(graph, paths)
-    constant, varying = np.zeros(len(a)), np.zeros(len(a))
-    constant[here], varying[here] = graph.table.costs(graph.node_object[a[here]], graph.node_distances(a[here], b[here]))
-    constant[crossed] = graph.transmission_loss[graph.contact[a[crossed]]]
-    constants, variables = constant.tolist(), varying.tolist()
-    costs = []
-    for first, last in zip([0, *ends], ends, strict=False):
-        terms = constants[first : last - 1] + variables[first : last - 1]
-        costs.append(math.fsum(terms) if math.isfinite(sum(terms)) else math.inf)
-    return costs
+    def bands(self) -> FloatArray:
+        """Gain of each path in each band (p, bands), relative to its plain gain."""
+        factors = np.ones((self._count, BAND_COUNT))
+        factors[self._inside] = band_factors(self._graph, self._object, self._distance)
+        if self._graph.contact_band_gains is not None:
+            factors[self._across] = self._graph.contact_band_gains[self._contact]
+        return np.asarray(np.multiply.reduceat(factors, self._begins, axis=0))
 
 
-def path_bands(graph: HapticGraph, paths: Sequence[tuple[int, ...]]) -> FloatArray:
-    """Gain of each path in each band (p, bands), relative to its plain gain."""
-    if not paths:
-        return np.ones((0, BAND_COUNT))
-    a, b, here, crossed, ends = _hops(graph, paths)
-    factors = np.ones((len(a), BAND_COUNT))
-    factors[here] = band_factors(graph, graph.node_object[a[here]], graph.node_distances(a[here], b[here]))
-    if graph.contact_band_gains is not None:
-        factors[crossed] = graph.contact_band_gains[graph.contact[a[crossed]]]
-    return np.asarray(np.multiply.reduceat(factors, [0, *ends[:-1]], axis=0))
+def _exact_sum(terms: Sequence[float]) -> float:
+    """The exactly rounded sum, infinite where it is too large for a number."""
+    try:
+        return math.fsum(terms)
+    except OverflowError:
+        return math.inf
 
 
 def path_delay(graph: HapticGraph, path: tuple[int, ...]) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..graph.contact_patches import MergedPatches
 from ..graph.haptic_graph import HapticGraph
-from .connections import LARGEST, ROUNDING, band_factors, bounded_exp, intra_gains, path_bands
+from .connections import LARGEST, ROUNDING, PathConnections, band_factors, bounded_exp, intra_gains
 from .exact import PathLimits, PathSums, lanes_of, sum_over_paths
 from .threshold_costs import ThresholdCosts
 from .walk_radius import WalkOperator
@@ -103,7 +103,7 @@ def path_gain(graph: HapticGraph, patches: MergedPatches, path: tuple[int, ...],
     lanes = lanes_of(graph)
     if patches.graph is graph:
         gain = np.full(lanes, bounded_exp(-cost))
-        gain[1:] *= path_bands(graph, [path])[0] if lanes > 1 else 1.0
+        gain[1:] *= PathConnections(graph, [path]).bands()[0, : lanes - 1]
         return gain
     entries, values = patches.node[[path[0]]], np.ones((1, lanes))
     for exit_ in path[1:-1:2]:

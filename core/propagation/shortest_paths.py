@@ -66,20 +66,20 @@ class ShortestPaths:
         """Number of nodes reached, the largest over the sets of roots."""
         return int(np.count_nonzero(self.entry >= 0, axis=1).max(initial=0))
 
-    def paths(self, graph: HapticGraph, ends: Sequence[tuple[int, Sequence[int]]]) -> list[tuple[int, ...]]:
-        """Nodes of the shortest paths from a root of each row to the nearer of its one or two targets; () where nothing arrives."""
-        row, node, other = np.array([(row, targets[0], targets[-1]) for row, targets in ends], dtype=np.int64).reshape(-1, 3).T
-        cost, another = self.cost[row, node], self.cost[row, other]
-        node = np.where((another < cost) | ((another == cost) & (other < node)), other, node)
-        node = np.where(self.entry[row, node] >= 0, node, -1)
+    def paths(self, graph: HapticGraph, row: IntArray, one: IntArray, other: IntArray) -> list[tuple[int, ...]]:
+        """Nodes of the shortest paths (p,) from a root of each row to the nearer of two targets; () where nothing arrives."""
+        cost, another = self.cost[row, one], self.cost[row, other]
+        node = np.where((another < cost) | ((another == cost) & (other < one)), other, one)
+        node[self.entry[row, node] < 0] = -1
         steps = [node]
-        while np.any(node >= 0):
+        while (node >= 0).any():
             begin = np.where(node >= 0, self.entry[row, node], -1)
             node = np.where(begin >= 0, graph.partner[begin], -1)
             steps += [begin, node]
-        backwards = np.array(steps).T
-        lengths = (backwards >= 0).sum(axis=1).tolist()
-        return [tuple(nodes[:length][::-1]) for nodes, length in zip(backwards.tolist(), lengths, strict=True)]
+        nodes = np.array(steps[::-1]).T
+        there = nodes >= 0
+        flat, ends = nodes[there].tolist(), there.sum(axis=1).cumsum().tolist()
+        return [tuple(flat[begin:end]) for begin, end in zip([0, *ends], ends, strict=False)]
 
 
 class _Relaxation:

@@ -16,7 +16,7 @@ from ..scene.bands import BAND_COUNT
 from ..scene.choices import Mode, SourceKind, Strategy
 from ..scene.values import Settings
 from .best_path import BestPaths, best_paths, crossings_of, gain_and_error, most_connections
-from .connections import LARGEST, ROUNDING, amplifying, path_bands, path_delay
+from .connections import LARGEST, ROUNDING, amplifying, bounded_exp, path_delay
 from .delay_taps import delay_taps
 from .energy_balance import energy_gains
 from .exact import PathLimits, lanes_of
@@ -150,7 +150,7 @@ class _Run:
         by_band = graph.uses_bands and not amplified
         best = best_paths(
             graph,
-            [(row, column) for row, column in np.argwhere(self.wanted).tolist()],
+            np.argwhere(self.wanted),
             most_connections(self.settings),
             self.settings.threshold,
             self.budget,
@@ -158,16 +158,18 @@ class _Run:
             trees,
             {row: graph.sources[row].band for row, s in enumerate(self.strategies) if by_band and s is Strategy.BEST_PATH},
         )
-        pairs = [pair for pair in best.nodes.keys() | best.bound.keys() if self.strategies[pair[0]] is Strategy.BEST_PATH]
-        if pairs:
-            places = tuple(np.array(pairs).T)
-            values = [gain_and_error(best.cost.get(pair), best.bound.get(pair)) for pair in pairs]
-            gains.gain[places], gains.error[places] = np.array(values).T
-            gains.paths[places] = [pair in best.nodes for pair in pairs]
-        if gains.bands is not None:
-            found = [pair for pair in pairs if pair in best.nodes]
-            for pair, factors in zip(found, path_bands(graph, [best.nodes[pair] for pair in found]), strict=True):
-                gains.bands[pair] = gains.gain[pair] * factors
+        chosen = np.array([strategy is Strategy.BEST_PATH for strategy in self.strategies], dtype=np.bool_)
+        pairs = np.array(list(best.nodes), dtype=np.int64).reshape(-1, 2)
+        mine = chosen[pairs[:, 0]]
+        places = tuple(pairs[mine].T)
+        gains.gain[places] = np.array([bounded_exp(-cost) for cost in best.cost.values()])[mine]
+        gains.paths[places] = 1
+        gains.error[gains.gain >= LARGEST] = LARGEST
+        if gains.bands is not None and best.bands is not None:
+            gains.bands[places] = gains.gain[places][:, None] * best.bands[mine]
+        for pair, bound in best.bound.items():
+            if chosen[pair[0]]:
+                gains.gain[pair], gains.error[pair] = gain_and_error(best.cost.get(pair), bound)
         return best
 
     def _sum_over_paths(self, patches: MergedPatches, best: BestPaths, known: ThresholdCosts | None, rows: list[int]) -> _Sums:

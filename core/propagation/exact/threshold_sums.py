@@ -10,7 +10,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...graph.contact_patches import contact_patches
 from ...graph.haptic_graph import HapticGraph
-from ..connections import LARGEST, SLACK, cost_limit, path_bands, path_costs
+from ..connections import LARGEST, SLACK, PathConnections, cost_limit
 from ..hop_constrained import hop_constrained_paths
 from ..shortest_paths import ShortestPaths
 from ..threshold_costs import ThresholdCosts
@@ -84,12 +84,12 @@ def _search(search_graph: SearchGraph, limits: PathLimits, ahead: FloatArray, ro
 def _only_paths(graph: HapticGraph, listeners: Sequence[int], forward: ShortestPaths, row: int, limit: float) -> PathSums:
     """The sums in a forest of contacts of one point each, where the best path to a listener is the only one."""
     sums = PathSums(np.zeros((len(listeners), lanes_of(graph))), np.zeros(len(listeners)), np.zeros(len(listeners), dtype=np.int64), 0)
-    found = forward.paths(graph, [(row, (node,)) for node in listeners])
-    paths = {number: path for number, path in enumerate(found) if path}
-    for (number, path), cost in zip(paths.items(), path_costs(graph, list(paths.values())), strict=True):
+    nodes = np.array(listeners, dtype=np.int64)
+    paths = {number: path for number, path in enumerate(forward.paths(graph, np.full(len(nodes), row), nodes, nodes)) if path}
+    along = PathConnections(graph, paths.values())
+    for number, cost, bands in zip(paths, along.costs(), along.bands(), strict=True):
         if cost <= limit - SLACK:
-            sums.gain[number] = math.exp(-cost)
+            sums.gain[number, 0] = math.exp(-cost)
+            sums.gain[number, 1:] = math.exp(-cost) * bands[: lanes_of(graph) - 1]
             sums.paths[number] = 1
-            if graph.uses_bands:
-                sums.gain[number, 1:] *= path_bands(graph, [path])[0]
     return sums
