@@ -332,8 +332,8 @@ def _lengths(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         squared += y * y
         squared += z * z
         result = np.asarray(np.sqrt(squared))
-        extreme = (squared > 1e300) | (squared < 1e-280)
-        if extreme.any():
+        if squared.size and (squared.min() < 1e-280 or squared.max() > 1e300):
+            extreme = (squared > 1e300) | (squared < 1e-280)
             result[extreme] = np.hypot(np.hypot(x[extreme], y[extreme]), z[extreme])
     return result
 

@@ -85,7 +85,7 @@ class ShortestPaths:
 class _Relaxation:
     """State of the relaxation: costs and entries so far, and what every step reads."""
 
-    def __init__(self, graphs: Sequence[HapticGraph], limits: FloatArray, complete: bool) -> None:
+    def __init__(self, graphs: Sequence[HapticGraph], limits: FloatArray, targets: IntArray | None, complete: bool) -> None:
         self.graph, rows = graphs[0], len(graphs)
         graph = self.graph
         self.count = graph.node_count
@@ -93,10 +93,12 @@ class _Relaxation:
         self.views = [next(k for k, one in enumerate(views) if one is wanted) for wanted in graphs] if len(views) > 1 else [0] * rows
         """Per row: which of the ``tables`` it is searched by. Arrays below that depend on the table hold one after the other."""
         self.shift = np.array(self.views, dtype=np.int64) * self.count if len(views) > 1 else None
-        self.arrival = np.full((rows, self.count), math.inf)
+        self.limits = np.minimum(limits, sys.float_info.max / 2)
+        # What costs more than the limit is not taken: it would not be less than what stands there at first.
+        self.arrival = np.nextafter(self.limits, math.inf)[:, None].repeat(self.count, axis=1)
         self.entry = np.full((rows, self.count), -1, dtype=np.int64)
         self.arrivals, self.entries = self.arrival.reshape(-1), self.entry.reshape(-1)
-        self.limits = np.minimum(limits, sys.float_info.max)
+        self.targets = None if targets is None or len(targets) == 0 else targets
         self.complete = complete or bool(graph.table.special)
         self.tables = [one.table for one in views]
         # Per node, as all that follows: of its object the first node, and the number of nodes besides itself.
@@ -113,6 +115,10 @@ class _Relaxation:
     def at(self, row: IntArray, node: IntArray) -> IntArray:
         """Where the arrays of a row's table hold a node."""
         return node if self.shift is None else node + self.shift[row]
+
+    def result(self) -> ShortestPaths:
+        self.arrival[self.entry < 0] = math.inf
+        return ShortestPaths(self.arrival, self.entry, self.relaxed)
 
 
 def shortest_paths(
@@ -131,41 +137,38 @@ def shortest_paths(
         targets: nodes of interest; a row stops where none of them can get cheaper, and is complete only as far as they need. None: all.
         complete: costs are right also for the nodes through which an object is entered.
     """
-    work = _Relaxation([graph] * len(roots) if isinstance(graph, HapticGraph) else graph, limits, complete)
+    work = _Relaxation([graph] * len(roots) if isinstance(graph, HapticGraph) else graph, limits, targets, complete)
     row = np.array([r for r, nodes in enumerate(roots) for _ in nodes], dtype=np.int64)
     node = np.array([n for nodes in roots for n in nodes], dtype=np.int64)
     pending = row, node, np.zeros(len(node))
     rounds = 0
     if len(roots) * work.count <= FEW:
-        _finish_by_dijkstra(work, *pending, targets)
-        return ShortestPaths(work.arrival, work.entry, work.relaxed)
+        _finish_by_dijkstra(work, *pending)
+        return work.result()
     while len(pending[0]):
         pending = _relax_cheapest(work, *pending)
         rounds += 1
-        if targets is not None and len(targets):
-            np.minimum(work.limits, work.arrival[:, targets].max(axis=1), out=work.limits)
         if rounds >= SPARSE_ROUNDS and work.relaxed < SPARSE * rounds:
-            _finish_by_dijkstra(work, *pending, targets)
+            _finish_by_dijkstra(work, *pending)
             break
-    return ShortestPaths(work.arrival, work.entry, work.relaxed)
+    return work.result()
 
 
 def _relax_cheapest(work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
     """Relax the cheapest pending entries. Returns the entries pending afterwards."""
-    within = cost <= work.limits[row]
-    useful = work.arrivals[row * work.count + node] > cost + work.node_loss[work.at(row, node)]
+    base = cost + work.node_loss[work.at(row, node)]
+    useful = work.arrivals[row * work.count + node] > base
     if work.special is not None:
         useful |= work.special[node]
-    useful &= within
     batches = []
     if work.complete:
-        back = (within & ~useful & (work.entry[row, node] >= 0)).nonzero()[0]
+        back = (~useful & (cost <= work.limits[row]) & (work.entry[row, node] >= 0)).nonzero()[0]
         back = back[work.graph.partner[work.entry[row[back], node[back]]] >= 0]
         if len(back):
-            other = work.entry[row[back], node[back]]
-            batches.append(_relax(work, row[back], node[back], cost[back], np.arange(len(back)), other))
+            which, other = np.arange(len(back)), work.entry[row[back], node[back]]
+            batches.append(_relax(work, row[back], node[back], cost[back], base[back], which, other))
     if not useful.all():
-        row, node, cost = row[useful], node[useful], cost[useful]
+        row, node, cost, base = row[useful], node[useful], cost[useful], base[useful]
     if len(row):
         size = work.others[node]
         if size.sum() > BATCH:
@@ -173,11 +176,11 @@ def _relax_cheapest(work: _Relaxation, row: IntArray, node: IntArray, cost: Floa
             now = max(1, int(size[order].cumsum().searchsorted(BATCH, side="right")))
             later, order = order[now:], order[:now]
             batches.append((row[later], node[later], cost[later]))
-            row, node, cost, size = row[order], node[order], cost[order], size[order]
+            row, node, cost, base, size = row[order], node[order], cost[order], base[order], size[order]
         which = np.arange(len(row)).repeat(size)
         other = ranges(work.first[node], size)
         other += other >= node[which]  # all nodes of the object but the entry itself
-        batches.append(_relax(work, row, node, cost, which, other))
+        batches.append(_relax(work, row, node, cost, base, which, other))
     if len(batches) == 1:
         return batches[0]
     if not batches:
@@ -187,14 +190,15 @@ def _relax_cheapest(work: _Relaxation, row: IntArray, node: IntArray, cost: Floa
 
 
 def _relax(
-    work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray, which: IntArray, other: IntArray
+    work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray, base: FloatArray, which: IntArray, other: IntArray
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """Relax the connections from entries ``node[which]`` to nodes ``other`` of the same objects. Returns the new pending entries."""
+    """Relax the connections from entries ``node[which]``, at ``cost`` and with the constant loss of their objects ``base``, to nodes
+    ``other`` of the same objects. Returns the new pending entries."""
     graph, arrivals, entries = work.graph, work.arrivals, work.entries
     work.relaxed += len(other)
-    begin, origin = node[which], work.at(row, node)
+    begin = node[which]
     distance = graph.node_distances(begin, other)
-    candidate = (cost + work.node_loss[origin])[which] + work.node_decay[origin][which] * distance
+    candidate = base[which] + work.node_decay[work.at(row, node)][which] * distance
     if graph.table.spreading is not None:
         exponent, reference, extent = graph.table.spreading.take(graph.node_object[node], axis=1).take(which, axis=1)
         candidate += exponent * np.log1p(np.minimum(distance, extent) / reference)
@@ -202,7 +206,7 @@ def _relax(
         chosen = work.special[begin].nonzero()[0]
         candidate[chosen] = cost[which[chosen]] + np.maximum(0.0, intra_costs(graph, begin[chosen], other[chosen]))
     place = (row * work.count)[which] + other
-    better = ((candidate < arrivals[place]) & (candidate <= work.limits[row][which])).nonzero()[0]
+    better = (candidate < arrivals[place]).nonzero()[0]
     place, candidate, begin = place[better], candidate[better], begin[better]
     # Several connections to one node: the cheapest wins, among equal ones that from the lowest entry.
     np.minimum.at(arrivals, place, candidate)
@@ -216,19 +220,21 @@ def _relax(
         first = entries[place] == begin
         better, candidate = better[first], candidate[first]
     row, other = row[which[better]], other[better]
+    if work.targets is not None:  # no more than what each of them costs now is of interest
+        np.minimum(work.limits, work.arrival[:, work.targets].max(axis=1), out=work.limits)
     onwards = candidate + work.crossing[work.at(row, other)]
     go = (onwards <= work.limits[row]).nonzero()[0]
     return row[go], graph.partner[other[go]], onwards[go]
 
 
-def _finish_by_dijkstra(work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray, targets: IntArray | None) -> None:
+def _finish_by_dijkstra(work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray) -> None:
     known: dict[int, _Elements] = {}
     for number in sorted(set(row.tolist())):
         view = work.views[number]
         elements = known[view] = known.get(view) or _Elements(work, view)
         mine = row == number
         arrives, enters = _items(work.arrival[number]), _items(work.entry[number])
-        _dijkstra(work, elements, number, list(zip(cost[mine].tolist(), node[mine].tolist(), strict=True)), arrives, enters, targets)
+        _dijkstra(work, elements, number, list(zip(cost[mine].tolist(), node[mine].tolist(), strict=True)), arrives, enters)
         work.arrival[number], work.entry[number] = arrives, enters
 
 
@@ -256,16 +262,14 @@ class _Elements:
             self.points.update(enumerate(graph.node_position.tolist()))
 
 
-def _dijkstra(
-    work: _Relaxation, elements: _Elements, row: int, queue: list[tuple[float, int]], arrives: Any, enters: Any, targets: IntArray | None
-) -> None:
+def _dijkstra(work: _Relaxation, elements: _Elements, row: int, queue: list[tuple[float, int]], arrives: Any, enters: Any) -> None:
     """Dijkstra's algorithm for one row, from its pending entries."""
     graph = work.graph
     heapq.heapify(queue)
     limit = float(work.limits[row])
     objects, partner, crossing, start = elements.objects, elements.partner, elements.crossing, elements.start
     loss, decay, special, points = elements.loss, elements.decay, graph.table.special, elements.points
-    sought = set() if targets is None else set(targets.tolist())
+    sought = set() if work.targets is None else set(work.targets.tolist())
     settled: set[int] = set()
     push, pop, distance, infinite = heapq.heappush, heapq.heappop, math.dist, math.inf
     while queue:
