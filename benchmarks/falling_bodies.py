@@ -15,10 +15,16 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import bpy
 import haptic_tracing
 import numpy as np
+from haptic_tracing.addon.authoring import materials as library
 from haptic_tracing.addon.session import session
+from haptic_tracing.core.scene.bands import BAND_CENTRES
+from haptic_tracing.core.scene.materials import MATERIALS
+from haptic_tracing.core.scene.measured import physical
 from mathutils import Euler
 
 SOURCES, LISTENERS = 4, 10
+FREQUENCIES = {"plain": (60.0,), "one": (60.0,), "four": (30.0, 60.0, 120.0, 250.0)}
+"""Of the sources in turn, in hertz: by what the bodies are made of."""
 SIZE = 0.5
 SHAPES = ("BOX", "SPHERE", "CONVEX_HULL", "CYLINDER", "CAPSULE", "CONE", "MIXED")
 
@@ -54,8 +60,14 @@ def _rigid(obj: bpy.types.Object, shape: str, kind: str = "ACTIVE") -> bpy.types
     return obj
 
 
-def build(frames: int, bodies: int, shape: str, settled: bool, strategy: str, impacts: bool) -> bpy.types.Scene:
-    """A new file with so many bodies above a ground: in layers, turned at random, that fall onto each other, or side by side at rest."""
+def build(
+    frames: int, bodies: int, shape: str, settled: bool, strategy: str, impacts: bool, materials: str | None = None
+) -> bpy.types.Scene:
+    """A new file with so many bodies above a ground: in layers, turned at random, that fall onto each other, or side by side at rest.
+
+    ``materials``: None for κ and ρ as they are in new objects; else stone on soil as they were measured, with contacts by impedance: their
+    ``plain`` gain without bands, or in bands with sources of ``one`` band or of ``four``.
+    """
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = 1, frames
@@ -72,7 +84,7 @@ def build(frames: int, bodies: int, shape: str, settled: bool, strategy: str, im
     ground = _mesh("BOX")
     ground.name = "ground"
     ground.transform(np.diag([4.0 * width, 4.0 * width, 2.0, 1.0]).tolist())
-    _rigid(_add("ground", ground, (0, 0, -SIZE)), "BOX", "PASSIVE")
+    lying = _rigid(_add("ground", ground, (0, 0, -SIZE)), "BOX", "PASSIVE")
     made = []
     for k in range(bodies):
         layer, row, column = k // width**2, k // width % width, k % width
@@ -90,7 +102,26 @@ def build(frames: int, bodies: int, shape: str, settled: bool, strategy: str, im
     for k in range(LISTENERS):
         made[(2 * k + 1) if settled else (2 * k + 1) * bodies // (2 * LISTENERS)].haptics.listener.enabled = True
     bpy.context.view_layer.update()
+    if materials is not None:
+        _make_physical(scene, lying, made, materials)
     return scene
+
+
+def _make_physical(scene: bpy.types.Scene, ground: bpy.types.Object, bodies: Sequence[bpy.types.Object], materials: str) -> None:
+    """Give the bodies measured materials, contacts the impedances of these, and sources their frequencies."""
+    for name, objects in (("soil", [ground]), ("stone", bodies)):
+        library.apply(objects, library.preset_in(scene, MATERIALS[name]))
+    library.make_physical([ground, *bodies], False)
+    if materials == "plain":  # the damping of the lowest band at every frequency
+        for name, obj in (("soil", ground), *(("stone", body) for body in bodies)):
+            obj.haptics.absorption = physical(name, tuple(obj.dimensions)).material_damping(BAND_CENTRES[0])
+            obj.haptics.loss_factor = 0.0
+    rule = scene.haptics.transmission_table.items.add()
+    rule.first_kind, rule.second_kind, rule.function = "ANY", "ANY", "impedance"
+    emitting = [body for body in bodies if body.haptics.source.enabled]
+    for k, body in enumerate(emitting):
+        body.haptics.source.frequency = FREQUENCIES[materials][k % len(FREQUENCIES[materials])]
+    bpy.context.view_layer.update()
 
 
 def play_in_turns(connection: Connection, tracing: bool, frames: int, *scene_of: object) -> None:
