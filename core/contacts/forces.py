@@ -1,8 +1,8 @@
 """The forces of resting contacts, estimated from what they carry.
 
 Every body that physics moves is at rest: the forces and torques of its contacts balance its weight. A contact pushes, never pulls, and its
-friction is at most the force that it presses with. That leaves open how redundant supports share a load; of all possible forces those with
-the least sum of squares are taken, which symmetric supports share alike.
+friction is at most a part of the force that it presses with. That leaves open how redundant supports share a load; of all possible forces
+those with the least sum of squares are taken, which symmetric supports share alike.
 """
 
 from __future__ import annotations
@@ -21,9 +21,11 @@ MOST_BODIES = 150
 UNBALANCED = 0.05
 """Part of a body's weight that its contacts may leave uncarried; where more is left it does not rest on them."""
 
-_FRICTION = 0.5
-_ROUNDS = 3
-"""Times that friction is bounded by the pressing forces of the round before."""
+_FRICTIONS = (0.25, 0.5)
+"""The most that friction is of what presses: between two bodies of Blender's default friction, whose product counts, and, where that leaves
+a body uncarried, between rougher ones."""
+_ROUNDS = 2
+"""Times that friction is bounded by the pressing forces of the round before, which at first are those with any friction."""
 _RELUCTANCE = 0.3
 """Friction carries only what pressing does not: the size of a frictional force beside a pressing one that counts as much."""
 _SOFTNESS = 1e-7
@@ -90,24 +92,29 @@ def _of_group(
                 matrix[first + 3 + axis, column * len(rows) + moved] = _TORQUE / size * np.cross(arm, push)[:, axis]
     target = np.zeros((len(bodies), 6))
     target[:, :3] = -mass[bodies, None] * gravity / unit
-    solved = _balanced(matrix, target.reshape(-1), len(rows))
-    pressed = solved[: 4 * len(rows)].reshape(4, -1).sum(axis=0)
-    left = np.linalg.norm((matrix @ solved - target.reshape(-1)).reshape(-1, 6)[:, :3], axis=1) * unit
     falls = np.zeros(len(mass), dtype=np.bool_)
-    falls[bodies] = left > UNBALANCED * mass[bodies] * strength
+    solved = _balanced(matrix, target.reshape(-1), len(rows), np.full(2 * len(rows), np.inf))
+    for friction in _FRICTIONS:
+        for _ in range(_ROUNDS):
+            pressed = solved[: 4 * len(rows)].reshape(4, -1).sum(axis=0)
+            solved = _balanced(matrix, target.reshape(-1), len(rows), friction * np.tile(pressed, 2))
+        left = np.linalg.norm((matrix @ solved - target.reshape(-1)).reshape(-1, 6)[:, :3], axis=1) * unit
+        falls[bodies] = left > UNBALANCED * mass[bodies] * strength
+        if not falls.any():
+            break
+    pressed = solved[: 4 * len(rows)].reshape(4, -1).sum(axis=0)
     return np.where(falls[contacts.pairs[rows]].any(axis=1), np.nan, pressed * unit)
 
 
-def _balanced(matrix: FloatArray, target: FloatArray, count: int) -> FloatArray:
-    """Pressing forces at 4 points and friction in 2 directions (6 * count,) that come nearest to the target."""
+def _balanced(matrix: FloatArray, target: FloatArray, count: int, most: FloatArray) -> FloatArray:
+    """Pressing forces at 4 points and friction in 2 directions (6 * count,) that come nearest to the target.
+
+    ``most``: of friction (2 * count,).
+    """
     scale = np.repeat([2.0, _RELUCTANCE], [4 * count, 2 * count])  # four quarters of a force weigh together as the force does
-    low, high = np.repeat([0.0, -np.inf], [4 * count, 2 * count]), np.full(6 * count, np.inf)
-    solved = np.zeros(6 * count)
-    for _ in range(_ROUNDS):
-        solved = scale * bounded_least_squares(matrix * scale, target, low, high, _SOFTNESS)
-        most = _FRICTION * np.tile(solved[: 4 * count].reshape(4, -1).sum(axis=0), 2) / _RELUCTANCE
-        low[4 * count :], high[4 * count :] = -most, most
-    return solved
+    low = np.concatenate([np.zeros(4 * count), -most / _RELUCTANCE])
+    high = np.concatenate([np.full(4 * count, np.inf), most / _RELUCTANCE])
+    return np.asarray(scale * bounded_least_squares(matrix * scale, target, low, high, _SOFTNESS))
 
 
 def _pressed_points(contacts: ContactSet, rows: IntArray) -> tuple[FloatArray, FloatArray]:

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 RECORDED = Path(__file__).with_name("bullet_forces.json")
-KINDS = {"stack": 4, "slope": 4, "table": 3, "pile": 5, "spheres": 2}
+KINDS = {"stack": 4, "slope": 12, "table": 3, "pile": 8, "spheres": 6}
 """Number of scenes of each kind."""
 _RATE, _MEAN = 240, 60
 
@@ -47,6 +47,7 @@ class World:
             for contact in p.getContactPoints():
                 pair = min(contact[1:3]), max(contact[1:3])
                 forces[pair] = forces.get(pair, 0.0) + contact[9] / _MEAN
+        assert all(np.linalg.norm(p.getBaseVelocity(body)[0]) < 1e-3 for body in range(len(self.bodies))), "still on the move"
         poses = [[list(part) for part in p.getBasePositionAndOrientation(body)] for body in range(len(self.bodies))]
         return {"bodies": self.bodies, "poses": poses, "forces": [[a, b, f] for (a, b), f in sorted(forces.items())]}
 
@@ -92,7 +93,7 @@ def record() -> None:
         for k in range(count):
             world = World(pybullet)
             fill(world, kind, np.random.default_rng([len(kind), k]))
-            scenes.append({"kind": kind, **world.rest(12 if kind in ("pile", "spheres") else 2)})
+            scenes.append({"kind": kind, **world.rest(12 if kind in ("pile", "spheres") else 4)})
     rounded = json.loads(json.dumps(scenes), parse_float=lambda text: round(float(text), 7))
     RECORDED.write_text(json.dumps(rounded, separators=(",", ":")).replace('},{"kind"', '},\n{"kind"') + "\n", encoding="utf-8")
 

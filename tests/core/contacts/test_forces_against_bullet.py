@@ -42,7 +42,7 @@ def errors(scene: dict) -> np.ndarray:
 def test_stacks_and_slopes_within_a_tenth(kind):
     found = np.concatenate([errors(scene) for scene in SCENES if scene["kind"] == kind])
     known = found[~np.isnan(found)]
-    assert len(known) >= 0.8 * len(found) and len(known) > 6
+    assert len(known) == len(found) >= 24
     assert known.max() < 0.1
 
 
@@ -54,9 +54,10 @@ def test_beams_on_two_supports_within_a_tenth():
 @pytest.mark.slow
 def test_piles_within_a_quarter_in_the_median():
     """Redundant supports do not determine how they share, and Bullet's share depends on how they came to rest."""
-    found = {kind: np.concatenate([errors(scene) for scene in SCENES if scene["kind"] == kind]) for kind in ("pile", "spheres")}
-    assert min(map(len, found.values())) > 30
-    assert np.median(np.concatenate(list(found.values()))) < 0.25
+    for kind in ("pile", "spheres"):
+        found = np.concatenate([errors(scene) for scene in SCENES if scene["kind"] == kind])
+        assert len(found) > 200 and not np.isnan(found).any()
+        assert np.median(found) < 0.25
 
 
 def resting(count: int, mass: float = 2.0, sideways: float = 0.0) -> tuple[ContactSet, np.ndarray, np.ndarray]:
