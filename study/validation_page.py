@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 
-from .validation import HAND_ARM, HANDLE, LEG, RESONANCES, TRUNK, Series, all_series, body_level, ground, skin_level
+from .validation import HAND_ARM, HANDLE, HANDLE_TO_HEAD, HEAD, LEG, RESONANCES, TRUNK, Series, all_series, body_level, ground, skin_level
 
 UNMODELLED = (
     (
@@ -40,6 +40,8 @@ INTRODUCTION = """# Validation: the model beside what was measured
 - **printed**: figures of a closed form or a textbook, computed again by the solver.
 - **definition**: the same formula; shows that its factors are right.
 - **chosen**: the value was chosen so; it proves nothing.
+
+*As recalled*: the figure is known from the literature, but its document could not be opened.
 
 Levels are amplitudes in decibels. Figures of standards come from transcriptions, named with each series.
 
@@ -143,12 +145,15 @@ BODY_CURVES: tuple[tuple[str, str, Callable[[float], float]], ...] = (
     ("head, from the seat", "#66a182", lambda f: body_level(TRUNK, f)),
     ("ankle", "#8d6a9f", lambda f: body_level(LEG[:1], f)),
     ("knee", "#5c5c5c", lambda f: body_level(LEG[:2], f)),
+    ("toes", "#1b7f5c", lambda f: body_level((("toes", 0.05),), f)),
+    ("midfoot", "#c2185b", lambda f: body_level((("midfoot", 0.05),), f)),
+    ("head, from the handle", "#3949ab", lambda f: body_level(HEAD, f)),
     ("skin, 4 cm", "#b07d62", lambda f: skin_level(f, 0.04)),
     ("skin, 8 cm", "#d8b192", lambda f: skin_level(f, 0.08)),
 )
 """Name, colour and level [dB] over frequency [Hz]."""
 LOW, HIGH, DEEPEST = 4.0, 500.0, -50.0
-_RANGES = {"wrist, as recalled": 0, "elbow": 1, "head and trunk, as recalled": 3, "ankle": 4, "knee": 5}
+_RANGES = {"wrist, as recalled": 0, "elbow": 1, "head and trunk, as recalled": 3, "ankle": 4, "knee": 5, "toes": 6, "midfoot": 7}
 """Curve of the places of `RESONANCES` that have one."""
 
 
@@ -184,10 +189,13 @@ def body_picture() -> str:
         lines.append(f'<circle cx="{x(frequency):.1f}" cy="{y(known):.1f}" r="4" fill="#fff" stroke="{colour}" stroke-width="2"/>')
         if count > 1:
             lines.append(f'<path d="M{x(frequency):.1f} {y(known) + 4:.1f}v14" stroke="{colour}" stroke-width="2"/>')
+    for frequency, known in HANDLE_TO_HEAD:
+        if known > DEEPEST:
+            lines.append(f'<circle cx="{x(frequency):.1f}" cy="{y(known):.1f}" r="4" fill="{BODY_CURVES[8][1]}"/>')
     lines.append(f'<path d="M{x(15):.1f} {y(-3.1):.1f}H{x(20):.1f}V{y(-6.02):.1f}H{x(15):.1f}Z" fill="none" stroke="{BODY_CURVES[3][1]}"/>')
     captions = (
         "dB against frequency. Lines: model. Bars on top: published resonances.",
-        "Rings and box: published levels, as recalled; with a tail: at most.",
+        "Dots: published levels. Rings and box: the same, as recalled; with a tail: at most.",
     )
     return "\n".join(
         [

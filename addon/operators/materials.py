@@ -94,11 +94,21 @@ class HAPTIC_OT_physical_materials(Operator):
     in_a_building: BoolProperty(
         name="In a Building", description="Walls and floors in place, whose joints and edges take 2 dB per metre", default=False
     )
+    bodies: BoolProperty(
+        name="Bodies Only",
+        description="Only what is made of flesh; the other objects keep their functions",
+        default=False,
+        options={"SKIP_SAVE"},
+    )
 
     poll = classmethod(poll_object_mode)
 
     def execute(self, context: Context) -> set[str]:
         objects = [obj for obj in context.scene.objects if obj.haptics.enabled and obj.is_editable]
+        if self.bodies:
+            objects = [obj for obj in objects if library.preset_of(obj) is MATERIALS["flesh"]]
+            if not objects:
+                return refuse(self, "No haptic object is made of flesh; Add Body Listeners makes a body of it")
         known = library.make_physical(objects, self.in_a_building)
         message = _rpt("{} of {} haptic objects are made of a preset")
         self.report({"INFO"}, message.format(known, len(objects)))

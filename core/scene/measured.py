@@ -7,11 +7,12 @@ EN 12354-1. What is built into a house loses 1 to 3 dB per metre at 150 to 3000 
 sound in building materials"). Where no source is named the values are the usual ranges of Cremer, Heckl and Petersson, "Structure-Borne
 Sound", and count as estimated.
 
-Parts of a body move as a whole up to their resonances: ankle 16 to 39 Hz (Goggins, 24 places of the foot of 21 people,
-wbldb.lievers.net/10176750; 25 to 30 Hz, doi 10.3233/OER-160236), knee 20 to 30 Hz, where platforms amplify, while little arrives at the hip
-(doi 10.3390/app14209516), elbow 8 Hz (Marchetti and others, Int. J. Ind. Ergon. 62, 2017), fingertip 200 Hz (Lundström, J. Biomech. 17,
-1984). As recalled, no curve could be read: wrist 20 to 40 Hz and shoulder 10 Hz (doi 10.1016/j.jsv.2010.02.001), head and trunk 4 to 6 Hz,
-of which 0.5 to 0.7 is left at 15 to 20 Hz; above these, at most 0.2 at the elbow from 100 Hz and 0.1 at the shoulder from 50 Hz.
+Parts of a body move as a whole up to their resonances: ankle 16 to 39 Hz, midfoot 51 to 84, toes 99 to 147 (Goggins, 24 places of the
+foot of 21 people, wbldb.lievers.net/10176750; ankle 25 to 30 Hz, metatarsals 50 Hz, doi 10.3233/OER-160236), knee 20 to 30 Hz, where
+platforms amplify, while little arrives at the hip (doi 10.3390/app14209516), elbow 8 Hz (Marchetti and others, Int. J. Ind. Ergon. 62,
+2017), fingertip 200 Hz (Lundström, J. Biomech. 17, 1984). As recalled, no curve could be read: wrist 20 to 40 Hz and shoulder 10 Hz (doi
+10.1016/j.jsv.2010.02.001), head and trunk 4 to 6 Hz, of which 0.5 to 0.7 is left at 15 to 20 Hz; above these, at most 0.2 at the elbow
+from 100 Hz and 0.1 at the shoulder from 50 Hz.
 """
 
 from __future__ import annotations
@@ -59,6 +60,8 @@ LIMBS: Mapping[str, tuple[float, float]] = MappingProxyType(
         "upper_leg": (10.0, 10.0),
         "lower_leg": (25.0, 10.0),
         "foot": (28.0, 7.0),
+        "midfoot": (67.0, 7.0),
+        "toes": (123.0, 7.0),
         **dict.fromkeys(("head", "chest", "belly", "hips"), (5.0, 21.0)),
     }
 )

@@ -41,12 +41,13 @@ _LIMBS = {
     "lower_leg": ("shin", "calf", "lowerleg", "loleg", "leg", "knee"),
     "foot": ("foot", "ankle"),
 }
+_FEET = {"toes": ("toe", "toes", "bigtoe", "toebase"), "midfoot": ("midfoot", "instep", "metatarsal", "metatarsals")}
 _HIPS = ("hips", "pelvis", "hip")
 _TORSO = ("spine", "chest", "upperchest", "torso", "abdomen", "ribs", "waist", "spinelower", "spineupper", "abdomenlower", "abdomenupper")
 _NECK, _HEAD = ("neck",), ("head",)
 _PART_OF = {
     name: part
-    for part, names in {**_LIMBS, "hips": _HIPS, "chest": _TORSO, "head": (*_NECK, *_HEAD), "belly": ("belly",)}.items()
+    for part, names in {**_LIMBS, **_FEET, "hips": _HIPS, "chest": _TORSO, "head": (*_NECK, *_HEAD), "belly": ("belly",)}.items()
     for name in names
 }
 _SIDES = {"l": "L", "left": "L", "r": "R", "right": "R"}

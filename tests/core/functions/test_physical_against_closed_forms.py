@@ -123,7 +123,16 @@ def test_bad_parameters_are_named(key, value):
 
 
 @pytest.mark.parametrize(
-    ("part", "published"), [("hand", (20, 40)), ("forearm", (8, 8)), ("foot", (16, 39)), ("lower_leg", (20, 30)), ("head", (4, 6))]
+    ("part", "published"),
+    [
+        ("hand", (20, 40)),
+        ("forearm", (8, 8)),
+        ("foot", (16, 39)),
+        ("lower_leg", (20, 30)),
+        ("head", (4, 6)),
+        ("midfoot", (51, 84)),
+        ("toes", (99, 147)),
+    ],
 )
 def test_a_part_of_a_body_moves_as_a_whole_up_to_its_published_resonance(part, published):
     function = physical("flesh", (0.1, 0.1, 0.3), part=part)
@@ -143,7 +152,15 @@ def test_thin_flesh_is_skin():
 
 @pytest.mark.parametrize(
     ("name", "part"),
-    [("Avatar Upper Arm.L", "upper_arm"), ("LeftUpLeg", "upper_leg"), ("Avatar Shin.R", "lower_leg"), ("hand.R", "hand"), ("Hammer", "")],
+    [
+        ("Avatar Upper Arm.L", "upper_arm"),
+        ("LeftUpLeg", "upper_leg"),
+        ("Avatar Shin.R", "lower_leg"),
+        ("hand.R", "hand"),
+        ("Foot Toes.L", "toes"),
+        ("Mid Foot.R", "midfoot"),
+        ("Hammer", ""),
+    ],
 )
 def test_parts_by_names(name, part):
     assert part_in(name) == part
