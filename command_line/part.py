@@ -49,7 +49,7 @@ def _baked(scene: Scene, origin: Origin, number: int, start: int) -> Part:
     before, heard, rate = "", [], 0.0
     own = session.of(scene)
     with tqdm(total=last - start + 1, desc=origin.title(number), unit="frame") as bar:
-        for step in timeline.steps(scene, start, last):
+        for step in timeline.steps(scene, start, last, looks_back=False):
             if not step.result.listeners:
                 raise ValueError("there is no listener: add one to feel something")
             if step.result.number == first - 1 and number > 1:

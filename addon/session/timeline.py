@@ -54,11 +54,11 @@ def results(scene: Scene, start: int, end: int) -> Generator[FrameResult, None, 
                 yield _from(start, _checked(frame, session.result_of(scene), own.problems, result))
 
 
-def steps(scene: Scene, start: int, end: int, listeners_may_change: bool = False) -> Generator[Step, None, None]:
-    """The same, the scene standing in the frame that comes."""
+def steps(scene: Scene, start: int, end: int, listeners_may_change: bool = False, looks_back: bool = True) -> Generator[Step, None, None]:
+    """The same, the scene standing in the frame that comes; where ``looks_back`` is false, nothing is traced before ``start``."""
     result: FrameResult | None = None
     began = time.perf_counter()
-    with closing(_frames(scene, start, end)) as frames:
+    with closing(_frames(scene, start, end, looks_back)) as frames:
         for frame in frames:
             before = None if listeners_may_change else result
             result = _checked(frame, session.result_of(scene), session.problems_of(scene), before)
@@ -67,11 +67,11 @@ def steps(scene: Scene, start: int, end: int, listeners_may_change: bool = False
             began = time.perf_counter()
 
 
-def _frames(scene: Scene, start: int, end: int) -> Generator[int, None, None]:
+def _frames(scene: Scene, start: int, end: int, looks_back: bool = True) -> Generator[int, None, None]:
     """Let Blender come to the frames in order, the tracing of each begun when it is given."""
     before = scene.frame_current
     try:
-        first = tracing_start(scene, start)
+        first = tracing_start(scene, start) if looks_back else start
         for frame in range(_simulation_start(scene, first), first):
             with suspended():
                 scene.frame_set(frame)

@@ -1,8 +1,11 @@
 """What several tests of the commands start from."""
 
+import atexit
+
 import bpy
 import haptic_tracing
 import pytest
+from haptic_tracing.command_line import main
 from haptic_tracing.sample_scenes import build_sample
 
 
@@ -13,6 +16,21 @@ def registered():
     haptic_tracing.register()
     yield
     haptic_tracing.unregister()
+
+
+@pytest.fixture(scope="module")
+def command(registered):
+    """Runs a command that enables the add-on itself, in this process: it takes two seconds to start another one. Gives the exit code."""
+
+    def run(*arguments):
+        haptic_tracing.unregister()
+        code = main([str(argument) for argument in arguments])
+        atexit.unregister(haptic_tracing.unregister)  # `registered` does it
+        if not hasattr(bpy.types.Scene, "haptics"):
+            haptic_tracing.register()
+        return code
+
+    return run
 
 
 @pytest.fixture(scope="module")

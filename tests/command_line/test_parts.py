@@ -27,11 +27,11 @@ FEWER = {"domino_wall": 24, "pile": 8}
 
 
 class Run:
-    """Frames ``start`` to ``last`` of a scene traced without any before, the checksums after them, and their samples."""
+    """Frames ``start`` to ``last`` of a scene, the checksums after them, and their samples."""
 
-    def __init__(self, scene, start, last):
+    def __init__(self, scene, start, last, looks_back=False):
         self.frames, self.after, recorder = {}, {}, TrackRecorder()
-        for step in timeline.steps(scene, start, last):
+        for step in timeline.steps(scene, start, last, looks_back=looks_back):
             self.frames[step.result.number] = HeardFrame.of(step.result)
             self.after[step.result.number] = session.of(scene).tracer.checksum()
             recorder.add(step.result)
@@ -91,24 +91,31 @@ def test_parts_and_ranges_of_what_slides_have_the_bits_of_the_whole(registered, 
     scene = build_sample("sliding_and_rolling")
     _bake_rigid_bodies(scene)
     scene.frame_start = scene_start
-    whole, runs = Run(scene, *frames).tracks, {}
-    assert whole.samples.any(axis=1).sum() > 1
-    for parts in (2, 3, 7):
-        origin = replace(origin_of("slides", frames[1], parts), frames=frames)
-        for number in range(1, parts + 1):
-            last = origin.range_of(number)[1]
-            start = part.start_of(scene, origin, number)
-            if number > 1 and last not in getattr(runs.get(start), "frames", ()):
-                runs[start] = Run(scene, start, last)
-            one = baked_part(runs, origin, number, start) if number > 1 else part._baked(scene, origin, 1, start)
-            write_part(one, tmp_path / f"{number}.npz")
+    whole = Run(scene, *frames, looks_back=True)
+    assert whole.tracks.samples.any(axis=1).sum() > 1
+    origins = {parts: replace(origin_of("slides", frames[1], parts), frames=frames) for parts in (2, 3, 7)}
+    starts = {(parts, k): part.start_of(scene, origins[parts], k) for parts in origins for k in range(1, parts + 1)}
+    ends = {}
+    for (parts, number), start in starts.items():
+        ends[start] = max(origins[parts].range_of(number)[1], ends.get(start, 0))
+    begin = starts[2, 1]  # of the whole as well
+    runs = {start: whole if start == begin else Run(scene, start, end) for start, end in ends.items()}
+    longest = part._baked(scene, origins[2], 1, begin)
+    for parts, origin in origins.items():
+        last = origin.range_of(1)[1]
+        heard = tuple(frame for frame in longest.frames if frame.number <= last)
+        write_part(
+            replace(longest, origin=origin, after=longest.after if parts == 2 else whole.after[last], frames=heard), tmp_path / "1.npz"
+        )
+        for number in range(2, parts + 1):
+            write_part(baked_part(runs, origin, number, starts[parts, number]), tmp_path / f"{number}.npz")
         merged = merge._tracks(merge._bakes([tmp_path / f"{number}.npz" for number in range(1, parts + 1)])["slides"])
-        assert merged.samples.tobytes() == whole.samples.tobytes()
+        assert merged.samples.tobytes() == whole.tracks.samples.tobytes()
     if scene_start == frames[0]:
-        own = Run(scene, 190, 200)
+        own = Run(scene, 190, 200, looks_back=True)
         begin = sample_index((190 - frames[0]) / 24, own.rate)
         assert own.tracks.samples.any()
-        assert np.array_equal(own.tracks.samples, whole.samples[:, begin : begin + own.tracks.samples.shape[1]])
+        assert np.array_equal(own.tracks.samples, whole.tracks.samples[:, begin : begin + own.tracks.samples.shape[1]])
 
 
 def run(*arguments):

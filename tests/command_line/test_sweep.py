@@ -6,10 +6,8 @@ import os
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import bpy
-import haptic_tracing
 import numpy as np
 import pytest
 from haptic_tracing.addon.session import timeline
@@ -33,30 +31,24 @@ def write_results(path, milliseconds, listeners):
 
 
 @pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    """The bench and a jackhammer, saved as ``bench.blend`` and open, with the add-on enabled."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    haptic_tracing.register()
+def folder(registered, tmp_path_factory):
+    """That of ``bench.blend``: the bench and a jackhammer."""
     folder = tmp_path_factory.mktemp("sweep")
     build_sample("jackhammer_bench")
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "bench.blend"))
-    bpy.ops.wm.open_mainfile(filepath=str(folder / "bench.blend"))
-    yield bpy.context.scene
-    haptic_tracing.unregister()
+    return folder
 
 
 @pytest.fixture
-def folder(scene):
-    return Path(bpy.data.filepath).parent
+def scene(folder):
+    """The bench, opened with the add-on enabled."""
+    bpy.ops.wm.open_mainfile(filepath=str(folder / "bench.blend"))
+    return bpy.context.scene
 
 
 def seat(scene):
     """The object on the path from the jackhammer to the avatar."""
     return next(obj for obj in scene.objects if obj.haptics.enabled and "seat" in obj.name.lower())
-
-
-def sweep_command(*arguments):
-    return [sys.executable, "-m", "haptic_tracing", "sweep", *map(str, arguments)]
 
 
 def kill_one_worker(process, results):
@@ -72,12 +64,13 @@ def kill_one_worker(process, results):
 
 
 @pytest.mark.slow
-def test_a_killed_worker_loses_nothing_and_one_worker_gives_the_same_bits(scene, folder, tmp_path):
+def test_a_killed_worker_loses_nothing_and_one_worker_gives_the_same_bits(scene, folder, command, tmp_path, capsys):
     path = f'objects["{seat(scene).name}"].haptics.kappa'
     study = folder / "kappa.toml"
     study.write_text(f"scenes = ['bench.blend']\nframes = [1, 4]\n[settings]\n'{path}' = [0.1, 0.3, 0.6]\n")
-    two = sweep_command(study, "--workers", 2, "--tracks", "--out", tmp_path / "two")
-    process = subprocess.Popen(two, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    two = ["sweep", str(study), "--workers", "2", "--tracks", "--out", str(tmp_path / "two")]
+    program = [sys.executable, "-m", "haptic_tracing", *two]
+    process = subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     kill_one_worker(process, tmp_path / "two" / "kappa" / "results")
     said, complaint = process.communicate()
     assert process.returncode == 0, complaint
@@ -87,18 +80,20 @@ def test_a_killed_worker_loses_nothing_and_one_worker_gives_the_same_bits(scene,
 
     # What is there is not traced again.
     written = {file: file.stat().st_mtime_ns for file in (tmp_path / "two" / "kappa").rglob("*.*")}
-    again = subprocess.run(two, capture_output=True, text=True, check=True)
-    assert "3 variants, 0 of them new" in again.stdout
+    assert command(*two) == 0
+    assert "3 variants, 0 of them new" in capsys.readouterr().out
     assert written == {file: file.stat().st_mtime_ns for file in (tmp_path / "two" / "kappa").rglob("*.*")}
 
     # One worker gives the same bits, and so does Blender without any.
     single = folder / "single.toml"
     single.write_text(f"scenes = ['bench.blend']\nframes = [1, 4]\n[settings]\n'{path}' = [0.6]\n")
-    subprocess.run(sweep_command(single, "--workers", 1, "--tracks", "--out", tmp_path / "one"), check=True, capture_output=True)
+    assert command("sweep", single, "--workers", 1, "--tracks", "--out", tmp_path / "one") == 0
     alone = table.read_table(tmp_path / "one" / "single.parquet").to_pylist()
     assert [{**row, "milliseconds": 0} for row in alone] == [{**row, "milliseconds": 0} for row in rows if row[path] == 0.6]
     for file in (tmp_path / "one" / "single" / "tracks").glob("*.wav"):
         assert file.read_bytes() == (tmp_path / "two" / "kappa" / "tracks" / file.name).read_bytes()
+    bpy.ops.wm.open_mainfile(filepath=str(folder / "bench.blend"))
+    scene = bpy.context.scene
     for key, kappa in {row["key"]: row[path] for row in rows}.items():
         seat(scene).haptics.kappa = kappa
         recorder = TrackRecorder()

@@ -51,12 +51,13 @@ def scene_document(material, rule):
          "pose": {"position": [*PLACES[k], 0.15 + DROP]}}
         for k in range(len(PLACES))
     ]  # fmt: skip
-    frames = []
+    frames, known = [], {}
     for number in range(round((FALL + APART * (len(PLACES) + 1)) * FRAME_RATE)):
         fallen = number / FRAME_RATE - APART * np.arange(len(PLACES))
         heights = 0.15 + np.where(fallen < FALL, DROP - 9.81 / 2 * np.maximum(fallen, 0.0) ** 2, 0.0)
         poses = {f"ball {k}": [*PLACES[k], round(float(z), 5), 1, 0, 0, 0] for k, z in enumerate(heights)}
-        frames.append({"frame": number, "poses": poses})
+        frames.append({"frame": number, "poses": {name: pose for name, pose in poses.items() if known.get(name) != pose}})
+        known = poses
     return {
         "format": "haptic-scene",
         "version": "1.1",
