@@ -113,6 +113,7 @@ class CollisionDetector:
         self._unnamed: tuple[tuple[Body, ...], tuple[Body, ...]] = (), ()  # bodies, and the same without materials
         self._known: tuple[ContactSettings | None, ContactSettings] = None, settings  # the settings, and of these what is `_tracked`
         self._last: Frame | None = None
+        self._bound: tuple[tuple[object, ...], GainBound] | None = None  # what it was made of, and it
 
     @property
     def _tracked(self) -> ContactSettings:
@@ -334,7 +335,7 @@ class CollisionDetector:
         return self._contacts
 
     def _reach(self, frame: Frame, transforms: FloatArray) -> GainBound:
-        """Return where signals of the sources can arrive."""
+        """Return where signals of the sources can arrive, the same object while that is the same."""
         row = self._numbering.row
         starts: list[tuple[int, Vector]] = []
         for source in frame.sources:
@@ -342,11 +343,14 @@ class CollisionDetector:
                 if source.amplitude > 0 and name in row and position is not None:
                     starts.append((row[name], position))
         bodies, positions = self._sources.places(transforms)
-        bodies = np.concatenate([np.array([body for body, _ in starts], dtype=np.int64), bodies])
-        positions = np.concatenate([np.array([position for _, position in starts], dtype=np.float64).reshape(-1, 3), positions])
-        bounds = self._numbering.gain_bounds(frame.settings)
         functions = self._transmissions(self._numbering.table).functions
-        return signal_gain_bound(bounds, bodies, positions, frame.settings, functions, self.settings.impacts)
+        key = starts, bodies.tobytes(), positions.tobytes(), self._numbering, functions, frame.settings, self.settings.impacts
+        if self._bound is None or self._bound[0] != key:
+            bodies = np.concatenate([np.array([body for body, _ in starts], dtype=np.int64), bodies])
+            positions = np.concatenate([np.array([position for _, position in starts], dtype=np.float64).reshape(-1, 3), positions])
+            bounds = self._numbering.gain_bounds(frame.settings)
+            self._bound = key, signal_gain_bound(bounds, bodies, positions, frame.settings, functions, self.settings.impacts)
+        return self._bound[1]
 
 
 class _Numbering:

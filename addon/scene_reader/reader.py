@@ -22,7 +22,7 @@ from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import ImpactRule
 from ...core.scene.rule_table import RuleTable
 from ...core.scene.texture import Texture
-from ...core.scene.values import Listener, Source, TriggerKind
+from ...core.scene.values import Listener, Settings, Source, TriggerKind
 from ..blender import compatibility
 from ..blender.progress import progress
 from ..blender.time import frame_seconds, seconds_of
@@ -36,7 +36,7 @@ from .problem import Problem
 from .reading import Reading
 from .roles import haptic_carrier, is_silenced, is_tagged, solo_roles
 from .rules import read_impact_rule, read_table, read_texture
-from .settings import read_contact_settings, read_settings
+from .settings import read_contact_settings, read_settings, setting_values
 from .signals import is_audible
 from .tagged import Tagged, TaggedLists
 from .triggers import read_triggers, region_of
@@ -75,7 +75,8 @@ class SceneReader:
         self._session_ids: NDArray[np.int32] | None = None
         self._tagged: dict[int, Tagged] = {}  # by row
         self._shapes: dict[int, tuple[Any, Any, Any]] = {}  # by session id: what it was built from, its mesh's checksum, and the shape
-        self._contact_settings = ContactSettings()
+        self._values: tuple[Any, ...] | None = None  # what the settings were read from
+        self._settings, self._contact_settings = Settings(), ContactSettings()
         self._doubtful: set[int] = set()  # session ids of objects whose geometry may have changed
         self._curves = AnimatedCurves()
         self._animated: dict[int, tuple[Any, ...]] = {}  # by row: what its animated properties were last
@@ -126,7 +127,7 @@ class SceneReader:
             self._transmission_table, problems = read_table(scene, "transmission_table", objects, read_transmission)
             self._textures, more = read_table(scene, "textures", objects, read_texture)
             self._rule_problems += problems + more
-            self._session_ids = ids
+            self._session_ids, self._values = ids, None
         lists = self._read_changed(depsgraph, raw, exact)
         now, duration = seconds_of(scene, scene.frame_current), frame_seconds(scene)
         heard = [
@@ -134,21 +135,16 @@ class SceneReader:
             for item, row in zip(self._placed, lists.of_places.tolist(), strict=True)
             if is_audible(item, now, duration)
         ]
-        contact_settings = read_contact_settings(scene, self._impact_table, self._transmission_table, self._textures)
-        if "source" in self.solo_roles:
-            contact_settings = replace(contact_settings, impacts=False, textures=RuleTable())
+        self._read_settings(scene)
         self._markers = self._marked(scene)
-        if contact_settings == self._contact_settings:
-            contact_settings = self._contact_settings  # so that collisions know them again
-        self._contact_settings = contact_settings
         return Reading(
             objects=lists.objects,
             bodies=lists.bodies,
             transforms=self._transforms,
             sources=tuple(item for item in heard if isinstance(item, Source)),
             listeners=tuple(item for item in heard if isinstance(item, Listener)),
-            settings=read_settings(scene),
-            contact_settings=contact_settings,
+            settings=self._settings,
+            contact_settings=self._contact_settings,
             problems=(
                 *(Problem("", problem) for problem in self._imported.problems),
                 *self._instance_problems,
@@ -156,8 +152,21 @@ class SceneReader:
                 *lists.problems,
             ),
             settled=self._settled,
-            authored=self._imported.authored(lists.homes, self._settled, contact_settings),
+            authored=self._imported.authored(lists.homes, self._settled, self._contact_settings),
         )
+
+    def _read_settings(self, scene: Scene) -> None:
+        """Read the settings where they have changed; else they stay the same objects, which collisions know again."""
+        values = setting_values(scene)
+        if values == self._values:
+            return
+        self._settings = read_settings(scene)
+        contact_settings = read_contact_settings(scene, self._impact_table, self._transmission_table, self._textures)
+        if "source" in self.solo_roles:
+            contact_settings = replace(contact_settings, impacts=False, textures=RuleTable())
+        if contact_settings != self._contact_settings:
+            self._contact_settings = contact_settings
+        self._values = values
 
     def _marked(self, scene: Scene) -> tuple[tuple[str, int], ...]:
         """The names and frames of the timeline's markers, where sources have triggers."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from operator import attrgetter
+from typing import Any
 
 from bpy.types import Scene
 
@@ -15,6 +17,17 @@ from ...core.scene.values import Settings
 from ..blender.single_precision import shortest
 from .imported import ImportedScene, exact, imported_scene
 from .rules import TEMPLATES
+
+_HAPTICS = attrgetter(
+    *("mode", "strategy", "max_connections", "threshold", "epsilon", "localise", "contact_tolerance", "minimum_energy", "maximum_energy"),
+    *("impact_energy", "refractory_time", "patch_points", "impacts", "impact_signal", "imported"),
+)
+
+
+def setting_values(scene: Scene) -> tuple[Any, ...]:
+    """All that the settings are read from, but for the tables: where these are the same, so are the settings."""
+    time_scale = None if scene.rigidbody_world is None else scene.rigidbody_world.time_scale
+    return *_HAPTICS(scene.haptics), *scene.gravity, scene.use_gravity, time_scale, scene.animation_data is None
 
 
 def read_settings(scene: Scene) -> Settings:

@@ -226,7 +226,7 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     read_milliseconds = 1000 * (time.perf_counter() - started)
     begun = _Begun(session.serial, reading, others, errors, read_milliseconds, 1000 * sessions.evaluation_seconds())
     session.begun_at = time.monotonic()
-    _submit(session, begun, replace(frame_of(scene, reading, continuous), recall=recall, exact=exact))
+    _submit(session, begun, frame_of(scene, reading, continuous, recall, exact))
 
 
 def keep_impacts(scene: Scene) -> None:
@@ -308,7 +308,7 @@ def _finish(scene: Scene, session: Session) -> None:
     session.problems = problems_in(traced)
 
 
-def frame_of(scene: Scene, reading: Reading, continuous: bool) -> Frame:
+def frame_of(scene: Scene, reading: Reading, continuous: bool, recall: bool = False, exact: bool = False) -> Frame:
     """What the tracer is told of a reading."""
     return Frame(
         number=scene.frame_current,
@@ -321,6 +321,8 @@ def frame_of(scene: Scene, reading: Reading, continuous: bool) -> Frame:
         transforms=reading.transforms,
         continuous=continuous,
         authored=reading.authored,
+        recall=recall,
+        exact=exact,
         duration=frame_seconds(scene),
     )
 

@@ -12,7 +12,8 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor, wait
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -138,7 +139,9 @@ def is_interactive() -> bool:
 
 def done_within(future: Future[Any], seconds: float) -> bool:
     """Wait for a job, but no longer than so many seconds; whether it has ended."""
-    return future.done() or bool(wait((future,), seconds).done)
+    with suppress(TimeoutError, CancelledError):
+        future.exception(seconds)
+    return future.done()
 
 
 def redraw_after(seconds: float) -> None:

@@ -4,11 +4,13 @@ import json
 import math
 import subprocess
 import sys
+from dataclasses import fields
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
+from haptic_tracing.addon.scene_reader.reader import SceneReader
 from haptic_tracing.addon.session import session
 
 
@@ -76,6 +78,27 @@ def test_amplitude_and_kappa_that_are_keyframed_count_at_each_frame(seesaw, scen
         expected = amplitude * _gain(kappa, plank.haptics.rho, math.hypot(3.0, 0.1)) * _gain(0.1, 0.9, 0.25)
         assert result.gains[0, 0] == pytest.approx(expected, rel=1e-5)
     assert 0.2 < session.result_of(scene).sources[0].amplitude <= 1.0
+
+
+def test_settings_of_the_scene_that_are_keyframed_count_at_each_frame(seesaw, scene):
+    bpy.ops.rigidbody.world_add()
+    later = {"mode": "SD", "strategy": "best_path", "max_connections": 3, "threshold": 0.01, "epsilon": 0.2, "localise": 0.5,
+             "contact_tolerance": 0.02, "minimum_energy": 0.5, "maximum_energy": 7, "impact_energy": "normal", "refractory_time": 0.3,
+             "patch_points": True, "impacts": False, "impact_signal": "PLAIN"}  # fmt: skip
+    keyed = [(scene.haptics, *item) for item in later.items()]
+    keyed += [(scene.rigidbody_world, "time_scale", 0.5), (scene, "gravity", (1, 2, 3)), (scene, "use_gravity", False)]
+    for owner, name, value in keyed:
+        owner.keyframe_insert(name, frame=1)
+        setattr(owner, name, value)
+        owner.keyframe_insert(name, frame=2)
+    found = []
+    for frame in (1, 2, 1):
+        scene.frame_set(frame)
+        known, fresh = session.of(scene).reading, SceneReader().read(scene, bpy.context.evaluated_depsgraph_get())
+        assert (known.settings, known.contact_settings) == (fresh.settings, fresh.contact_settings)
+        found.append({item.name: getattr(part, item.name) for part in (fresh.settings, fresh.contact_settings) for item in fields(part)})
+    same = {name for name, value in found[0].items() if value == found[1][name]}
+    assert same == {"slack", "impact_table", "transmission_table", "textures"}
 
 
 def test_drivers_and_strips_of_the_nla_count_at_each_frame(seesaw, scene):
