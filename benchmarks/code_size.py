@@ -46,10 +46,19 @@ def code_lines(source: str, tree: ast.Module) -> set[int]:
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type not in LAYOUT:
             lines.update(range(token.start[0], token.end[0] + 1))
-    for node in ast.walk(tree):
+    for node in statements(tree):
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
             lines.difference_update(range(node.lineno, (node.end_lineno or 0) + 1))
     return lines
+
+
+def statements(node: ast.AST) -> Iterator[ast.AST]:
+    """The statements, exception handlers and cases below a node: what branches and functions are among. Expressions hold none."""
+    for part in vars(node).values():
+        for inner in part if isinstance(part, list) else ():
+            if isinstance(inner, (ast.stmt, ast.ExceptHandler, ast.match_case)):
+                yield inner
+                yield from statements(inner)
 
 
 def functions(root: Path, parts: tuple[str, ...] = SHIPPED) -> Iterator[Function]:
@@ -58,12 +67,12 @@ def functions(root: Path, parts: tuple[str, ...] = SHIPPED) -> Iterator[Function
         for path in sorted((root / part).rglob("*.py")):
             source = path.read_text(encoding="utf-8")
             tree = ast.parse(source)
-            spans = {node: range(node.lineno, (node.end_lineno or 0) + 1) for node in ast.walk(tree) if isinstance(node, FUNCTIONS)}
+            spans = {node: range(node.lineno, (node.end_lineno or 0) + 1) for node in statements(tree) if isinstance(node, FUNCTIONS)}
             lines = code_lines(source, tree) if any(len(span) >= LONG for span in spans.values()) else None
             for node, span in spans.items():
                 length = len(span) if lines is None else len(lines.intersection(span))
                 place = f"{path.relative_to(root).as_posix()}:{node.lineno}"
-                yield Function(node.name, place, length, sum(isinstance(inner, BRANCHES) for inner in ast.walk(node)))
+                yield Function(node.name, place, length, 1 + sum(isinstance(inner, BRANCHES) for inner in statements(node)))
 
 
 def counts(root: Path) -> dict[str, int]:

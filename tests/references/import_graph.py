@@ -70,12 +70,8 @@ def imports(root: Path) -> list[Import]:
 
 
 def _imports_of(name: str, path: Path, known: Iterable[str]) -> Iterator[Import]:
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    functions = [node for node in ast.walk(tree) if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
-    in_functions = {id(node) for function in functions for node in ast.walk(function)}
     package = [] if name == "__init__" else name.split(".") if path.name == "__init__.py" else name.split(".")[:-1]
-    for node in ast.walk(tree):
-        inside = id(node) in in_functions
+    for node, inside in _statements(ast.parse(path.read_text(encoding="utf-8")), False):
         if isinstance(node, ast.Import):
             for alias in node.names:
                 yield Import(name, alias.name.split(".")[0], node.lineno, False, inside)
@@ -85,6 +81,17 @@ def _imports_of(name: str, path: Path, known: Iterable[str]) -> Iterator[Import]
             base = ".".join([*package[: len(package) - node.level + 1], *([node.module] if node.module else [])]) or "__init__"
             for target in {f"{base}.{alias.name}" if f"{base}.{alias.name}" in known else base for alias in node.names}:
                 yield Import(name, target, node.lineno, True, inside)
+
+
+def _statements(node: ast.AST, inside: bool) -> Iterator[tuple[ast.stmt, bool]]:
+    """All statements below a node, and whether each stands in a function. Statements hold others in lists; expressions hold none."""
+    inside = inside or isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+    for part in vars(node).values():
+        for inner in part if isinstance(part, list) else ():
+            if isinstance(inner, ast.stmt):
+                yield inner, inside
+            if isinstance(inner, (ast.stmt, ast.ExceptHandler, ast.match_case)):
+                yield from _statements(inner, inside)
 
 
 def cycles(edges: Iterable[tuple[str, str]]) -> list[list[str]]:

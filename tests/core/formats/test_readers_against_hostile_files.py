@@ -168,9 +168,7 @@ def test_brackets_in_strings_are_text(tmp_path):
 @pytest.mark.slow
 def test_a_zip_bomb_is_not_unpacked(tmp_path):
     path = tmp_path / "bomb.json.gz"
-    with gzip.open(path, "wb", compresslevel=9) as file:
-        for _ in range(40):
-            file.write(b" " * (16 << 20))
+    path.write_bytes(40 * gzip.compress(b" " * (16 << 20), compresslevel=9))  # a gzip file may have several members
     assert path.stat().st_size < 1 << 20
     with pytest.raises(FormatError, match=r"bomb\.json\.gz: larger than 256 MiB"):
         read_scene(path)
