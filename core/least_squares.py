@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from .arrays import FloatArray
@@ -13,6 +11,7 @@ _ROUNDS = 200
 _EXACT = 1e-12
 """Relative error of the equations at which the solution counts as found."""
 _HALVINGS = 40
+_ROUNDING = 4 * np.finfo(np.float64).eps
 
 
 def bounded_least_squares(matrix: FloatArray, target: FloatArray, low: FloatArray, high: FloatArray, softness: float = 1e-9) -> FloatArray:
@@ -23,10 +22,14 @@ def bounded_least_squares(matrix: FloatArray, target: FloatArray, low: FloatArra
     """
     dual = np.zeros(len(target))
     size = float(np.abs(target).max(initial=0.0)) or 1.0
-    gradient = partial(_gradient, matrix, target, low, high, softness)
+    rounding = _ROUNDING * (np.abs(matrix) @ np.abs(matrix.T))  # of the equations, where the dual is 1: below it no step leads further
+
+    def gradient(dual: FloatArray) -> FloatArray:
+        return np.asarray(target - matrix @ np.clip(dual @ matrix, low, high) - softness * dual)
+
     for _ in range(_ROUNDS):
         rest = gradient(dual)
-        if np.abs(rest).max(initial=0.0) <= _EXACT * size:
+        if np.all(np.abs(rest) <= np.maximum(_EXACT * size, rounding @ np.abs(dual))):
             break
         pull = dual @ matrix
         inner = matrix[:, (pull >= low) & (pull <= high)]
@@ -40,7 +43,3 @@ def bounded_least_squares(matrix: FloatArray, target: FloatArray, low: FloatArra
                 length, reach = (middle, reach) if step @ gradient(dual + middle * step) >= 0 else (length, middle)
         dual = dual + length * step
     return np.asarray(np.clip(dual @ matrix, low, high))
-
-
-def _gradient(matrix: FloatArray, target: FloatArray, low: FloatArray, high: FloatArray, softness: float, dual: FloatArray) -> FloatArray:
-    return np.asarray(target - matrix @ np.clip(dual @ matrix, low, high) - softness * dual)

@@ -32,27 +32,33 @@ def write_all(tracks, folder, name="scene"):
     return {form: registry.write(form, export, folder) for form in FORMATS}
 
 
+@pytest.fixture(scope="module")
+def written_study(study, tmp_path_factory):
+    """The study in every format: a folder with its files, and what writing said, by format."""
+    folder = tmp_path_factory.mktemp("study")
+    return folder, write_all(study, folder)
+
+
 @pytest.mark.slow
-def test_the_study_in_every_format(study, tmp_path):
-    written = write_all(study, tmp_path)
+def test_the_study_in_every_format(study, written_study):
+    folder, written = written_study
     for result in written.values():
         for path in result.files:
             rules.check_file(path, study)
         assert result.losses and all(loss.isprintable() for loss in result.losses)
     masks = [BODY_PART[listener.body_part].mpeg_mask for listener in study.listeners]
-    rules.check_ohm((tmp_path / "scene.ohm").read_bytes(), tmp_path, masks)
+    rules.check_ohm((folder / "scene.ohm").read_bytes(), folder, masks)
     files = {path for result in written.values() for path in result.files}
-    assert {path for path in tmp_path.rglob("*") if path.is_file()} == files
+    assert {path for path in folder.rglob("*") if path.is_file()} == files
 
 
 @pytest.mark.slow
-def test_two_writings_are_the_same_bytes(study, tmp_path):
-    for folder in ("a", "b"):
-        (tmp_path / folder).mkdir()
-        write_all(study, tmp_path / folder)
-    for path in (tmp_path / "a").rglob("*"):
+def test_two_writings_are_the_same_bytes(study, written_study, tmp_path):
+    folder, _ = written_study
+    write_all(study, tmp_path)
+    for path in folder.rglob("*"):
         if path.is_file():
-            assert path.read_bytes() == (tmp_path / "b" / path.relative_to(tmp_path / "a")).read_bytes(), path.name
+            assert path.read_bytes() == (tmp_path / path.relative_to(folder)).read_bytes(), path.name
 
 
 @st.composite
@@ -176,15 +182,15 @@ def test_losses_say_what_is_cut_and_who_is_nowhere():
 
 
 @pytest.mark.slow
-def test_csv_and_npz_hold_the_samples(study, tmp_path):
-    write_all(study, tmp_path)
-    with (tmp_path / "scene.csv").open(newline="") as file:
+def test_csv_and_npz_hold_the_samples(study, written_study):
+    folder, _ = written_study
+    with (folder / "scene.csv").open(newline="") as file:
         rows = list(csv.reader(file))
     assert rows[0] == ["time", *[listener.name for listener in study.listeners]]
     table = np.array(rows[1:], dtype=np.float64)
     np.testing.assert_allclose(table[:, 0], np.arange(study.count) / study.sample_rate, atol=5e-7)
     np.testing.assert_allclose(table[:, 1:].T, study.samples, atol=2.1e-5)
-    arrays = np.load(tmp_path / "scene.npz")
+    arrays = np.load(folder / "scene.npz")
     np.testing.assert_array_equal(arrays["samples"], study.samples.astype(np.float32))
     assert arrays["names"].tolist() == [listener.name for listener in study.listeners] and arrays["sample_rate"] == 8000
     assert len(arrays["impacts"]) == 5 * len(study.listeners)

@@ -5,6 +5,7 @@ import gzip
 import json
 import math
 from dataclasses import MISSING
+from itertools import permutations
 
 import jsonschema
 import pytest
@@ -103,92 +104,97 @@ signals = st.sampled_from(
 )
 
 
+unique_names = st.lists(names, min_size=2, max_size=4, unique=True)
+few_names = st.lists(names, max_size=2, unique=True)
+# Made once and not in every drawing, which would take longer than to draw; objects are numbers until their names are drawn.
+members = {
+    HapticObject: st.fixed_dictionaries(
+        {
+            "kappa": unit,
+            "rho": unit,
+            "propagation": functions,
+            "shape": st.one_of(st.none(), shapes),
+            "pose": st.one_of(st.none(), poses),
+            "mass": st.one_of(st.none(), length),
+            "medium": st.booleans(),
+            "extras": extras,
+        }
+    ),
+    Contact: st.fixed_dictionaries(
+        {
+            "positions": st.tuples(vectors, vectors),
+            "transmission": functions,
+            "area": st.floats(0, 10),
+            "normal": st.sampled_from([(0.0, 0.0, 1.0), (0.6, 0.0, 0.8), (-1.0, 0.0, 0.0)]),
+            "depth": metres,
+            "share": unit,
+            "extras": extras,
+        }
+    ),
+    Source: st.fixed_dictionaries(
+        {
+            "position": vectors,
+            "amplitude": unit,
+            "kind": st.sampled_from(SourceKind),
+            "signal": st.one_of(st.none(), signals),
+            "onset": st.floats(0, 100),
+            "priority": st.floats(0, 100),
+            "extras": extras,
+        }
+    ),
+    Listener: st.fixed_dictionaries(
+        {
+            "position": vectors,
+            "body_part": st.sampled_from(["", "hand.L"]),
+            "radius": unit,
+            "gain": st.floats(0, 10),
+            "mixing": st.just("custom"),
+            "s_max": st.floats(0.1, 1),
+            "mixing_expression": st.sampled_from(["s_max * tanh(sum / s_max)", "0.5 * strongest"]),
+            "limiter": st.booleans(),
+            "extras": extras,
+        }
+    ),
+}
+some_settings = st.builds(
+    Settings,
+    mode=st.sampled_from(Mode),
+    strategy=st.sampled_from(Strategy),
+    max_connections=st.one_of(st.none(), st.integers(0, 1000)),
+    threshold=unit,
+    epsilon=unit,
+    tolerance=unit,
+    localise=unit,
+)
+some_object = {count: st.sampled_from(range(count)) for count in (2, 3, 4)}
+two_objects = {count: st.sampled_from(list(permutations(range(count), 2))) for count in (2, 3, 4)}
+any_or_none = {count: st.sampled_from([None, *range(count)]) for count in (2, 3, 4)}
+up_to_three = st.integers(0, 3)
+
+
 @st.composite
 def scenes(draw):
-    object_names = draw(st.lists(names, min_size=2, max_size=4, unique=True))
-    some_object = st.sampled_from(object_names)
+    object_names = draw(unique_names)
+    count = len(object_names)
+
+    def second_object():
+        number = draw(any_or_none[count])
+        return None if number is None else object_names[number]
+
     return HapticScene(
-        objects=tuple(
-            HapticObject(
-                name=name,
-                kappa=draw(unit),
-                rho=draw(unit),
-                propagation=draw(functions),
-                shape=draw(st.one_of(st.none(), shapes)),
-                pose=draw(st.one_of(st.none(), poses)),
-                mass=draw(st.one_of(st.none(), length)),
-                medium=draw(st.booleans()),
-                extras=draw(extras),
-            )
-            for name in object_names
-        ),
+        objects=tuple(HapticObject(name=name, **draw(members[HapticObject])) for name in object_names),
         contacts=tuple(
-            draw(
-                st.lists(
-                    st.builds(
-                        Contact,
-                        objects=st.permutations(object_names).map(lambda order: tuple(order[:2])),
-                        positions=st.tuples(vectors, vectors),
-                        transmission=functions,
-                        area=st.floats(0, 10),
-                        normal=st.sampled_from([(0.0, 0.0, 1.0), (0.6, 0.0, 0.8), (-1.0, 0.0, 0.0)]),
-                        depth=metres,
-                        share=unit,
-                        extras=extras,
-                    ),
-                    max_size=3,
-                )
-            )
+            Contact(objects=tuple(object_names[k] for k in draw(two_objects[count])), **draw(members[Contact]))
+            for _ in range(draw(up_to_three))
         ),
         sources=tuple(
-            Source(
-                name=name,
-                object=draw(some_object),
-                position=draw(vectors),
-                amplitude=draw(unit),
-                kind=draw(st.sampled_from(SourceKind)),
-                signal=draw(st.one_of(st.none(), signals)),
-                second_object=draw(st.one_of(st.none(), some_object)),
-                onset=draw(st.floats(0, 100)),
-                priority=draw(st.floats(0, 100)),
-                extras=draw(extras),
-            )
-            for name in draw(st.lists(names, max_size=2, unique=True))
+            Source(name=name, object=object_names[draw(some_object[count])], second_object=second_object(), **draw(members[Source]))
+            for name in draw(few_names)
         ),
         listeners=tuple(
-            draw(
-                st.lists(
-                    st.builds(
-                        Listener,
-                        name=names,
-                        object=some_object,
-                        position=vectors,
-                        body_part=st.sampled_from(["", "hand.L"]),
-                        radius=unit,
-                        gain=st.floats(0, 10),
-                        mixing=st.just("custom"),
-                        s_max=st.floats(0.1, 1),
-                        mixing_expression=st.sampled_from(["s_max * tanh(sum / s_max)", "0.5 * strongest"]),
-                        limiter=st.booleans(),
-                        extras=extras,
-                    ),
-                    max_size=2,
-                    unique_by=lambda listener: listener.name,
-                )
-            )
+            Listener(name=name, object=object_names[draw(some_object[count])], **draw(members[Listener])) for name in draw(few_names)
         ),
-        settings=draw(
-            st.builds(
-                Settings,
-                mode=st.sampled_from(Mode),
-                strategy=st.sampled_from(Strategy),
-                max_connections=st.one_of(st.none(), st.integers(0, 1000)),
-                threshold=unit,
-                epsilon=unit,
-                tolerance=unit,
-                localise=unit,
-            )
-        ),
+        settings=draw(some_settings),
         extras=draw(extras),
     )
 
