@@ -19,9 +19,10 @@ _items: list[tuple[str, str, str, str, int]] = []  # Blender keeps no copy of dy
 
 
 class HAPTIC_OT_find_devices(Operator):
+    """Look for haptic devices that are connected to this computer"""
+
     bl_idname = "haptic.find_devices"
     bl_label = "Find Devices"
-    bl_description = "Look for haptic devices that are connected to this computer"
 
     def execute(self, context: Context) -> set[str]:
         settings = context.scene.haptics.live_output
@@ -31,9 +32,10 @@ class HAPTIC_OT_find_devices(Operator):
 
 
 class HAPTIC_OT_connect_device(Operator):
+    """Let listeners be felt through this device while the timeline plays"""
+
     bl_idname = "haptic.connect_device"
     bl_label = "Connect"
-    bl_description = "Let listeners be felt through this device while the timeline plays"
     bl_options = {"INTERNAL"}
 
     device: StringProperty(name="Device", description="Which one; empty for the default device of the preferences")
@@ -54,9 +56,10 @@ class HAPTIC_OT_connect_device(Operator):
 
 
 class HAPTIC_OT_disconnect_device(Operator):
+    """Silence the device and let go of it"""
+
     bl_idname = "haptic.disconnect_device"
     bl_label = "Disconnect"
-    bl_description = "Silence the device and let go of it"
     bl_options = {"INTERNAL"}
 
     device: StringProperty()
@@ -67,9 +70,10 @@ class HAPTIC_OT_disconnect_device(Operator):
 
 
 class HAPTIC_OT_copy_udev_rule(Operator):
+    """Copy the line that lets you use this device; the panel says where to put it"""
+
     bl_idname = "haptic.copy_udev_rule"
     bl_label = "Copy udev Rule"
-    bl_description = "Copy the line that lets you use this device; the panel says where to put it"
     bl_options = {"INTERNAL"}
 
     device: StringProperty()
@@ -94,9 +98,10 @@ def _choices(self: Operator, context: Context | None) -> list[tuple[str, str, st
 
 
 class HAPTIC_OT_choose_actuator(Operator):
+    """What this listener is felt through; choose several, one after the other"""
+
     bl_idname = "haptic.choose_actuator"
     bl_label = "Actuator"
-    bl_description = "What this listener is felt through; choose several, one after the other"
     bl_options = {*UNDO, "INTERNAL"}
 
     listener: StringProperty()
@@ -115,9 +120,10 @@ class HAPTIC_OT_choose_actuator(Operator):
 
 
 class HAPTIC_OT_toggle_preview(Operator):
+    """Hear what the listeners feel through Blender's own sound output, while the timeline plays"""
+
     bl_idname = "haptic.toggle_preview"
     bl_label = "Preview as Sound"
-    bl_description = "Hear what the listeners feel through Blender's own sound output, while the timeline plays"
 
     def execute(self, context: Context) -> set[str]:
         if preview.is_on():
@@ -132,9 +138,10 @@ class HAPTIC_OT_toggle_preview(Operator):
 
 
 class HAPTIC_OT_panic(Operator):
+    """Silence every device at once and let go of it, and switch the preview off"""
+
     bl_idname = "haptic.panic"
     bl_label = "Stop All Output"
-    bl_description = "Silence every device at once and let go of it, and switch the preview off"
 
     def execute(self, context: Context) -> set[str]:
         player.rest()

@@ -9,14 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from .connection import Connected, connected, hid_module, missing_permission, udev_rule
-from .families.family import Interface
 from .force_feedback import EventNode, ForceFeedbackModule, event_nodes, force_feedback_profile
 from .loopback import PlayerModule
 from .mapping import ActuatedDevice
 from .network import bhaptics, intiface
 from .output import DeviceOutput, SoundCardOutput
 from .profiles import BUILT_IN, Adjustment, Profile, load_profiles
-from .sound_card import SoundCard, sound_cards, sound_module
+from .sound_card import sound_cards, sound_module
 from .status import Output
 
 _BUS = {"usb": "USB", "bt": "Bluetooth"}
@@ -88,12 +87,8 @@ def _hid_devices(profiles: Sequence[Profile], gamepads: list[Connected]) -> list
 
 def _force_feedback(profiles: Sequence[Profile], gamepads: Sequence[Connected]) -> list[Found]:
     """The kernel's force feedback of what can't be driven as one of the HID devices ``gamepads``."""
-    drivable = [device for device in gamepads if _matching(profiles, device) and any(map(_may_be_opened, device.interfaces))]
+    drivable = [device for device in gamepads if _matching(profiles, device) and not all(map(missing_permission, device.interfaces))]
     return [_event_device(node) for node in event_nodes() if node.may_be_opened and not any(_is_same(node, device) for device in drivable)]
-
-
-def _may_be_opened(interface: Interface) -> bool:
-    return missing_permission(interface) is None
 
 
 def _is_same(node: EventNode, device: Connected) -> bool:
@@ -125,12 +120,12 @@ def _hid_device(profile: Profile, device: Connected) -> Found:
 
 
 def _sound_cards() -> list[Found]:
-    return [_sound_card(card) for card in sound_cards(sound_module())]
-
-
-def _sound_card(card: SoundCard) -> Found:
-    opened = partial(_open, SoundCardOutput, card, {})
-    return Found(f"sound card {card.title}", card.title, f"sound card, {card.channels} channels", card, opened)
+    return [
+        Found(
+            f"sound card {card.title}", card.title, f"sound card, {card.channels} channels", card, partial(_open, SoundCardOutput, card, {})
+        )
+        for card in sound_cards(sound_module())
+    ]
 
 
 def _players(look: Callable[[], Iterable[tuple[Profile, PlayerModule]]]) -> list[Found]:

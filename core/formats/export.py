@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import datetime
 from dataclasses import dataclass, field
-from datetime import date
 
 from ..modalities.modality_scene import ModalityScene
 from ..scene.values import HapticScene
@@ -11,10 +11,6 @@ from .scene.devices_json import DeviceMapping
 from .scene.materials_json import LibraryMaterial
 from .scene.recording import Recording
 from .tracks.listener_tracks import Tracks
-
-
-def _today() -> str:
-    return date.today().isoformat()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,7 +28,7 @@ class Export:
     devices: tuple[DeviceMapping, ...] = ()
     modalities: tuple[ModalityScene, ...] = ()
     materials: tuple[LibraryMaterial, ...] = ()
-    date: str = field(default_factory=_today)
+    date: str = field(default_factory=lambda: datetime.date.today().isoformat())
     unknown: tuple[str, ...] = ()
 
     def need_tracks(self) -> Tracks:

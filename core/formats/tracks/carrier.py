@@ -91,10 +91,6 @@ class Carrier:
             self.wave,
         )
 
-    def with_phase(self, phase: float) -> Carrier:
-        """The carrier with another phase (radians) at its start."""
-        return replace(self, phase=phase)
-
     def to_signal(self) -> Signal:
         """An oscillator with a keyed frequency times a keyed envelope, which can be edited."""
         oscillator, offset = _OSCILLATORS[self.wave]

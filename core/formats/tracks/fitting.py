@@ -191,7 +191,9 @@ class _Grid:
         while len(start):
             good = end - start < 2 * shortest
             hopeful = ~good
-            hopeful[hopeful] = self._error(start[hopeful], end[hopeful], SAMPLED) <= self._allowance(start[hopeful], end[hopeful])
+            # Beyond half of the allowed error at a few points, a segment is divided without evaluating all of them.
+            allowance = SAMPLED * (self.allowed[start[hopeful]] + self.allowed[end[hopeful]]) / 2
+            hopeful[hopeful] = self._error(start[hopeful], end[hopeful], SAMPLED) <= allowance
             good[hopeful] = self._error(start[hopeful], end[hopeful]) <= 0
             accepted.append(end[good])
             start, end = start[~good], end[~good]
@@ -231,10 +233,6 @@ class _Grid:
         actual = self.amplitude[point]
         error = level * level + actual * actual - 2 * level * actual * np.cos(off) - self.allowed[point]
         return np.asarray(np.add.reduceat(error, np.cumsum(count) - count))
-
-    def _allowance(self, start: IntArray, end: IntArray) -> FloatArray:
-        """Excess of the error at ``SAMPLED`` points beyond which a segment is divided without evaluating all of its points."""
-        return SAMPLED * (self.allowed[start] + self.allowed[end]) / 2
 
     def _halves(self, length: IntArray) -> tuple[FloatArray, FloatArray]:
         """Time (seconds) before and after the frequency key in the middle of a segment of ``length`` grid steps."""

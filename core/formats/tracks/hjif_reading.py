@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -121,7 +122,7 @@ def carriers_of(kind: str, effect: Mapping[str, Any], tick: float, gain: float =
     for begin, until, phase in _phases(*frequencies, end - start):
         carrier = Carrier(start, end, 0.0, times, values * (sign * gain), *_played(*frequencies), wave)
         part = carrier if (begin, until) == (0.0, end - start) else carrier.part(begin, until)
-        yield part.with_phase(effect.get("phase", 0.0) + phase)
+        yield replace(part, phase=effect.get("phase", 0.0) + phase)
 
 
 def _curve(effect: Mapping[str, Any], tick: float, gain: float, is_cubic: bool) -> Iterator[Carrier]:

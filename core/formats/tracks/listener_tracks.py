@@ -18,10 +18,6 @@ CHUNK = 2**18
 """Samples that are processed at once."""
 
 
-def _no_impacts() -> FloatArray:
-    return np.zeros((0, 2))
-
-
 def strengths(source: Source, gains: FloatArray) -> list[float]:
     """Peak of an impact's vibration at each listener, at most 1."""
     peak = min((source.signal or DEFAULT_IMPACT).peak, 1.0)
@@ -44,7 +40,7 @@ class ListenerTrack:
 
     name: str
     body_part: str = ""
-    impacts: FloatArray = field(default_factory=_no_impacts)
+    impacts: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
 
     def __post_init__(self) -> None:
         impacts = np.asarray(self.impacts, dtype=np.float64).reshape(-1, 2)

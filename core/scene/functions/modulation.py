@@ -257,18 +257,10 @@ class Expression(ModulationFunction):
 
     def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         """By interval arithmetic: certain, though not always tight (then above 1 where the formula itself is not)."""
-        variables = {
-            "x": Interval(1.0, 1.0),
-            "d": Interval(0.0, max_distance),
-            "kappa": Interval(kappa, kappa),
-            "rho": Interval(rho, rho),
-            "epsilon": Interval(epsilon, epsilon),
-            "area": Interval(0.0, math.inf),
-            "depth": Interval(0.0, math.inf),
-            "angle": Interval(0.0, math.pi),
-            "force": Interval(0.0, math.inf),
-        }
-        result = self.compiled.bounds(variables)
+        known = {"x": 1.0, "kappa": kappa, "rho": rho, "epsilon": epsilon}
+        most = {"d": max_distance, "angle": math.pi, "area": math.inf, "depth": math.inf, "force": math.inf}
+        exact = {name: Interval(value, value) for name, value in known.items()}
+        result = self.compiled.bounds({**exact, **{name: Interval(0.0, value) for name, value in most.items()}})
         return max(0.0, result.low), result.high
 
 
