@@ -172,20 +172,11 @@ def _actuator(place: str, data: Mapping[str, Any]) -> Actuator:
     for i, part in enumerate(data["body_parts"]):
         if part not in BODY_PART:
             raise ValueError(f"{place}/body_parts/{i}: body part {part!r} is unknown: use one of {', '.join(BODY_PART)}")
-    return Actuator(
-        name=data["name"],
-        body_parts=tuple(data["body_parts"]),
-        kind=data["kind"],
-        band=_band(f"{place}/band", data["band"]),
-        latency=float(data["latency"]),
-        safe_maximum=float(data["safe_maximum"]),
-        channels=tuple(
-            Channel(channel["name"], _band(f"{place}/channels/{i}/takes", channel["takes"])) for i, channel in enumerate(data["channels"])
-        ),
-        calibration=Calibration(**data.get("calibration", {})),
-        resonances=tuple(map(float, data.get("resonances", ()))),
-        position=tuple(data["position"]) if "position" in data else None,
-    )
+    takes = [_band(f"{place}/channels/{i}/takes", channel["takes"]) for i, channel in enumerate(data["channels"])]
+    channels = tuple(Channel(channel["name"], band) for channel, band in zip(data["channels"], takes, strict=True))
+    calibration = Calibration(**data.get("calibration", {}))
+    values: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in data.items()}
+    return Actuator(**{**values, "band": _band(f"{place}/band", data["band"]), "channels": channels, "calibration": calibration})
 
 
 def _band(place: str, limits: list[float]) -> tuple[float, float]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 Value = bool | int | float | str
+_TRUTH = {"true": True, "false": False}
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,15 +25,9 @@ class Option:
 
     def parse(self, text: str) -> Value:
         """Parse ``text``. Raises ValueError that names the option."""
-        if isinstance(self.default, bool):
-            if text.lower() not in ("true", "false"):
-                raise ValueError(f"{self.name}: must be true or false, not {text!r}")
-            return text.lower() == "true"
-        if isinstance(self.default, str):
-            return self.checked(text)
         try:
-            return self.checked(type(self.default)(text))
-        except ValueError:
+            return self.checked(_TRUTH[text.lower()] if isinstance(self.default, bool) else type(self.default)(text))
+        except (KeyError, ValueError):
             raise ValueError(f"{self.name}: must be {self._range()}, not {text!r}") from None
 
     def checked(self, value: Value) -> Value:

@@ -30,6 +30,12 @@ MOST_STEPS = 5_000_000
 LONGEST_NUMBER = 32
 """Characters of a number that is written as text."""
 
+_FADES: Mapping[str, Callable[[FloatArray], FloatArray]] = {
+    "FADE_IN": lambda share: share,
+    "FADE_OUT": lambda share: 1 - share,
+    "FADE_IN_OUT": lambda share: 1 - np.abs(2 * share - 1),
+}
+"""The strength over the course of an interval, 0 to 1; of others it is 1."""
 _LISTS = ("dotMode", "pathMode")
 _NUMBERS: Mapping[str, Callable[[str], float]] = {"index": int, "intensity": float, "x": float, "y": float, "time": float}
 _LAYOUTS = {position: places for layout in DEVICES.values() for position, places in layout.items()}
@@ -121,16 +127,7 @@ class _Player:
         last = max(first, last)
         self.steps += last - first
         share = (np.arange(first, last) + 0.5 - first) / max(last - first, 1)
-        match feedback.get("playbackType"):
-            case "FADE_IN":
-                pass
-            case "FADE_OUT":
-                share = 1 - share
-            case "FADE_IN_OUT":
-                share = 1 - np.abs(2 * share - 1)
-            case _:
-                share = np.ones(last - first)
-        return slice(first, last), share
+        return slice(first, last), _FADES.get(feedback.get("playbackType", ""), np.ones_like)(share)
 
     def _enter(self, index: int, steps: slice, strengths: FloatArray) -> None:
         np.maximum(self._table[index, steps], strengths, out=self._table[index, steps])
