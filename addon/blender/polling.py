@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from bpy.types import Context, Object, Operator
 
 UNDO = {"REGISTER", "UNDO"}
@@ -55,3 +57,17 @@ def refuse(operator: Operator, message: str, kind: str = "ERROR") -> set[str]:
     """Report why an operator does nothing; what its `execute` returns then."""
     operator.report({kind}, message)
     return {"CANCELLED"}
+
+
+class Edit:
+    """Mixin: an operator that edits the file by ``apply``, whose ValueError and OSError are reported."""
+
+    bl_options = UNDO
+
+    def execute(self: Any, context: Context) -> set[str]:
+        """Do it."""
+        try:
+            self.apply(context)
+        except (ValueError, OSError) as error:
+            return refuse(self, str(error))
+        return {"FINISHED"}

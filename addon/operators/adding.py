@@ -15,7 +15,7 @@ from ...core.scene.materials import MATERIALS
 from ...sample_scenes import SAMPLES, build_sample
 from ..authoring import materials
 from ..blender.compatibility import animated_paths
-from ..blender.polling import UNDO, poll_active, poll_object_mode
+from ..blender.polling import Edit, poll_active, poll_object_mode
 from ..scene_reader import triggers
 from ..scene_reader.roles import haptic_carrier
 from .tagging import make_source
@@ -31,18 +31,17 @@ SOURCE_ITEMS = tuple((kind, title, description, icon, number) for number, (kind,
 SAMPLE_ITEMS = tuple((sample.name, sample.title, sample.description) for sample in SAMPLES.values())
 
 
-class HAPTIC_OT_add_source_object(Operator):
+class HAPTIC_OT_add_source_object(Edit, Operator):
     """Add a haptic source at the 3D cursor: an empty on the active object where that is haptic, else a small body of its own"""
 
     bl_idname = "haptic.add_source_object"
     bl_label = "Add Haptic Source"
-    bl_options = UNDO
 
     kind: EnumProperty(name="Signal", description="What the source emits", items=SOURCE_ITEMS)
 
     poll = classmethod(poll_object_mode)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         _, title, _, frequency, _ = next(source for source in _SOURCES if source[0] == self.kind)
         carrier = haptic_carrier(context.object) if context.object is not None and context.object.select_get() else None
         place = Matrix.Translation(context.scene.cursor.location)
@@ -61,7 +60,6 @@ class HAPTIC_OT_add_source_object(Operator):
         obj.matrix_basis = place
         make_source(obj, self.kind)
         obj.haptics.source.frequency = frequency
-        return {"FINISHED"}
 
 
 def _cylinder(name: str) -> bpy.types.Mesh:
@@ -84,12 +82,11 @@ def _link(context: Context, obj: Object) -> None:
     context.view_layer.objects.active = obj
 
 
-class HAPTIC_OT_make_one_shot(Operator):
+class HAPTIC_OT_make_one_shot(Edit, Operator):
     """Have the source play a blast once per trigger, where it has no keyframe yet now; in a medium it spreads as a pressure front"""
 
     bl_idname = "haptic.make_one_shot"
     bl_label = "Play Once"
-    bl_options = UNDO
 
     kind: EnumProperty(
         name="Blast",
@@ -102,7 +99,7 @@ class HAPTIC_OT_make_one_shot(Operator):
 
     poll = classmethod(poll_active)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         source = context.object.haptics.source
         source.enabled = source.one_shot = True
         source.signal, source.decay = "BLAST", 0.005 if self.kind == "EXPLOSION" else 0.001
@@ -112,7 +109,6 @@ class HAPTIC_OT_make_one_shot(Operator):
         carrier = haptic_carrier(context.object)
         if carrier is not None and carrier.haptics.medium and carrier.haptics.function != "physical":
             _spread_as_front(context.scene, carrier, 1.5 if self.kind == "EXPLOSION" else 0.3)
-        return {"FINISHED"}
 
 
 def _spread_as_front(scene: Scene, medium: Object, radius: float) -> None:
@@ -127,12 +123,11 @@ def _spread_as_front(scene: Scene, medium: Object, radius: float) -> None:
         material.wave_speed, material.use_delay = material.wave_speed or speed, True
 
 
-class HAPTIC_OT_add_medium(Operator):
+class HAPTIC_OT_add_medium(Edit, Operator):
     """Add a volume around the selected objects, or at the 3D cursor, through which everything that it overlaps is felt"""
 
     bl_idname = "haptic.add_medium"
     bl_label = "Add Medium"
-    bl_options = UNDO
 
     medium: EnumProperty(
         name="Medium",
@@ -145,7 +140,7 @@ class HAPTIC_OT_add_medium(Operator):
 
     poll = classmethod(poll_object_mode)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         material = MATERIALS[self.medium]
         corners = [obj.matrix_world @ Vector(corner) for obj in context.selected_objects if obj.type == "MESH" for corner in obj.bound_box]
         corners = corners or [context.scene.cursor.location + Vector((2, 2, 2)), context.scene.cursor.location - Vector((2, 2, 2))]
@@ -163,15 +158,13 @@ class HAPTIC_OT_add_medium(Operator):
         obj.hide_render = True
         obj.haptics.enabled = obj.haptics.medium = True
         materials.apply([obj], materials.preset_in(context.scene, material))
-        return {"FINISHED"}
 
 
-class HAPTIC_OT_add_sample(Operator):
+class HAPTIC_OT_add_sample(Edit, Operator):
     """Open a sample scene beside the scenes of this file"""
 
     bl_idname = "haptic.add_sample"
     bl_label = "Add Sample Scene"
-    bl_options = UNDO
 
     sample: EnumProperty(name="Sample", description="The scene to build", items=SAMPLE_ITEMS)
 
@@ -181,13 +174,12 @@ class HAPTIC_OT_add_sample(Operator):
     def description(cls, context: Context, properties: Any) -> str:
         return bpy.app.translations.pgettext_tip(SAMPLES[properties.sample].description)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         started = time.perf_counter()
         scene = build_sample(self.sample)
         _frame(context, scene)
         message = _rpt("{} built in {:.1f} seconds: press play. Your own scene is in the scene menu at the top right")
         self.report({"INFO"}, message.format(scene.name, time.perf_counter() - started))
-        return {"FINISHED"}
 
 
 def _frame(context: Context, scene: Scene) -> None:

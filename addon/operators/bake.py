@@ -7,7 +7,7 @@ from bpy.types import Context, Operator
 
 from ..bake import baking, curves, playback, sound, storage, takes
 from ..blender import job
-from ..blender.polling import UNDO, poll_object_mode, refuse
+from ..blender.polling import UNDO, Edit, poll_object_mode, refuse
 
 
 class HAPTIC_OT_bake(Operator):
@@ -28,12 +28,11 @@ class HAPTIC_OT_bake(Operator):
             return refuse(self, str(error))
 
 
-class HAPTIC_OT_delete_bake(Operator):
+class HAPTIC_OT_delete_bake(Edit, Operator):
     """Remove the haptic track of this scene, its F-curves and its sound strip; a track that was kept as a take is removed from the takes"""
 
     bl_idname = "haptic.delete_bake"
     bl_label = "Delete Bake"
-    bl_options = UNDO
 
     @classmethod
     def poll(cls, context: Context) -> bool:
@@ -45,21 +44,19 @@ class HAPTIC_OT_delete_bake(Operator):
             return False
         return True
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         scene = context.scene
         storage.drop(scene)
         sound.remove_strip(scene)
         curves.remove_curves(scene)
         playback.show_current(scene)
-        return {"FINISHED"}
 
 
-class HAPTIC_OT_keep_take(Operator):
+class HAPTIC_OT_keep_take(Edit, Operator):
     """Keep this bake under a name; the next one takes a place of its own"""
 
     bl_idname = "haptic.keep_take"
     bl_label = "Keep as Take"
-    bl_options = UNDO
 
     @classmethod
     def poll(cls, context: Context) -> bool:
@@ -69,9 +66,8 @@ class HAPTIC_OT_keep_take(Operator):
             return False
         return True
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         takes.keep(context.scene)
-        return {"FINISHED"}
 
 
 class HAPTIC_OT_play_take(Operator):

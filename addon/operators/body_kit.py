@@ -9,7 +9,7 @@ from bpy.types import Context, Object, Operator
 from ...core.scene.body import BODY_PART, BODY_PARTS, DEFAULT_LISTENERS, BodyPart
 from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
-from ..blender.polling import SOLID_TYPES, UNDO, editable, poll_active, poll_selected, refuse
+from ..blender.polling import SOLID_TYPES, UNDO, Edit, editable, poll_active, poll_selected, refuse
 from ..scene_reader.roles import haptic_carrier
 
 _rpt = bpy.app.translations.pgettext_rpt
@@ -79,24 +79,22 @@ def _make_flesh(context: Context, body: Object) -> None:
         materials.apply([body], materials.preset_in(context.scene, materials.guessed(body) or MATERIALS["flesh"]))
 
 
-class HAPTIC_OT_mirror_listeners(Operator):
+class HAPTIC_OT_mirror_listeners(Edit, Operator):
     """Give the other side of the body what the selected listeners have: their settings, and a listener where there is none"""
 
     bl_idname = "haptic.mirror_listeners"
     bl_label = "Mirror Listeners"
-    bl_options = UNDO
 
     poll = classmethod(poll_selected)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         context.view_layer.update()
         sided = [obj for obj in editable(context.selected_objects) if _side(obj)]
         if not sided:
-            return refuse(self, "None of the selected objects is a listener of the left or right side: choose its body part")
+            raise ValueError(_rpt("None of the selected objects is a listener of the left or right side: choose its body part"))
         for listener in sided:
             body_kit.mirrored(listener)
         self.report({"INFO"}, _rpt("{} listeners mirrored").format(len(sided)))
-        return {"FINISHED"}
 
 
 def _side(obj: Object) -> str:

@@ -10,7 +10,7 @@ from bpy.types import Context, Operator
 
 from ...core.scene.materials import MATERIALS
 from ..authoring import materials as library
-from ..blender.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode, poll_selected, refuse
+from ..blender.polling import SOLID_TYPES, UNDO, Edit, poll_active, poll_object_mode, poll_selected
 from ..blender.progress import progress
 from ..properties.materials import TARGET_ITEMS, add_material, made_of, own_values
 
@@ -28,12 +28,11 @@ def _poll_material(cls: type[Operator], context: Context) -> bool:
     return True
 
 
-class HAPTIC_OT_apply_material(Operator):
+class HAPTIC_OT_apply_material(Edit, Operator):
     """Make objects of a material; they share it: a change of the material changes them all"""
 
     bl_idname = "haptic.apply_material"
     bl_label = "Apply Material"
-    bl_options = UNDO
 
     preset: EnumProperty(name="Material", description="What the objects are made of", items=PRESET_ITEMS, default="stone")
     name: StringProperty(
@@ -51,20 +50,19 @@ class HAPTIC_OT_apply_material(Operator):
         speed = f", {material.wave_speed:g} m/s" if material.wave_speed else ""
         return f"κ {material.kappa:g}, ρ {material.rho:g}, (1 - κ) ρ = {material.k:.2f}{speed}, {material.conductivity:g} W/(m·K)"
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         chosen = library.targets(context, self.target)
         objects = [obj for obj in chosen if obj.type in SOLID_TYPES and obj.is_editable]
         if not objects:
-            return refuse(self, "No object with a surface among them; select meshes that are not linked from a library")
+            raise ValueError(_rpt("No object with a surface among them; select meshes that are not linked from a library"))
         items = context.scene.haptics.materials.items
         if self.name and self.name not in items:
-            return refuse(self, "This material is not in the scene's library any more")
+            raise ValueError(_rpt("This material is not in the scene's library any more"))
         item = items[self.name] if self.name else library.preset_in(context.scene, MATERIALS[self.preset])
         library.apply(objects, item)
         linked = sum(not obj.is_editable for obj in chosen)
         if linked:
             self.report({"WARNING"}, _rpt("{} linked objects can't be changed; override them first").format(linked))
-        return {"FINISHED"}
 
 
 class HAPTIC_OT_guess_material(Operator):
@@ -115,64 +113,56 @@ class HAPTIC_OT_physical_materials(Operator):
         return {"FINISHED"} if known else {"CANCELLED"}
 
 
-class HAPTIC_OT_new_material(Operator):
+class HAPTIC_OT_new_material(Edit, Operator):
     """Put a new material into the library, with the values of the active object, which is then made of it"""
 
     bl_idname = "haptic.new_material"
     bl_label = "New Material"
-    bl_options = UNDO
 
     poll = classmethod(poll_active)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         obj = context.object
         item = add_material(context.scene, obj.haptics.material.name or obj.name, own_values(obj))
         library.apply([obj], item)
-        return {"FINISHED"}
 
 
-class HAPTIC_OT_copy_material(Operator):
+class HAPTIC_OT_copy_material(Edit, Operator):
     """Copy the active material of the library, to edit the copy without touching what is made of the original"""
 
     bl_idname = "haptic.copy_material"
     bl_label = "Copy Material"
-    bl_options = UNDO
 
     poll = classmethod(_poll_material)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         materials = context.scene.haptics.materials
         library.copy(context.scene, materials.items[materials.active])
-        return {"FINISHED"}
 
 
-class HAPTIC_OT_remove_material(Operator):
+class HAPTIC_OT_remove_material(Edit, Operator):
     """Take the active material out of the library; what is made of it keeps its values"""
 
     bl_idname = "haptic.remove_material"
     bl_label = "Remove Material"
-    bl_options = UNDO
 
     poll = classmethod(_poll_material)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         materials = context.scene.haptics.materials
         for obj in progress(list(made_of(context.scene, materials.items[materials.active].name))):
             obj.haptics.material.name = ""
         materials.items.remove(materials.active)
         materials.active = max(0, min(materials.active, len(materials.items) - 1))
-        return {"FINISHED"}
 
 
-class HAPTIC_OT_unlink_material(Operator):
+class HAPTIC_OT_unlink_material(Edit, Operator):
     """Give the active object values of its own, which are those of its material now"""
 
     bl_idname = "haptic.unlink_material"
     bl_label = "Own Values"
-    bl_options = UNDO
 
     poll = classmethod(poll_active)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         context.object.haptics.material.name = ""
-        return {"FINISHED"}

@@ -9,7 +9,7 @@ from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from ..bake import playback
-from ..blender.polling import UNDO
+from ..blender.polling import Edit
 from ..changes.redraw import redraw_viewports
 from ..properties.scene import MODE_ITEMS
 from ..session import session
@@ -17,12 +17,11 @@ from ..session import session
 _ITEMS = (*MODE_ITEMS, ("NEXT", "Next", "The one after the current: HT, SD, MD, MN, HT"))
 
 
-class HAPTIC_OT_set_mode(Operator):
+class HAPTIC_OT_set_mode(Edit, Operator):
     """Render the scene in another way, to compare: through touching objects, at the nearest listener, by distance, or without fading"""
 
     bl_idname = "haptic.set_mode"
     bl_label = "Set Haptic Mode"
-    bl_options = UNDO
 
     mode: EnumProperty(name="Mode", description="The rendering", items=_ITEMS, default="NEXT")
 
@@ -31,7 +30,7 @@ class HAPTIC_OT_set_mode(Operator):
         """The tooltip of a button: what its mode does."""
         return next(f"{tip_(title)}: {tip_(words)}" for name, title, words in _ITEMS if name == properties.mode)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         haptics = context.scene.haptics
         if playback.plays(context.scene):
             haptics.bake.use_track = False
@@ -42,4 +41,3 @@ class HAPTIC_OT_set_mode(Operator):
         if not haptics.tracing:  # else the edit is traced
             session.begin(context.scene, context.evaluated_depsgraph_get())
         redraw_viewports()
-        return {"FINISHED"}

@@ -10,15 +10,13 @@ from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Operator
 
 from ...core.scene.materials import texture_in
-from ..blender.polling import UNDO, poll_object_mode
+from ..blender.polling import UNDO, Edit, poll_object_mode
 from ..changes.revisions import mark_changed
 from ..properties.rules import TABLES
 
 
-class _OfTable:
+class _OfTable(Edit):
     """Mixin: an operator on one of the tables."""
-
-    bl_options = UNDO
 
     table: EnumProperty(name="Table", description="The table of the scene", items=TABLES, options={"HIDDEN"})
 
@@ -34,7 +32,7 @@ class HAPTIC_OT_add_rule(_OfTable, Operator):
     bl_idname = "haptic.add_rule"
     bl_label = "Add Rule"
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         rows, obj = self._rows(context), context.object
         row = rows.items.add()
         pair = sorted(item.name_full for item in context.selected_objects if item.haptics.enabled)
@@ -48,7 +46,6 @@ class HAPTIC_OT_add_rule(_OfTable, Operator):
                 _write_texture(row, texture_in(material))
         rows.active = len(rows.items) - 1
         mark_changed()
-        return {"FINISHED"}
 
 
 class HAPTIC_OT_add_textures(Operator):
@@ -88,12 +85,11 @@ class HAPTIC_OT_remove_rule(_OfTable, Operator):
     bl_idname = "haptic.remove_rule"
     bl_label = "Remove Rule"
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         rows = self._rows(context)
         rows.items.remove(rows.active)
         rows.active = max(0, min(rows.active, len(rows.items) - 1))
         mark_changed()
-        return {"FINISHED"}
 
 
 class HAPTIC_OT_move_rule(_OfTable, Operator):
@@ -104,10 +100,9 @@ class HAPTIC_OT_move_rule(_OfTable, Operator):
 
     up: BoolProperty(name="Up", description="Towards the top of the table", options={"HIDDEN"})
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         rows = self._rows(context)
         place = max(0, min(rows.active + (-1 if self.up else 1), len(rows.items) - 1))
         rows.items.move(rows.active, place)
         rows.active = place
         mark_changed()
-        return {"FINISHED"}
