@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from ..perception import BEST_FREQUENCY, threshold_level
 from ..scene.body import BODY_PART
+from ..scene.references import named
 from .checked_json import parse_json, schema_fault
 from .families.family import AnyFamily, RumbleFamily
 from .families.registry import FAMILIES
@@ -229,7 +230,4 @@ def load_profiles(folders: Iterable[Path] = (BUILT_IN,)) -> tuple[dict[str, Prof
 
 def profile(name: str, folders: Iterable[Path] = (BUILT_IN,)) -> Profile:
     """The profile called ``name``. Raises ValueError that lists the known names."""
-    profiles, _ = load_profiles(folders)
-    if name not in profiles:
-        raise ValueError(f"device {name!r} is unknown: use one of {', '.join(profiles)}")
-    return profiles[name]
+    return named(name, load_profiles(folders)[0], "device")

@@ -13,6 +13,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
+from .references import named
+
 Side = Literal["L", "R", ""]
 
 
@@ -60,6 +62,4 @@ DEFAULT_LISTENERS: tuple[str, ...] = tuple(_TABLE["default_listeners"])
 
 def body_part(name: str) -> BodyPart:
     """The body part called ``name``. Raises ValueError that lists the known names."""
-    if name not in BODY_PART:
-        raise ValueError(f"body part {name!r} is unknown: use one of {', '.join(BODY_PART)}")
-    return BODY_PART[name]
+    return named(name, BODY_PART, "body part")

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
+from collections.abc import Container, Mapping, Sequence
+from typing import TypeVar
+
+Item = TypeVar("Item")
 
 Place = tuple[str | int, ...]
 """Keys and indices that lead to a value of a scene."""
@@ -15,6 +18,13 @@ class PlacedError(ValueError):
         super().__init__(f"{'/'.join(map(str, place))}: {reason}")
         self.place = place
         self.reason = reason
+
+
+def named(name: str, known: Mapping[str, Item], kind: str) -> Item:
+    """What is called ``name``. Raises ValueError that lists the ``known`` names of that kind."""
+    if name not in known:
+        raise ValueError(f"{kind} {name!r} is unknown: use one of {', '.join(known)}")
+    return known[name]
 
 
 def require_known(name: str, known: Container[str], kind: str, place: Place) -> None:

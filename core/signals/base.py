@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import Field, dataclass, fields
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Any, ClassVar
 
 import numpy as np
@@ -186,16 +186,10 @@ class Product(Signal):
         return math.prod(factor.peak for factor in self.of)
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
-        result = self.of[0].values(times, step)
-        for factor in self.of[1:]:
-            result = result * factor.values(times, step)
-        return result
+        return reduce(np.multiply, (factor.values(times, step) for factor in self.of))
 
     def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
-        result = self.of[0].sample(start, count, sample_rate, onset)
-        for factor in self.of[1:]:
-            result *= factor.sample(start, count, sample_rate, onset)
-        return result
+        return reduce(np.multiply, (factor.sample(start, count, sample_rate, onset) for factor in self.of))
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,16 +213,10 @@ class Sum(Signal):
         return sum(term.peak for term in self.of)
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
-        result = self.of[0].at(times, step)
-        for term in self.of[1:]:
-            result = result + term.at(times, step)
-        return result
+        return reduce(np.add, (term.at(times, step) for term in self.of))
 
     def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
-        result = self.of[0].sample(start, count, sample_rate, onset)
-        for term in self.of[1:]:
-            result += term.sample(start, count, sample_rate, onset)
-        return result
+        return reduce(np.add, (term.sample(start, count, sample_rate, onset) for term in self.of))
 
 
 @dataclass(frozen=True, slots=True)

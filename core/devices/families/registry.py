@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from ...scene.references import named
 from .dualsense import DUALSENSE, DUALSENSE_PCM
 from .eightbitdo import EIGHTBITDO
 from .family import AnyFamily, Interface
@@ -24,9 +25,7 @@ FAMILIES: Mapping[str, AnyFamily] = MappingProxyType({family.name: family for fa
 
 def family(name: str) -> AnyFamily:
     """The family called ``name``. Raises ValueError that lists the known names."""
-    if name not in FAMILIES:
-        raise ValueError(f"device {name!r} is unknown: use one of {', '.join(FAMILIES)}")
-    return FAMILIES[name]
+    return named(name, FAMILIES, "device")
 
 
 def families_of(interface: Interface) -> tuple[AnyFamily, ...]:

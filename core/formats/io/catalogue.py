@@ -9,6 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from ...scene import references
 from .options import Option
 
 MAX_SAMPLE_RATE = 192_000
@@ -44,6 +45,4 @@ READERS: Mapping[str, str] = MappingProxyType(
 
 def named(name: str) -> Format:
     """A format by its name. Raises ValueError that lists the names."""
-    if name not in FORMATS:
-        raise ValueError(f"format {name!r} is unknown: use one of {', '.join(FORMATS)}")
-    return FORMATS[name]
+    return references.named(name, FORMATS, "format")

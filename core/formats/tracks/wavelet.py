@@ -143,17 +143,19 @@ def _coefficients(read: Callable[[int], int], planes: int, size: int) -> IntArra
     single = list(range(8))
     sets = [(root, False) for root in range(4, 8)]
     found: list[int] = []
+
+    def begins(index: int, context: int, step: int) -> bool:
+        """Whether the coefficient has its first bit in this plane, and so its sign."""
+        is_set = bool(read(context))
+        if is_set:
+            values[index] = step if read(_SIGN) else -step
+            found.append(index)
+        return is_set
+
     for plane in range(planes, -1, -1):
         step = 1 << plane
         known = len(found)
-        still = []
-        for index in single:
-            if read(_SINGLE):
-                values[index] = step if read(_SIGN) else -step
-                found.append(index)
-            else:
-                still.append(index)
-        single = still
+        single = [index for index in single if not begins(index, _SINGLE, step)]
         waiting: list[tuple[int, bool]] = []
         for root, beyond_children in sets:  # grows while it is walked
             if not read(_GRANDCHILDREN if beyond_children else _CHILDREN):
@@ -162,12 +164,7 @@ def _coefficients(read: Callable[[int], int], planes: int, size: int) -> IntArra
             if beyond_children:
                 sets += [(2 * root, False), (2 * root + 1, False)]
                 continue
-            for index in (2 * root, 2 * root + 1):
-                if read(_CHILD):
-                    values[index] = step if read(_SIGN) else -step
-                    found.append(index)
-                else:
-                    single.append(index)
+            single += [index for index in (2 * root, 2 * root + 1) if not begins(index, _CHILD, step)]
             if 4 * root + 3 < size:
                 sets.append((root, True))
         sets = waiting
