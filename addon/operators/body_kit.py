@@ -9,13 +9,13 @@ from bpy.types import Context, Object, Operator
 from ...core.scene.body import BODY_PART, BODY_PARTS, DEFAULT_LISTENERS, BodyPart
 from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
-from ..blender.polling import SOLID_TYPES, UNDO, Edit, editable, poll_active, poll_selected, refuse
+from ..blender.polling import SOLID_TYPES, UNDO, Edit, editable, poll_active, poll_selected
 from ..scene_reader.roles import haptic_carrier
 
 _rpt = bpy.app.translations.pgettext_rpt
 
 
-class HAPTIC_OT_add_default_listeners(Operator):
+class HAPTIC_OT_add_default_listeners(Edit, Operator):
     """Put listeners on the active object: on the bones of an armature, or where a standing body that fills the object has its parts"""
 
     bl_idname = "haptic.add_default_listeners"
@@ -33,28 +33,28 @@ class HAPTIC_OT_add_default_listeners(Operator):
 
     poll = classmethod(poll_active)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         context.view_layer.update()
         active = context.object
         armature = body_kit.armature_of(active)
         wanted = BODY_PARTS if self.parts == "ALL" else tuple(BODY_PART[name] for name in DEFAULT_LISTENERS)
         if armature is not None:
-            return self._on_armature(context, armature, active, wanted)
+            self._on_armature(context, armature, active, wanted)
+            return
         if haptic_carrier(active) is None:
             if active.type not in SOLID_TYPES:
                 message = _rpt("'{}' has no surface: select the mesh or the armature of the body")
-                return refuse(self, message.format(active.name))
+                raise ValueError(message.format(active.name))
             _make_flesh(context, active)
         body_kit.place_on_mesh(active, _new(active, wanted), context.collection)
-        return {"FINISHED"}
 
-    def _on_armature(self, context: Context, armature: Object, active: Object, wanted: tuple[BodyPart, ...]) -> set[str]:
+    def _on_armature(self, context: Context, armature: Object, active: Object, wanted: tuple[BodyPart, ...]) -> None:
         if not armature.is_editable:
-            return refuse(self, "The armature is linked from a library; make it local or override it first")
+            raise ValueError(_rpt("The armature is linked from a library; make it local or override it first"))
         try:
             missing = body_kit.place_on_bones(armature, _new(armature, wanted), context.collection)
         except ValueError as error:
-            return refuse(self, f"{armature.name}: {error}")
+            raise ValueError(f"{armature.name}: {error}") from None
         body = armature.haptics.body or (active if active.type == "MESH" else next(iter(editable(body_kit.skins(armature))), None))
         if body is None:
             self.report({"WARNING"}, "This armature moves no mesh: choose its body in the panel Haptic Object, else nothing is felt")
@@ -64,7 +64,6 @@ class HAPTIC_OT_add_default_listeners(Operator):
         if missing:
             names = ", ".join(part.name.replace("_", " ") for part in missing)
             self.report({"WARNING"}, _rpt("The armature has no bones for these parts, which got no listener: {}").format(names))
-        return {"FINISHED"}
 
 
 def _new(body: Object, wanted: tuple[BodyPart, ...]) -> list[BodyPart]:

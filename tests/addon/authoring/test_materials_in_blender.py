@@ -190,7 +190,7 @@ def test_the_picture_is_drawn_again_only_where_something_changed(monkeypatch, se
         settle(lambda key=key: gain_plot.icon(key, curve, (1, 1, 1), (0, 0, 0)))
     settle(lambda: gain_plot.icon("b", curve, (1, 0, 0), (0, 0, 0)))
     assert len(drawn) == 3
-    gain_plot.forget()
+    gain_plot._picture.forget()
 
 
 @pytest.mark.parametrize("decibels", [0.0, -20.0, -47.0])
