@@ -71,7 +71,6 @@ def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list
     except BaseException:
         builder.remove()
         raise
-    builder.check()
     return builder.losses()
 
 
@@ -99,6 +98,8 @@ class _Builder:
 
     def losses(self) -> list[str]:
         """All of it, in words."""
+        if self.export.tracks is not None:
+            self.lose("rendered tracks, which are rendered again", "tracks")
         return [f"{what}: {_listed(names)}" for what, names in self.lost.items()]
 
     def add_materials(self) -> None:
@@ -224,7 +225,8 @@ class _Builder:
         rate, start, frame = (known.get(key) for key in ("frame_rate", "frame_start", "frame"))
         if isinstance(rate, int | float) and 1 <= rate <= 10_000:
             set_frame_rate(self.scene, float(rate))
-        _assign(self.scene, "frame_start", start)
+        if isinstance(start, int):
+            self.scene.frame_start = start
         if isinstance(frame, int) and abs(frame) < 1_000_000:
             self.scene.frame_set(frame)
 
@@ -287,11 +289,6 @@ class _Builder:
             self.lose("not carried over", loss)
         self.scene.frame_set(first)
 
-    def check(self) -> None:
-        """What the file says and the objects can't."""
-        if self.export.tracks is not None:
-            self.lose("rendered tracks, which are rendered again", "tracks")
-
     def _new(self, name: str, data: Any) -> Object:
         obj = bpy.data.objects.new(name, data)
         self.collection.objects.link(obj)
@@ -344,13 +341,6 @@ def _mesh(name: str, shape: Shape) -> bpy.types.Mesh:
     mesh.from_pydata(points.tolist(), [], faces)
     mesh.validate()
     return mesh
-
-
-def _assign(owner: Any, name: str, value: Any) -> None:
-    """Set a property to a value from a file, where it is of its kind."""
-    kind = type(getattr(owner, name))
-    if isinstance(value, kind) or (kind is float and isinstance(value, int) and not isinstance(value, bool)):
-        setattr(owner, name, value)
 
 
 def _listed(names: Iterable[str]) -> str:

@@ -17,8 +17,10 @@ from 100 Hz and 0.1 at the shoulder from 50 Hz.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -51,20 +53,8 @@ def _damping(row: Mapping[str, Any]) -> Damping:
 DAMPING: Mapping[str, Damping] = MappingProxyType({name: _damping(row["damping"]) for name, row in TABLE.items()})
 """By name of the library's materials."""
 
-LIMBS: Mapping[str, tuple[float, float]] = MappingProxyType(
-    {
-        "index_finger": (200.0, 7.0),
-        "hand": (30.0, 7.0),
-        "forearm": (8.0, 10.0),
-        "upper_arm": (10.0, 10.0),
-        "upper_leg": (10.0, 10.0),
-        "lower_leg": (25.0, 10.0),
-        "foot": (28.0, 7.0),
-        "midfoot": (67.0, 7.0),
-        "toes": (123.0, 7.0),
-        **dict.fromkeys(("head", "chest", "belly", "hips"), (5.0, 21.0)),
-    }
-)
+_LIMBS = json.loads(Path(__file__).with_name("limbs.json").read_text("utf-8"))
+LIMBS: Mapping[str, tuple[float, float]] = MappingProxyType({part: (row["resonance"], row["speed"]) for part, row in _LIMBS.items()})
 """Of parts of a body: the resonance [Hz] up to which it moves as a whole, and the speed [m/s] that suits the loss above it."""
 
 SKIN = 0.005
