@@ -10,7 +10,7 @@ from bpy.types import Context, Operator
 
 from ...core.scene.materials import MATERIALS
 from ..authoring import materials as library
-from ..blender.polling import SOLID_TYPES, UNDO, Edit, poll_active, poll_object_mode, poll_selected
+from ..blender.polling import SOLID_TYPES, UNDO, Edit, poll_active, poll_object_mode, poll_selected, refuse
 from ..blender.progress import progress
 from ..properties.materials import TARGET_ITEMS, add_material, made_of, own_values
 
