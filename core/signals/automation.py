@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
-from .limits import MAX_SECONDS, checked_number
+from .limits import MAX_SECONDS, checked_column, checked_number
 
 
 class Automation:
@@ -25,8 +25,8 @@ class Automation:
     values: FloatArray
 
     def __init__(self, times: Sequence[float] | FloatArray, values: Sequence[float] | FloatArray) -> None:
-        self.times = _column("times", times, MAX_SECONDS)
-        self.values = _column("values", values, 1e9)
+        self.times = checked_column("times", times, MAX_SECONDS)
+        self.values = checked_column("values", values, 1e9)
         if len(self.times) != len(self.values):
             raise ValueError(f"values: {len(self.values)} for {len(self.times)} times")
         widths = np.diff(self.times)
@@ -108,16 +108,3 @@ def largest(parameter: float | Automation) -> float:
 def values_of(parameter: float | Automation, times: FloatArray) -> float | FloatArray:
     """Return a number as it is, or an automation's values at `times`."""
     return parameter.at(times) if isinstance(parameter, Automation) else parameter
-
-
-def _column(name: str, numbers: Sequence[float] | FloatArray, limit: float) -> FloatArray:
-    try:
-        column = np.array(numbers, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        raise ValueError(f"{name}: must be a list of numbers") from None
-    if column.ndim != 1 or column.size == 0:
-        raise ValueError(f"{name}: must be a list of at least one number")
-    if not np.all(np.abs(column) <= limit):
-        raise ValueError(f"{name}: must be finite and within ±{limit:g}")
-    column.setflags(write=False)
-    return column

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from numbers import Integral, Real
 from typing import cast
+
+import numpy as np
+
+from ..arrays import FloatArray
 
 MAX_PEAK = 1e6
 """Largest amplitude that a signal may reach."""
@@ -38,3 +43,20 @@ def checked_integer(name: str, value: object, low: int, high: int) -> int:
     if not low <= number <= high:
         raise ValueError(f"{name}: must be from {low} to {high}")
     return number
+
+
+def checked_column(name: str, numbers: Sequence[float] | FloatArray, limit: float, most: int | None = None) -> FloatArray:
+    """Return `numbers`, at least one and at most `most`, each within ±`limit`, as an array (n,) of its own that can't be written to.
+
+    Raise ValueError that names `name` otherwise.
+    """
+    try:
+        column = np.array(numbers, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"{name}: must be a list of numbers") from None
+    if column.ndim != 1 or not 1 <= column.size <= (most or column.size):
+        raise ValueError(f"{name}: must be a list of {f'1 to {most} numbers' if most else 'at least one number'}")
+    if not np.all(np.abs(column) <= limit):
+        raise ValueError(f"{name}: must be finite and within ±{limit:g}")
+    column.setflags(write=False)
+    return column

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -11,7 +10,7 @@ import numpy as np
 from ..arrays import FloatArray
 from .base import Signal
 from .interpolation import interpolate
-from .limits import MAX_PEAK, checked_number
+from .limits import MAX_PEAK, checked_column, checked_number
 
 MAX_SAMPLES = 4_000_000
 _OVERSHOOT = 4.0
@@ -32,7 +31,7 @@ class Sampled(Signal):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "rate", checked_number("rate", self.rate, 1.0, 192_000.0))
-        object.__setattr__(self, "samples", _checked_samples(self.samples))
+        object.__setattr__(self, "samples", checked_column("samples", self.samples, MAX_PEAK / _OVERSHOOT, MAX_SAMPLES))
         # The largest sum of the kernel's magnitudes bounds what interpolation can overshoot.
         object.__setattr__(self, "peak", _OVERSHOOT * float(np.max(np.abs(self.samples))))
 
@@ -50,16 +49,3 @@ class Sampled(Signal):
 
     def __hash__(self) -> int:
         return hash((self.rate, self.samples.size, self.samples[:64].tobytes()))
-
-
-def _checked_samples(numbers: Sequence[float] | FloatArray) -> FloatArray:
-    try:
-        samples = np.array(numbers, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        raise ValueError("samples: must be a list of numbers") from None
-    if samples.ndim != 1 or not 1 <= samples.size <= MAX_SAMPLES:
-        raise ValueError(f"samples: must be a list of 1 to {MAX_SAMPLES} numbers")
-    if not np.all(np.abs(samples) <= MAX_PEAK / _OVERSHOOT):
-        raise ValueError(f"samples: must be finite and within ±{MAX_PEAK / _OVERSHOOT:g}")
-    samples.setflags(write=False)
-    return samples
