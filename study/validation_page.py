@@ -178,10 +178,10 @@ def body_picture() -> str:
         points = [(x(f), y(level(f))) for f in frequencies if level(f) > DEEPEST]
         path = "L".join(f"{a:.1f} {b:.1f}" for a, b in points)
         lines.append(f'<path d="M{path}" fill="none" stroke="{colour}" stroke-width="2"/>')
-        lines.append(f'<text x="{LEFT + 8}" y="{y(-18) + 16 * number:.1f}" fill="{colour}">{name}</text>')
+        lines.append(f'<text x="{LEFT + 8}" y="{y(-17) + 13 * number:.1f}" fill="{colour}">{name}</text>')
     for place, _, low, high in RESONANCES:
         if place in _RANGES:
-            row = TOP + 5 * _RANGES[place]
+            row = TOP + 5 * (_RANGES[place] % 6)
             colour = BODY_CURVES[_RANGES[place]][1]
             lines.append(f'<path d="M{x(low) - 2:.1f} {row}H{x(high) + 2:.1f}" stroke="{colour}" stroke-width="4"/>')
     for _, count, frequency, known in HANDLE:

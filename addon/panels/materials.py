@@ -67,9 +67,9 @@ class HAPTIC_PT_materials(HapticsPanel, Panel):
             properties.name, properties.target = item.name, materials.target
         else:
             layout.label(text="Add materials with +", icon="INFO")
-        row = layout.row(align=True)
-        row.operator("haptic.physical_materials", icon="PHYSICS")
-        row.operator("haptic.physical_materials", text="Measured Body", icon="ARMATURE_DATA").bodies = True
+        measured = layout.column(align=True)
+        measured.operator("haptic.physical_materials", icon="PHYSICS")
+        measured.operator("haptic.physical_materials", text="Measured Body", icon="ARMATURE_DATA").bodies = True
 
 
 class HAPTIC_PT_wishes(HapticsPanel, Panel):
