@@ -83,13 +83,14 @@ class ObjectTable:
         object.__setattr__(self, "_index", {name: i for i, name in enumerate(self.names)})
 
     def in_band(self, band: int) -> ObjectTable:
-        """The table whose plain gains are those of a frequency band; functions of another form keep theirs."""
+        """The table whose plain gains are those of a frequency band, itself where they are; functions of another form keep theirs."""
         if band not in self._in_bands:
             loss, decay = self.loss, self.decay
             with np.errstate(divide="ignore"):
                 loss = loss if self.band_gains is None else loss - np.log(self.band_gains[:, band])
             decay = decay if self.band_decays is None else decay + self.band_decays[:, band]
-            self._in_bands[band] = replace(self, factor=np.exp(-loss), loss=loss, decay=decay)
+            same = np.array_equal(loss, self.loss, equal_nan=True) and np.array_equal(decay, self.decay, equal_nan=True)
+            self._in_bands[band] = self if same else replace(self, factor=np.exp(-loss), loss=loss, decay=decay)
         return self._in_bands[band]
 
     @classmethod
@@ -267,11 +268,13 @@ class HapticGraph:
 
     def in_band(self, band: int) -> HapticGraph:
         """The graph whose plain gains are those of a frequency band, see `ObjectTable.in_band`."""
-        loss = self.transmission_loss
+        loss, table = self.transmission_loss, self.table.in_band(band)
+        if self.contact_band_gains is None and table is self.table:
+            return self
         if self.contact_band_gains is not None:
             with np.errstate(divide="ignore"):
                 loss = loss - np.log(self.contact_band_gains[:, band])
-        return replace(self, table=self.table.in_band(band), transmission=np.exp(-loss), transmission_loss=loss)
+        return replace(self, table=table, transmission=np.exp(-loss), transmission_loss=loss)
 
     def intra_connection_count(self) -> int:
         """Number of implied intra-connections: n (n - 1) / 2 of each object's n nodes."""

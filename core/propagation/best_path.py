@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray
 from ..graph.haptic_graph import HapticGraph
 from ..scene.choices import Strategy
 from ..scene.values import Settings
-from .connections import LARGEST, SLACK, PathConnections, bounded_exp, cost_limit, intra_costs
+from .connections import LARGEST, SLACK, PathConnections, bounded_exp, clusters, cost_limit, intra_costs
 from .hop_constrained import HopConstrainedPaths, hop_constrained_paths
 from .shortest_paths import ShortestPaths, shortest_paths
 from .strongest_paths import StrongestPaths
@@ -97,7 +97,11 @@ def best_paths(
             del result.nodes[pair]
     for row in sorted({row for row, _ in left}):
         _search_row(views[row], row, [column for r, column in left if r == row], crossings, limit, budget, amplified, result)
-    missing = [pair for pair in map(tuple, pairs.tolist()) if pair[0] in bands and pair not in result.nodes] if bands else []
+    missing = [pair for pair in map(tuple, pairs.tolist()) if views[pair[0]] is not graph and pair not in result.nodes] if bands else []
+    if missing:
+        hangs_on = clusters(graph)[graph.node_object]
+        ends = np.array([(*graph.sources[row].nodes[:1], *graph.sources[row].nodes[-1:], graph.listener_nodes[k]) for row, k in missing]).T
+        missing = [pair for pair, way in zip(missing, (hangs_on[ends[:2]] == hangs_on[ends[2]]).any(axis=0).tolist(), strict=True) if way]
     if missing:  # lower frequencies, in which the source is weak, may still arrive
         plain = best_paths(graph, np.array(missing), max_connections, threshold, budget, amplified, {}, {})
         result.nodes |= plain.nodes
@@ -135,15 +139,16 @@ class _Walks:
     limit: float
     found: dict[Pair, Path] = field(default_factory=dict)
 
-    def take(self, trees: ShortestPaths, pairs: IntArray, tree: IntArray, targets: IntArray, backwards: bool = False) -> None:
-        """Take those of ``pairs`` (p, 2) from the trees of numbers ``tree`` (p,) to the nearest of ``targets`` (1 or 2, p)."""
-        cost = trees.cost[tree, targets].min(axis=0)
+    def take(self, trees: ShortestPaths, pairs: IntArray, tree: IntArray, ends: IntArray, backwards: BoolArray) -> None:
+        """Take those of ``pairs`` (p, 2) from the trees of numbers ``tree`` (p,) to the nearest of ``ends`` (1 or 2, p), some of them
+        ``backwards`` (p,)."""
+        cost = trees.cost[tree, ends].min(axis=0)
         near = (cost <= self.limit + SLACK) & (cost < math.inf)
         if not near.all():
-            pairs, tree, targets, cost = pairs[near], tree[near], targets[:, near], cost[near]
-        paths = trees.paths(self.graph, tree, targets[0], targets[-1])
+            pairs, tree, ends, cost, backwards = pairs[near], tree[near], ends[:, near], cost[near], backwards[near]
+        paths = trees.paths(self.graph, tree, ends[0], ends[-1])
         keys = list(map(tuple, pairs.tolist()))
-        self.found.update(zip(keys, [path[::-1] for path in paths] if backwards else paths, strict=True))
+        self.found.update((key, path[::-1] if back else path) for key, path, back in zip(keys, paths, backwards.tolist(), strict=True))
         for number in (cost > self.limit - SLACK).nonzero()[0].tolist():
             pair = keys[number]
             if PathConnections(self.views[pair[0]], [self.found[pair]]).costs()[0] > self.limit:
@@ -153,39 +158,65 @@ class _Walks:
 def _unconstrained_paths(
     walks: _Walks, pairs: IntArray, known: Mapping[int, tuple[ShortestPaths, int]], result: BestPaths
 ) -> dict[Pair, Path]:
-    """Cheapest walks by trees, from the side that has fewer nodes. A tree from a listener is for sources of one view."""
+    """Cheapest walks by trees, those that are ``known`` or found here."""
     graph, views = walks.graph, walks.views
     for number, (trees, tree) in known.items():
         mine = pairs[pairs[:, 0] == number]
-        walks.take(trees, mine, np.full(len(mine), tree), graph.listener_nodes[mine[:, 1]][None])
+        walks.take(trees, mine, np.full(len(mine), tree), graph.listener_nodes[mine[:, 1]][None], np.zeros(len(mine), dtype=np.bool_))
     if known:
         pairs = pairs[~np.isin(pairs[:, 0], list(known))]
     if len(pairs) == 0:
         return walks.found
-    rows, columns = np.unique(pairs[:, 0]), np.unique(pairs[:, 1])
-    row, column = rows.searchsorted(pairs[:, 0]), columns.searchsorted(pairs[:, 1])
-    starts = np.array([(nodes[0], nodes[-1]) for nodes in (graph.sources[number].nodes for number in rows.tolist())]).T
-    seen = [views[number] for number in rows.tolist()]
-    alike = list({id(view): view for view in seen}.values())
-    lane = {id(view): number for number, view in enumerate(alike)}
-    backwards = len(rows) > len(columns) * len(alike)
-    if backwards:
-        roots = [(node,) for node in graph.listener_nodes[columns].tolist()] * len(alike)
-        number_of = np.array([lane[id(view)] for view in seen])[row] * len(columns) + column
-        seen, targets = [view for view in alike for _ in columns], starts[:, row]
-    else:
-        roots, number_of = [graph.sources[number].nodes for number in rows.tolist()], row
-        targets = graph.listener_nodes[pairs[:, 1]][None]
-    sought = np.unique(targets)
+    search = _Trees(graph, views, pairs)
     at_once = max(1, COSTS_AT_ONCE // max(1, graph.node_count))
-    for first in range(0, len(roots), at_once):
+    for first in range(0, len(search.roots), at_once):
         part = slice(first, first + at_once)
-        trees = shortest_paths(seen[part], roots[part], np.full(len(roots[part]), walks.limit + SLACK), sought)
+        limits = np.full(len(search.roots[part]), walks.limit + SLACK)
+        trees = shortest_paths(search.views[part], search.roots[part], limits, search.targets[part])
         result.relaxed += trees.relaxed
         result.visited = max(result.visited, trees.visited())
-        here = number_of // at_once == first // at_once
-        walks.take(trees, pairs[here], number_of[here] - first, targets[:, here], backwards)
+        here = search.tree // at_once == first // at_once
+        walks.take(trees, pairs[here], search.tree[here] - first, search.ends[:, here], search.backwards[here])
     return walks.found
+
+
+class _Trees:
+    """The trees that ``pairs`` (p, 2) need: of the sources of each view from themselves or from the listeners, whichever are fewer.
+
+    Attributes:
+        views, roots, targets: of each tree.
+        tree: (p,) number of each pair's tree.
+        ends: (2, p) nodes of which the nearer one is the end of the pair's walk in it.
+        backwards: (p,) whether it leads from the listener.
+    """
+
+    def __init__(self, graph: HapticGraph, views: Mapping[int, HapticGraph], pairs: IntArray) -> None:
+        rows, columns = np.unique(pairs[:, 0]), np.unique(pairs[:, 1])
+        row, column = rows.searchsorted(pairs[:, 0]), columns.searchsorted(pairs[:, 1])
+        nodes, listeners = [graph.sources[number].nodes for number in rows.tolist()], graph.listener_nodes[columns]
+        alike: dict[int, list[int]] = {}
+        for place, number in enumerate(rows.tolist()):
+            alike.setdefault(id(views[number]), []).append(place)
+        self.views: list[HapticGraph] = []
+        self.roots: list[tuple[int, ...]] = []
+        self.targets: list[IntArray] = []
+        first, backwards = np.zeros(len(rows), dtype=np.int64), np.zeros(len(rows), dtype=np.bool_)
+        for places in alike.values():
+            first[places] = len(self.roots)
+            sources = [nodes[place] for place in places]
+            if len(places) <= len(columns):
+                first[places] += np.arange(len(places))
+                roots, targets = sources, listeners
+            else:
+                backwards[places] = True
+                roots, targets = [(node,) for node in listeners.tolist()], np.unique([node for ends in sources for node in ends])
+            self.roots += roots
+            self.targets += [targets] * len(roots)
+            self.views += [views[int(rows[places[0]])]] * len(roots)
+        self.backwards = backwards[row]
+        self.tree = first[row] + np.where(self.backwards, column, 0)
+        starts = np.array([(ends[0], ends[-1]) for ends in nodes]).T[:, row]
+        self.ends = np.where(self.backwards, starts, listeners[column])
 
 
 def _search_row(

@@ -121,6 +121,18 @@ def path_delay(graph: HapticGraph, path: tuple[int, ...]) -> float:
     return math.fsum(delays)
 
 
+def clusters(graph: HapticGraph) -> IntArray:
+    """Of each object (o,) the lowest number of those that it hangs together with by contacts."""
+    label = np.arange(len(graph.start) - 1)
+    crossed = (graph.partner >= 0).nonzero()[0]
+    one, other = graph.node_object[crossed], graph.node_object[graph.partner[crossed]]
+    while (label[one] != label[other]).any():
+        np.minimum.at(label, label[one], label[other])
+        while (label[label] != label).any():
+            label = label[label]
+    return label
+
+
 def amplifying(graph: HapticGraph) -> bool:
     """Whether some connection of the graph has a gain above 1, by the bounds of its function or, where these are loose, by its values."""
     if np.any(graph.transmission > 1) or np.any(graph.table.loss < 0):

@@ -85,7 +85,7 @@ class ShortestPaths:
 class _Relaxation:
     """State of the relaxation: costs and entries so far, and what every step reads."""
 
-    def __init__(self, graphs: Sequence[HapticGraph], limits: FloatArray, targets: IntArray | None, complete: bool) -> None:
+    def __init__(self, graphs: Sequence[HapticGraph], limits: FloatArray, targets: Sequence[IntArray] | None, complete: bool) -> None:
         self.graph, rows = graphs[0], len(graphs)
         graph = self.graph
         self.count = graph.node_count
@@ -98,7 +98,10 @@ class _Relaxation:
         self.arrival = np.nextafter(self.limits, math.inf)[:, None].repeat(self.count, axis=1)
         self.entry = np.full((rows, self.count), -1, dtype=np.int64)
         self.arrivals, self.entries = self.arrival.reshape(-1), self.entry.reshape(-1)
-        self.targets = None if targets is None or len(targets) == 0 else targets
+        self.targets = targets
+        if targets is not None:
+            size = np.array([len(nodes) for nodes in targets])
+            self.sought, self.first_sought = np.concatenate(targets) + (np.arange(rows) * self.count).repeat(size), size.cumsum() - size
         self.complete = complete or bool(graph.table.special)
         self.tables = [one.table for one in views]
         # Per node, as all that follows: of its object the first node, and the number of nodes besides itself.
@@ -125,7 +128,7 @@ def shortest_paths(
     graph: HapticGraph | Sequence[HapticGraph],
     roots: Sequence[Sequence[int]],
     limits: FloatArray,
-    targets: IntArray | None = None,
+    targets: Sequence[IntArray] | None = None,
     complete: bool = False,
 ) -> ShortestPaths:
     """Shortest-path trees from each set of roots.
@@ -134,7 +137,8 @@ def shortest_paths(
         graph: gains above 1 count as 1. One for each row, where their gains differ by frequency band, and nothing else.
         roots: source or listener nodes, one set per row.
         limits: (r,) largest cost of interest.
-        targets: nodes of interest; a row stops where none of them can get cheaper, and is complete only as far as they need. None: all.
+        targets: nodes of interest, one or more for each row; it stops where none of them can get cheaper, and is complete only as far as
+            they need. None: all.
         complete: costs are right also for the nodes through which an object is entered.
     """
     work = _Relaxation([graph] * len(roots) if isinstance(graph, HapticGraph) else graph, limits, targets, complete)
@@ -221,7 +225,7 @@ def _relax(
         better, candidate = better[first], candidate[first]
     row, other = row[which[better]], other[better]
     if work.targets is not None:  # no more than what each of them costs now is of interest
-        np.minimum(work.limits, work.arrival[:, work.targets].max(axis=1), out=work.limits)
+        np.minimum(work.limits, np.maximum.reduceat(arrivals[work.sought], work.first_sought), out=work.limits)
     onwards = candidate + work.crossing[work.at(row, other)]
     go = (onwards <= work.limits[row]).nonzero()[0]
     return row[go], graph.partner[other[go]], onwards[go]
@@ -269,7 +273,7 @@ def _dijkstra(work: _Relaxation, elements: _Elements, row: int, queue: list[tupl
     limit = float(work.limits[row])
     objects, partner, crossing, start = elements.objects, elements.partner, elements.crossing, elements.start
     loss, decay, special, points = elements.loss, elements.decay, graph.table.special, elements.points
-    sought = set() if work.targets is None else set(work.targets.tolist())
+    sought = set() if work.targets is None else set(work.targets[row].tolist())
     settled: set[int] = set()
     push, pop, distance, infinite = heapq.heappush, heapq.heappop, math.dist, math.inf
     while queue:

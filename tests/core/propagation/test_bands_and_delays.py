@@ -6,13 +6,15 @@ import dataclasses
 import itertools
 import math
 
+import networkx
 import numpy as np
 import pytest
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import propagate
+from haptic_tracing.core.propagation.connections import clusters
 from haptic_tracing.core.scene.bands import BAND_COUNT, BAND_EDGES
 from haptic_tracing.core.scene.functions import Constant, Spectrum
-from haptic_tracing.core.scene.values import HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
 from haptic_tracing.core.signals import Sine
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -148,6 +150,22 @@ def test_best_path_is_the_best_of_the_band_in_which_its_source_is_strong(seed):
             every = [math.prod(gains) * carried(scene, graph, path)[0][band] for path, gains in recursive_paths(graph, row, column)]
             found = 0.0 if result.band_gain is None else result.band_gain[row, column, band]
             assert found == pytest.approx(max(every, default=0.0), rel=1e-9, abs=1e-300)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(SEEDS, st.integers(1, 40), st.floats(0, 1.5))
+def test_what_hangs_together_by_contacts(seed, count, degree):
+    random = np.random.default_rng(seed)
+    names = [f"{number:02d}" for number in range(count)]
+    pairs = [tuple(random.choice(names, 2, replace=False).tolist()) for _ in range(int(degree * count)) if count > 1]
+    contacts = tuple(Contact(pair, ((0.0, 0.0, float(k)), (0.0, 0.0, float(k)))) for k, pair in enumerate(pairs))
+    scene = HapticScene(tuple(HapticObject(name, 0.1, 0.9) for name in names), contacts, (), ())
+    expected = networkx.Graph(pairs)
+    expected.add_nodes_from(names)
+    label = clusters(graph_of_scene(scene))
+    assert {frozenset(np.flatnonzero(label == one).tolist()) for one in label} == {
+        frozenset(map(int, part)) for part in networkx.connected_components(expected)
+    }
 
 
 def test_what_only_low_frequencies_carry_still_arrives():
