@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 _rpt = bpy.app.translations.pgettext_rpt
 
+_CHOOSE = "Choose two recordings, a source, a listener and an object first"
+
 
 class HAPTIC_OT_fit_material(Operator):
     """Set the loss of a material, and the gain of a contact, so that the scene passes vibration on as two recordings of it say"""
@@ -34,7 +36,7 @@ class HAPTIC_OT_fit_material(Operator):
     def poll(cls, context: Context) -> bool:
         chosen = context.scene.haptics.materials.fit
         if not (chosen.source_file and chosen.listener_file and chosen.source and chosen.listener and chosen.object):
-            cls.poll_message_set("Choose two recordings, a source, a listener and an object first")
+            cls.poll_message_set(_CHOOSE)
             return False
         return poll_object_mode(cls, context)
 
@@ -43,7 +45,7 @@ class HAPTIC_OT_fit_material(Operator):
         chosen = scene.haptics.materials.fit
         session.trace(scene, context.evaluated_depsgraph_get(), live=True)
         traced = sessions.shown(scene)
-        if traced is None or not chosen.object.is_editable:
+        if traced is None or chosen.object is None or not chosen.object.is_editable:
             words = "Nothing traced yet" if traced is None else "The object is linked from a library; make it local or override it first"
             return refuse(self, _rpt(words))
         try:
@@ -59,6 +61,8 @@ def _steps(scene: Scene, graph: HapticGraph, read: recordings.Recordings, report
     """Average the recordings window by window, then fit: one step of undo."""
     yield from read.steps()
     chosen = scene.haptics.materials.fit
+    if chosen.object is None or chosen.source is None or chosen.listener is None:
+        raise ValueError(_rpt(_CHOOSE))
     item = scene.haptics.materials.items.get(chosen.object.haptics.material.name)
     names = [o.name for o in graph.table.objects if item is not None and o.material == item.name] or [chosen.object.name_full]
     contact = (chosen.first.name_full, chosen.second.name_full) if chosen.is_calibrated and chosen.first and chosen.second else ()

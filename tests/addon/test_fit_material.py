@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.session import session
+from haptic_tracing.addon.operators import fit
+from haptic_tracing.addon.session import session, sessions
+from haptic_tracing.core.design.recordings import read_recordings
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.formats.tracks.wav import write_wav
 
@@ -95,10 +99,17 @@ def test_a_contact_that_would_amplify_is_doubted(asked, tmp_path):
     assert "not calibrated alike" in asked.doubts
 
 
-def test_what_is_wrong_is_said(asked, tmp_path):
+def test_what_is_wrong_is_said(scene, asked, tmp_path):
     asked.object = bpy.data.objects["Pad"]
     with pytest.raises(RuntimeError, match="only objects with the function physical"):
         bpy.ops.haptic.fit_material()
-    asked.source_file = str(tmp_path / "none.wav")
+    asked.object = bpy.data.objects["Floor"]
+    session.trace(scene, bpy.context.evaluated_depsgraph_get(), live=True)
+    steps = fit._steps(scene, sessions.shown(scene).result.graph, read_recordings(Path(asked.source_file), Path(asked.listener_file)), [])
+    next(steps)
+    bpy.data.objects.remove(asked.object)
+    with pytest.raises(ValueError, match="an object first"):
+        list(steps)
+    asked.object, asked.source_file = bpy.data.objects["Pad"], str(tmp_path / "none.wav")
     with pytest.raises(RuntimeError, match=r"none\.wav"):
         bpy.ops.haptic.fit_material()
