@@ -6,14 +6,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import bpy
-from bpy.types import ID, FCurve
+from bpy.types import FCurve
 
 Value = float | Sequence[float]
 
 CONSTANT, LINEAR, BEZIER = "CONSTANT", "LINEAR", "BEZIER"
 
 
-def animate(owner: ID, path: str, keys: Mapping[Any, Value], interpolation: str = LINEAR) -> None:
+def animate(owner: Any, path: str, keys: Mapping[Any, Value], interpolation: str = LINEAR) -> None:
     """Keys of a property (``location``, ``energy``) by frame: numbers, or one tuple per frame for a property of several channels."""
     frames = sorted(keys)
     channels = [[value] if isinstance(value, int | float) else list(value) for value in (keys[frame] for frame in frames)]
@@ -28,7 +28,7 @@ def animate(owner: ID, path: str, keys: Mapping[Any, Value], interpolation: str 
         curve.update()
 
 
-def _curve(owner: ID, path: str, index: int) -> FCurve:
+def _curve(owner: Any, path: str, index: int) -> FCurve:
     data = owner.animation_data or owner.animation_data_create()
     if data.action is None:
         data.action = bpy.data.actions.new(owner.name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 import bpy
 from bpy.types import Material, Mesh, Object, Scene
@@ -101,7 +102,7 @@ def add_rigid_body_world(scene: Scene, end: int) -> None:
 
 def _rigid_body(scene: Scene, obj: Object, shape: str) -> bpy.types.RigidBodyObject:
     scene.rigidbody_world.collection.objects.link(obj)
-    body = obj.rigid_body
+    body: Any = obj.rigid_body
     body.collision_shape = shape
     # By default every shape has a margin of 4 cm, which thickens thin boards.
     body.use_margin = True

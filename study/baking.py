@@ -97,7 +97,8 @@ def bake_ride(
     ``progress`` is called with the number of every frame. Raises ValueError where a frame can't be traced.
     """
     scene.haptics.mode = "HT"
-    scene.rigidbody_world.enabled = False  # everything moves by keys: there is nothing to simulate
+    if scene.rigidbody_world is not None:
+        scene.rigidbody_world.enabled = False  # everything moves by keys: there is nothing to simulate
     renderings = {mode: ModeRendering(mode) for mode in MODES[1:]}
     recorders = {mode: _ModeRecorder() for mode in MODES}
     varied = [_Varied(variation) for variation in variations]

@@ -96,6 +96,7 @@ def _block(name: str, size: tuple[float, float, float], place: tuple[float, floa
     """A block, which is the active and only selected object."""
     bpy.ops.mesh.primitive_cube_add(size=1, location=place)
     block = bpy.context.object
+    assert block is not None
     block.name, block.scale = name, size
     bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
     bpy.context.view_layer.update()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from bpy.types import Context, Object, Operator
@@ -10,12 +11,12 @@ UNDO = {"REGISTER", "UNDO"}
 SOLID_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
 
-def editable(objects: list[Object]) -> list[Object]:
+def editable(objects: Sequence[Object]) -> list[Object]:
     """The objects that are not linked from a library."""
     return [obj for obj in objects if obj.is_editable]
 
 
-def linked_message(objects: list[Object]) -> str:
+def linked_message(objects: Sequence[Object]) -> str:
     """The message where nothing can be edited because everything is linked from a library; "" where something can."""
     if not objects or editable(objects):
         return ""

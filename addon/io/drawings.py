@@ -15,7 +15,7 @@ from ...core.signals import DEFAULT_PERSISTENT, Automation, Drawing, Signal
 from ...core.signals.drawn import EMPHASIS_SECONDS, cut
 from ..blender.compatibility import ensure_fcurve, remove_fcurves
 from ..blender.time import frame_seconds
-from ..properties.drawing import AMPLITUDE, FREQUENCY, HERTZ, LONGEST
+from ..properties.drawing import AMPLITUDE, FREQUENCY, HERTZ, LONGEST, HapticDrawing
 from ..scene_reader import animated_curves as animated
 from ..scene_reader.drawings import MOST_EMPHASES, mapping_of, points_of
 from ..scene_reader.objects import read_source
@@ -101,9 +101,8 @@ def signal_of(obj: Object, scene: Scene) -> Signal:
     return read_source(obj, obj.name_full, animated.AnimatedCurves().of_source(obj, scene)).signal or DEFAULT_PERSISTENT
 
 
-def to_fcurves(obj: Object, scene: Scene) -> None:
-    """Make the curves of an object's drawn signal F-curves from the scene's first frame on, with a key for each point."""
-    drawing = obj.haptics.source.drawing.haptics
+def to_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
+    """Make the curves of an object's ``drawing`` F-curves from the scene's first frame on, with a key for each point."""
     frames = drawing.duration / frame_seconds(scene)
     for name, path in PATHS.items():
         points, kinds = points_of(mapping_of(drawing.id_data, name))
@@ -122,9 +121,8 @@ def to_fcurves(obj: Object, scene: Scene) -> None:
         curve.update()
 
 
-def from_fcurves(obj: Object, scene: Scene) -> None:
-    """Make F-curves the curves of an object's drawn signal, as long as that lasts; its range becomes as wide as they need."""
-    drawing = obj.haptics.source.drawing.haptics
+def from_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
+    """Make F-curves the curves of an object's ``drawing``, as long as that lasts; its range becomes as wide as they need."""
     for name, path in PATHS.items():
         curve = animated.animating(obj, path)
         if curve is None:

@@ -115,7 +115,7 @@ def _extension(name: str, content: dict[str, Any]) -> Any:
 class glTF2ImportUserExtension:
     """What the importer makes once and calls for every node."""
 
-    def gather_import_node_after_hook(self, vnode: Any, gltf_node: Any, blender_object: Object, gltf: Any) -> None:
+    def gather_import_node_after_hook(self, vnode: Any, gltf_node: Any, blender_object: Any, gltf: Any) -> None:
         """Called when an object was made of a node."""
         form = (gltf_node.extras or {}).get(KEY) if isinstance(gltf_node.extras, dict) else None
         if not isinstance(form, dict):

@@ -36,9 +36,10 @@ class _OnDrawing(_OnSource):
 
     @classmethod
     def poll(cls: Any, context: Context) -> bool:
-        if not poll_active(cls, context):
+        obj = context.object
+        if obj is None or not poll_active(cls, context):
             return False
-        tree = context.object.haptics.source.drawing
+        tree = obj.haptics.source.drawing
         if tree is None or not tree.is_editable:
             cls.poll_message_set("Draw a signal of this file first")
             return False
@@ -78,7 +79,7 @@ class HAPTIC_OT_switch_envelopes(_OnDrawing, Operator):
 
     def apply(self, context: Context, source: Any) -> None:
         switch = drawings.from_fcurves if drawings.has_fcurves(context.object) else drawings.to_fcurves
-        switch(context.object, context.scene)
+        switch(context.object, source.drawing.haptics, context.scene)
 
 
 class HAPTIC_OT_edit_emphasis(_OnDrawing, Operator):

@@ -40,14 +40,15 @@ def _value(option: Option, value: Any) -> Value:
 
 
 def _property(option: Option) -> Any:
-    text = {"name": option.label, "description": option.description}
+    text: dict[str, Any] = {"name": option.label, "description": option.description}
     if isinstance(option.default, bool):
         return BoolProperty(default=option.default, **text)
     if isinstance(option.default, str):
         return EnumProperty(items=[(choice, choice, "") for choice in option.choices], default=option.default, **text)
-    bounds = {
+    bounds: dict[str, Any] = {
         key: value for key, value in (("min", option.minimum), ("max", option.maximum)) if math.isfinite(value) and abs(value) <= LARGEST
     }
     if isinstance(option.default, int):
-        return IntProperty(default=option.default, **{key: int(value) for key, value in bounds.items()}, **text)
+        bounds = {key: int(value) for key, value in bounds.items()}
+        return IntProperty(default=option.default, **bounds, **text)
     return FloatProperty(default=option.default, precision=3, **bounds, **text)

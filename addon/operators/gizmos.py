@@ -26,8 +26,9 @@ class HAPTIC_GGT_extents(GizmoGroup):
     @classmethod
     def poll(cls, context: Context) -> bool:
         obj = context.object
-        is_shown = obj is not None and obj.select_get() and obj.is_editable and context.mode == "OBJECT"
-        return is_shown and (obj.haptics.source.enabled or obj.haptics.listener.enabled)
+        if obj is None or not obj.select_get() or not obj.is_editable or context.mode != "OBJECT":
+            return False
+        return obj.haptics.source.enabled or obj.haptics.listener.enabled
 
     def setup(self, context: Context) -> None:
         self.pairs = [(role, name, turn, *self._pair(role, name, colour)) for role, name, colour, turn in _ROLES]
@@ -41,7 +42,7 @@ class HAPTIC_GGT_extents(GizmoGroup):
         circle.color = handle.color = colour
         handle.color_highlight = (1.0, 1.0, 1.0)
 
-        def pulled(value: float) -> None:
+        def pulled(value: Any) -> None:
             setattr(getattr(bpy.context.object.haptics, role), name, max(value, 0.0))
 
         handle.target_set_handler("offset", get=lambda: getattr(getattr(bpy.context.object.haptics, role), name), set=pulled)

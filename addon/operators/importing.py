@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, IntProperty, StringProperty
@@ -92,7 +93,7 @@ class HAPTIC_OT_import_signal(Operator):
         return {"FINISHED"}
 
 
-def ask(operator: Operator, context: Context) -> set[str]:
+def ask(operator: Any, context: Context) -> set[str]:
     """Open the file browser, or only the options where a file was dropped."""
     manager = context.window_manager
     if operator.properties.is_property_set("filepath"):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Object, Operator, Scene
@@ -62,11 +64,13 @@ def _add_physics(context: Context, objects: list[Object]) -> None:
         return
     with suspended(), context.temp_override(object=new[0], active_object=new[0], selected_objects=new[:1]):
         bpy.ops.rigidbody.object_add()  # and the scene's Rigid Body World where there is none
-    bodies = context.scene.rigidbody_world.collection.objects
+    world = context.scene.rigidbody_world
+    assert world is not None
     for obj in progress(new):
         if obj.rigid_body is None:
-            bodies.link(obj)
-        obj.rigid_body.type = "PASSIVE" if materials.is_ground(obj) else "ACTIVE"
+            world.collection.objects.link(obj)
+        body: Any = obj.rigid_body
+        body.type = "PASSIVE" if materials.is_ground(obj) else "ACTIVE"
 
 
 class HAPTIC_OT_add_source(Operator):

@@ -20,7 +20,7 @@ from .thumbnails import cell
 class HAPTIC_UL_materials(UIList):
     """The haptic materials of the scene, each with its coefficient (1 - κ) ρ."""
 
-    def draw_item(
+    def draw_item(  # type: ignore[override]  # the filter flags, which Blender passes last, may be left out
         self, context: Context, layout: UILayout, data: Any, item: Any, icon: int, active_data: Any, active_property: str, index: int = 0
     ) -> None:
         row = layout.row(align=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from bpy.types import Context, Panel, UILayout
 
@@ -62,7 +62,7 @@ def _object_panel(modality: Modality) -> type[Panel]:
     def draw(self: Panel, context: Context) -> None:
         layout = self.layout
         layout.use_property_split = True
-        obj = context.object
+        obj: Any = context.object
         group = getattr(obj.haptics.modalities, modality.name)
         if obj.haptics.enabled:
             layout.prop(group, "function")

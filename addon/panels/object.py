@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.types import Context, Object, Panel, UILayout
+from bpy.types import Context, Object, Panel, Scene, UILayout
 
 from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
@@ -21,6 +21,8 @@ from .texts import draw_sentence
 
 if TYPE_CHECKING:
     from ...core.scene.functions import ModulationFunction
+    from ..properties.materials import HapticMaterial, HapticObjectMaterial
+    from ..properties.object import HapticObjectProperties
 
 _SAME = 0.005
 """Difference of (1 - κ) ρ below which two materials feel the same."""
@@ -58,7 +60,7 @@ class HAPTIC_PT_object(HapticsPanel, Panel):
             return
         layout.label(text=obj.name, icon="OBJECT_DATA", translate=False)
         material = library_owner(context, obj)
-        _draw_material(layout, context, material)
+        _draw_material(layout, context.scene, haptics.material, material)
         draw_properties(layout, material or haptics, "kappa", "rho")
         if material is not None:  # the library's values are shared and can't be keyed
             layout.operator("haptic.unlink_material", text="Make Own, to Key It", icon="UNLINKED")
@@ -82,14 +84,13 @@ def draw_wave_speed(layout: UILayout, haptics: Any, material: Any) -> None:
     side.prop(material, "wave_speed", text="")
 
 
-def _draw_material(layout: UILayout, context: Context, material: Any) -> None:
-    chosen = context.object.haptics.material
+def _draw_material(layout: UILayout, scene: Scene, chosen: HapticObjectMaterial, material: HapticMaterial | None) -> None:
     row = layout.row(align=True)
     row.use_property_split = False
-    if not chosen.name and not context.scene.haptics.materials.items:
+    if not chosen.name and not scene.haptics.materials.items:
         row.menu("HAPTIC_MT_materials", text="Choose Material", icon="MATERIAL")
     else:
-        row.prop_search(chosen, "name", context.scene.haptics.materials, "items", text="", icon="MATERIAL")
+        row.prop_search(chosen, "name", scene.haptics.materials, "items", text="", icon="MATERIAL")
         row.menu("HAPTIC_MT_materials", text="", icon="DOWNARROW_HLT")
     if chosen.name and material is None:
         row.operator("haptic.unlink_material", text="", icon="UNLINKED")
@@ -139,7 +140,7 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
     def draw(self, context: Context) -> None:
         layout = self.layout
         haptics = context.object.haptics
-        key = _curve_key(context)
+        key = _curve_key(haptics, context.scene)
         latest = None if key is None else gain_plot.latest_curve(key)
         if key is not None and latest is None:
             layout.label(text="Computing...", icon="SORTTIME")
@@ -180,11 +181,10 @@ def _crossing(context: Context, haptics: Any) -> tuple[str, float] | None:
     return None if not found else min(found)[::-1]
 
 
-def _curve_key(context: Context) -> tuple[ModulationFunction, float, float, float] | None:
+def _curve_key(haptics: HapticObjectProperties, scene: Scene) -> tuple[ModulationFunction, float, float, float] | None:
     """The values that the curve of the active object's function depends on; None where the function is invalid."""
-    haptics = context.object.haptics
     try:
-        return functions.read_function(haptics), haptics.kappa, haptics.rho, context.scene.haptics.epsilon
+        return functions.read_function(haptics), haptics.kappa, haptics.rho, scene.haptics.epsilon
     except ValueError:
         return None
 

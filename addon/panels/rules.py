@@ -18,7 +18,7 @@ _FIELDS = {"OBJECT": "objects", "MATERIAL": "items"}
 class HAPTIC_UL_rules(UIList):
     """The rules of a table, each with the two sides that it is for."""
 
-    def draw_item(
+    def draw_item(  # type: ignore[override]  # the filter flags, which Blender passes last, may be left out
         self, context: Context, layout: UILayout, data: Any, item: Any, icon: int, active_data: Any, active_property: str, index: int = 0
     ) -> None:
         row = layout.row(align=True)

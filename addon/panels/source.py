@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from bpy.types import Context, Object, Panel, UILayout
+from bpy.types import Context, Object, Panel, Scene, UILayout
 
 from ..io import drawings, signal_library
 from ..properties.drawing import AMPLITUDE, FREQUENCY
@@ -108,14 +106,14 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
             draw_drawing(layout, context.object)
         elif source.signal not in ("NOISE", "SOUND", "KEPT", "BLAST"):
             layout.prop(source, "frequency")
-        _draw_faults(layout, context, "signal")
+        _draw_faults(layout, context.scene, context.object, "signal")
         layout.operator("haptic.import_signal", icon="IMPORT")
         for name in ("decay", "priority", "muted"):
             layout.prop(source, name)
         draw_carrier(layout, context.object, "Shakes")
         layout.prop(source, "one_shot")
         if source.one_shot:
-            _draw_triggers(layout.column(), context, source)
+            _draw_triggers(layout.column(), context.scene, context.object)
         row = layout.row(align=True)
         row.operator("haptic.make_one_shot", text="Explosion").kind = "EXPLOSION"
         row.operator("haptic.make_one_shot", text="Gun").kind = "GUN"
@@ -124,15 +122,15 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
             _draw_front(layout, context, carrier)
 
 
-def _draw_triggers(layout: UILayout, context: Context, source: Any) -> None:
+def _draw_triggers(layout: UILayout, scene: Scene, obj: Object) -> None:
     """Draw what triggers a source, each with what is wrong with it."""
     for end, items in _TRIGGERS.items():
         name = f"trigger{end}"
         if items:
-            layout.prop_search(source, name, context.scene, items, results_are_suggestions=True)
+            layout.prop_search(obj.haptics.source, name, scene, items, results_are_suggestions=True)
         else:
-            layout.prop(source, name)
-        _draw_faults(layout, context, name)
+            layout.prop(obj.haptics.source, name)
+        _draw_faults(layout, scene, obj, name)
 
 
 def _draw_front(layout: UILayout, context: Context, medium: Object) -> None:
@@ -144,8 +142,8 @@ def _draw_front(layout: UILayout, context: Context, medium: Object) -> None:
     column.prop(haptics, "reference_distance", text="Radius")
 
 
-def _draw_faults(layout: UILayout, context: Context, name: str) -> None:
+def _draw_faults(layout: UILayout, scene: Scene, obj: Object, name: str) -> None:
     """Draw what a designer should mend about a property of the source."""
-    for problem in sessions.shown_problems(context.scene):
-        if (problem.object, problem.rule) == (context.object.name_full, (name, 0)):
+    for problem in sessions.shown_problems(scene):
+        if (problem.object, problem.rule) == (obj.name_full, (name, 0)):
             draw_sentence(layout, problem.message, "ERROR")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 from bpy.types import Context, PropertyGroup
 
@@ -26,7 +27,7 @@ def edited(name: str) -> Callable[[PropertyGroup, Context], None]:
     """The callback of the property ``name``, for which an imported file may hold a value that the property cannot: with more digits, or a
     function with more parameters. The first edit drops that value."""
 
-    def update(self: PropertyGroup, context: Context) -> None:
+    def update(self: Any, context: Context) -> None:
         self.drop_imported(name)
         mark_changed()
 

@@ -60,7 +60,7 @@ def _is_drawing(_: Any, tree: NodeTree) -> bool:
     return tree.haptics.is_signal
 
 
-def drawing_property() -> PointerProperty:
+def drawing_property() -> PointerProperty[NodeTree]:
     """The choice of a drawn signal."""
     words = "The signal that is drawn"
     return PointerProperty(name="Drawn Signal", description=words, type=NodeTree, poll=_is_drawing, options=set(), update=changed)

@@ -17,7 +17,7 @@ def _actuators_chosen(self: PropertyGroup, context: Context) -> None:
     mark_actuators()
 
 
-def _volume_changed(self: PropertyGroup, context: Context) -> None:
+def _volume_changed(self: HapticLiveOutputProperties, context: Context) -> None:
     preview_volume_changed(self.preview_volume)
 
 

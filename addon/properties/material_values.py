@@ -11,7 +11,7 @@ from ...core.scene.bands import BAND_COUNT
 NAMES = ("kappa", "rho", "wave_speed", "use_bands", "band_decays", "conductivity")
 
 
-def kappa(**more: Any) -> Any:
+def kappa(**more: Any) -> FloatProperty:
     """The property κ; ``more``: its callback and options."""
     return FloatProperty(
         name="Kappa (κ)",
@@ -26,7 +26,7 @@ def kappa(**more: Any) -> Any:
     )
 
 
-def rho(**more: Any) -> Any:
+def rho(**more: Any) -> FloatProperty:
     """The property ρ."""
     return FloatProperty(
         name="Rho (ρ)",
@@ -40,7 +40,7 @@ def rho(**more: Any) -> Any:
     )
 
 
-def wave_speed(**more: Any) -> Any:
+def wave_speed(**more: Any) -> FloatProperty:
     """The speed of waves [m/s]."""
     return FloatProperty(
         name="Wave Speed",
@@ -53,14 +53,14 @@ def wave_speed(**more: Any) -> Any:
     )
 
 
-def use_bands(**more: Any) -> Any:
+def use_bands(**more: Any) -> BoolProperty:
     """Whether frequency bands are attenuated differently."""
     return BoolProperty(
         name="Frequency Bands", description="High frequencies fade faster than low ones, as the values per band say", default=False, **more
     )
 
 
-def band_decays(**more: Any) -> Any:
+def band_decays(**more: Any) -> FloatVectorProperty:
     """The extra attenuation of each frequency band [1/m]."""
     return FloatVectorProperty(
         name="Band Attenuation",

@@ -94,7 +94,7 @@ def unique_name(name: str, taken: set[str]) -> str:
     return next(candidate for k in range(1, len(taken) + 2) if (candidate := f"{stem}.{k:03d}") not in taken)
 
 
-def _bound(name: str, default: float) -> Any:
+def _bound(name: str, default: float) -> FloatProperty:
     return FloatProperty(
         name=name,
         description="Bound of (1 - κ) ρ for Fulfil Wishes",
@@ -159,11 +159,11 @@ class HapticObjectMaterial(PropertyGroup):
         self.id_data.haptics.drop_imported(name)
 
 
-def _recording(name: str, description: str) -> Any:
+def _recording(name: str, description: str) -> StringProperty:
     return StringProperty(name=name, description=description, subtype="FILE_PATH", options=set())
 
 
-def _one(name: str, description: str, role: str) -> Any:
+def _one(name: str, description: str, role: str) -> PointerProperty[Object]:
     has_role = attrgetter(f"haptics.{role}")
     return PointerProperty(type=Object, name=name, description=description, poll=lambda self, obj: bool(has_role(obj)))
 
@@ -195,7 +195,7 @@ class HapticFit(PropertyGroup):
 class HapticMaterialLibrary(PropertyGroup):
     """The haptic materials of a scene."""
 
-    items: CollectionProperty(type=HapticMaterial)
+    items: CollectionProperty(type=HapticMaterial)  # type: ignore[assignment]  # in place of items() of bpy_struct
     active: IntProperty(name="Active Material", default=0, min=0, options=set())
     target: EnumProperty(name="Apply To", description="What a material is applied to", items=TARGET_ITEMS, options=set())
     fit: PointerProperty(type=HapticFit)

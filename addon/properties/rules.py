@@ -144,7 +144,7 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
 class HapticImpactTable(TableRows, PropertyGroup):
     """The rules of a scene for impacts."""
 
-    items: CollectionProperty(type=HapticImpactRule)
+    items: CollectionProperty(type=HapticImpactRule)  # type: ignore[assignment]  # in place of items() of bpy_struct
 
 
 def _texture(key: str, name: str, words: str, default: float, low: float, high: float, **more: Any) -> FloatProperty:
@@ -201,7 +201,7 @@ class HapticTexture(RuleScope, Imported, PropertyGroup):
 class HapticTextureTable(TableRows, PropertyGroup):
     """The rules of a scene for what slides or rolls."""
 
-    items: CollectionProperty(type=HapticTexture)
+    items: CollectionProperty(type=HapticTexture)  # type: ignore[assignment]  # in place of items() of bpy_struct
 
 
 class HapticTransmissionRule(RuleScope, ContactParameters, Imported, PropertyGroup):
@@ -213,4 +213,4 @@ class HapticTransmissionRule(RuleScope, ContactParameters, Imported, PropertyGro
 class HapticTransmissionTable(TableRows, PropertyGroup):
     """The rules of a scene for contacts."""
 
-    items: CollectionProperty(type=HapticTransmissionRule)
+    items: CollectionProperty(type=HapticTransmissionRule)  # type: ignore[assignment]  # in place of items() of bpy_struct

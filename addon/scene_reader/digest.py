@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.types import ID, Object, Scene
+from bpy.types import Object, Scene
 
 from ..blender.compatibility import fcurves_of
 from .roles import is_tagged, regions_of
@@ -202,7 +202,7 @@ def _shape(obj: Object) -> str:
     return f"{len(mesh.polygons)}:{zlib.crc32(places.tobytes()):08x}"
 
 
-def _animation(datablock: ID, ignored: str = "haptics.felt.") -> tuple[frozenset[str], str]:
+def _animation(datablock: Any, ignored: str = "haptics.felt.") -> tuple[frozenset[str], str]:
     """The data paths that are animated, and a checksum of their keys, drivers and strips. Paths that begin with ``ignored`` do not count:
     a bake itself writes what is felt."""
     data = datablock.animation_data

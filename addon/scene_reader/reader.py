@@ -328,7 +328,7 @@ def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:
     values = []
     for path in paths:
         try:
-            value = obj.path_resolve(path)
+            value: Any = obj.path_resolve(path)
         except ValueError:
             value = None
         values.append(tuple(value) if hasattr(value, "__iter__") else value)

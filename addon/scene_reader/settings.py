@@ -9,9 +9,11 @@ from typing import Any
 from bpy.types import Scene
 
 from ...core.contacts.tracker import ContactSettings
+from ...core.scene.choices import Mode, Strategy
 from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import ImpactRule
 from ...core.scene.rule_table import RuleTable
+from ...core.scene.rules import ImpactEnergy
 from ...core.scene.texture import Texture
 from ...core.scene.values import Settings
 from ..blender.single_precision import shortest
@@ -34,8 +36,8 @@ def read_settings(scene: Scene) -> Settings:
     """The propagation settings of a scene."""
     haptics, imported = scene.haptics, _imported(scene)
     return Settings(
-        mode=haptics.mode,
-        strategy=haptics.strategy,
+        mode=Mode(haptics.mode),
+        strategy=Strategy(haptics.strategy),
         max_connections=haptics.max_connections or None,
         threshold=exact(haptics, "threshold", imported.numbers),
         epsilon=exact(haptics, "epsilon", imported.numbers),
@@ -54,7 +56,7 @@ def read_contact_settings(
         tolerance=exact(haptics, "contact_tolerance", imported.numbers),
         least_energy=exact(haptics, "minimum_energy", imported.numbers),
         full_energy=max(exact(haptics, "maximum_energy", imported.numbers), 1e-3),
-        energy=haptics.impact_energy,
+        energy=ImpactEnergy(haptics.impact_energy),
         refractory=exact(haptics, "refractory_time", imported.numbers),
         patch_points=haptics.patch_points,
         gravity=(x, y, z),

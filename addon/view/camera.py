@@ -10,6 +10,7 @@ def camera_view(scene: Scene, size: tuple[int, int]) -> tuple[Matrix, Matrix]:
     """World to camera, and camera to clip space, of the scene's camera as it stands now, for a picture of ``size`` pixels."""
     view_layer = scene.view_layers[0]
     view_layer.update()
+    assert scene.camera is not None
     camera = scene.camera.evaluated_get(view_layer.depsgraph)
     view = camera.matrix_world.normalized().inverted()
     return view, camera.calc_matrix_camera(view_layer.depsgraph, x=size[0], y=size[1])
