@@ -146,13 +146,14 @@ def test_box_on_its_edge(frame, tip, gap):
     """A box tipped about y stands on the middle of its edge."""
     height = 0.4 * np.cos(tip) + 0.5 * np.sin(tip)
     box = at(0, 0, height + gap, (np.cos(tip / 2), 0, np.sin(tip / 2), 0))
-    for below in GROUNDS.values():
+    section = 0.6 * max(-gap / 2, 0) * (np.tan(tip) + 1 / np.tan(tip))  # of the edge, midway through what overlaps
+    for name, below in GROUNDS.items():
         found, positions, normal = contact((below[0], Pose(below[1])), (Box((1, 0.6, 0.8)), box), frame)
         np.testing.assert_allclose(found.distance[0], gap, atol=1e-6)
         np.testing.assert_allclose(normal[0], [0, 0, 1], atol=1e-6)
         edge = 0.5 * np.cos(tip) - 0.4 * np.sin(tip)
         np.testing.assert_allclose(positions[0].mean(axis=0), [edge, 0, gap / 2], atol=2e-3)
-        assert found.area[0] < 1e-3
+        assert found.area[0] < (max(1e-3, section) if name == "hull" else 1e-3)
 
 
 @settings(max_examples=30, derandomize=True, deadline=None)
