@@ -2,50 +2,29 @@
 
 Lightness rises evenly from blue-violet to yellow, so that the order of gains is seen by colour-blind people and in grey print. The hues
 are those of viridis, by Stéfan van der Walt and Nathaniel Smith for matplotlib, dedicated to the public domain (CC0); they start lighter,
-because the viewport is dark. Colours are interpolated in Oklab (Björn Ottosson, "A perceptual color space for image processing", 2020).
+because the viewport is dark. Colours are interpolated in Oklab (Björn Ottosson, "A perceptual color space for image processing", 2020);
+`tests/references/oklab.py` computes the table.
 """
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray
 
-CONTROL_POINTS = ("#5a55b4", "#3b81b8", "#22a098", "#55bd6a", "#a8d53f", "#ffe93a")
 STEPS = 256
-
-_TO_CONE = np.array(
-    [[0.4122214708, 0.5363325363, 0.0514459929], [0.2119034982, 0.6806995451, 0.1073969566], [0.0883024619, 0.2817188376, 0.6299787005]]
-)
-_TO_LAB = np.array(
-    [[0.2104542553, 0.7936177850, -0.0040720468], [1.9779984951, -2.4285922050, 0.4505937099], [0.0259040371, 0.7827717662, -0.8086757660]]
-)
 
 
 def linear(srgb: FloatArray) -> FloatArray:
     """Display values (sRGB, 0 to 1) as linear light (IEC 61966-2-1)."""
     return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-
-
-def display(light: FloatArray) -> FloatArray:
-    """Linear light as display values (sRGB, 0 to 1)."""
-    light = np.clip(light, 0.0, 1.0)
-    return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-
-
-def oklab(srgb: FloatArray) -> FloatArray:
-    """Display values (..., 3) as Oklab (..., 3)."""
-    return np.cbrt(linear(srgb) @ _TO_CONE.T) @ _TO_LAB.T
-
-
-def from_oklab(lab: FloatArray) -> FloatArray:
-    """Oklab (..., 3) as display values (..., 3), clipped to the gamut."""
-    return display((lab @ np.linalg.inv(_TO_LAB).T) ** 3 @ np.linalg.inv(_TO_CONE).T)
 
 
 def hex_colour(code: str) -> FloatArray:
@@ -55,17 +34,10 @@ def hex_colour(code: str) -> FloatArray:
 
 @cache
 def colour_table() -> FloatArray:
-    """(256, 3) display values: the control points joined in Oklab, at even distances along the line."""
-    points = oklab(np.array([hex_colour(code) for code in CONTROL_POINTS]))
-    fine = _along(points, np.linspace(0, 1, 8 * STEPS), np.linspace(0, 1, len(points)))
-    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(fine, axis=0), axis=1))])
-    table = from_oklab(_along(fine, np.linspace(0, way[-1], STEPS), way))
+    """(256, 3) display values, of `colours.json`: at even distances along the line in Oklab."""
+    table = np.array(json.loads(Path(__file__).with_name("colours.json").read_text("utf-8")))
     table.setflags(write=False)
     return table
-
-
-def _along(points: FloatArray, wanted: FloatArray, at: FloatArray) -> FloatArray:
-    return np.stack([np.interp(wanted, at, points[:, axis]) for axis in range(3)], axis=1)
 
 
 def decibels(gain: FloatArray) -> FloatArray:

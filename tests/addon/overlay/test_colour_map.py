@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.addon.view.colour_map import GainScale, colour_table, decibel_text, from_oklab, oklab
+from haptic_tracing.addon.view.colour_map import STEPS, GainScale, colour_table, decibel_text
 from hypothesis import given
 from hypothesis import strategies as st
+from oklab import from_oklab, interpolated, oklab
 
 # CSS Color Module Level 4, sample conversions of the primaries to Oklab.
 PUBLISHED = {
@@ -28,6 +29,10 @@ COLOUR_BLINDNESS = {
 def test_oklab_against_published_values(srgb, lab):
     assert oklab(np.array(srgb, dtype=float)) == pytest.approx(lab, abs=2e-4)
     assert from_oklab(oklab(np.array(srgb, dtype=float))) == pytest.approx(srgb, abs=1e-6)
+
+
+def test_the_table_is_the_line_through_the_control_points():
+    assert colour_table() == pytest.approx(interpolated(STEPS), abs=1e-12)
 
 
 def test_neighbours_differ_by_the_same():
