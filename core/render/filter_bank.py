@@ -50,7 +50,7 @@ def split_bands(samples: FloatArray, sample_rate: float) -> FloatArray:
     """
     reach = bank_reach(sample_rate)
     count = len(samples) - 2 * reach
-    size = -(-len(samples) // 256) * 256
+    size = -(-len(samples) // 512) * 512  # few sizes, whose spectra are kept
     low = np.fft.irfft(np.fft.rfft(samples, size) * _low_pass_spectra(sample_rate, size), size)[:, reach : reach + count]
     bands = np.empty((len(low) + 1, count))
     bands[0] = low[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable
 from typing import NamedTuple
 
@@ -98,11 +99,14 @@ class Stream:
     def _sampled(self, first: int, last: int) -> FloatArray:
         if self.row_count == 1:
             return self.signal.sample(first, last - first, self.sample_rate, self.onset)[None, :]
-        reach = bank_reach(self.sample_rate)
-        samples = self.signal.sample(first - reach, last - first + 2 * reach, self.sample_rate, self.onset)
-        # The filters look ahead, but nothing may be felt before the onset.
-        begun = np.arange(first, last) / self.sample_rate >= self.onset
-        return split_bands(samples, self.sample_rate) * begun
+        rate, reach = self.sample_rate, bank_reach(self.sample_rate)
+        rows = np.zeros((self.row_count, last - first))
+        # Nothing may be felt before the onset, though the filters look ahead, and nothing is left after the end.
+        begin, end = (math.ceil(min(max(at * rate, first), last)) for at in (self.onset, self.end))
+        if end > begin:
+            samples = self.signal.sample(begin - reach, end - begin + 2 * reach, rate, self.onset)
+            rows[:, begin - first : end - first] = split_bands(samples, rate) * (np.arange(begin, end) / rate >= self.onset)
+        return rows
 
 
 def _is_recorded(signal: Signal) -> bool:
