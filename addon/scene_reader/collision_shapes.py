@@ -63,7 +63,7 @@ def mesh_checksum(obj: Object, depsgraph: Depsgraph) -> object:
             return zlib.crc32(_bounding_box(obj, depsgraph).tobytes())
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=1024)
 def _hull(vertices: bytes, size: tuple[float, ...], margin: float, use_margin: bool) -> Shape:
     """Objects of one mesh share its hull: shrinking it by the margin takes milliseconds. ``vertices``: (n, 3) as bytes."""
     return convex_hull_shape(np.frombuffer(vertices).reshape(-1, 3), size, margin, use_margin)

@@ -74,7 +74,7 @@ def convex_hull(points: FloatArray) -> Hull:
     return _hull_of(points.tobytes())
 
 
-@lru_cache(256)
+@lru_cache(1024)
 def _hull_of(coordinates: bytes) -> Hull:
     """The hull of distinct points, cached for scenes with the same meshes and for shrunk hulls."""
     points = np.frombuffer(coordinates).reshape(-1, 3)

@@ -6,6 +6,7 @@ import os
 import sys
 import tempfile
 import time
+import typing
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from typing import Any
@@ -17,9 +18,14 @@ import bpy
 import haptic_tracing
 import pytest
 from haptic_tracing.addon import gateway
+from haptic_tracing.addon.registration import classes, properties
 
 for _name in gateway.MODULES:  # tests replace parts of modules: they need the modules themselves, not their stand-ins
     import_module(f"haptic_tracing.{_name}")
+for _class in (*properties.CLASSES, *classes.CLASSES):  # evaluated once, not at the registration in each test
+    if "__annotations__" in vars(_class):
+        _known = typing.get_type_hints(_class)
+        _class.__annotations__ = {_key: _known[_key] for _key in _class.__annotations__}
 
 
 @pytest.fixture(autouse=True)

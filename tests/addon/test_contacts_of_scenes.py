@@ -129,7 +129,6 @@ def played(scene, frames):
     return found
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("rate", "gravity", "scale"), [(24, 9.81, 1.0), (60, 9.81, 1.0), (24, 1.62, 1.0), (25, 9.81, 0.5)])
 def test_a_simulated_fall_hits_with_its_potential_energy(drop, scene, rate, gravity, scale):
     scene.render.fps = rate

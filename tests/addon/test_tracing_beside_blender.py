@@ -24,7 +24,6 @@ def bench(scene):
     return scene
 
 
-@pytest.mark.slow
 def test_results_are_those_of_waiting_for_each_frame(bench):
     waited = [step.result for step in timeline.steps(bench, *FRAMES)]
     beside = list(timeline.results(bench, *FRAMES))
@@ -36,7 +35,6 @@ def test_results_are_those_of_waiting_for_each_frame(bench):
         assert one.block is None or one.block.tobytes() == other.block.tobytes()
 
 
-@pytest.mark.slow
 def test_who_asks_waits_for_the_frame_that_the_scene_is_in(bench):
     bench.frame_set(5)
     assert session.of(bench).begun is not None
@@ -45,7 +43,6 @@ def test_who_asks_waits_for_the_frame_that_the_scene_is_in(bench):
     assert np.isfinite(session.result_of(bench).statistics["waited_milliseconds"])
 
 
-@pytest.mark.slow
 def test_a_frame_that_cannot_be_traced_is_named_and_the_next_one_is_traced(bench, monkeypatch):
     tracer = session.of(bench).tracer
     step = tracer.step
@@ -66,7 +63,6 @@ def test_a_frame_that_cannot_be_traced_is_named_and_the_next_one_is_traced(bench
     assert not any("no gain" in problem.message for problem in session.problems_of(bench))
 
 
-@pytest.mark.slow
 def test_a_fault_of_the_tracer_comes_to_light_once(bench, monkeypatch):
     monkeypatch.setattr(type(session.of(bench).tracer), "step", lambda self, frame: 1 / 0)
     bench.frame_set(3)
@@ -75,7 +71,6 @@ def test_a_fault_of_the_tracer_comes_to_light_once(bench, monkeypatch):
     assert session.result_of(bench) is None
 
 
-@pytest.mark.slow
 def test_no_thread_is_left_when_scenes_are_forgotten_while_a_frame_is_traced(bench):
     bench.frame_set(6)
     assert threads()
@@ -85,7 +80,6 @@ def test_no_thread_is_left_when_scenes_are_forgotten_while_a_frame_is_traced(ben
     assert session.result_of(bench).number == 7
 
 
-@pytest.mark.slow
 def test_a_long_wait_shows_that_it_goes_on(bench, monkeypatch):
     shown = []
     monkeypatch.setattr(worker, "show", shown.append)

@@ -53,7 +53,6 @@ def test_a_picture_beside_each_format_that_is_read_back(capsys, scene_file, tmp_
     assert red[:, 2 * width // 3 :].any(axis=1).mean() < 0.1
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such terminals")
 @pytest.mark.parametrize(("answer", "replaced"), [(b"n\n", False), (b"y\n", True)])
 def test_a_terminal_is_asked_before_a_poor_copy_replaces_a_file(tmp_path, answer, replaced):
@@ -126,7 +125,6 @@ def test_losses_alone_write_nothing(capsys, scene_file, tmp_path):
     assert code == 0 and set(json.loads(out)["losses"]) == {"hjif", "tact"} and not (tmp_path / "out").exists()
 
 
-@pytest.mark.slow
 def test_convert_between_every_pair_of_kinds(capsys, scene_file, tmp_path):
     run(capsys, "export", scene_file, "--to", "wav,hjif,haptic,ahap,wyvrn", "--out", tmp_path, "--seconds", "0.5")
     sources = ["bench.wav", "bench.hjif", "bench.seat.haptic", "bench.seat.ahap", "bench/bench.seat.haps"]

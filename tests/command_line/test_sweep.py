@@ -176,7 +176,6 @@ def test_every_combination_is_a_variant_and_a_seed_draws_within_its_range(tmp_pa
     assert len(set.union(*drawn.values())) == 3
 
 
-@pytest.mark.slow
 def test_disks_without_room_and_clusters_that_do_not_answer(tmp_path):
     with pytest.raises(ValueError, match=r"need about .* MB, and .* MB are free"):
         sweep._make_folders(tmp_path, 100_000, 1e18)

@@ -8,7 +8,6 @@ strong it is. It is the nearest neighbour among half of the energies; the other 
 import json
 from itertools import pairwise
 
-import bpy
 import numpy as np
 import pytest
 from haptic_tracing.core.formats.haptic_scene import read_export
@@ -121,14 +120,12 @@ def test_no_two_blows_of_a_material_are_alike(heard):
         assert spatial.distance.pdist(blows_of).min() > 1e-3
 
 
-def test_every_object_of_every_sample_that_can_be_hit_has_a_template():
+def test_every_object_of_every_sample_that_can_be_hit_has_a_template(build):
     from haptic_tracing.addon.scene_reader.objects import read_impact_material
-    from haptic_tracing.sample_scenes import build_sample
 
     for name in ("hammer_nail", "rails"):
-        scene = build_sample(name)
+        scene = build(name)
         assert scene.haptics.impact_signal == "MATERIALS"
         solid = [obj for obj in scene.objects if obj.haptics.enabled and not obj.haptics.medium]
         assert solid and all(read_impact_material(obj) for obj in solid)
         assert {obj.haptics.material.name for obj in solid} <= set(scene.haptics.materials.items.keys())
-        bpy.data.scenes.remove(scene)

@@ -1,24 +1,23 @@
 """The paper's first figure: what touches what, what falls, and with which energy."""
 
-import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.changes.suspension import suspended
-from haptic_tracing.addon.session import session
-from haptic_tracing.sample_scenes import build_sample, jackhammer_bench
+from haptic_tracing.sample_scenes import jackhammer_bench
 
 GRAVITY = 9.81
 
 
+@pytest.fixture(scope="module")
+def known():
+    """The traced frames, once they were played."""
+    return []
+
+
 @pytest.fixture
-def played():
-    with suspended():
-        scene = build_sample("jackhammer_bench")
-    results = []
-    for frame in range(1, 46):
-        scene.frame_set(frame)
-        results.append(session.result_of(scene))
-    return results
+def played(build, results, known):
+    if not known:
+        known += results(build("jackhammer_bench"), 1, 45)
+    return known
 
 
 def touching(result):
@@ -80,9 +79,8 @@ def test_crates_hit_with_the_energy_of_their_fall(played):
     assert max(energies) > 100.0
 
 
-@pytest.mark.slow
-def test_nothing_but_crates_moves(played):
-    scene = bpy.context.scene
+def test_nothing_but_crates_moves(build):
+    scene = build("jackhammer_bench")
     assert sorted(obj.name for obj in scene.objects if obj.rigid_body and obj.rigid_body.type == "ACTIVE") == [
         f"Crate {k}" for k in range(1, len(jackhammer_bench.CRATES) + 1)
     ]

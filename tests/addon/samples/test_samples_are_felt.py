@@ -68,7 +68,6 @@ def test_those_whom_a_sample_is_about_feel_it_and_nothing_is_wrong(build, name):
     assert {listener: round(found[listener], 1) for listener in about if found[listener] <= 0} == {}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
 def test_camera_sees_all_listeners_and_sources(build, name):
     scene = build(name)
