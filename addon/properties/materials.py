@@ -139,10 +139,11 @@ class HapticMaterial(PropertyGroup):
 
 def _chosen(self: HapticObjectMaterial, context: Context) -> None:
     """A material was chosen for an object: it takes its values."""
-    is_here = bool(self.name) and context.scene in self.id_data.users_scene
-    material = context.scene.haptics.materials.items.get(self.name) if is_here else None
-    if material is not None:
-        write_values(self.id_data, values_of(material))
+    obj, scene = self.id_data, context.scene
+    # `users_scene` looks at every object of every scene.
+    is_here = any(layer.objects.get(obj.name) == obj for layer in scene.view_layers) or scene in obj.users_scene
+    if self.name and is_here and (material := scene.haptics.materials.items.get(self.name)) is not None:
+        write_values(obj, values_of(material))
 
 
 class HapticObjectMaterial(PropertyGroup):
