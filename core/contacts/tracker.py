@@ -515,8 +515,9 @@ class ContactTracker:
         able = able[~_among(near, struck)]
         arrived = key[pairs.touching & looked & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
         hits = self._hits(paths, able, arrived[_among(arrived, self._near[able])])
-        recent = [k for k, (when, _) in self._last_impact.items() if time - when <= self._refractory + paths.duration]
-        return hits.joined(self._landings(paths, pivoting[np.isin(key[pivoting], recent)], last))
+        self._last_impact = {k: hit for k, hit in self._last_impact.items() if time - hit[0] <= self._refractory + paths.duration}
+        recent = np.array(sorted(self._last_impact), dtype=np.int64)
+        return hits.joined(self._landings(paths, pivoting[_among(key[pivoting], recent)], last))
 
     def _settle(self, before: BoolArray, distance: FloatArray, impacts: Sequence[Impact], first_frame: bool) -> None:
         """Note which pairs have nothing more to hit until they part, and which bodies are in free flight. ``distance`` (p,) is that of the

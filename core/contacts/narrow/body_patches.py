@@ -97,7 +97,7 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
     flat_points = [c for f in found for c in (f.corners or [])]
     for k in np.flatnonzero(kept).tolist():
         points[owner[k]].append(flat_points[k])
-    return PairPatches(distance, normal, centre, area, tuple(_outline(p, normal[:, k]) for k, p in enumerate(points)))
+    return PairPatches(distance, normal, centre, area, _outlines(points, normal))
 
 
 def _sums(owner: IntArray, values: FloatArray, count: int) -> FloatArray:
@@ -105,18 +105,22 @@ def _sums(owner: IntArray, values: FloatArray, count: int) -> FloatArray:
     return np.stack([np.bincount(owner, row, count) for row in values])
 
 
-def _outline(points: list[FloatArray], normal: FloatArray) -> FloatArray:
-    """Corners of the convex hull of a patch in its plane, at most ``MAX_PATCH_POINTS`` of them."""
-    if not points:
-        return np.zeros((0, 3))
-    every = np.concatenate(points)
-    u, v = (axis[:, 0] for axis in contact_plane(normal[:, None]))
-    flat = np.stack([every @ u, every @ v], axis=1)
-    first: dict[tuple[float, ...], int] = {}
-    for number, place in enumerate(np.round(flat, 5).tolist()):
-        first.setdefault(tuple(place), number)
-    chosen: IntArray = np.array(list(first.values()))
-    chosen = chosen[hull_2d(flat[chosen])]
-    if len(chosen) > MAX_PATCH_POINTS:
-        chosen = chosen[np.linspace(0, len(chosen), MAX_PATCH_POINTS, endpoint=False).astype(int)]
-    return every[chosen]
+def _outlines(points: list[list[FloatArray]], normal: FloatArray) -> tuple[FloatArray, ...]:
+    """Corners of the convex hull of each patch in its plane, at most ``MAX_PATCH_POINTS`` of them."""
+    each = [np.concatenate(parts) if parts else np.zeros((0, 3)) for parts in points]
+    of = np.repeat(np.arange(len(each)), [len(every) for every in each])
+    flat = np.stack([np.einsum("ip,pi->p", axis[:, of], np.concatenate(each)) for axis in contact_plane(normal)], axis=1)
+    rounded = np.round(flat, 5).tolist()
+    outlines, begin = [], 0
+    for every in each:
+        first: dict[tuple[float, ...], int] = {}
+        for number, place in enumerate(rounded[begin : begin + len(every)]):
+            first.setdefault(tuple(place), number)
+        chosen: IntArray = np.array(list(first.values()), dtype=np.int64)
+        if len(chosen) > 1:
+            chosen = chosen[hull_2d(flat[begin + chosen])]
+        if len(chosen) > MAX_PATCH_POINTS:
+            chosen = chosen[np.linspace(0, len(chosen), MAX_PATCH_POINTS, endpoint=False).astype(int)]
+        outlines.append(every[chosen])
+        begin += len(every)
+    return tuple(outlines)
