@@ -50,15 +50,20 @@ def best_axes(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half
     np.subtract(np.abs(offset), half_a + np.einsum("ijp,jp->ip", size, half_b), out=separation[:3])
     np.subtract(np.abs(offset_b), half_b + np.einsum("ijp,ip->jp", size, half_a), out=separation[3:6])
     # Axis i of the first x axis j of the second: e_i x r_j, with r_j column j of the rotation.
-    turned_1, turned_2, size_1, size_2 = rotation[NEXT], rotation[AFTER], size[NEXT], size[AFTER]
-    along = offset[AFTER, None] * turned_1 - offset[NEXT, None] * turned_2
-    extent = half_a[NEXT, None] * size_2 + half_a[AFTER, None] * size_1
+    turned_1, turned_2 = rotation[NEXT], rotation[AFTER]
+    along = offset[AFTER, None] * turned_1
+    along -= offset[NEXT, None] * turned_2
+    extent = half_a[NEXT, None] * size[AFTER]
+    extent += half_a[AFTER, None] * size[NEXT]
     extent += half_b[NEXT] * size[:, AFTER] + half_b[AFTER] * size[:, NEXT]
     # The length of the axis from its components: 1 - size^2 is not that of float32 rotations, nor 0 for parallel edges.
-    squared = turned_1 * turned_1 + turned_2 * turned_2
-    edges = (np.abs(along) - extent) / np.sqrt(np.maximum(squared, _PARALLEL)) - FACE_PREFERENCE
-    edges[squared < _PARALLEL] = -np.inf
-    separation[FIRST_EDGE_AXIS:] = edges.reshape(9, -1)
+    squared = np.multiply(turned_1, turned_1, out=turned_1)
+    squared += np.multiply(turned_2, turned_2, out=turned_2)
+    edges = separation[FIRST_EDGE_AXIS:].reshape(3, 3, -1)
+    np.subtract(np.abs(along, out=along), extent, out=edges)
+    edges /= np.sqrt(np.maximum(squared, _PARALLEL))
+    edges -= FACE_PREFERENCE
+    np.copyto(edges, -np.inf, where=squared < _PARALLEL)
     axis = separation.argmax(axis=0)
     distance = pick(separation, axis)
     distance += np.where(axis < FIRST_EDGE_AXIS, 0.0, FACE_PREFERENCE)

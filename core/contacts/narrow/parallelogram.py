@@ -77,7 +77,7 @@ def _intersection(centre: FloatArray, first: FloatArray, second: FloatArray, wit
     heights = np.where(dz < 0, t1, t0)
     heights *= dz
     heights += z
-    heights[~used] = np.inf
+    np.copyto(heights, np.inf, where=~used)
     lowest = heights.min(axis=0)
     found = np.asarray(used.any(axis=0))
     # Leave out what is higher; the cut closes the outline from where it goes out to where it comes in.
@@ -85,36 +85,40 @@ def _intersection(centre: FloatArray, first: FloatArray, second: FloatArray, wit
     at = (top - z) / np.where(np.abs(dz) < _LEVEL, _LEVEL, dz)
     used &= (np.abs(dz) > _LEVEL) | (z <= top)
     leaves, enters = used & (dz > _LEVEL) & (at < t1), used & (dz < -_LEVEL) & (at > t0)
-    t1 = np.where(leaves, at, t1)
-    t0 = np.where(enters, at, t0)
+    np.copyto(t1, at, where=leaves)
+    np.copyto(t0, at, where=enters)
     used &= t1 > t0
     leaves &= used
     enters &= used
-    start, end = begin[:2] + t0 * way[:2], begin[:2] + t1 * way[:2]
+    start, end = t0 * way[:2], t1 * way[:2]
+    start += begin[:2]
+    end += begin[:2]
     return Overlap(*_area_and_centre(start, end, used, leaves, enters), lowest, found)
 
 
 def _edges(centre: FloatArray, first: FloatArray, second: FloatArray) -> _Edges:
     """The edges of both outlines, counter-clockwise."""
+    determinant = first[0] * second[1] - first[1] * second[0]
+    second = second * np.where(determinant < 0, -1.0, 1.0)
     (cu, cv, cz), (e1u, e1v, e1z), (e2u, e2v, e2z) = centre, first, second
     count = len(cu)
-    determinant = e1u * e2v - e1v * e2u
-    sign = np.where(determinant < 0, -1.0, 1.0)
-    e2u, e2v, e2z = e2u * sign, e2v * sign, e2z * sign
     inverse = 1.0 / np.maximum(np.abs(determinant), _LEAST_DETERMINANT)
     begin, way = np.empty((5, 8, count)), np.empty((5, 8, count))
-    for row, (c, e1, e2) in enumerate(((cu, e1u, e2u), (cv, e1v, e2v), (cz, e1z, e2z))):
-        begin[row, :4] = c + _START[0] * e1 + _START[1] * e2
-        way[row, :4] = _WAY[0] * e1 + _WAY[1] * e2
+    back, ahead = centre - first, centre + first
+    for number, corner in enumerate((back - second, ahead - second, ahead + second, back + second)):
+        begin[:3, number] = corner
+    np.multiply(first, 2.0, out=way[:3, 0])
+    np.multiply(second, 2.0, out=way[:3, 1])
+    np.negative(way[:3, :2], out=way[:3, 2:4])
     begin[3:, :4], way[3:, :4] = begin[:2, :4], way[:2, :4]
     begin[:2, 4:], way[:2, 4:] = _START, _WAY
     # Those of the square in the coordinates (s, t) of the parallelogram.
-    du, dv = begin[0, 4:] - cu, begin[1, 4:] - cv
+    du, dv = _START[0] - cu, _START[1] - cv
     f1, f2, g1, g2 = e2v * inverse, e2u * inverse, e1u * inverse, e1v * inverse
-    begin[3, 4:] = du * f1 - dv * f2
-    begin[4, 4:] = dv * g1 - du * g2
-    way[3, 4:] = _WAY[0] * f1 - _WAY[1] * f2
-    way[4, 4:] = _WAY[1] * g1 - _WAY[0] * g2
+    np.subtract(du * f1, dv * f2, out=begin[3, 4:])
+    np.subtract(dv * g1, du * g2, out=begin[4, 4:])
+    np.subtract(_WAY[0] * f1, _WAY[1] * f2, out=way[3, 4:])
+    np.subtract(_WAY[1] * g1, _WAY[0] * g2, out=way[4, 4:])
     begin[2, 4:] = cz + begin[3, 4:] * e1z + begin[4, 4:] * e2z
     way[2, 4:] = way[3, 4:] * e1z + way[4, 4:] * e2z
     # Outlines that coincide count once: the one of the parallelogram. Both are moved by the same length, so that edges that cross at
@@ -130,35 +134,41 @@ def _inside(edges: _Edges) -> tuple[FloatArray, FloatArray]:
     """Where each edge comes into the other outline and where it leaves it (8, p), as parts of its length; in the wrong order where it lies
     outside."""
     begin, step = edges.begin[3:], edges.way[3:]
-    step[np.abs(step) < _LEAST_STEP] = _LEAST_STEP
-    low, high = -edges.limit - begin, edges.limit - begin
+    np.copyto(step, _LEAST_STEP, where=np.abs(step) < _LEAST_STEP)
+    low, high = -edges.limit, edges.limit
+    low -= begin
     low /= step
+    high -= begin
     high /= step
-    t0 = np.maximum(np.minimum(low, high).max(axis=0), 0.0)
-    return t0, np.minimum(np.maximum(low, high, out=high).min(axis=0), 1.0)
+    # In the memory of what is no longer needed.
+    t0 = np.minimum(low, high, out=step).max(axis=0)
+    t1 = np.maximum(low, high, out=high).min(axis=0)
+    return np.maximum(t0, 0.0, out=t0), np.minimum(t1, 1.0, out=t1)
 
 
 def _area_and_centre(
     start: FloatArray, end: FloatArray, used: BoolArray, leaves: BoolArray, enters: BoolArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Area and centre (u, v) inside the boundary pieces that are ``used`` (8, p), from ``start`` to ``end`` (2, 8, p), with a straight line
-    from the one that ``leaves`` to the one that ``enters``."""
+    """Area and centre (u, v) inside the boundary pieces that are ``used`` (8, p), from ``start`` to ``end`` (2, 8, p), which are lost, with
+    a straight line from the one that ``leaves`` to the one that ``enters``."""
     weight = used.astype(np.float64)
     number = np.maximum(weight.sum(axis=0), 1.0)
     # About a point of the outline, so that little is lost where it is small.
-    (u0, v0), (u1, v1) = start, end
-    ou, ov = (u0 * weight).sum(axis=0) / number, (v0 * weight).sum(axis=0) / number
-    u0, v0, u1, v1 = u0 - ou, v0 - ov, u1 - ou, v1 - ov
-    cross = (u0 * v1 - v0 * u1) * weight
-    out_u, out_v = (u1 * leaves).sum(axis=0), (v1 * leaves).sum(axis=0)
-    in_u, in_v = (u0 * enters).sum(axis=0), (v0 * enters).sum(axis=0)
-    closing = out_u * in_v - out_v * in_u
+    origin = np.einsum("ikp,kp->ip", start, weight) / number
+    start -= origin[:, None]
+    end -= origin[:, None]
+    cross = start[0] * end[1]
+    cross -= start[1] * end[0]
+    cross *= weight
+    out, back = np.einsum("ikp,kp->ip", end, leaves), np.einsum("ikp,kp->ip", start, enters)
+    closing = out[0] * back[1] - out[1] * back[0]
     total = cross.sum(axis=0) + closing
-    moment_u = ((u0 + u1) * cross).sum(axis=0) + (out_u + in_u) * closing
-    moment_v = ((v0 + v1) * cross).sum(axis=0) + (out_v + in_v) * closing
+    both = np.add(start, end, out=start)
+    centre = np.einsum("ikp,kp->ip", both, cross) + (out + back) * closing
     solid = total > _SOLID
-    divisor = 3.0 * np.where(solid, total, 1.0)
-    mean_u, mean_v = ((u0 + u1) * used).sum(axis=0) / (2 * number), ((v0 + v1) * used).sum(axis=0) / (2 * number)
-    u = np.where(solid, moment_u / divisor, mean_u) + ou
-    v = np.where(solid, moment_v / divisor, mean_v) + ov
-    return np.maximum(total, 0.0) / 2, np.clip(u, -1.0, 1.0), np.clip(v, -1.0, 1.0)
+    centre /= 3.0 * np.where(solid, total, 1.0)
+    thin = np.flatnonzero(~solid)
+    if len(thin):
+        centre[:, thin] = np.einsum("ikp,kp->ip", both[..., thin], weight[:, thin]) / (2 * number[thin])
+    u, v = np.clip(centre + origin, -1.0, 1.0)
+    return np.maximum(total, 0.0) / 2, u, v
