@@ -62,17 +62,22 @@ class GainBound:
     def _away(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """Distances (p,) of regions from ``low`` to ``high`` (3, p) from the nearest start; for many starts a lower bound, the distance
         from their bounding box."""
-        begin = end = self.positions.T[:, :, None]  # (3, starts, 1)
         if len(self.positions) > _FEW:
-            begin, end = begin.min(axis=1, keepdims=True), end.max(axis=1, keepdims=True)
-        away = np.maximum(np.maximum(low[:, None] - end, begin - high[:, None]), 0.0)
-        return np.asarray(np.sqrt(np.einsum("isp,isp->sp", away, away).min(axis=0)))
+            begin, end = self.positions.min(axis=0)[:, None], self.positions.max(axis=0)[:, None]
+            away = np.maximum(np.maximum(low - end, begin - high), 0.0)
+            return np.asarray(np.sqrt(np.einsum("ip,ip->p", away, away)))
+        least = np.full(low.shape[1], np.inf)
+        for start in self.positions[:, :, None]:
+            away = np.clip(start, low, high)
+            away -= start
+            np.minimum(least, np.einsum("ip,ip->p", away, away), out=least)
+        return np.asarray(np.sqrt(least))
 
     def _reached(self, first: IntArray, second: IntArray, fading: FloatArray, limit: float) -> BoolArray:
         """Which pairs a signal reaches through others with a gain of at least ``limit``, of which ``fading`` (p,) is due to distance."""
         count, bodies_in_all = len(first), len(self.factor)
         ends = np.concatenate([first, second])
-        order = ends.argsort(kind="stable")
+        order = ends.astype(np.min_scalar_type(bodies_in_all)).argsort(kind="stable")  # short numbers are sorted in linear time
         other = np.concatenate([second, first])[order]
         pair = order % max(count, 1)
         fade = fading[pair]

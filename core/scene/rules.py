@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 from .functions import ModulationFunction
 from .functions.modulation import require
@@ -12,6 +13,10 @@ from .impact_rule import ImpactLimits, ImpactRule
 from .impact_rule import ImpactTemplates as ImpactTemplates
 from .rule_table import RuleTable
 from .texture import Texture
+
+# The same ones for every impact.
+_plain_rule = lru_cache(maxsize=8)(ImpactRule)
+_limits = lru_cache(maxsize=64)(ImpactLimits)
 
 
 class Motion(enum.StrEnum):
@@ -73,11 +78,11 @@ class ContactSettings:
     @property
     def limits(self) -> ImpactLimits:
         """What decides on impacts where no rule says something else."""
-        return ImpactLimits(self.least_energy, self.full_energy, self.refractory)
+        return _limits(self.least_energy, self.full_energy, self.refractory)
 
     def impact_rules(self) -> tuple[ImpactRule, ...]:
         """What counts where no row of the table fits, and the rows."""
-        return ImpactRule(self.templates), *(row.does for row in self.impact_table.rows)
+        return _plain_rule(self.templates), *(row.does for row in self.impact_table.rows)
 
     def all_limits(self) -> tuple[ImpactLimits, ...]:
         """What decides on impacts of any objects."""
@@ -85,7 +90,7 @@ class ContactSettings:
 
     def impact_rule(self, first: tuple[str, str], second: tuple[str, str]) -> ImpactRule:
         """What impacts of two objects, each given by name and material, play."""
-        return self.impact_table.of(first, second) or ImpactRule(self.templates)
+        return self.impact_table.of(first, second) or _plain_rule(self.templates)
 
     def impact_limits(self, first: tuple[str, str], second: tuple[str, str]) -> ImpactLimits:
         """What decides on impacts of two objects."""
