@@ -34,12 +34,10 @@ def bounded_least_squares(matrix: FloatArray, target: FloatArray, low: FloatArra
         pull = dual @ matrix
         inner = matrix[:, (pull >= low) & (pull <= high)]
         step = np.linalg.solve(inner @ inner.T + softness * np.eye(len(target)), rest)
-        length, reach = 0.0, 1.0
-        if step @ gradient(dual + step) >= 0:
-            length = 1.0
-        else:  # the highest value along the step lies before its end
-            for _ in range(_HALVINGS):
-                middle = (length + reach) / 2
-                length, reach = (middle, reach) if step @ gradient(dual + middle * step) >= 0 else (length, middle)
+        whole = bool(step @ gradient(dual + step) >= 0)  # otherwise the highest value along the step lies before its end
+        length, reach = float(whole), 1.0
+        for _ in range(0 if whole else _HALVINGS):
+            middle = (length + reach) / 2
+            length, reach = (middle, reach) if step @ gradient(dual + middle * step) >= 0 else (length, middle)
         dual = dual + length * step
     return np.asarray(np.clip(dual @ matrix, low, high))

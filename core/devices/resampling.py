@@ -12,7 +12,6 @@ import math
 from functools import lru_cache
 
 import numpy as np
-from numpy.lib.stride_tricks import as_strided
 
 from ..arrays import FloatArray
 
@@ -63,7 +62,9 @@ class Resampler:
         count = max(-(-(available * self._up - self._position) // self._down), 0)
         places = self._position + self._down * np.arange(count)
         start, phase = places // self._up, places % self._up
-        windows = as_strided(samples, (self._channels, available, width), (*samples.strides, samples.itemsize))[:, start]
+        windows = np.lib.stride_tricks.as_strided(samples, (self._channels, available, width), (*samples.strides, samples.itemsize))[
+            :, start
+        ]
         output: FloatArray = np.einsum("cmw,mw->cm", windows, self._taps[phase])
         kept = min(available, (self._position + self._down * count) // self._up)
         self._history = samples[:, kept:]

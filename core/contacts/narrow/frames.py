@@ -43,7 +43,7 @@ def relative_pose(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
     """Cross products of vectors (3, ..., n)."""
-    return np.asarray(np.cross(a, b, axis=0))
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def pick(values: FloatArray, index: IntArray) -> FloatArray:

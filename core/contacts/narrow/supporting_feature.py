@@ -98,17 +98,18 @@ def merged_faces(hull: Hull) -> tuple[FloatArray, FloatArray]:
     corner, and k is ``FEW`` or ``MANY``."""
     normals, offsets = hull.planes()
     extent = float(np.max(np.ptp(hull.points, axis=0)))
-    polygons = []
     across = np.cross(normals, np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]))
-    for normal, offset, u, v in zip(normals, offsets, across, np.cross(normals, across), strict=True):
-        on = hull.points[np.abs(hull.points @ normal - offset) <= 1e-5 * extent]
-        middle = on.mean(axis=0)
-        polygon = on[np.argsort(np.arctan2((on - middle) @ v, (on - middle) @ u), kind="stable")]
-        if len(polygon) > MANY:
-            polygon = polygon[np.linspace(0, len(polygon), MANY, endpoint=False).astype(int)]
-        polygons.append(polygon)
-    width = FEW if max(len(p) for p in polygons) <= FEW else MANY
-    return normals, np.array([np.concatenate([p, np.repeat(p[-1:], width - len(p), axis=0)]) for p in polygons])
+    own = [np.flatnonzero(np.abs(hull.points @ normal - offset) <= 1e-5 * extent) for normal, offset in zip(normals, offsets, strict=True)]
+    counts = np.array([len(numbers) for numbers in own])
+    corners = np.empty((len(own), FEW if counts.max() <= FEW else MANY, 3))
+    for count in np.unique(counts).tolist():
+        faces = np.flatnonzero(counts == count)
+        on = hull.points[np.array([own[face] for face in faces])]
+        apart = on - on.mean(axis=1, keepdims=True)
+        angles = np.arctan2(np.einsum("fkc,fc->fk", apart, np.cross(normals, across)[faces]), np.einsum("fkc,fc->fk", apart, across[faces]))
+        chosen = np.linspace(0, count, MANY, endpoint=False) if count > MANY else np.minimum(np.arange(corners.shape[1]), count - 1)
+        corners[faces] = on[np.arange(len(on))[:, None], angles.argsort(axis=1, kind="stable")[:, chosen.astype(int)]]
+    return normals, corners
 
 
 def triangle_polygons(corners: FloatArray) -> FloatArray:
