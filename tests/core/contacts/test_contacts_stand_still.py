@@ -171,6 +171,7 @@ def test_overlapping_round_hulls_have_the_area_of_their_common_section(overlap, 
     assert expected > 0.5 * np.pi * 0.2 * (overlap - 0.004)  # of the order of the balls' own circle, R² - (R - d / 2)²
 
 
+@pytest.mark.slow
 @settings(max_examples=30, derandomize=True, deadline=None)
 @given(overlap=st.floats(0.01, 0.03), seed=st.integers(0, 10**6))
 def test_the_area_of_overlapping_round_hulls_is_continuous(overlap, seed):

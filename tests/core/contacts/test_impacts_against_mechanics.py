@@ -309,6 +309,7 @@ PLATES = {  # as Blender hands them to Bullet with its default margin, thickness
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plate", PLATES)
 @pytest.mark.parametrize("thickness", [0.002, 0.005, 0.01, 0.02])
 @pytest.mark.parametrize("speed", [40.0, 150.0, 800.0])

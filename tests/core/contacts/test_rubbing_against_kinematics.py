@@ -83,6 +83,7 @@ def strongest(results, word):
     return max((source.amplitude for source in results[-1].sources if word in source.name), default=0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.0, 0.7])
 @pytest.mark.parametrize(("speed", "period"), [(0.02, 0.0002), (0.5, 0.004), (1.3, 0.0071), (3.0, 0.08)])
 def test_fundamental_of_what_slides_is_speed_over_period(speed, period, noise):

@@ -8,7 +8,6 @@ from haptic_tracing.core.least_squares import bounded_least_squares
 from scipy.optimize import lsq_linear, nnls
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("softness", [1e-8, 1e-5, 1e-2, 1.0])
 def test_the_minimum_is_scipys(softness):
     generator = np.random.default_rng(5)
@@ -24,7 +23,6 @@ def test_the_minimum_is_scipys(softness):
         assert np.sum((whole @ found - right) ** 2) <= np.sum((whole @ expected - right) ** 2) * (1 + 1e-10)
 
 
-@pytest.mark.slow
 def test_without_an_upper_bound_as_nnls():
     generator = np.random.default_rng(6)
     for _ in range(40):

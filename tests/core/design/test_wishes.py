@@ -69,7 +69,6 @@ def test_slopes_of_functions_in_many_digits(k):
         assert function.slopes(d, 1 - k, 1.0, 0.1)[band] == pytest.approx(float(measured), rel=1e-12)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_wishes_are_met_as_well_as_scipy_meets_them(seed):
     """Where the logarithms are nearly linear, so that there is one minimum: damping as measured."""

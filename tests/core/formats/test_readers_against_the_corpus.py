@@ -77,3 +77,4 @@ def test_changed_bytes(tmp_path, name, data):
         finite(read(path))
     except FormatError as error:
         assert str(error).startswith(f"{path}: ") and str(error).isprintable()
+    path.unlink()  # what is written over has to reach the disk first, what is removed never does

@@ -264,7 +264,6 @@ def test_only_what_signals_reach_is_assembled():
         assert abs(result.gain[0, column] - exact[number]) <= result.error_bound[0, column] <= 0.002 * exact[number] + 1e-6
 
 
-@pytest.mark.slow
 def test_strong_coupling_reaches_beyond_the_first_hops(monkeypatch):
     """Where much flows on, more is assembled, until what lies beyond can't matter."""
     objects = tuple(HapticObject(f"o{k:03d}", 0, 1, Identity()) for k in range(120))

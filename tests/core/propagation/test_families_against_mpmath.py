@@ -88,7 +88,6 @@ def test_paths(name):
     assert total.error_bound.max() == 0
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", LARGER)
 def test_energies(name):
     """Within the certified bound of the documented equations, written down a second time; and well within a hundredth of a decibel."""

@@ -150,7 +150,6 @@ def test_hub_too_large_to_examine():
     assert result.error_bound[0, 0] == math.inf
 
 
-@pytest.mark.slow
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(SEEDS, st.booleans())
 def test_sums_over_walks(seed, refined):

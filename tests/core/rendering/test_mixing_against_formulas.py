@@ -141,7 +141,6 @@ def test_a_custom_method_that_fails_changes_nothing(bad: object) -> None:
         mixed("loudest", np.zeros((1, 1)), np.ones(1))  # type: ignore[arg-type]
 
 
-@pytest.mark.slow
 @given(samples, limits, st.data())
 @settings(deadline=None, derandomize=True)
 def test_a_designers_formula_sees_what_the_other_methods_give(signals: np.ndarray, s_max: float, data: st.DataObject) -> None:

@@ -102,7 +102,6 @@ LISTENERS = [ListenerMix(f"{method} {limiter}", method, s_max=0.8, limiter=limit
                  ListenerMix("a"), ListenerMix("b")]  # fmt: skip
 
 
-@pytest.mark.slow
 def test_rendering_is_the_same_to_the_last_bit_wherever_arrays_lie_in_memory() -> None:
     runs = []
     for place in (0, 1, 2, 3, 5, 7):
