@@ -83,24 +83,25 @@ class SpectralDescription:
         self._history = samples[:, count * self._hop :]
         if count == 0:
             return [(np.zeros((0, len(masks))),) * 2 for masks in self._masks]
-        windows = np.lib.stride_tricks.sliding_window_view(samples, width, axis=1)[:, :: self._hop][:, :count]
+        windows = np.stack([samples[:, begin : begin + width] for begin in range(0, count * self._hop, self._hop)], axis=1)
         power = self._scale * np.abs(np.fft.rfft(windows * self._window, self._size, axis=2)) ** 2
         return [self._describe(signal, masks) for signal, masks in zip(power, self._masks, strict=True)]
 
     def _describe(self, power: FloatArray, masks: BoolArray) -> tuple[FloatArray, FloatArray]:
         """power: (steps, bins); masks: (channels, bins)."""
-        taken = power * masks.any(axis=0)
+        taken = power * (masks[0] if len(masks) == 1 else masks.any(axis=0))
         peak = self._frequencies[taken.argmax(axis=1)][:, None]
         near = np.where(np.abs(self._frequencies - peak) <= _TONE_HALF_WIDTH, taken, 0.0)
         total = taken.sum(axis=1)
         is_tone = near.sum(axis=1) >= _TONE_SHARE * total
         # (steps, channels, bins): a tone whole to the channel that has its peak, anything else by its bins.
-        shares = np.where(is_tone[:, None, None], taken[:, None, :] * self._holds(masks, peak)[:, :, None], power[:, None, :] * masks)
+        shares = taken[:, None, :]
+        if len(masks) > 1:
+            shares = np.where(is_tone[:, None, None], shares * self._holds(masks, peak)[:, :, None], power[:, None, :] * masks)
         sums = shares.sum(axis=2)
         weights = np.where(is_tone[:, None, None], np.minimum(shares, near[:, None, :]), shares)
         divisor = weights.sum(axis=2)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            centroids = np.where(divisor > 0.0, (weights @ self._frequencies) / divisor, 0.0)
+        centroids = np.divide(weights @ self._frequencies, divisor, out=np.zeros_like(divisor), where=divisor > 0.0)
         return np.sqrt(sums), centroids
 
     def _holds(self, masks: BoolArray, peak: FloatArray) -> BoolArray:
@@ -134,8 +135,7 @@ class ToneActuation:
         start = -self._description.pending
         described = self._description.process(block)
         count = described[0][0].shape[0]
-        amplitudes = np.tile(np.array(self._rest.amplitudes), (count, 1))
-        frequencies = np.tile(np.array(self._rest.frequencies), (count, 1))
+        amplitudes, frequencies = (np.full((count, len(values)), values) for values in (self._rest.amplitudes, self._rest.frequencies))
         for actuator, calibration, places, (amplitude, frequency) in zip(
             self._actuators, self._calibrations, self._places, described, strict=True
         ):

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .actuation import checked_block
-from .guard_process import HEARTBEAT
+from .guard_process import HEARTBEAT, packed
 from .mapping import ActuatedDevice
 from .profiles import Adjustment, check_adjustment
 from .status import Output, Status, stop_together
@@ -283,7 +283,7 @@ class GuardedOutput:
         """
         checked = checked_block(np.asarray(block), len(self.profile.actuators))
         sent = time.perf_counter() if sent is None else sent
-        self._order("send", checked, sent)
+        self._order("send", packed(checked), sent)
         return sent
 
     def expect(self, ahead: ArrayLike, sent: float) -> None:
@@ -291,7 +291,7 @@ class GuardedOutput:
 
         Never blocks. Raises ValueError if it has another shape or is not finite.
         """
-        self._order("expect", checked_block(np.asarray(ahead), len(self.profile.actuators)), sent)
+        self._order("expect", packed(checked_block(np.asarray(ahead), len(self.profile.actuators))), sent)
 
     def silence(self) -> None:
         """Go to zero as soon as the device takes it, and forget what was sent so far. The next block plays again. Never blocks."""

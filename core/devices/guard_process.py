@@ -18,6 +18,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
+import numpy as np
+
+from ..arrays import FloatArray
 from .liveness import is_running
 from .status import Output, Status, stop_together
 
@@ -72,7 +75,7 @@ class Service:
         if name in ("open", "quieten"):
             self._open(number, name, *arguments)
         elif number in self._outputs:
-            getattr(self._outputs[number], name)(*arguments)
+            getattr(self._outputs[number], name)(*map(_unpacked, arguments))
 
     def _open(self, number: int, name: str, make: Callable[[], Output]) -> None:
         try:
@@ -118,6 +121,15 @@ class Service:
     def _end(self) -> None:
         self._ended.set()
         stop_together(self._all(), _STOP_SECONDS)
+
+
+def packed(block: FloatArray) -> tuple[int, bytes]:
+    """A block (actuators, n) as it is sent: an array takes ten times as long to pickle."""
+    return len(block), block.tobytes()
+
+
+def _unpacked(argument: Any) -> Any:
+    return np.frombuffer(argument[1]).reshape(argument[0], -1) if isinstance(argument, tuple) else argument
 
 
 def _quieten(output: Output) -> None:
