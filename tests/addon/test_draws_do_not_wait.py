@@ -3,7 +3,6 @@ trace has ended, they show the new one."""
 
 from __future__ import annotations
 
-import concurrent.futures
 import importlib.util
 import threading
 from concurrent.futures import Future
@@ -14,7 +13,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.registration import classes
-from haptic_tracing.addon.session import session, sessions, worker
+from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view import layout, meters, overlay
 from haptic_tracing.core.tracer import Tracer
 from haptic_tracing.pictures import picture
@@ -49,7 +48,7 @@ def felt(scene, add_box, add_empty):
 def held_up(monkeypatch):
     """Traces from now on do not begin until the returned event is set, and whoever waits for one on the main thread fails."""
     release = threading.Event()
-    step, result, wait = Tracer.step, Future.result, concurrent.futures.wait
+    step, result, exception = Tracer.step, Future.result, Future.exception
     main = threading.main_thread()
 
     def blocked_step(self, frame):
@@ -60,13 +59,13 @@ def held_up(monkeypatch):
         assert self.done() or release.is_set() or threading.current_thread() is not main, "a draw waits for the worker"
         return result(self, *arguments)
 
-    def checked_wait(futures, *arguments, **named):
-        assert release.is_set() or all(future.done() for future in futures), "a draw waits for the worker"
-        return wait(futures, *arguments, **named)
+    def checked_exception(self, *arguments):
+        assert self.done() or release.is_set() or threading.current_thread() is not main, "a draw waits for the worker"
+        return exception(self, *arguments)
 
     monkeypatch.setattr(Tracer, "step", blocked_step)
     monkeypatch.setattr(Future, "result", checked_result)
-    monkeypatch.setattr(worker, "wait", checked_wait)
+    monkeypatch.setattr(Future, "exception", checked_exception)  # `worker.done_within` waits by it
     yield release
     release.set()
 
