@@ -26,6 +26,12 @@ _LEVEL = 1e-15
 _SOLID = 1e-14
 """Twice the area below which the centre is the mean of the edges."""
 
+_OPEN = 1e-6
+"""Distance of the ends of a boundary that isn't closed."""
+
+_WIDER, _MOST_TOLERANCE = 1.618, 1e-8
+"""Factor on the tolerance where a boundary isn't closed, of no simple ratio, and from where on it stays."""
+
 
 class Overlap(NamedTuple):
     """Per pair: ``area``, centre ``u`` and ``v``, ``lowest`` height, and whether there is any overlap: ``found``."""
@@ -67,9 +73,11 @@ def overlap(centre: FloatArray, first: FloatArray, second: FloatArray, within: F
     return result
 
 
-def _intersection(centre: FloatArray, first: FloatArray, second: FloatArray, within: FloatArray) -> Overlap:
-    """`overlap` by way of the boundary."""
-    edges = _edges(centre, first, second)
+def _intersection(
+    centre: FloatArray, first: FloatArray, second: FloatArray, within: FloatArray, tolerance: float = EDGE_TOLERANCE
+) -> Overlap:
+    """`overlap` by way of the boundary; edges that are nearer to each other than ``tolerance`` coincide."""
+    edges = _edges(centre, first, second, tolerance)
     t0, t1 = _inside(edges)
     used = t1 > t0
     begin, way = edges.begin[:3], edges.way[:3]
@@ -93,10 +101,18 @@ def _intersection(centre: FloatArray, first: FloatArray, second: FloatArray, wit
     start, end = t0 * way[:2], t1 * way[:2]
     start += begin[:2]
     end += begin[:2]
-    return Overlap(*_area_and_centre(start, end, used, leaves, enters), lowest, found)
+    area, u, v, open_by = _area_and_centre(start, end, used, leaves, enters)
+    result = Overlap(area, u, v, lowest, found)
+    # Where two edges are apart by the tolerance, to the last bit, neither may count, or both.
+    wrong = np.flatnonzero(open_by > _OPEN) if tolerance < _MOST_TOLERANCE else ()
+    if len(wrong):
+        parts = _intersection(centre[:, wrong], first[:, wrong], second[:, wrong], within[wrong], _WIDER * tolerance)
+        for whole, part in zip(result, parts, strict=True):
+            whole[wrong] = part
+    return result
 
 
-def _edges(centre: FloatArray, first: FloatArray, second: FloatArray) -> _Edges:
+def _edges(centre: FloatArray, first: FloatArray, second: FloatArray, tolerance: float) -> _Edges:
     """The edges of both outlines, counter-clockwise."""
     determinant = first[0] * second[1] - first[1] * second[0]
     second = second * np.where(determinant < 0, -1.0, 1.0)
@@ -124,9 +140,9 @@ def _edges(centre: FloatArray, first: FloatArray, second: FloatArray) -> _Edges:
     # Outlines that coincide count once: the one of the parallelogram. Both are moved by the same length, so that edges that cross at
     # next to no angle change over at one place.
     limit = np.empty((2, 8, count))
-    limit[:, :4] = 1.0 + EDGE_TOLERANCE
-    limit[0, 4:] = 1.0 - EDGE_TOLERANCE * np.hypot(f1, f2)
-    limit[1, 4:] = 1.0 - EDGE_TOLERANCE * np.hypot(g1, g2)
+    limit[:, :4] = 1.0 + tolerance
+    limit[0, 4:] = 1.0 - tolerance * np.hypot(f1, f2)
+    limit[1, 4:] = 1.0 - tolerance * np.hypot(g1, g2)
     return _Edges(begin, way, limit)
 
 
@@ -148,9 +164,9 @@ def _inside(edges: _Edges) -> tuple[FloatArray, FloatArray]:
 
 def _area_and_centre(
     start: FloatArray, end: FloatArray, used: BoolArray, leaves: BoolArray, enters: BoolArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Area and centre (u, v) inside the boundary pieces that are ``used`` (8, p), from ``start`` to ``end`` (2, 8, p), which are lost, with
-    a straight line from the one that ``leaves`` to the one that ``enters``."""
+    a straight line from the one that ``leaves`` to the one that ``enters``; and by how much the boundary is open."""
     weight = used.astype(np.float64)
     number = np.maximum(weight.sum(axis=0), 1.0)
     # About a point of the outline, so that little is lost where it is small.
@@ -163,6 +179,7 @@ def _area_and_centre(
     out, back = np.einsum("ikp,kp->ip", end, leaves), np.einsum("ikp,kp->ip", start, enters)
     closing = out[0] * back[1] - out[1] * back[0]
     total = cross.sum(axis=0) + closing
+    open_by = np.abs(np.einsum("ikp,kp->ip", end - start, weight) + back - out).max(axis=0)
     both = np.add(start, end, out=start)
     centre = np.einsum("ikp,kp->ip", both, cross) + (out + back) * closing
     solid = total > _SOLID
@@ -171,4 +188,4 @@ def _area_and_centre(
     if len(thin):
         centre[:, thin] = np.einsum("ikp,kp->ip", both[..., thin], weight[:, thin]) / (2 * number[thin])
     u, v = np.clip(centre + origin, -1.0, 1.0)
-    return np.maximum(total, 0.0) / 2, u, v
+    return np.maximum(total, 0.0) / 2, u, v, open_by

@@ -11,7 +11,7 @@ from haptic_tracing.core.contacts.tracker import Body, ContactTracker
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.scene.functions import Constant
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Pose
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull as SciPyHull
 from scipy.spatial import HalfspaceIntersection
@@ -42,6 +42,8 @@ SLAB = (Mesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2
     gap=st.floats(-5e-4, 5e-4),
     tilt=st.tuples(st.floats(-4e-4, 4e-4), st.floats(-4e-4, 4e-4)),
 )
+@example(slide=(0.0, 0.0), gap=0.0, tilt=(1e-9, 0.0))  # edges as far apart as those that coincide may be
+@example(slide=(1e-9, 0.0), gap=0.0, tilt=(1e-9, 0.0))
 def test_a_resting_face_is_the_overlap_of_the_faces(slide, gap, tilt):
     """Whatever a resting brick trembles by: the patch is the rectangle that both faces cover."""
     centre, area, weight, _ = contact(BRICKS, [(0, 0, 0), (*slide, 0.5 + gap)], [(0, 0, 0), (*tilt, 0)])
