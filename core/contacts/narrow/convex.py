@@ -26,6 +26,9 @@ _CONFIRMED = 2e-5
 _TOUCHING = 1e-7
 """Metres of distance below which the nearest points do not determine the normal."""
 
+_GROWTH = 1.5
+"""Times an uncertain distance by which a body is grown, so that it overlaps the other one."""
+
 _MOST_TRIANGLES = 100_000
 
 _TURNS = (None, *rotations(np.array([[1.0, -2.0, 0.7], [0.4, 0.9, -2.2], [-1.3, 0.3, 1.9]])).transpose(2, 0, 1))
@@ -216,7 +219,7 @@ def _confirmed(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, n
     """Distance, normal and nearest points (2, 3) of two bodies that are apart, one of them curved.
 
     Occasionally FCL's nearest points are millimetres further apart than the supporting planes perpendicular to their line. The query is
-    then repeated with both bodies rotated until the two bounds agree.
+    then repeated with both bodies rotated until the two bounds agree; where they never do, the first body is grown until the two overlap.
     """
     import fcl
 
@@ -240,7 +243,12 @@ def _confirmed(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, n
         if best[0] <= _CONFIRMED:
             break
     a.first.setRotation(_UPRIGHT)
-    return best[1:]
+    if best[0] <= _CONFIRMED:
+        return best[1:]
+    growth = _GROWTH * best[1]
+    grown = Convex(None, None, lambda ways: a.farthest(ways) + growth * ways, True)
+    distance, normal, nearest = _overlapping(grown, b, rotation, offset)
+    return distance + growth, normal, nearest - np.stack([growth * normal, np.zeros(3)])
 
 
 def _overlapping(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray) -> tuple[float, FloatArray, FloatArray]:

@@ -7,7 +7,7 @@ import pytest
 from haptic_tracing.core.contacts.motion import rotations
 from haptic_tracing.core.contacts.narrow.narrow_phase import NarrowPhase
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Cone, ConvexHull, Cylinder
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 POINTS = np.random.default_rng(7).normal(size=(12, 3)) * 0.4
@@ -46,6 +46,7 @@ def directions_around(generator, centre, count):
 @pytest.mark.parametrize("first", ["cylinder", "cone", "hull"])
 @settings(max_examples=12, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), spread=st.sampled_from([0.02, 0.3]))
+@example(seed=323, spread=0.3)  # a cone and a capsule whose nearest points FCL does not find to 2e-5
 def test_no_direction_separates_with_less(first, second, seed, spread):
     generator = np.random.default_rng(seed)
     rotation, offset = rotations(generator.normal(size=(3, 1)) * 2), generator.normal(size=(3, 1)) * spread
