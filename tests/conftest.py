@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import os
+import sys
 
 import pytest
 from hypothesis import settings
@@ -39,3 +41,9 @@ def pytest_collection_finish() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(100_000, 20, 50)
+
+
+def pytest_sessionfinish() -> None:
+    """Commands that ran in this process asked for the add-on to be disabled at its end: their tests have done so."""
+    if package := sys.modules.get("haptic_tracing"):
+        atexit.unregister(package.unregister)

@@ -30,6 +30,7 @@ LEAVES = {
     "scene.choices",
     "scene.coefficients",
     "scene.materials",
+    "scene.references",
 }
 
 PROGRAM = """
