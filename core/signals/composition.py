@@ -55,7 +55,7 @@ class Loop(Signal):
     def __post_init__(self) -> None:
         check_signal("of", self.of)
         if not MIN_SECONDS <= self.of.duration <= MAX_SECONDS:
-            raise ValueError("of: a looped signal must end")
+            raise ValueError(f"of: a looped signal must end, after {MIN_SECONDS:g} seconds or more")
         if self.count is not None:
             object.__setattr__(self, "count", checked_integer("count", self.count, 1, 10**9))
         object.__setattr__(self, "crossfade", checked_number("crossfade", self.crossfade, 0.0, self.of.duration / 2))
