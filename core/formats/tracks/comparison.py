@@ -295,7 +295,7 @@ def _lag(window: FloatArray, around: FloatArray) -> float:
 
 def _onsets(envelope: FloatArray) -> FloatArray:
     """Milliseconds at which an envelope rises by 12 dB within 10 ms, at least 150 ms apart."""
-    smooth = np.convolve(envelope, np.full(5, 0.2), "same")
+    smooth = np.convolve(np.pad(envelope, 2), np.full(5, 0.2), "valid")  # of none as well
     before = np.pad(smooth, (10, 0))[: len(smooth)]
     rising = np.flatnonzero((smooth > _RISE * before) & (smooth > _LOUD * smooth.max(initial=0.0)))
     onsets: list[int] = []
