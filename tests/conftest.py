@@ -45,5 +45,5 @@ def pytest_collection_finish() -> None:
 
 def pytest_sessionfinish() -> None:
     """Commands that ran in this process asked for the add-on to be disabled at its end: their tests have done so."""
-    if package := sys.modules.get("haptic_tracing"):
-        atexit.unregister(package.unregister)
+    if trace := sys.modules.get("haptic_tracing.command_line.trace"):  # Blender may have reloaded the package since, with other functions
+        atexit.unregister(trace.unregister)

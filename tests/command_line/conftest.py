@@ -5,7 +5,7 @@ import atexit
 import bpy
 import haptic_tracing
 import pytest
-from haptic_tracing.command_line import main
+from haptic_tracing.command_line import main, trace
 from haptic_tracing.sample_scenes import build_sample
 
 
@@ -25,7 +25,7 @@ def command(registered):
     def run(*arguments):
         haptic_tracing.unregister()
         code = main([str(argument) for argument in arguments])
-        atexit.unregister(haptic_tracing.unregister)  # `registered` does it
+        atexit.unregister(trace.unregister)  # `registered` does it
         if not hasattr(bpy.types.Scene, "haptics"):
             haptic_tracing.register()
         return code
