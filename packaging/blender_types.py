@@ -98,7 +98,7 @@ class BlenderTypes(Plugin):
         return None
 
     def get_function_hook(self, fullname: str) -> Callable[[FunctionContext], Type] | None:
-        """What the definition of a property returns: the type of its values, so that functions return what they are declared to."""
+        """Return the type of a property's values for a call that defines it, so that functions may be declared to return that."""
         module, _, name = fullname.rpartition(".")
         if module != "bpy.props" or not name.endswith("Property"):
             return None
@@ -220,5 +220,5 @@ def _value_type(context: AnalyzeTypeContext) -> Type:
 
 
 def plugin(version: str) -> type[Plugin]:
-    """The plugin, for mypy's version."""
+    """The entry point that mypy calls with its version."""
     return BlenderTypes

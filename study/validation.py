@@ -333,7 +333,7 @@ HANDLE = (("wrist", 1, 100.0, -10.0), ("wrist", 1, 250.0, -25.0), ("elbow", 2, 1
 
 HEAD = (*HAND_ARM, ("head", 0.35))
 HANDLE_TO_HEAD = tuple((f, -20.0 - 15.0 * max(math.log2(f / 20), 0.0)) for f in (16.0, 31.5, 63.0, 125.0, 200.0))
-"""Frequency [Hz] and published level [dB] of the head of somebody who holds a handle."""
+"""Frequency [Hz] and published level [dB] at the head relative to a vibrating handle in the hand."""
 
 RESONANCES = (
     ("fingertip", "index_finger", 200, 200),

@@ -16,7 +16,7 @@ from ..properties.materials import HapticMaterial, add_material, values_of, writ
 
 
 def spread_all_around(haptics: Any, radius: float) -> None:
-    """Let a medium spread pressure in all directions without loss: ``radius`` / (``radius`` + distance) of it, in metres, arrives."""
+    """Give a medium spherical spreading without loss: at a distance d [m], the gain is ``radius`` / (``radius`` + d)."""
     haptics.function, haptics.wave, haptics.reference_distance = "physical", "solid", radius
     haptics.loss_factor = haptics.absorption = haptics.extent = 0.0
     haptics.material_k = (1.0 - haptics.kappa) * haptics.rho  # so that a decay that is set later counts as it is

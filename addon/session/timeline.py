@@ -103,7 +103,7 @@ def warm_start(scene: Scene, first: int) -> int:
 
 
 def _simulation_start(scene: Scene, start: int) -> int:
-    """The frame from which rigid bodies have to be simulated to stand right at ``start``; passive ones stand where they are animated."""
+    """The frame from which the simulation must run so that rigid bodies are in place at ``start``: ``start`` itself where it moves none."""
     world, bodies = scene.rigidbody_world, (obj.rigid_body for obj in scene.objects)
     if world is None or not world.enabled or world.point_cache.is_baked or not any(body and body.type == "ACTIVE" for body in bodies):
         return start

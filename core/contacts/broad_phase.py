@@ -13,7 +13,7 @@ _CHUNK = 200_000
 """Pairs compared at a time, so that what is compared stays in the cache; where there are no more, all are compared."""
 
 _ROWS = 64
-"""Most boxes that are compared at a time with those near them."""
+"""Largest number of boxes per step of the sweep."""
 
 
 def overlapping_pairs(bounds: FloatArray, moved: BoolArray | None = None) -> IntArray:

@@ -27,10 +27,10 @@ _SOLID = 1e-14
 """Twice the area below which the centre is the mean of the edges."""
 
 _OPEN = 1e-6
-"""Distance of the ends of a boundary that isn't closed."""
+"""Distance between its two ends above which a boundary isn't closed."""
 
 _WIDER, _MOST_TOLERANCE = 1.618, 1e-8
-"""Factor on the tolerance where a boundary isn't closed, of no simple ratio, and from where on it stays."""
+"""Factor by which the tolerance grows where a boundary isn't closed, of no simple ratio so that a second tie is unlikely, and its limit."""
 
 
 class Overlap(NamedTuple):

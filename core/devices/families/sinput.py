@@ -10,7 +10,7 @@ from .pads import pad
 
 _ANSWER, _FEATURES = 0x02, 0x02
 _ASK_FEATURES = Report(bytes([0x03, _FEATURES]).ljust(48, b"\0"))
-# Byte 4 of the answer, after its id, the command and the version of the protocol.
+# The answer to the query of features: report id, command, version of the protocol (2 bytes), abilities.
 _ABILITIES, _CAN_RUMBLE = 4, 0x01
 
 

@@ -35,7 +35,7 @@ _FADES: Mapping[str, Callable[[FloatArray], FloatArray]] = {
     "FADE_OUT": lambda share: 1 - share,
     "FADE_IN_OUT": lambda share: 1 - np.abs(2 * share - 1),
 }
-"""The strength over the course of an interval, 0 to 1; of others it is 1."""
+"""Amplitude by the part of an interval that has passed, both 0 to 1, for each fade; without a fade it is 1."""
 _LISTS = ("dotMode", "pathMode")
 _NUMBERS: Mapping[str, Callable[[str], float]] = {"index": int, "intensity": float, "x": float, "y": float, "time": float}
 _LAYOUTS = {position: places for layout in DEVICES.values() for position, places in layout.items()}

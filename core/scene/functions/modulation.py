@@ -68,7 +68,7 @@ class Spectrum:
 
 
 def require(key: str, value: float) -> None:
-    """Raise ValueError that names ``key`` where a parameter is not finite or is less than 0."""
+    """Check the parameter ``key``. Raises ValueError unless its value is finite and not negative."""
     if not (math.isfinite(value) and value >= 0):
         raise ValueError(f"{key}: must be finite and >= 0, got {value!r}")
 

@@ -34,7 +34,7 @@ def write_all(tracks, folder, formats=FORMATS):
 
 @pytest.fixture(scope="module")
 def written_study(study, tmp_path_factory):
-    """The study in every format: a folder with its files, and what writing said, by format."""
+    """The study written in every format: the folder, and the result of writing by format."""
     folder = tmp_path_factory.mktemp("study")
     return folder, write_all(study, folder)
 
