@@ -1,6 +1,6 @@
 """What strangers may feed the product with, and how such inputs are changed at random: files, formulas, texts stored in a .blend, messages.
 
-A target takes bytes and raises what it did not expect: `Refused` errors are the one clear message that a bad input may give.
+A target takes bytes, says whether they were accepted or refused in one clear message, and raises what it did not expect.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ CRASHERS = Path(__file__).with_name("crashers")
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """seeds: good and bad inputs to begin with. run: takes an input and a folder to write to."""
+    """seeds: good and bad inputs to begin with. run: takes an input and a folder to write to, and returns whether it is accepted."""
 
     seeds: tuple[bytes, ...]
-    run: Callable[[bytes, Path], None]
+    run: Callable[[bytes, Path], bool]
 
 
-def read_file(name: str, content: bytes, folder: Path) -> None:
+def read_file(name: str, content: bytes, folder: Path) -> bool:
     path = folder / name
     path.write_bytes(content)
     try:
@@ -49,13 +49,14 @@ def read_file(name: str, content: bytes, folder: Path) -> None:
     except FormatError as error:
         text = str(error)
         assert text.startswith(f"{path}: ") and text.isprintable() and len(text) < 1000, text
-        return
+        return False
     for channel in getattr(result, "channels", ()):
         assert np.isfinite(channel.duration)
         assert channel.samples is None or np.isfinite(channel.samples).all()
+    return True
 
 
-def read_formula(content: bytes, folder: Path) -> None:
+def read_formula(content: bytes, folder: Path) -> bool:
     text = content.decode("utf-8", "surrogateescape")
     check_expression(text, 0.1, 0.9, 0.1, on_contact=True)
     try:
@@ -63,32 +64,38 @@ def read_formula(content: bytes, folder: Path) -> None:
         low, high = function.bounds(10.0, 0.1, 0.9, 0.1)
         gains = function.gain(np.linspace(0.0, 10.0, 7), 0.1, 0.9, 0.1)
     except ValueError:
-        return
+        return False
     assert np.isfinite(gains).all() and not math.isnan(low) and gains.max() <= high * (1 + 1e-9) + 1e-12, (gains, high)
+    return True
 
 
-def read_stored(reader: Callable[[str], Any], content: bytes, folder: Path) -> None:
+def read_stored(reader: Callable[[str], Any], content: bytes, folder: Path) -> bool:
     try:
-        reader(content.decode("utf-8", "surrogatepass" if b"\xed" in content else "replace"))
+        return reader(content.decode("utf-8", "surrogatepass" if b"\xed" in content else "replace")) is not None
     except UnicodeDecodeError:
-        return  # no text: Blender has no such property
+        return False  # no text: Blender has no such property
     except ValueError as error:
         assert len(str(error)) < 1000, error
+        return False
 
 
-def read_choice(text: str) -> None:
-    places = places_of(text)
+def read_choice(content: bytes, folder: Path) -> bool:
+    """Actuators chosen for a listener: what names none is refused without a message."""
+    places = places_of(content.decode("utf-8", "replace"))
     assert places is None or places_of(choice_of(places)) == places or not places
+    return bool(places)
 
 
-def read_profile(content: bytes, folder: Path) -> None:
+def read_profile(content: bytes, folder: Path) -> bool:
     try:
         parse_profile(content.decode("utf-8", "replace"))
     except ValueError as error:
         assert str(error).startswith("/"), error
+        return False
+    return True
 
 
-def read_message(content: bytes, folder: Path) -> None:
+def read_message(content: bytes, folder: Path) -> bool:
     """What Intiface says, as far as it becomes devices and orders to them."""
     try:
         for kind, message in messages_of(content):
@@ -101,6 +108,8 @@ def read_message(content: bytes, folder: Path) -> None:
                     assert 0.0 < profile.interval("usb") <= 10.0
     except (ValueError, DeviceError) as error:
         assert len(str(error)) < 1000, error
+        return False
+    return True
 
 
 STORED: Mapping[str, tuple[Callable[[str], Any], tuple[dict[str, Any], ...]]] = {
@@ -159,17 +168,20 @@ def _texts(*documents: Any) -> tuple[bytes, ...]:
     return tuple(json.dumps(document).encode() for document in documents)
 
 
+def _contents(files: list[Path], ending: str) -> tuple[bytes, ...]:
+    """What the corpus has in a format, good files as often as bad ones: few changes leave a file good."""
+    good, bad = ([path.read_bytes() for path in files if path.match(f"{kind}*{ending}")] for kind in ("good", "bad"))
+    return (*good * max(1, len(bad) // len(good)), *bad)
+
+
 def targets() -> dict[str, Target]:
     """All targets by name."""
     endings = (".json", ".json.gz", *registry.READERS)
     files = [path for path in sorted(CORPUS.iterdir()) if path.name.endswith(endings) and ".wav." not in path.name]
-    found = {
-        f"file{ending}": Target(tuple(path.read_bytes() for path in files if path.name.endswith(ending)), partial(read_file, f"x{ending}"))
-        for ending in endings
-    }
+    found = {f"file{ending}": Target(_contents(files, ending), partial(read_file, f"x{ending}")) for ending in endings}
     found |= {f"stored-{kind}": Target(_texts(*seeds), partial(read_stored, reader)) for kind, (reader, seeds) in STORED.items()}
     found["formula"] = Target(tuple(text.encode() for text in FORMULAS), read_formula)
-    found["choice"] = Target((b"dualsense/left*0.5;switch-pro/right", b"-", b""), partial(read_stored, read_choice))
+    found["choice"] = Target((b"dualsense/left*0.5;switch-pro/right", b"-", b""), read_choice)
     found["profile"] = Target(tuple(path.read_bytes() for path in sorted(BUILT_IN.glob("*.json"))), read_profile)
     found["message"] = Target(_texts(*MESSAGES), read_message)
     return found
