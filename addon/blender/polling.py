@@ -54,21 +54,32 @@ def poll_active(cls: type[Operator], context: Context) -> bool:
     return True
 
 
-def refuse(operator: Operator, message: str, kind: str = "ERROR") -> set[str]:
-    """Report why an operator does nothing; what its `execute` returns then."""
-    operator.report({kind}, message)
-    return {"CANCELLED"}
+class Refused(ValueError):
+    """Why an operator does nothing, which is reported as a warning, not as an error."""
 
 
-class Edit:
-    """Mixin: an operator that edits the file by ``apply``, whose ValueError and OSError are reported."""
+class Action:
+    """Mixin: an operator. Its name in Blender is that of its class, haptic.add_rule for HAPTIC_OT_add_rule, and ``apply`` is what it does:
+    ValueError and OSError are reported; what it returns, if anything, is what Blender gets."""
 
-    bl_options = UNDO
+    bl_idname = ""
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        prefix, _, name = cls.__name__.partition("_OT_")
+        if name and "bl_idname" not in vars(cls):
+            cls.bl_idname = f"{prefix.lower()}.{name}"
 
     def execute(self: Any, context: Context) -> set[str]:
         """Do it."""
         try:
-            self.apply(context)
+            return self.apply(context) or {"FINISHED"}
         except (ValueError, OSError) as error:
-            return refuse(self, str(error))
-        return {"FINISHED"}
+            self.report({"WARNING" if isinstance(error, Refused) else "ERROR"}, str(error))
+            return {"CANCELLED"}
+
+
+class Edit(Action):
+    """Mixin: an operator that edits the file."""
+
+    bl_options = UNDO

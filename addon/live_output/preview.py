@@ -36,7 +36,7 @@ OLDEST = (5, 2, 0)
 """Blender 5.0 and earlier play only the end of a piece that begins between two of their audio buffers."""
 
 
-class AudioUnavailable(Exception):
+class AudioUnavailable(OSError):
     """There is nothing to play the preview on; the text says why, in one line."""
 
 

@@ -34,7 +34,6 @@ SAMPLE_ITEMS = tuple((sample.name, sample.title, sample.description) for sample 
 class HAPTIC_OT_add_source_object(Edit, Operator):
     """Add a haptic source at the 3D cursor: an empty on the active object where that is haptic, else a small body of its own"""
 
-    bl_idname = "haptic.add_source_object"
     bl_label = "Add Haptic Source"
 
     kind: EnumProperty(name="Signal", description="What the source emits", items=SOURCE_ITEMS)
@@ -85,7 +84,6 @@ def _link(context: Context, obj: Object) -> None:
 class HAPTIC_OT_make_one_shot(Edit, Operator):
     """Have the source play a blast once per trigger, where it has no keyframe yet now; in a medium it spreads as a pressure front"""
 
-    bl_idname = "haptic.make_one_shot"
     bl_label = "Play Once"
 
     kind: EnumProperty(
@@ -126,7 +124,6 @@ def _spread_as_front(scene: Scene, medium: Object, radius: float) -> None:
 class HAPTIC_OT_add_medium(Edit, Operator):
     """Add a volume around the selected objects, or at the 3D cursor, through which everything that it overlaps is felt"""
 
-    bl_idname = "haptic.add_medium"
     bl_label = "Add Medium"
 
     medium: EnumProperty(
@@ -163,7 +160,6 @@ class HAPTIC_OT_add_medium(Edit, Operator):
 class HAPTIC_OT_add_sample(Edit, Operator):
     """Open a sample scene beside the scenes of this file"""
 
-    bl_idname = "haptic.add_sample"
     bl_label = "Add Sample Scene"
 
     sample: EnumProperty(name="Sample", description="The scene to build", items=SAMPLE_ITEMS)

@@ -7,31 +7,25 @@ from bpy.types import Context, Operator
 
 from ..bake import baking, curves, playback, sound, storage, takes
 from ..blender import job
-from ..blender.polling import UNDO, Edit, poll_object_mode, refuse
+from ..blender.polling import UNDO, Edit, poll_object_mode
 
 
-class HAPTIC_OT_bake(Operator):
+class HAPTIC_OT_bake(Edit, Operator):
     """Trace the frame range in order and keep what is felt with the scene, to be played without tracing"""
 
-    bl_idname = "haptic.bake"
     bl_label = "Bake Haptics"
-    bl_options = UNDO
 
     @classmethod
     def poll(cls, context: Context) -> bool:
         return job.poll_idle(cls) and poll_object_mode(cls, context)
 
-    def execute(self, context: Context) -> set[str]:
-        try:
-            return job.run(self, context, baking.bake_job(context.scene))
-        except ValueError as error:
-            return refuse(self, str(error))
+    def apply(self, context: Context) -> set[str]:
+        return job.run(self, context, baking.bake_job(context.scene))
 
 
 class HAPTIC_OT_delete_bake(Edit, Operator):
     """Remove the haptic track of this scene, its F-curves and its sound strip; a track that was kept as a take is removed from the takes"""
 
-    bl_idname = "haptic.delete_bake"
     bl_label = "Delete Bake"
 
     @classmethod
@@ -55,7 +49,6 @@ class HAPTIC_OT_delete_bake(Edit, Operator):
 class HAPTIC_OT_keep_take(Edit, Operator):
     """Keep this bake under a name; the next one takes a place of its own"""
 
-    bl_idname = "haptic.keep_take"
     bl_label = "Keep as Take"
 
     @classmethod
@@ -70,17 +63,14 @@ class HAPTIC_OT_keep_take(Edit, Operator):
         takes.keep(context.scene)
 
 
-class HAPTIC_OT_play_take(Operator):
+class HAPTIC_OT_play_take(Edit, Operator):
     """Play this take from the same place on, and compare it with the one played before"""
 
-    bl_idname = "haptic.play_take"
     bl_label = "Play Take"
     bl_options = {*UNDO, "INTERNAL"}
 
     index: IntProperty(name="Take", options={"HIDDEN"}, min=0)
 
-    def execute(self, context: Context) -> set[str]:
-        if self.index >= len(context.scene.haptics.bake.takes):
-            return {"CANCELLED"}
-        takes.play(context.scene, self.index)
-        return {"FINISHED"}
+    def apply(self, context: Context) -> None:
+        if self.index < len(context.scene.haptics.bake.takes):
+            takes.play(context.scene, self.index)

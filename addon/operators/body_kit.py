@@ -18,7 +18,6 @@ _rpt = bpy.app.translations.pgettext_rpt
 class HAPTIC_OT_add_default_listeners(Edit, Operator):
     """Put listeners on the active object: on the bones of an armature, or where a standing body that fills the object has its parts"""
 
-    bl_idname = "haptic.add_default_listeners"
     bl_label = "Add Body Listeners"
     bl_options = {*UNDO, "PRESET"}
 
@@ -81,7 +80,6 @@ def _make_flesh(context: Context, body: Object) -> None:
 class HAPTIC_OT_mirror_listeners(Edit, Operator):
     """Give the other side of the body what the selected listeners have: their settings, and a listener where there is none"""
 
-    bl_idname = "haptic.mirror_listeners"
     bl_label = "Mirror Listeners"
 
     poll = classmethod(poll_selected)

@@ -9,7 +9,7 @@ import bpy
 from bpy.props import FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
-from ..blender.polling import UNDO, poll_active, refuse
+from ..blender.polling import Edit, poll_active
 from ..io import drawings, signal_library
 from ..live_output import preview
 from ..scene_reader import imported
@@ -17,18 +17,10 @@ from ..scene_reader import imported
 _rpt = bpy.app.translations.pgettext_rpt
 
 
-class _OnSource:
-    """Mixin: an operator on the active source, which says what went wrong."""
+class _OnSource(Edit):
+    """Mixin: an operator on the active source."""
 
-    bl_options = UNDO
     poll = classmethod(poll_active)
-
-    def execute(self: Any, context: Context) -> set[str]:
-        try:
-            self.apply(context, context.object.haptics.source)
-        except (ValueError, OSError, preview.AudioUnavailable) as error:
-            return refuse(self, str(error))
-        return {"FINISHED"}
 
 
 class _OnDrawing(_OnSource):
@@ -49,17 +41,16 @@ class _OnDrawing(_OnSource):
 class HAPTIC_OT_draw_signal(_OnSource, Operator):
     """Draw the signal of the active source as curves: a new drawn signal that begins with what it emits now"""
 
-    bl_idname = "haptic.draw_signal"
     bl_label = "New"
 
-    def apply(self, context: Context, source: Any) -> None:
+    def apply(self, context: Context) -> None:
+        source = context.object.haptics.source
         source.drawing, source.signal = drawings.drawn_like(context.object, context.scene), "DRAWN"
 
 
 class HAPTIC_OT_shape_envelope(_OnDrawing, Operator):
     """Draw an envelope that rises, falls to a level, stays there and ends"""
 
-    bl_idname = "haptic.shape_envelope"
     bl_label = "Shape Envelope"
 
     attack: FloatProperty(name="Attack (s)", description="Time of the rise to full amplitude", default=0.05, min=0.0, max=100.0)
@@ -67,31 +58,32 @@ class HAPTIC_OT_shape_envelope(_OnDrawing, Operator):
     sustain: FloatProperty(name="Sustain", description="The level that is held", default=0.6, min=0.0, max=1.0, subtype="FACTOR")
     release: FloatProperty(name="Release (s)", description="Time of the fall to silence at the end", default=0.3, min=0.0, max=100.0)
 
-    def apply(self, context: Context, source: Any) -> None:
-        drawings.shape_envelope(source.drawing, self.attack, self.decay, self.sustain, self.release)
+    def apply(self, context: Context) -> None:
+        tree: Any = context.object.haptics.source.drawing
+        drawings.shape_envelope(tree, self.attack, self.decay, self.sustain, self.release)
 
 
 class HAPTIC_OT_switch_envelopes(_OnDrawing, Operator):
     """Edit the drawn signal as F-curves in the Graph Editor, or make these its curves again"""
 
-    bl_idname = "haptic.switch_envelopes"
     bl_label = "To F-Curves"
 
-    def apply(self, context: Context, source: Any) -> None:
+    def apply(self, context: Context) -> None:
         switch = drawings.from_fcurves if drawings.has_fcurves(context.object) else drawings.to_fcurves
-        switch(context.object, source.drawing.haptics, context.scene)
+        tree: Any = context.object.haptics.source.drawing
+        switch(context.object, tree.haptics, context.scene)
 
 
 class HAPTIC_OT_edit_emphasis(_OnDrawing, Operator):
     """Add an emphasis, a short burst like a click, or remove it"""
 
-    bl_idname = "haptic.edit_emphasis"
     bl_label = "Add Emphasis"
 
     index: IntProperty(name="Number", description="Which one is removed; -1 adds one", default=-1, options={"HIDDEN"})
 
-    def apply(self, context: Context, source: Any) -> None:
-        emphases = source.drawing.haptics.emphases
+    def apply(self, context: Context) -> None:
+        tree: Any = context.object.haptics.source.drawing
+        emphases = tree.haptics.emphases
         if self.index >= 0:
             emphases.remove(self.index)
         else:
@@ -102,26 +94,24 @@ class HAPTIC_OT_edit_emphasis(_OnDrawing, Operator):
 class HAPTIC_OT_hear_signal(_OnSource, Operator):
     """Hear a signal through the speaker"""
 
-    bl_idname = "haptic.hear_signal"
     bl_label = "Hear"
     bl_options = {"INTERNAL"}
 
     filepath: StringProperty(name="File", description="The signal of the library; that of the active source where empty")
 
-    def apply(self, context: Context, source: Any) -> None:
+    def apply(self, context: Context) -> None:
         preview.hear(signal_library.read(Path(self.filepath)) if self.filepath else drawings.signal_of(context.object, context.scene))
 
 
 class HAPTIC_OT_use_signal(_OnSource, Operator):
     """Let the active source emit this signal of the library"""
 
-    bl_idname = "haptic.use_signal"
     bl_label = "Use Signal"
 
     filepath: StringProperty(name="File", description="The signal of the library", options={"HIDDEN"})
 
-    def apply(self, context: Context, source: Any) -> None:
-        path = Path(self.filepath)
+    def apply(self, context: Context) -> None:
+        source, path = context.object.haptics.source, Path(self.filepath)
         signal = signal_library.read(path)
         tree = drawings.drawn(path.stem, signal)
         if tree is None:
@@ -133,7 +123,6 @@ class HAPTIC_OT_use_signal(_OnSource, Operator):
 class HAPTIC_OT_save_signal(_OnSource, Operator):
     """Keep the signal of the active source in the library, for all files"""
 
-    bl_idname = "haptic.save_signal"
     bl_label = "Save to Library"
 
     name: StringProperty(name="Name", description="Name in the library; one of that name is replaced")
@@ -143,6 +132,6 @@ class HAPTIC_OT_save_signal(_OnSource, Operator):
         self.name = source.drawing.name if source.signal == "DRAWN" and source.drawing else context.object.name
         return context.window_manager.invoke_props_dialog(self)
 
-    def apply(self, context: Context, source: Any) -> None:
+    def apply(self, context: Context) -> None:
         path = signal_library.save(self.name, drawings.signal_of(context.object, context.scene))
         self.report({"INFO"}, _rpt("Saved: {}").format(path))

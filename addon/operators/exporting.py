@@ -15,7 +15,7 @@ from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import FORMATS, named
 from ..bake import playback
 from ..blender import job
-from ..blender.polling import refuse
+from ..blender.polling import Action
 from ..blender.text import wrapped
 from ..io import capture, frame_scene
 from .format_options import chosen, draw_options, option_properties
@@ -39,7 +39,7 @@ _RANGE = {
 }
 
 
-class RangeExport(ExportHelper):
+class RangeExport(Action, ExportHelper):
     """Mixin: a range of frames, the objects of a collection, losses shown beforehand."""
 
     __annotations__ = dict(_RANGE)
@@ -132,16 +132,12 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
         layout.prop(self, "compressed")
         draw_losses(layout, "scene", capture.expected(context.scene, self.frames == "RANGE"), self._options())
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> set[str]:
         if not self.filepath.lower().endswith(SCENE_ENDINGS):
             self.properties.filepath += self.filename_ext
-        try:
-            if self.frames == "RANGE":
-                return self.captured(context, True, self.tracks != "none", self._writer())
-            reports = self._writer()(self._current(context), None)
-        except (ValueError, OSError) as error:
-            return refuse(self, str(error))
-        for kind, text in reports:
+        if self.frames == "RANGE":
+            return self.captured(context, True, self.tracks != "none", self._writer())
+        for kind, text in self._writer()(self._current(context), None):
             self.report(kind, text)
         return {"FINISHED"}
 
@@ -196,12 +192,9 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
         draw_options(layout, self, self.format)
         draw_losses(layout, self.format, capture.expected(context.scene, True, self.collection), chosen(self, self.format))
 
-    def execute(self, context: Context) -> set[str]:
-        try:
-            write = track_writer(self.format, Path(bpy.path.abspath(self.filepath)).parent, chosen(self, self.format))
-            return self.captured(context, False, True, write)
-        except (ValueError, OSError) as error:
-            return refuse(self, str(error))
+    def apply(self, context: Context) -> set[str]:
+        write = track_writer(self.format, Path(bpy.path.abspath(self.filepath)).parent, chosen(self, self.format))
+        return self.captured(context, False, True, write)
 
 
 def track_writer(name: str, folder: Path, options: dict[str, Any]) -> Callable[[Export, job.Job], list[job.Report]]:

@@ -10,7 +10,7 @@ import numpy as np
 from bpy.props import FloatProperty, StringProperty
 from bpy.types import Context, Operator
 
-from ..blender.polling import UNDO, poll_object_mode, refuse
+from ..blender.polling import UNDO, Edit, Refused, poll_object_mode
 from ..session import session, sessions
 from ..view import levels
 
@@ -25,10 +25,9 @@ _NEAR = 0.1
 """Decibels that a margin may be short of the wanted one."""
 
 
-class HAPTIC_OT_make_felt(Operator):
+class HAPTIC_OT_make_felt(Edit, Operator):
     """Raise the gain of this listener until it is felt, and where that is not enough the amplitude of the source it feels most"""
 
-    bl_idname = "haptic.make_felt"
     bl_label = "Make It Felt"
     bl_options = {*UNDO, "INTERNAL"}
 
@@ -37,7 +36,7 @@ class HAPTIC_OT_make_felt(Operator):
 
     poll = classmethod(poll_object_mode)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         found: Any = context.scene.objects.get(self.listener)
         margin = -math.inf
         for _ in range(_ROUNDS):
@@ -45,19 +44,18 @@ class HAPTIC_OT_make_felt(Operator):
             traced = sessions.shown(context.scene)
             names = [] if traced is None else [item.name for item in traced.result.listeners]
             if traced is None or found is None or not found.is_editable or self.listener not in names:
-                return refuse(self, _rpt("{} can't be changed").format(self.listener), "WARNING")
+                raise Refused(_rpt("{} can't be changed").format(self.listener))
             index = names.index(self.listener)
             margin = levels.shown_levels(traced, False)[index].margin
             if margin >= self.margin - _NEAR or not _raise(found.haptics.listener, traced, index, self.margin - margin):
                 break
         if margin == -math.inf:
-            return refuse(self, _rpt("Nothing reaches '{}'; the reason is in Why Is It Silent?").format(self.listener), "WARNING")
+            raise Refused(_rpt("Nothing reaches '{}'; the reason is in Why Is It Silent?").format(self.listener))
         if margin < self.margin - _NEAR:
             words = _rpt("'{}' has a margin of {:.0f} dB now; more needs other materials, a nearer source or another frequency")
             self.report({"WARNING"}, words.format(self.listener, margin))
         else:
             self.report({"INFO"}, _rpt("'{}' is felt with a margin of {:.0f} dB").format(self.listener, margin))
-        return {"FINISHED"}
 
 
 def _raise(listener: Any, traced: Traced, index: int, missing: float) -> bool:

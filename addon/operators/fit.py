@@ -13,7 +13,7 @@ from bpy.types import Context, Operator, Scene
 from ...core.design import recordings
 from ...core.scene.coefficients import coefficients_of
 from ..blender import job
-from ..blender.polling import poll_object_mode, refuse
+from ..blender.polling import Action, poll_object_mode
 from ..session import session, sessions
 from ..translations.sentences import sentence
 
@@ -25,10 +25,9 @@ _rpt = bpy.app.translations.pgettext_rpt
 _CHOOSE = "Choose two recordings, a source, a listener and an object first"
 
 
-class HAPTIC_OT_fit_material(Operator):
+class HAPTIC_OT_fit_material(Action, Operator):
     """Set the loss of a material, and the gain of a contact, so that the scene passes vibration on as two recordings of it say"""
 
-    bl_idname = "haptic.fit_material"
     bl_label = "Fit Material"
     bl_options = {"REGISTER"}
 
@@ -40,18 +39,15 @@ class HAPTIC_OT_fit_material(Operator):
             return False
         return poll_object_mode(cls, context)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> set[str]:
         scene = context.scene
         chosen = scene.haptics.materials.fit
         session.trace(scene, context.evaluated_depsgraph_get(), live=True)
         traced = sessions.shown(scene)
         if traced is None or chosen.object is None or not chosen.object.is_editable:
             words = "Nothing traced yet" if traced is None else "The object is linked from a library; make it local or override it first"
-            return refuse(self, _rpt(words))
-        try:
-            read = recordings.read_recordings(*(Path(bpy.path.abspath(path)) for path in (chosen.source_file, chosen.listener_file)))
-        except (ValueError, OSError) as error:
-            return refuse(self, str(error))
+            raise ValueError(_rpt(words))
+        read = recordings.read_recordings(*(Path(bpy.path.abspath(path)) for path in (chosen.source_file, chosen.listener_file)))
         reports: list[job.Report] = []
         work = _steps(scene, traced.result.graph, read, reports)
         return job.run(self, context, job.Job("Fit Material", len(read.starts), work, lambda _: reports))

@@ -6,17 +6,15 @@ from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Context, Operator
 
-from ..blender.polling import UNDO, poll_object_mode, refuse
+from ..blender.polling import Edit, Refused, poll_object_mode
 from ..session import session, sessions
 from ..view import graph_mesh
 
 
-class HAPTIC_OT_graph_to_geometry(Operator):
+class HAPTIC_OT_graph_to_geometry(Edit, Operator):
     """Make a mesh of the haptic graph as it is drawn now, for renderings; an earlier one of this scene is replaced"""
 
-    bl_idname = "haptic.graph_to_geometry"
     bl_label = "Graph to Geometry"
-    bl_options = UNDO
 
     in_front: BoolProperty(
         name="In Front",
@@ -37,11 +35,10 @@ class HAPTIC_OT_graph_to_geometry(Operator):
             return False
         return True
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         result = session.result_of(context.scene)
         if result is None:
-            return refuse(self, "This frame could not be traced: see the problems in the panel Haptic Tracing", "WARNING")
+            raise Refused(_rpt("This frame could not be traced: see the problems in the panel Haptic Tracing"))
         options = {"in_front": self.in_front, "labels": self.labels}
         graph, collection = graph_mesh.graph_in_collection(context.scene, result, self.thickness, **options)
         self.report({"INFO"}, _rpt("{:,} vertices in collection '{}'").format(len(graph.data.vertices), collection.name))
-        return {"FINISHED"}

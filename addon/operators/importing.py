@@ -11,7 +11,7 @@ from bpy.types import Context, Event, Operator
 
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import READERS
-from ..blender.polling import SOLID_TYPES, UNDO, poll_active, poll_object_mode, refuse
+from ..blender.polling import SOLID_TYPES, Edit, poll_active, poll_object_mode
 from ..io import scene_builder, vibration_signal
 from ..scene_reader import imported
 from ..scene_reader.roles import haptic_carrier
@@ -20,12 +20,11 @@ from .exporting import MOST_REPORTED
 _rpt = bpy.app.translations.pgettext_rpt
 
 
-class HAPTIC_OT_import_scene(Operator):
+class HAPTIC_OT_import_scene(Edit, Operator):
     """Make objects, sources and listeners of a haptic scene; what changes over time becomes keyframes"""
 
     bl_idname = "import_scene.haptic_scene"
     bl_label = "Import Haptic Scene"
-    bl_options = UNDO
 
     filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
     filter_glob: StringProperty(default="*.json;*.json.gz", options={"HIDDEN"})
@@ -38,26 +37,20 @@ class HAPTIC_OT_import_scene(Operator):
     def invoke(self, context: Context, event: Event) -> set[str]:
         return ask(self, context)
 
-    def execute(self, context: Context) -> set[str]:
-        try:
-            export = haptic_scene.read_export(bpy.path.abspath(self.filepath))
-            losses = scene_builder.build(export, context.scene, self.use_settings)
-        except (ValueError, OSError) as error:
-            return refuse(self, str(error))
+    def apply(self, context: Context) -> None:
+        export = haptic_scene.read_export(bpy.path.abspath(self.filepath))
+        losses = scene_builder.build(export, context.scene, self.use_settings)
         if export.unknown:
             self.report({"WARNING"}, _rpt("Of a newer version; not read: {}").format(", ".join(export.unknown)))
         for loss in losses[:MOST_REPORTED]:
             self.report({"WARNING"}, loss)
         self.report({"INFO"}, _rpt("Haptic scene imported: {}").format(Path(self.filepath).name))
-        return {"FINISHED"}
 
 
-class HAPTIC_OT_import_signal(Operator):
+class HAPTIC_OT_import_signal(Edit, Operator):
     """Let the active object emit the vibration in a file (.hjif, .haptic, .ahap, .haps, .tact, .wav); it is kept with this file"""
 
-    bl_idname = "haptic.import_signal"
     bl_label = "Import Haptic Signal"
-    bl_options = UNDO
 
     filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
     filter_glob: StringProperty(default=";".join(f"*{suffix}" for suffix in READERS), options={"HIDDEN"})
@@ -69,18 +62,15 @@ class HAPTIC_OT_import_signal(Operator):
     def invoke(self, context: Context, event: Event) -> set[str]:
         return ask(self, context)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         obj = context.object
-        try:
-            reading = registry.read(bpy.path.abspath(self.filepath))
-            channel = vibration_signal.chosen_channel(reading, self.channel)
-            signal = vibration_signal.signal_of(channel, self.loop)
-        except (ValueError, OSError) as error:
-            return refuse(self, str(error))
+        reading = registry.read(bpy.path.abspath(self.filepath))
+        channel = vibration_signal.chosen_channel(reading, self.channel)
+        signal = vibration_signal.signal_of(channel, self.loop)
         if haptic_carrier(obj) is None:
             if obj.type not in SOLID_TYPES:
                 message = _rpt("'{}' has no surface: parent it to a haptic object, so that it has something to shake")
-                return refuse(self, message.format(obj.name))
+                raise ValueError(message.format(obj.name))
             obj.haptics.enabled = True
         source = obj.haptics.source
         source.imported = imported.text_of(signal=signal.to_dict())
@@ -90,7 +80,6 @@ class HAPTIC_OT_import_signal(Operator):
             self.report({"WARNING"}, loss)
         message = _rpt("'{}' emits {}") if len(reading.channels) == 1 else _rpt("'{}' emits {}, channel {} of {}")
         self.report({"INFO"}, message.format(obj.name, channel.name, self.channel, len(reading.channels)))
-        return {"FINISHED"}
 
 
 def ask(operator: Any, context: Context) -> set[str]:

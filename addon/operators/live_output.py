@@ -7,7 +7,7 @@ from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Operator
 
 from ..blender.extension import profile_folders
-from ..blender.polling import UNDO, refuse
+from ..blender.polling import UNDO, Action, Edit, Refused
 from ..live_output import adjustment, outputs, player, preview, refresh
 from ..properties import actuators
 from ..properties.preferences import preferences
@@ -18,33 +18,30 @@ _AUTOMATIC, _NONE = "AUTOMATIC", "NONE"
 _items: list[tuple[str, str, str, str, int]] = []  # Blender keeps no copy of dynamic items
 
 
-class HAPTIC_OT_find_devices(Operator):
+class HAPTIC_OT_find_devices(Action, Operator):
     """Look for haptic devices that are connected to this computer"""
 
-    bl_idname = "haptic.find_devices"
     bl_label = "Find Devices"
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         settings = context.scene.haptics.live_output
         outputs.find(profile_folders(), settings.sound_cards, preferences().haptic_players)
         refresh.start()
-        return {"FINISHED"}
 
 
-class HAPTIC_OT_connect_device(Operator):
+class HAPTIC_OT_connect_device(Action, Operator):
     """Let listeners be felt through this device while the timeline plays"""
 
-    bl_idname = "haptic.connect_device"
     bl_label = "Connect"
     bl_options = {"INTERNAL"}
 
     device: StringProperty(name="Device", description="Which one; empty for the default device of the preferences")
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         key = self.device or outputs.preferred(preferences().default_device)
         found = outputs.found(key)
         if found is None:
-            return refuse(self, _rpt("{} is not connected: press Find Devices").format(key or _rpt("A device")), "WARNING")
+            raise Refused(_rpt("{} is not connected: press Find Devices").format(key or _rpt("A device")))
         devices = context.scene.haptics.live_output.devices
         settings = devices.get(key)
         if settings is None:
@@ -52,39 +49,34 @@ class HAPTIC_OT_connect_device(Operator):
             settings.name = key
         outputs.connect(key, adjustment.adjustment_of(settings, found.device))
         refresh.start()
-        return {"FINISHED"}
 
 
-class HAPTIC_OT_disconnect_device(Operator):
+class HAPTIC_OT_disconnect_device(Action, Operator):
     """Silence the device and let go of it"""
 
-    bl_idname = "haptic.disconnect_device"
     bl_label = "Disconnect"
     bl_options = {"INTERNAL"}
 
     device: StringProperty()
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         outputs.disconnect(self.device)
-        return {"FINISHED"}
 
 
-class HAPTIC_OT_copy_udev_rule(Operator):
+class HAPTIC_OT_copy_udev_rule(Action, Operator):
     """Copy the line that lets you use this device; the panel says where to put it"""
 
-    bl_idname = "haptic.copy_udev_rule"
     bl_label = "Copy udev Rule"
     bl_options = {"INTERNAL"}
 
     device: StringProperty()
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         found = outputs.found(self.device)
         if found is None or not found.rule:
-            return refuse(self, _rpt("This device needs no rule"), "WARNING")
+            raise Refused(_rpt("This device needs no rule"))
         context.window_manager.clipboard = found.rule
         self.report({"INFO"}, _rpt("Copied"))
-        return {"FINISHED"}
 
 
 def _choices(self: Operator, context: Context | None) -> list[tuple[str, str, str, str, int]]:
@@ -97,55 +89,49 @@ def _choices(self: Operator, context: Context | None) -> list[tuple[str, str, st
     return _items
 
 
-class HAPTIC_OT_choose_actuator(Operator):
+class HAPTIC_OT_choose_actuator(Edit, Operator):
     """What this listener is felt through; choose several, one after the other"""
 
-    bl_idname = "haptic.choose_actuator"
     bl_label = "Actuator"
     bl_options = {*UNDO, "INTERNAL"}
 
     listener: StringProperty()
     place: EnumProperty(items=_choices)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         obj = context.scene.objects.get(self.listener)
         if obj is None or not obj.is_editable:
-            return refuse(self, _rpt("{} can't be changed").format(self.listener), "WARNING")
+            raise Refused(_rpt("{} can't be changed").format(self.listener))
         settings = obj.haptics.live_output
         if self.place in (_AUTOMATIC, _NONE):
             settings.actuators = actuators.AUTOMATIC if self.place == _AUTOMATIC else actuators.MUTED
-            return {"FINISHED"}
-        settings.actuators = actuators.toggled(settings.actuators, self.place)
-        return {"FINISHED"}
+        else:
+            settings.actuators = actuators.toggled(settings.actuators, self.place)
 
 
-class HAPTIC_OT_toggle_preview(Operator):
+class HAPTIC_OT_toggle_preview(Action, Operator):
     """Hear what the listeners feel through Blender's own sound output, while the timeline plays"""
 
-    bl_idname = "haptic.toggle_preview"
     bl_label = "Preview as Sound"
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         if preview.is_on():
             preview.switch_off()
-            return {"FINISHED"}
+            return
         try:
             preview.switch_on()
         except preview.AudioUnavailable as error:
-            return refuse(self, _rpt("No preview: {}").format(error), "WARNING")
+            raise Refused(_rpt("No preview: {}").format(error)) from None
         preview.set_volume(context.scene.haptics.live_output.preview_volume)
-        return {"FINISHED"}
 
 
-class HAPTIC_OT_panic(Operator):
+class HAPTIC_OT_panic(Action, Operator):
     """Silence every device at once and let go of it, and switch the preview off"""
 
-    bl_idname = "haptic.panic"
     bl_label = "Stop All Output"
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         player.rest()
         outputs.disconnect_all()
         preview.switch_off()
         self.report({"INFO"}, _rpt("All haptic output is off"))
-        return {"FINISHED"}

@@ -10,7 +10,7 @@ from bpy.types import Context, Operator
 
 from ...core.scene.materials import MATERIALS
 from ..authoring import materials as library
-from ..blender.polling import SOLID_TYPES, UNDO, Edit, poll_active, poll_object_mode, poll_selected, refuse
+from ..blender.polling import SOLID_TYPES, Edit, poll_active, poll_object_mode, poll_selected
 from ..blender.progress import progress
 from ..properties.materials import TARGET_ITEMS, add_material, made_of, own_values
 
@@ -31,7 +31,6 @@ def _poll_material(cls: type[Operator], context: Context) -> bool:
 class HAPTIC_OT_apply_material(Edit, Operator):
     """Make objects of a material; they share it: a change of the material changes them all"""
 
-    bl_idname = "haptic.apply_material"
     bl_label = "Apply Material"
 
     preset: EnumProperty(name="Material", description="What the objects are made of", items=PRESET_ITEMS, default="stone")
@@ -65,16 +64,14 @@ class HAPTIC_OT_apply_material(Edit, Operator):
             self.report({"WARNING"}, _rpt("{} linked objects can't be changed; override them first").format(linked))
 
 
-class HAPTIC_OT_guess_material(Operator):
+class HAPTIC_OT_guess_material(Edit, Operator):
     """Guess from names, shapes and masses what the selected objects are made of"""
 
-    bl_idname = "haptic.guess_material"
     bl_label = "Guess Material"
-    bl_options = UNDO
 
     poll = classmethod(poll_selected)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> set[str]:
         objects = [obj for obj in context.selected_objects if obj.type in SOLID_TYPES and obj.is_editable]
         known = library.apply_guesses(context.scene, objects)
         message = _rpt("{} of {} objects have a name, shape or mass that tells their material")
@@ -82,12 +79,10 @@ class HAPTIC_OT_guess_material(Operator):
         return {"FINISHED"} if known else {"CANCELLED"}
 
 
-class HAPTIC_OT_physical_materials(Operator):
+class HAPTIC_OT_physical_materials(Edit, Operator):
     """Let all haptic objects that are made of a preset spread and damp vibration as measured, by their size"""
 
-    bl_idname = "haptic.physical_materials"
     bl_label = "Physical Materials"
-    bl_options = UNDO
 
     in_a_building: BoolProperty(
         name="In a Building", description="Walls and floors in place, whose joints and edges take 2 dB per metre", default=False
@@ -101,12 +96,12 @@ class HAPTIC_OT_physical_materials(Operator):
 
     poll = classmethod(poll_object_mode)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> set[str]:
         objects = [obj for obj in context.scene.objects if obj.haptics.enabled and obj.is_editable]
         if self.bodies:
             objects = [obj for obj in objects if library.preset_of(obj) is MATERIALS["flesh"]]
             if not objects:
-                return refuse(self, "No haptic object is made of flesh; Add Body Listeners makes a body of it")
+                raise ValueError(_rpt("No haptic object is made of flesh; Add Body Listeners makes a body of it"))
         known = library.make_physical(objects, self.in_a_building)
         message = _rpt("{} of {} haptic objects are made of a preset")
         self.report({"INFO"}, message.format(known, len(objects)))
@@ -116,7 +111,6 @@ class HAPTIC_OT_physical_materials(Operator):
 class HAPTIC_OT_new_material(Edit, Operator):
     """Put a new material into the library, with the values of the active object, which is then made of it"""
 
-    bl_idname = "haptic.new_material"
     bl_label = "New Material"
 
     poll = classmethod(poll_active)
@@ -130,7 +124,6 @@ class HAPTIC_OT_new_material(Edit, Operator):
 class HAPTIC_OT_copy_material(Edit, Operator):
     """Copy the active material of the library, to edit the copy without touching what is made of the original"""
 
-    bl_idname = "haptic.copy_material"
     bl_label = "Copy Material"
 
     poll = classmethod(_poll_material)
@@ -143,7 +136,6 @@ class HAPTIC_OT_copy_material(Edit, Operator):
 class HAPTIC_OT_remove_material(Edit, Operator):
     """Take the active material out of the library; what is made of it keeps its values"""
 
-    bl_idname = "haptic.remove_material"
     bl_label = "Remove Material"
 
     poll = classmethod(_poll_material)
@@ -159,7 +151,6 @@ class HAPTIC_OT_remove_material(Edit, Operator):
 class HAPTIC_OT_unlink_material(Edit, Operator):
     """Give the active object values of its own, which are those of its material now"""
 
-    bl_idname = "haptic.unlink_material"
     bl_label = "Own Values"
 
     poll = classmethod(poll_active)

@@ -20,7 +20,6 @@ _ITEMS = (*MODE_ITEMS, ("NEXT", "Next", "The one after the current: HT, SD, MD, 
 class HAPTIC_OT_set_mode(Edit, Operator):
     """Render the scene in another way, to compare: through touching objects, at the nearest listener, by distance, or without fading"""
 
-    bl_idname = "haptic.set_mode"
     bl_label = "Set Haptic Mode"
 
     mode: EnumProperty(name="Mode", description="The rendering", items=_ITEMS, default="NEXT")

@@ -10,7 +10,7 @@ from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Operator
 
 from ...core.scene.materials import texture_in
-from ..blender.polling import UNDO, Edit, poll_object_mode
+from ..blender.polling import Edit, poll_object_mode
 from ..changes.revisions import mark_changed
 from ..properties.rules import TABLES
 
@@ -29,7 +29,6 @@ class _OfTable(Edit):
 class HAPTIC_OT_add_rule(_OfTable, Operator):
     """Add a rule for just the two selected objects; else for the material of the active object, for that object, or for anything"""
 
-    bl_idname = "haptic.add_rule"
     bl_label = "Add Rule"
 
     def apply(self, context: Context) -> None:
@@ -48,16 +47,14 @@ class HAPTIC_OT_add_rule(_OfTable, Operator):
         mark_changed()
 
 
-class HAPTIC_OT_add_textures(Operator):
+class HAPTIC_OT_add_textures(Edit, Operator):
     """Add a rule with the library's texture for each material that haptic objects are made of and that has none"""
 
-    bl_idname = "haptic.add_textures"
     bl_label = "Textures of Materials"
-    bl_options = UNDO
 
     poll = classmethod(poll_object_mode)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> set[str]:
         rows = context.scene.haptics.textures
         named = {row.first for row in rows.items if row.first_kind == "MATERIAL" and row.second_kind == "ANY"}
         made_of = {obj.haptics.material.name for obj in context.scene.objects if obj.haptics.enabled} - named
@@ -82,7 +79,6 @@ def _write_texture(row: Any, texture: Mapping[str, float]) -> None:
 class HAPTIC_OT_remove_rule(_OfTable, Operator):
     """Remove the active rule"""
 
-    bl_idname = "haptic.remove_rule"
     bl_label = "Remove Rule"
 
     def apply(self, context: Context) -> None:
@@ -95,7 +91,6 @@ class HAPTIC_OT_remove_rule(_OfTable, Operator):
 class HAPTIC_OT_move_rule(_OfTable, Operator):
     """Move the active rule; of equally specific rules the upper one counts"""
 
-    bl_idname = "haptic.move_rule"
     bl_label = "Move Rule"
 
     up: BoolProperty(name="Up", description="Towards the top of the table", options={"HIDDEN"})

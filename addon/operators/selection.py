@@ -8,13 +8,12 @@ from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import BoolProperty, StringProperty
 from bpy.types import Context, Operator
 
-from ..blender.polling import UNDO, poll_object_mode, refuse
+from ..blender.polling import UNDO, Edit, Refused, poll_object_mode
 
 
-class HAPTIC_OT_select_object(Operator):
+class HAPTIC_OT_select_object(Edit, Operator):
     """Select the object and make it active"""
 
-    bl_idname = "haptic.select_object"
     bl_label = "Select Object"
     bl_options = {*UNDO, "INTERNAL"}
 
@@ -23,13 +22,12 @@ class HAPTIC_OT_select_object(Operator):
 
     poll = classmethod(poll_object_mode)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         found: Any = next((obj for obj in context.view_layer.objects if obj.name_full == self.name), None)
         if found is None:
-            return refuse(self, _rpt("There is no object '{}' in this view layer any more").format(self.name), "WARNING")
+            raise Refused(_rpt("There is no object '{}' in this view layer any more").format(self.name))
         if not self.extend:
             for obj in context.selected_objects:
                 obj.select_set(False)
         found.select_set(True)
         context.view_layer.objects.active = found
-        return {"FINISHED"}

@@ -6,26 +6,24 @@ import bpy
 from bpy.types import Context, Operator
 
 from ..blender import job
-from ..blender.polling import UNDO, poll_active, refuse
+from ..blender.polling import Edit, poll_active
 from ..io import sound_source
 
 _rpt = bpy.app.translations.pgettext_rpt
 
 
-class HAPTIC_OT_convert_sound(Operator):
+class HAPTIC_OT_convert_sound(Edit, Operator):
     """Make vibration of the sound; it is kept with this file, so convert again after changing the sound or these settings"""
 
-    bl_idname = "haptic.convert_sound"
     bl_label = "Convert Sound"
-    bl_options = UNDO
 
     poll = classmethod(poll_active)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> set[str]:
         try:
             work = sound_source.Conversion(context.scene, context.object)
         except (OSError, ValueError) as error:
             context.object.haptics.source.sound.fault = str(error)
-            return refuse(self, str(error))
+            raise
         written = [({"INFO"}, _rpt("Sound converted"))]
         return job.run(self, context, job.Job("Converting", work.step_count, work.steps(), lambda running: written, "Convert Sound"))

@@ -10,7 +10,7 @@ from bpy.types import Context, Object, Operator, Scene
 
 from ..authoring import materials
 from ..authoring.signals import signal_for
-from ..blender.polling import SOLID_TYPES, UNDO, editable, linked_message, poll_active, poll_selected, refuse
+from ..blender.polling import SOLID_TYPES, UNDO, Edit, editable, linked_message, poll_active, poll_selected
 from ..blender.progress import progress
 from ..changes.suspension import suspended
 from ..scene_reader.roles import haptic_carrier
@@ -26,10 +26,9 @@ def make_haptic(scene: Scene, objects: list[Object], guess: bool = True) -> int:
     return materials.apply_guesses(scene, [obj for obj in new if not obj.haptics.material.name]) if guess else 0
 
 
-class HAPTIC_OT_make_objects(Operator):
+class HAPTIC_OT_make_objects(Edit, Operator):
     """Let vibration pass through the selected objects; what they are made of is guessed from their names, shapes and masses"""
 
-    bl_idname = "haptic.make_objects"
     bl_label = "Make Haptic"
     bl_options = {*UNDO, "PRESET"}
 
@@ -44,17 +43,16 @@ class HAPTIC_OT_make_objects(Operator):
 
     poll = classmethod(poll_selected)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         chosen = context.selected_objects
         solid = [obj for obj in editable(chosen) if obj.type in SOLID_TYPES]
         if not solid:
             message = "None of the selected objects has a surface that can touch others; select meshes that are not linked from a library"
-            return refuse(self, linked_message(chosen) or message)
+            raise ValueError(linked_message(chosen) or message)
         known = make_haptic(context.scene, solid, self.guess)
         if self.physics:
             _add_physics(context, solid)
         self.report({"INFO"}, _rpt("{} objects made haptic, {} of a material guessed from them").format(len(solid), known))
-        return {"FINISHED"}
 
 
 def _add_physics(context: Context, objects: list[Object]) -> None:
@@ -73,10 +71,9 @@ def _add_physics(context: Context, objects: list[Object]) -> None:
         body.type = "PASSIVE" if materials.is_ground(obj) else "ACTIVE"
 
 
-class HAPTIC_OT_add_source(Operator):
+class HAPTIC_OT_add_source(Edit, Operator):
     """Make the active object a haptic source: it emits a signal into the objects that it touches"""
 
-    bl_idname = "haptic.add_source"
     bl_label = "Add Source"
     bl_options = {*UNDO, "PRESET"}
 
@@ -94,15 +91,14 @@ class HAPTIC_OT_add_source(Operator):
 
     poll = classmethod(poll_active)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         obj = context.object
         if haptic_carrier(obj) is None:
             if obj.type not in SOLID_TYPES:
                 message = _rpt("'{}' has no surface: parent it to a haptic object first, so that it has something to shake")
-                return refuse(self, message.format(obj.name))
+                raise ValueError(message.format(obj.name))
             make_haptic(context.scene, [obj])
         make_source(obj, self.signal)
-        return {"FINISHED"}
 
 
 def make_source(obj: Object, signal: str) -> None:
@@ -116,16 +112,14 @@ def make_source(obj: Object, signal: str) -> None:
         source.signal = signal
 
 
-class HAPTIC_OT_add_listener(Operator):
+class HAPTIC_OT_add_listener(Edit, Operator):
     """Make the selected objects haptic listeners: what arrives at their origins is felt"""
 
-    bl_idname = "haptic.add_listener"
     bl_label = "Add Listener"
-    bl_options = UNDO
 
     poll = classmethod(poll_selected)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         chosen = context.selected_objects
         own = editable(chosen)
         nowhere = [obj for obj in own if haptic_carrier(obj) is None and obj.type not in SOLID_TYPES]
@@ -135,25 +129,21 @@ class HAPTIC_OT_add_listener(Operator):
             obj.haptics.listener.enabled = True
         if nowhere:
             message = _rpt("Parent these to haptic objects first, so that they touch something: {}")
-            return refuse(self, message.format(", ".join(obj.name for obj in nowhere[:5])))
+            raise ValueError(message.format(", ".join(obj.name for obj in nowhere[:5])))
         if not own:
-            return refuse(self, linked_message(chosen))
-        return {"FINISHED"}
+            raise ValueError(linked_message(chosen))
 
 
-class HAPTIC_OT_clear(Operator):
+class HAPTIC_OT_clear(Edit, Operator):
     """Take all haptic roles from the selected objects; their settings are kept for later"""
 
-    bl_idname = "haptic.clear"
     bl_label = "Clear Haptics"
-    bl_options = UNDO
 
     poll = classmethod(poll_selected)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         own = editable(context.selected_objects)
         for obj in progress(own):
             obj.haptics.enabled = obj.haptics.source.enabled = obj.haptics.listener.enabled = False
         if not own:
-            return refuse(self, linked_message(context.selected_objects))
-        return {"FINISHED"}
+            raise ValueError(linked_message(context.selected_objects))

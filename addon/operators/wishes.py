@@ -11,7 +11,7 @@ from bpy.types import Context, Operator
 from ...core.design import wishes
 from ...core.scene import spectra
 from ...core.scene.coefficients import coefficients_of, transfer_coefficient
-from ..blender.polling import UNDO, poll_object_mode, refuse
+from ..blender.polling import Edit, Refused, poll_object_mode
 from ..session import session, sessions
 from ..view import levels
 
@@ -26,33 +26,30 @@ _NEAR, _MISSED = 0.1, 1.0
 """Decibels within which a wish counts as met, and beyond which it is said that it is not."""
 
 
-class HAPTIC_OT_design_by_wish(Operator):
+class HAPTIC_OT_design_by_wish(Edit, Operator):
     """Choose κ of the free materials, and ρ where that is not enough, so that the listeners with a wish have the wished level"""
 
-    bl_idname = "haptic.design_by_wish"
     bl_label = "Fulfil Wishes"
-    bl_options = UNDO
 
     poll = classmethod(poll_object_mode)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         scene = context.scene
         missing: dict[str, float] = {}
         for remaining in reversed(range(_ROUNDS + 1)):
             session.trace(scene, context.evaluated_depsgraph_get(), live=True)
             traced = sessions.shown(scene)
             if traced is None or scene.haptics.mode not in ("HT", "SD"):
-                return refuse(self, "Materials count in modes HT and SD only", "WARNING")
+                raise Refused(_rpt("Materials count in modes HT and SD only"))
             shown = {level.listener: level for level in levels.shown_levels(traced, False)}
             owners = {name: bpy.data.objects[name].haptics.listener for name in shown if name in bpy.data.objects}
             missing = {name: owner.wish - shown[name].rms for name, owner in owners.items() if owner.use_wish}
             free = [item for item in scene.haptics.materials.items if item.is_free and _made_of(traced, item.name)]
             if not missing or not free:
-                return refuse(self, "Give a listener a wished level, and mark a material that objects are made of as free", "WARNING")
+                raise Refused(_rpt("Give a listener a wished level, and mark a material that objects are made of as free"))
             if not remaining or max(map(abs, missing.values())) < _NEAR or not _change(traced, missing, free):
                 break
         self._say(missing)
-        return {"FINISHED"}
 
     def _say(self, missing: dict[str, float]) -> None:
         """Report which wishes are not met."""
