@@ -71,6 +71,8 @@ class HAPTIC_OT_play_take(Edit, Operator):
 
     index: IntProperty(name="Take", options={"HIDDEN"}, min=0)
 
-    def apply(self, context: Context) -> None:
-        if self.index < len(context.scene.haptics.bake.takes):
-            takes.play(context.scene, self.index)
+    def apply(self, context: Context) -> set[str]:
+        if self.index >= len(context.scene.haptics.bake.takes):
+            return {"CANCELLED"}
+        takes.play(context.scene, self.index)
+        return {"FINISHED"}
