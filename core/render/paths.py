@@ -14,7 +14,7 @@ from .filter_bank import bank_response
 from .gains import Frame
 from .groups import Group
 from .tone_paths import TonePaths
-from .voices import Stream
+from .voices import Stream, sample_brief
 
 
 def paths_of(frame: Frame, group: Group) -> list[DirectPaths | DelayedPaths | SteadyPaths]:
@@ -42,6 +42,7 @@ class DirectPaths:
         )
         self.group = group
         self._factors, self._curves = group.gains.terms(frame)
+        sample_brief(group.streams)
         rows = [stream.rows(frame.first, frame.last) for stream in group.streams]
         shape = (len(group.streams), self._factors.shape[3], frame.count)
         self._rows = np.concatenate(rows).reshape(shape) if rows else np.empty(shape)

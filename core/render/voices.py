@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,10 +10,12 @@ import numpy as np
 from ..arrays import FloatArray
 from ..scene.bands import BAND_COUNT
 from ..signals import Automation, Sampled, Signal, Sine
-from .filter_bank import bank_reach, split_bands
+from .filter_bank import bank_reach, split_bands, split_sound
 
 _CHUNK = 4096
 """Samples of a signal are rendered in runs that begin at multiples of this: so they are the same to the last bit whatever the frames."""
+_BRIEF = 2 * _CHUNK
+"""Signals of at most so many samples are rendered whole, for the same reason."""
 
 
 class Voice(NamedTuple):
@@ -42,12 +43,12 @@ class Stream:
     Ahead, because a few long runs cost less than many short ones; a sample depends on its own time alone, so they are the same.
 
     kind: whether it has delays, and its number of bands, 1 or 6. end: when the signal is over [s]. settled: from this time on all bands
-    of a steady tone are steady. tone: the signal where it is a steady tone, else None.
+    of a steady tone are steady. tone: the signal where it is a steady tone, else None. is_brief: rendered whole, see `sample_brief`.
     """
 
     __slots__ = (
-        "_first", "_known", "_last", "end", "is_recorded", "key", "kind", "onset", "priority", "row_count", "sample_rate", "settled",
-        "signal", "tone",
+        "_first", "_known", "_last", "end", "is_brief", "is_recorded", "key", "kind", "onset", "priority", "row_count", "sample_rate",
+        "settled", "signal", "tone",
     )  # fmt: skip
 
     def __init__(self, voice: Voice, sample_rate: float) -> None:
@@ -65,6 +66,7 @@ class Stream:
         self.settled = self.onset + tail
         self.tone = _steady_tone(self.signal, sample_rate)
         self.is_recorded = voice.delays is not None and _is_recorded(self.signal)
+        self.is_brief = (self.end - self.onset) * sample_rate <= _BRIEF
 
     def plays(self, voice: Voice) -> bool:
         """Whether `voice` is this one with other gains, delays or amplitude."""
@@ -83,9 +85,16 @@ class Stream:
 
     def rows(self, first: int, last: int) -> FloatArray:
         """Return samples first to last - 1 of the signal, shape (1, n), or of its bands, shape (6, n)."""
+        if self.is_brief and self._first == self._last:
+            sample_brief([self])
         begin, known = self._first, self._last
         if begin <= first and last <= known:
             return self._known[:, first - begin : last - begin]
+        if self.is_brief:
+            rows = np.zeros((self.row_count, last - first))
+            inside = self._known[:, max(first - begin, 0) : max(last - begin, 0)]
+            rows[:, max(begin - first, 0) :][:, : inside.shape[1]] = inside
+            return rows
         if not begin <= first <= known:
             begin = known = self._first = self._last = first // _CHUNK * _CHUNK
             self._known = np.empty((self.row_count, 0))
@@ -100,13 +109,31 @@ class Stream:
         if self.row_count == 1:
             return self.signal.sample(first, last - first, self.sample_rate, self.onset)[None, :]
         rate, reach = self.sample_rate, bank_reach(self.sample_rate)
-        rows = np.zeros((self.row_count, last - first))
+        bands = split_bands(self.signal.sample(first - reach, last - first + 2 * reach, rate, self.onset), rate)
         # Nothing may be felt before the onset, though the filters look ahead, and nothing is left after the end.
-        begin, end = (math.ceil(min(max(at * rate, first), last)) for at in (self.onset, self.end))
-        if end > begin:
-            samples = self.signal.sample(begin - reach, end - begin + 2 * reach, rate, self.onset)
-            rows[:, begin - first : end - first] = split_bands(samples, rate) * (np.arange(begin, end) / rate >= self.onset)
-        return rows
+        times = np.arange(first, last) / rate
+        return bands * ((times >= self.onset) & (times < self.end))
+
+    def take(self, first: int, samples: FloatArray) -> None:
+        """Take over the samples of a brief signal, shape (n,), from number `first` on, which are all there is of it."""
+        self._known = samples[None, :] if self.row_count == 1 else split_sound(samples, self.sample_rate)
+        self._first, self._last = first, first + self._known.shape[1]
+
+
+def sample_brief(streams: Sequence[Stream]) -> None:
+    """Render those of some streams that are brief and have not been rendered, all that play one signal at once."""
+    alike: dict[int, list[Stream]] = {}
+    for stream in streams:
+        if stream.is_brief and stream._first == stream._last:
+            alike.setdefault(id(stream.signal), []).append(stream)
+    for some in alike.values():
+        signal, rate = some[0].signal, some[0].sample_rate
+        onset = np.array([stream.onset for stream in some])
+        first = np.ceil(onset * rate)
+        times = (np.arange(int(signal.duration * rate) + 1) + first[:, None]) / rate - onset[:, None]
+        samples = signal.at(times.reshape(-1), 1.0 / rate).reshape(times.shape)
+        for stream, number, row in zip(some, first.tolist(), samples, strict=True):
+            stream.take(int(number), row)
 
 
 def _is_recorded(signal: Signal) -> bool:

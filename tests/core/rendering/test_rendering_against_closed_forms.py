@@ -251,14 +251,14 @@ def test_order_of_voices_does_not_matter() -> None:
 
 
 class Counted(Sine):
-    """A tone that counts the samples asked of it."""
+    """A tone that counts the values asked of it."""
 
     __slots__ = ()
     counts: list[int] = []  # noqa: RUF012
 
-    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> np.ndarray:
-        self.counts.append(count)
-        return Sine.sample(self, start, count, sample_rate, onset)
+    def values(self, times: np.ndarray, step: float) -> np.ndarray:
+        self.counts.append(len(times))
+        return Sine.values(self, times, step)
 
 
 def test_inaudible_voices_are_not_rendered() -> None:
