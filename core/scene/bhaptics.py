@@ -1,4 +1,4 @@
-"""The motors of bHaptics devices and the body parts that they stand for."""
+"""The motors of bHaptics devices and the body parts that they represent."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _HEIGHTS = {"upper_back": (0.0, 0.4), "middle_back": (0.4, 1.0), "chest": (0.0, 
 
 
 def region(part: BodyPart, places: Sequence[tuple[float, float]]) -> list[int]:
-    """Indices of the motors at ``places`` that stand for a body part."""
+    """Indices of the motors at ``places`` that represent a body part."""
     device = part.bhaptics or ""
     across = _HALVES[part.side] if device.startswith("Vest") or device == "Head" else (0.0, 1.0)
     along = _HEIGHTS.get(part.name.partition(".")[0], (0.0, 1.0))

@@ -1,7 +1,7 @@
-"""The 25 body parts that a listener can stand for, and how other systems name them: one table for devices, formats and the body kit.
+"""The 25 body parts that a listener can represent, and their names in other systems: one table for devices, formats and the body kit.
 
 It is `body_parts.json`. Masks: bits of HapticReferenceSoftware's OHM metadata (HEAD_FRONT 0x1 ... L_FOOT_FINGERS 0x80000000). A whole hand
-is palm, dorsum and fingers; a whole foot likewise. Arms have no region of their own in WYVRN's files: they go to the hand of the same limb.
+is palm, dorsum and fingers; a whole foot likewise. WYVRN's files have no region for arms: they are mapped to the hand of the same limb.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class BodyPart:
     mpeg_target: ``body_part_target`` strings of ISO/IEC 23090-31, from the region to the side.
     wyvrn_target: nearest of the five regions that a WYVRN ``haptic.config`` can address.
     wyvrn_side: its ``Spatialization``.
-    bhaptics: position of the bHaptics device that covers the part, or None where the maker has none.
+    bhaptics: position of the bHaptics device that covers the part, or None if there is none.
     radius: default bounding radius of an adult's part, in metres.
     """
 
@@ -61,5 +61,5 @@ DEFAULT_LISTENERS: tuple[str, ...] = tuple(_TABLE["default_listeners"])
 
 
 def body_part(name: str) -> BodyPart:
-    """The body part called ``name``. Raises ValueError that lists the known names."""
+    """The body part called ``name``. Raises ValueError, which lists the known names, for any other."""
     return named(name, BODY_PART, "body part")

@@ -1,4 +1,4 @@
-"""The body as a picture: the places of the 25 parts on a figure seen from the front and one from behind; `body_map.json`.
+"""Picture of the body from `body_map.json`: the positions of the 25 parts on a front view and a back view.
 
 A figure is 2 units high, its middle at x = 0, its feet at y = 0; the wearer's left is at the right of the figure seen from the front.
 """
@@ -28,7 +28,7 @@ class Limb:
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """An actuator of a body part: across from the wearer's left and down, 0 to 1, and its part of the amplitude."""
+    """An actuator of a body part: coordinates from the wearer's left and from the top, 0 to 1, and its share of the amplitude."""
 
     part: str
     across: float
@@ -37,7 +37,7 @@ class Spot:
 
 
 _TABLE = json.loads(Path(__file__).with_name("body_map.json").read_text("utf-8"))
-"""By view: what lies on the midline, and what on the wearer's left side, as it is seen from behind, where that is x < 0."""
+"""By view: the shapes on the midline and on the wearer's left side, as seen from behind, where that side is x < 0."""
 
 
 def _limb(row: Mapping[str, Any], side: str, mirror: float) -> Limb:
@@ -46,7 +46,7 @@ def _limb(row: Mapping[str, Any], side: str, mirror: float) -> Limb:
 
 
 def figure(view: View) -> tuple[Limb, ...]:
-    """All parts that are seen from the front or from behind."""
+    """All parts that are visible from the front or from behind."""
     turn = -1.0 if view == "front" else 1.0
     midline = [_limb(row, "", 1.0) for row in _TABLE[view]["midline"]]
     return (*midline, *(_limb(row, side, mirror) for row in _TABLE[view]["left"] for side, mirror in ((".L", turn), (".R", -turn))))

@@ -1,4 +1,4 @@
-"""Enumerations of an author's choices, and a limit that properties share."""
+"""Enumerations of an author's choices, and the largest ducking."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ MOST_DUCKING = 60.0
 
 
 class Mode(enum.StrEnum):
-    """The four renderings of the paper's study."""
+    """The four rendering modes of the paper's study."""
 
     HT = "HT"  # haptic graph, the objects' own functions
     SD = "SD"  # haptic graph, only the listener nearest to the source, distance alone
@@ -28,7 +28,7 @@ class Strategy(enum.StrEnum):
 
 
 class Extent(enum.StrEnum):
-    """What a listener feels of its bounding volume, a sphere."""
+    """How the bounding sphere of a listener enters the gain."""
 
     NONE = "none"  # the listener is a point
     STRONGEST = "strongest"  # the largest gain over the volume
@@ -45,5 +45,5 @@ class TriggerKind(enum.StrEnum):
 
     TIMES = "times"  # at given times
     HIT = "hit"  # an impact of its object
-    PASSING = "passing"  # an object comes into a region
+    PASSING = "passing"  # an object enters a region
     LEVEL = "level"  # a value rises above 0

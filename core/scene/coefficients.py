@@ -1,4 +1,4 @@
-"""The paper's two coefficients of an object, κ and ρ, and the one number they act through."""
+"""The paper's two coefficients of an object, κ and ρ, and their product ``(1 - κ) ρ``."""
 
 from __future__ import annotations
 
@@ -16,6 +16,6 @@ def transfer_coefficient(kappa: _Value, rho: _Value) -> _Value:
 
 
 def coefficients_of(k: float, rho: float) -> tuple[float, float]:
-    """Return κ and ρ in [0, 1] with ``(1 - kappa) rho = k``, ``rho`` kept where it allows that."""
+    """Return κ and ρ in [0, 1] with ``(1 - kappa) rho = k``; ρ is kept if possible."""
     k = min(max(k, 0.0), 1.0)
     return (1.0 - k / rho, rho) if rho >= k and rho > 0 else (0.0, k)

@@ -1,4 +1,4 @@
-"""What an impact needs and what it plays."""
+"""Rules for impacts: their conditions and their signals."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from .functions.modulation import require
 class ImpactTemplates(enum.StrEnum):
     """The signals that impacts play."""
 
-    PLAIN = "plain"  # one for all
-    BY_MATERIAL = "by_material"  # of the two impact materials, the plain one where either is unknown
+    PLAIN = "plain"  # one template for all
+    BY_MATERIAL = "by_material"  # that of the two impact materials, the plain one if either is unknown
 
 
 Curve = tuple[float, float]
-"""A value that goes with the strength of impacts: of the weakest, and of those of full energy."""
+"""A value that depends on the strength of an impact: at the least and at the full energy."""
 
 RANGES = {"gain": (0.0, 1.0), "pitch": (0.25, 4.0), "decay": (0.01, 1.0), "brightness": (0.0, 1.0)}
-"""What the curves may range over."""
+"""Ranges of the curves' values."""
 BENDS = (0.1, 10.0)
 QUIETEST = 1e-4
 """Least peak of a signal that is played once."""
 _STEPS = 48
-"""Pitches an octave, 1.5 % apart, a tenth of what skin tells apart: recordings need a kernel for each."""
+"""Pitches per octave, 1.5 % apart (a tenth of the skin's difference threshold), because recordings need a kernel for each."""
 
 
 def require_template(key: str, signal: Signal) -> None:
-    """Raise ValueError that names ``key`` where impacts and triggers can't play a signal."""
+    """Raise ValueError that names ``key`` if impacts and triggers cannot play the signal."""
     if not signal.duration <= LONGEST:
         raise ValueError(f"{key}: the signal of an impact or a trigger must end within {LONGEST:g} seconds")
     if not signal.peak >= QUIETEST:
@@ -41,8 +41,8 @@ def require_template(key: str, signal: Signal) -> None:
 
 @dataclass(frozen=True, slots=True)
 class ImpactLimits:
-    """An impact is a begin of contact with at least ``least_energy`` (E_min) joules; ``full_energy`` (E_max) gives full strength. A pair
-    makes no second impact within ``refractory`` seconds."""
+    """Conditions of an impact: a new contact with at least ``least_energy`` (E_min) joules; ``full_energy`` (E_max) gives amplitude 1. A
+    pair has no second impact within ``refractory`` seconds."""
 
     least_energy: float = 5.0
     full_energy: float = 100.0
@@ -57,9 +57,9 @@ class ImpactLimits:
 
 @dataclass(frozen=True, slots=True)
 class ImpactRule:
-    """What impacts play: the ``template`` with amplitude ``gain``, and with ``pitch``, ``decay`` and ``brightness`` as `Struck` has them.
-    Each of these is weak + (full - weak) s at strength s = min(energy / E_max, 1)^``bend``. ``variation`` in [0, 1]: by what part impacts
-    differ, chosen by ``seed``. ``limits``: where they are not those of the scene."""
+    """Signal of impacts: the ``template`` with amplitude ``gain``, modified by ``pitch``, ``decay`` and ``brightness`` as in `Struck`.
+    Each of these is weak + (full - weak) s at strength s = min(energy / E_max, 1)^``bend``. ``variation`` in [0, 1]: largest relative
+    deviation of single impacts, drawn by ``seed``. ``limits``: None for those of the scene."""
 
     template: ImpactTemplates | Signal = ImpactTemplates.BY_MATERIAL
     gain: Curve = (0.0, 1.0)
@@ -83,11 +83,12 @@ class ImpactRule:
 
     @property
     def slowest(self) -> float:
-        """The least pitch that any impact has."""
+        """The least pitch of any impact."""
         return max(min(self.pitch) * (1.0 - self.variation), RANGES["pitch"][0])
 
     def played(self, template: Signal, energy: float, names: tuple[str, str], onset: float) -> tuple[Signal, float]:
-        """The signal and the amplitude of an impact between two objects at ``onset`` [s]; ``energy``: part of the full one, up to 1."""
+        """The signal and the amplitude of an impact between two objects at ``onset`` [s]; ``energy``: fraction of the full energy, at most
+        1."""
         strength = energy**self.bend
         gain, pitch, decay, brightness = (weak + (full - weak) * strength for weak, full in (getattr(self, key) for key in RANGES))
         higher, shorter, weaker = _chances(self.seed, names, onset) if self.variation else (0.5, 0.0, 0.0)
@@ -102,7 +103,7 @@ class ImpactRule:
 
 
 def _chances(seed: int, names: tuple[str, str], onset: float) -> tuple[float, float, float]:
-    """Three numbers in [0, 1] that depend on nothing else: the same for the same impact, whatever is rendered and wherever."""
+    """Three pseudo-random numbers in [0, 1] that depend only on the arguments, so that an impact is the same in every rendering."""
     first, second = sorted(names)
     text = f"{seed}\0{first}\0{second}\0{round(1000.0 * onset)}"
     a, b, c = (number / (2**32 - 1) for number in struct.unpack("<3I", blake2b(text.encode(), digest_size=12).digest()))

@@ -1,9 +1,10 @@
-"""Named materials: what things are made of, and how that passes haptic signals on.
+"""The material library: named materials and their propagation properties.
 
 The values are in `materials.json`. Measured, from the tables named below: ``density``, ``wave_speed``, ``conductivity``, and, to an order
 of magnitude, ``loss_factor``.
-Chosen by design: ``kappa`` and ``rho``, which are the paper's coefficients and no quantities of physics (only ``(1 - kappa) rho`` counts),
-so that neighbours differ by more than the skin's difference threshold; and ``absorption`` where no wave speed decides it.
+Chosen by design: ``kappa`` and ``rho``, which are coefficients of the paper without physical meaning (only ``(1 - kappa) rho`` counts), so
+that neighbouring materials differ by more than the skin's difference threshold; and ``absorption`` of materials without a single wave
+speed.
 
 Wave speeds of solids are those of extensional waves in rods: CRC Handbook of Chemistry and Physics, "Speed of Sound in Various Media"; of
 building materials, cork, rubber and wood along the grain: The Engineering ToolBox, "Speed of Sound in common Solids". Thermal
@@ -11,9 +12,9 @@ conductivities and densities: EN ISO 10456, CIBSE Guide A tables 3.36 and 3.37; 
 Cremer, Heckl and Petersson, "Structure-Borne Sound"; they vary by a factor of 2 to 10 between specimens. Loose soil and sand: shear waves
 near the surface.
 
-Textures have measured periods where there are any: planed wood 14 marks of the knife an inch, finely planed 21 (Architectural Woodwork
-Institute); gravel and sand the middle of the sizes of medium gravel and coarse sand (ISO 14688-1); asphalt within the macrotexture of
-roads, 0.5 to 50 mm (ISO 13473-1); flesh the ridges of fingertips. Their other periods and all other values are chosen.
+Textures have measured periods where available: planed wood 14 marks of the knife an inch, finely planed 21 (Architectural Woodwork
+Institute); gravel and sand the mean grain sizes of medium gravel and coarse sand (ISO 14688-1); asphalt within the macrotexture of
+roads, 0.5 to 50 mm (ISO 13473-1); flesh the ridges of fingertips. All other values of textures are chosen.
 """
 
 from __future__ import annotations
@@ -36,11 +37,11 @@ _REFERENCE = 100.0
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """What a thing is made of.
+    """A material of the library.
 
-    name: as files and properties say it. title: as menus say it. kappa, rho: the paper's coefficients, in [0, 1].
-    density: kg/m^3. wave_speed: m/s, 0 where what is felt has no one speed. absorption: extra attenuation at 100 Hz, in 1/m.
-    conductivity: of heat, in W/(m K). words: names of the matter, things: of what is mostly made of it, in lower case.
+    name: identifier in files and properties. title: name in menus. kappa, rho: the paper's coefficients, in [0, 1].
+    density: kg/m^3. wave_speed: m/s, 0 if there is no single speed. absorption: extra attenuation at 100 Hz, in 1/m.
+    conductivity: thermal, in W/(m K). words: names of the material, things: names of objects usually made of it, in lower case.
     """
 
     name: str
@@ -56,12 +57,12 @@ class Material:
 
     @property
     def k(self) -> float:
-        """The transfer coefficient, the one number of the two that the paper's function depends on."""
+        """The transfer coefficient (1 - κ) ρ of the paper's function."""
         return transfer_coefficient(self.kappa, self.rho)
 
     @property
     def band_decays(self) -> tuple[float, ...]:
-        """Extra attenuation in each frequency band, in 1/m: proportional to frequency, as a constant loss factor makes it."""
+        """Extra attenuation in each frequency band, in 1/m: proportional to frequency, because the loss factor is constant."""
         return tuple(self.absorption * centre / _REFERENCE for centre in BAND_CENTRES)
 
 
@@ -75,7 +76,7 @@ TABLE: Mapping[str, Mapping[str, Any]] = json.loads(Path(__file__).with_name("ma
 
 
 def _material(name: str, row: Mapping[str, Any]) -> Material:
-    """Absorption is measured by wave speed and loss factor, or chosen where there is no one wave speed."""
+    """A material from its row; absorption follows from wave speed and loss factor, or is given if there is no single wave speed."""
     return Material(
         name=name,
         **{key: row[key] for key in ("title", "kappa", "rho", "density", "conductivity")},
@@ -95,9 +96,10 @@ _ENDINGS = ("", "s", "es", "en", "y", "ic", "ed")
 
 
 def named_in(text: str) -> Material | None:
-    """The material that a name of a thing speaks of: of its matter ("Oak Bench.001", "rustyMetal_2"), else of the thing itself ("Anvil").
+    """The material suggested by an object's name: by a material in it ("Oak Bench.001", "rustyMetal_2"), else by the kind of object
+    ("Anvil").
 
-    Of several the last counts ("Glass Table"); None where there is none.
+    Of several the last counts ("Glass Table"); None without any.
     """
     words = re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])", " ", text).lower())
     for known in (_WORDS, _THINGS):
@@ -110,7 +112,7 @@ def named_in(text: str) -> Material | None:
 
 
 def texture_in(text: str) -> Mapping[str, float]:
-    """The values of a `Texture` of the material that a name of a thing speaks of; none where it speaks of none, or of a fluid."""
+    """The values of a `Texture` of the material suggested by an object's name; empty without one, and for a fluid."""
     material = named_in(text)
     return {} if material is None else TABLE[material.name].get("texture", {})
 
@@ -126,10 +128,10 @@ def is_wide_and_flat(size: tuple[float, float, float]) -> bool:
 
 
 def guess(names: Iterable[str], size: tuple[float, float, float] | None = None, mass: float | None = None) -> Material | None:
-    """The material that a thing is probably made of, or None.
+    """The probable material of an object, or None.
 
-    names: of its surfaces, itself, its mesh, the most telling first. size: extent along x, y and z in metres; what is wide and flat is
-    ground. mass: kg, where the author has set it; what it weighs for the size of its bounding box then decides.
+    names: those of its surfaces, itself and its mesh, the most specific first. size: extent along x, y and z in metres; a wide and flat
+    object is ground. mass: kg, if the author has set it; without a match by name, the density of the bounding box then decides.
     """
     for name in names:
         material = named_in(name)

@@ -3,16 +3,16 @@
 Loss factors and speeds of metals: the tables of Cremer and Heckl as transcribed by Irvine, "Damping Properties of Materials" (2004).
 Soil, sand and gravel: DIN 4150-1:2001 and DIN 45672-1:2009 (material damping and wave speeds of ground). Flesh: surface waves on skin,
 doi 10.1117/1.1803843 and, for their 7 m/s, doi 10.1371/journal.pone.0031203; shear waves in muscle, PMC9631468. Concrete's loss factor:
-EN 12354-1. What is built into a house loses 1 to 3 dB per metre at 150 to 3000 Hz (Acustica 2, 1952, "Absorption of structure-borne
-sound in building materials"). Where no source is named the values are the usual ranges of Cremer, Heckl and Petersson, "Structure-Borne
+EN 12354-1. Building elements in place lose 1 to 3 dB per metre at 150 to 3000 Hz (Acustica 2, 1952, "Absorption of structure-borne
+sound in building materials"). Values without a source are the usual ranges of Cremer, Heckl and Petersson, "Structure-Borne
 Sound", and count as estimated.
 
 Parts of a body move as a whole up to their resonances: ankle 16 to 39 Hz, midfoot 51 to 84, toes 99 to 147 (Goggins, 24 places of the
 foot of 21 people, wbldb.lievers.net/10176750; ankle 25 to 30 Hz, metatarsals 50 Hz, doi 10.3233/OER-160236), knee 20 to 30 Hz, where
 platforms amplify, while little arrives at the hip (doi 10.3390/app14209516), elbow 8 Hz (Marchetti and others, Int. J. Ind. Ergon. 62,
-2017), fingertip 200 Hz (Lundström, J. Biomech. 17, 1984). As recalled, no curve could be read: wrist 20 to 40 Hz and shoulder 10 Hz (doi
-10.1016/j.jsv.2010.02.001), head and trunk 4 to 6 Hz, of which 0.5 to 0.7 is left at 15 to 20 Hz; above these, at most 0.2 at the elbow
-from 100 Hz and 0.1 at the shoulder from 50 Hz.
+2017), fingertip 200 Hz (Lundström, J. Biomech. 17, 1984). Cited from memory, without access to a curve: wrist 20 to 40 Hz and shoulder 10
+Hz (doi 10.1016/j.jsv.2010.02.001), head and trunk 4 to 6 Hz, with a transmissibility of 0.5 to 0.7 at 15 to 20 Hz; above the resonances, at
+most 0.2 at the elbow from 100 Hz and 0.1 at the shoulder from 50 Hz.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ IN_A_BUILDING = 0.23
 @dataclass(frozen=True, slots=True)
 class Damping:
     """Damping of vibration in a material. ``loss_factor`` with its ``loss_range``; ``speed`` of its waves [m/s] with its ``speed_range``:
-    extensional waves, or shear and surface waves of what is soft or loose. ``ground``: lies on the ground, and its waves run along the
-    surface. ``building``: walls and floors are made of it. ``estimated``: no published number is at hand."""
+    extensional waves, or shear and surface waves in soft or loose materials. ``ground``: a ground material, in which waves travel along the
+    surface. ``building``: a material of walls and floors. ``estimated``: without a published value."""
 
     loss_factor: float
     loss_range: tuple[float, float]
@@ -51,21 +51,21 @@ def _damping(row: Mapping[str, Any]) -> Damping:
 
 
 DAMPING: Mapping[str, Damping] = MappingProxyType({name: _damping(row["damping"]) for name, row in TABLE.items()})
-"""By name of the library's materials."""
+"""Damping by the names of the library's materials."""
 
 _LIMBS = json.loads(Path(__file__).with_name("limbs.json").read_text("utf-8"))
 LIMBS: Mapping[str, tuple[float, float]] = MappingProxyType({part: (row["resonance"], row["speed"]) for part, row in _LIMBS.items()})
-"""Of parts of a body: the resonance [Hz] up to which it moves as a whole, and the speed [m/s] that suits the loss above it."""
+"""By body part: the resonance [Hz] up to which it moves as a whole, and the wave speed [m/s] fitted to the loss above it."""
 
 SKIN = 0.005
 """Largest thickness of flesh that counts as skin [m]; also the radius of the area of skin that a small actuator excites."""
 
 _THIN = 0.25
-"""Of an extent to the next greater one: below this a body is a plate, or a rod."""
+"""Ratio of an extent to the next greater one below which a body is a plate or a rod."""
 
 
 def wave_in(name: str, size: tuple[float, float, float]) -> tuple[Wave, float]:
-    """How vibration travels in a body of a material with bounding box ``size`` [m], and its thickness [m]."""
+    """The wave type in a body of a material with bounding box ``size`` [m], and its thickness [m]."""
     small, middle, large = sorted(size)
     if name == "flesh":
         return (Wave.LIMB if small > SKIN else Wave.SURFACE), small
@@ -79,8 +79,8 @@ def wave_in(name: str, size: tuple[float, float, float]) -> tuple[Wave, float]:
 def physical(name: str, size: tuple[float, float, float], in_a_building: bool = False, part: str = "") -> Physical:
     """The propagation function of a body of a material of the library, from its bounding box ``size`` [m].
 
-    ``in_a_building``: a wall or floor in place, whose edges and joints take what the material alone would pass on. ``part``: which part of
-    a body it is, without its side, where it is of flesh.
+    ``in_a_building``: the body is a wall or floor in place, whose edges and joints add attenuation. ``part``: the body part, without its
+    side, if it is of flesh.
     """
     damping, material = DAMPING[name], MATERIALS[name]
     wave, thickness = wave_in(name, size)

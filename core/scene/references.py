@@ -1,4 +1,4 @@
-"""Checks of names and of references to them, which say where in a scene an error is."""
+"""Checks of names and references, with the place of an error in the scene."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Place = tuple[str | int, ...]
 
 
 class PlacedError(ValueError):
-    """An error in a scene; at ``place``, with its ``reason``."""
+    """An error in a scene, with its ``place`` and its ``reason``."""
 
     def __init__(self, place: Place, reason: str) -> None:
         super().__init__(f"{'/'.join(map(str, place))}: {reason}")
@@ -21,7 +21,7 @@ class PlacedError(ValueError):
 
 
 def named(name: str, known: Mapping[str, Item], kind: str) -> Item:
-    """What is called ``name``. Raises ValueError that lists the ``known`` names of that kind."""
+    """The item called ``name``. Raises ValueError, which lists the ``known`` names of that kind, if there is none."""
     if name not in known:
         raise ValueError(f"{kind} {name!r} is unknown: use one of {', '.join(known)}")
     return known[name]
@@ -34,7 +34,7 @@ def require_known(name: str, known: Container[str], kind: str, place: Place) -> 
 
 
 def require_unique(names: Sequence[str], kind: str, key: str) -> None:
-    """Raise PlacedError where an item of the list ``key`` has the name of an earlier one."""
+    """Raise PlacedError if an item of the list ``key`` has the name of an earlier one."""
     if len(set(names)) == len(names):
         return
     index = next(i for i, name in enumerate(names) if name in names[:i])

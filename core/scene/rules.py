@@ -1,4 +1,4 @@
-"""What moves objects, and what counts as a contact and as an impact between them."""
+"""Settings of motion, contacts and impacts."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Motion(enum.StrEnum):
 
 
 class ImpactEnergy(enum.StrEnum):
-    """The energy that decides on an impact."""
+    """The energy that is compared with an impact's limits."""
 
     KINETIC = "kinetic"  # the paper's: 1/2 m1 v1^2 + 1/2 m2 v2^2
     NORMAL = "normal"  # 1/2 mu v_n^2: relative motion along the normal, the same in every frame of reference
@@ -36,15 +36,14 @@ class ImpactEnergy(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ContactSettings:
-    """``tolerance``: a pair touches at a signed distance of at most so many metres, and goes on up to ``slack`` more.
+    """``tolerance`` [m]: a pair begins to touch at this signed distance, and parts at a distance larger by ``slack`` [m].
     ``patch_points``: one contact per point of a patch, with shares, instead of one at its centre.
 
-    An impact is a begin of contact with at least ``least_energy`` (E_min) joules; ``full_energy`` (E_max) gives amplitude 1; ``energy``
-    says how it is computed. A pair makes no second impact within ``refractory`` seconds. ``gravity`` [m/s^2] accelerates dynamic bodies
-    where too few frames show how they fall; ``time_scale``: simulated seconds per second of the timeline. ``impacts``: impacts make
-    temporary sources, which play the ``templates``. Where a row of ``impact_table`` fits a pair, its values count instead.
-    ``transmission_table``: what found contacts of a pair pass on; where no row fits, everything. ``textures``: what pairs play that slide
-    or roll on each other; where no row fits, nothing.
+    An impact is a new contact with at least ``least_energy`` (E_min) joules; ``full_energy`` (E_max) gives amplitude 1; ``energy`` says how
+    it is computed. A pair has no second impact within ``refractory`` seconds. ``gravity`` [m/s^2] accelerates dynamic bodies if too few
+    frames show their fall; ``time_scale``: simulated seconds per second of the timeline. ``impacts``: impacts make temporary sources, which
+    play the ``templates``, or the values of the matching row of ``impact_table``. ``transmission_table``: transmission functions of the
+    contacts that are found; gain 1 without a matching row. ``textures``: textures of pairs that slide or roll; none without a matching row.
     """
 
     tolerance: float = 0.01
@@ -77,21 +76,21 @@ class ContactSettings:
 
     @property
     def limits(self) -> ImpactLimits:
-        """What decides on impacts where no rule says something else."""
+        """The limits of impacts without a matching rule."""
         return _limits(self.least_energy, self.full_energy, self.refractory)
 
     def impact_rules(self) -> tuple[ImpactRule, ...]:
-        """What counts where no row of the table fits, and the rows."""
+        """The rule for pairs without a matching row, and those of all rows."""
         return _plain_rule(self.templates), *(row.does for row in self.impact_table.rows)
 
     def all_limits(self) -> tuple[ImpactLimits, ...]:
-        """What decides on impacts of any objects."""
+        """The limits of all impact rules."""
         return self.limits, *(rule.limits for rule in self.impact_rules() if rule.limits is not None)
 
     def impact_rule(self, first: tuple[str, str], second: tuple[str, str]) -> ImpactRule:
-        """What impacts of two objects, each given by name and material, play."""
+        """The rule for impacts of two objects, each given by name and material."""
         return self.impact_table.of(first, second) or _plain_rule(self.templates)
 
     def impact_limits(self, first: tuple[str, str], second: tuple[str, str]) -> ImpactLimits:
-        """What decides on impacts of two objects."""
+        """The limits for impacts of two objects."""
         return self.impact_rule(first, second).limits or self.limits

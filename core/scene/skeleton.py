@@ -1,4 +1,5 @@
-"""Body parts found on a skeleton by the common names of bones: those of Rigify, Mixamo, MakeHuman, Unreal, 3ds Max, VRM and their kin."""
+"""Body parts found on a skeleton by the common names of bones: those of Rigify, Mixamo, MakeHuman, Unreal, 3ds Max, VRM and similar
+rigs."""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ Point = FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Bone:
-    """A bone at rest: its name, and where it begins and ends in the space of its skeleton."""
+    """A bone at rest: its name, head and tail in the space of its skeleton."""
 
     name: str
     head: tuple[float, float, float]
@@ -25,7 +26,7 @@ class Bone:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a body part is: the bone that carries it, and its position in the space of the skeleton at rest."""
+    """Location of a body part: its bone, and its position in the space of the skeleton at rest."""
 
     bone: str
     position: tuple[float, float, float]
@@ -57,7 +58,7 @@ _MAKEHUMAN_INDEX = 2  # its fingers are numbered: finger1 is the thumb
 
 _BACK = (-0.06, 0.055)
 _OFF_THE_BONE = {"ear": (0.0, 0.045), "belly": (0.06, 0.0), "chest": (0.06, 0.055), "upper_back": _BACK, "middle_back": _BACK}
-"""From the middle of a bone to the skin in front, and to the side, in parts of the body's height."""
+"""Distance from the middle of a bone to the skin in front, and to the side, as fractions of the body's height."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +72,7 @@ class _Named:
 
     @property
     def rank(self) -> tuple[bool, bool, tuple[int, ...], int]:
-        """Sort key, of which the lowest is preferred: deforming bones, then others, then helpers; the first of a chain."""
+        """Sort key, the lowest preferred: deforming bones, then others, then helpers; the first of a chain."""
         return (self.bone.name.startswith(_SECOND_RATE), not self.bone.name.startswith("DEF-"), self.numbers, len(self.bone.name))
 
     @property
@@ -88,9 +89,9 @@ class _Named:
 
 
 def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dict[str, Place]:
-    """Where the body parts are, by their names; those that the skeleton has no bone for are left out.
+    """Locations of the body parts by name, without those for which the skeleton has no bone.
 
-    Raises ValueError where it is not the skeleton of a body: without a head, hips, or left and right.
+    Raises ValueError if the skeleton has no head, no hips, or no left and right.
     """
     named = [_taken_apart(bone) for bone in bones]
     limbs = {(part, side): found for part, names in _LIMBS.items() for side in "LR" if (found := _first(named, names, side)) is not None}
@@ -129,7 +130,7 @@ def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dic
 
 
 def part_in(text: str) -> str:
-    """The part of a body, without its side, that the name of a thing speaks of, the last of several: "Avatar Upper Arm.L". "" for none."""
+    """The body part, without its side, in an object's name such as "Avatar Upper Arm.L"; the last of several; "" for none."""
     words = [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", text)]
     for pair in zip(reversed(["", *words[:-1]]), reversed(words), strict=True):
         for name in ("".join(pair), pair[1]):
@@ -139,7 +140,7 @@ def part_in(text: str) -> str:
 
 
 def partner(name: str, others: Iterable[str]) -> str:
-    """The bone of ``others`` on the other side of the body; the bone itself where it has no side or no partner."""
+    """The bone of ``others`` on the other side of the body; the bone itself if it has no side or no partner."""
     own = _taken_apart(Bone(name, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
     wanted = (own.base, own.numbers, {"L": "R", "R": "L", "": "none"}[own.side], name.startswith("DEF-"), name.startswith(_SECOND_RATE))
     for other in others:
@@ -166,7 +167,7 @@ def _taken_apart(bone: Bone) -> _Named:
 
 
 def _first(named: list[_Named], names: tuple[str, ...], side: str = "") -> _Named | None:
-    """The best bone that has the first of ``names`` that any has."""
+    """The best bone with the first of ``names`` that any bone has."""
     for name in names:
         found = [n for n in named if n.base == name and n.side == side]
         if found:
@@ -195,7 +196,7 @@ def _trunk(named: list[_Named]) -> tuple[list[_Named], _Named | None, _Named | N
 
 
 def _height(head: _Named, limbs: dict[tuple[str, str], _Named], up: Point, hips: _Named) -> float:
-    """From the soles to the middle of the head; where there are no feet, twice from the hips."""
+    """Distance from the soles to the middle of the head; without feet, twice that from the hips."""
     feet = [limbs["foot", side].tail for side in "LR" if ("foot", side) in limbs]
     if not feet:
         return 2.0 * float(np.linalg.norm(head.middle - hips.head))

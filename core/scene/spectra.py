@@ -1,4 +1,4 @@
-"""How the energy of sources spreads over the frequency bands."""
+"""Energy of sources by frequency band."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from .values import Source
 _RATE = 2000
 _SECONDS = 1.0
 _STRONG = 0.1
-"""Part of the energy from which on a band counts as one in which a source is strong."""
+"""Least fraction of a source's energy in a strong band."""
 
 
 def source_energies(sources: Sequence[Source]) -> FloatArray:
-    """Energies (s, bands) of the first second of each source, its amplitude included; what lies outside all bands is in the outer ones."""
+    """Energies (s, bands) of the first second of each source, including its amplitude; energy outside all bands is added to the outermost
+    ones."""
     return np.array([_energies(source) * source.amplitude**2 for source in sources]).reshape(-1, BAND_COUNT)
 
 
 def leading_band(source: Source) -> int:
-    """The lowest band in which a source is strong: of what it emits, what arrives furthest away. The lowest one of all where it is silent
-    in its first second."""
+    """The lowest strong band of a source, which usually carries furthest; band 0 if it is silent in its first second."""
     energies = _energies(source)
     return int((energies > _STRONG * energies.sum()).argmax())
 

@@ -1,4 +1,4 @@
-"""What objects play that slide or roll on each other.
+"""Textures: the signals of objects that slide or roll on each other.
 
 Fundamental: speed over spatial period, as measured at the wrist (Delhaye et al., Front. Behav. Neurosci. 6, 2012). Levels: of dry sliding
 surfaces the power 3/4 of the speed ("Influence of sliding speed on roughness noise", 2019), of rolling wheels 30 lg v (Thompson, "Railway
@@ -26,22 +26,22 @@ RANGES = {
     "full_force": (1e-3, 1e9),
     "full_speed": (1e-3, 1e3),
 }
-"""What the values of a texture may range over."""
+"""Ranges of a texture's values."""
 
 _ROUNDING = 1e-9
-"""Seconds by which a piece ends early, at 0, so that none of it is left in the frame after its own."""
+"""Seconds by which a piece ends early, so that nothing of it remains in the following frame."""
 _AS_STRONG = 1.5 * math.sqrt(2.0)
-"""Amplitude at which interpolated uniform noise times a sine has the power of the sine."""
+"""Amplitude of interpolated uniform noise whose product with a sine has the power of the sine."""
 
 
 @dataclass(frozen=True, slots=True)
 class Texture:
-    """Two surfaces: at v m/s they play a tone of v / ``period`` hertz.
+    """The texture of two surfaces: at v m/s they emit a tone of v / ``period`` hertz.
 
-    ``period`` [m] of what is passed over. ``noise`` in [0, 1]: part of the power that is a band of noise about the tone instead, as wide as
-    ``bandwidth`` times its frequency, but no narrower than the frame rate. Below ``stick_speed`` [m/s] they stick and slip: the slower, the
-    more of the sine is a saw. The amplitude is ``sliding`` (F / ``full_force``)^(1/2) (v / ``full_speed``)^(3/4) where they slide, and
-    ``rolling`` (F / full_force)^(1/2) (v / full_speed)^(3/2) where they roll, with F newtons between them; at most sliding or rolling.
+    ``period`` [m]: distance of ridges or grains. ``noise`` in [0, 1]: fraction of the power in a band of noise around the tone, as wide as
+    ``bandwidth`` times its frequency, but at least the frame rate. Below ``stick_speed`` [m/s] they stick and slip: the slower, the
+    more the sine changes to a sawtooth. The amplitude is ``sliding`` (F / ``full_force``)^(1/2) (v / ``full_speed``)^(3/4) where they slide,
+    and ``rolling`` (F / full_force)^(1/2) (v / full_speed)^(3/2) where they roll, with F newtons between them; at most sliding or rolling.
     """
 
     period: float = 0.005
@@ -59,7 +59,7 @@ class Texture:
                 raise ValueError(f"{key}: must be from {low:g} to {high:g}, got {getattr(self, key)!r}")
 
     def amplitude(self, speed: float, force: float, rolls: bool) -> float:
-        """At a speed [m/s] and a force [N]; one that is unknown, NaN, counts as the full one."""
+        """Amplitude at a speed [m/s] and a force [N]; NaN, an unknown force, counts as the full force."""
         if not speed < self.period * MAX_FREQUENCY:
             return 0.0
         most, power = (self.rolling, OF_ROLLING) if rolls else (self.sliding, OF_SLIDING)
@@ -67,13 +67,13 @@ class Texture:
         return most * min(math.pow(pressed, OF_FORCE) * math.pow(speed / self.full_speed, power), 1.0)
 
     def piece(self, speed: float, cycles: float, step: float, seed: int) -> Signal:
-        """What they play at constant ``speed`` for two frames of ``step`` seconds, ``cycles`` into the tone in the middle: it comes in over
-        one frame and goes over the other, so that pieces of consecutive frames add up to one sound."""
+        """The signal at constant ``speed`` over two frames of ``step`` seconds, with the phase ``cycles`` in the middle. It fades in over
+        one frame and out over the other, so that overlapping pieces of consecutive frames add up to one signal."""
         frequency = speed / self.period
         phase = cycles - frequency * step
         phase -= math.floor(phase)
         sticks = max(1.0 - speed / self.stick_speed, 0.0) if self.stick_speed else 0.0
-        # The squares of sine and cosine add up to one: amplitudes of the tone, which goes through, and powers of noises, which differ.
+        # The squares of sine and cosine add up to one: the amplitudes of the coherent tone and the powers of the incoherent noises.
         fades = Sine(0.25 / step)
         parts: list[Signal] = []
         for part, wave, shift in ((1.0 - sticks, Sine, 0.0), (sticks, Saw, 0.5)):  # both rise through 0 at the same time

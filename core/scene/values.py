@@ -1,7 +1,7 @@
-"""The haptic scene: what a designer authors, as plain values.
+"""The haptic scene as immutable values.
 
-Words and defaults are those of the Haptic Tracing paper. Lengths in metres, masses in kilograms, times in seconds, amplitudes in [0, 1].
-Everything is checked when it is made: a scene that exists is a valid one.
+Terms and defaults are those of the Haptic Tracing paper. Lengths in metres, masses in kilograms, times in seconds, amplitudes in [0, 1].
+Constructors validate their arguments, so every scene object is valid.
 """
 
 from __future__ import annotations
@@ -50,7 +50,8 @@ _Item = TypeVar("_Item")
 
 
 def _with(item: _Item, **checked: Any) -> _Item:
-    """A copy with other values of some fields. Unlike `dataclasses.replace` it checks nothing again: places change in every frame."""
+    """A copy with other values of some fields. Unlike `dataclasses.replace` it repeats no validation, because positions change in every
+    frame."""
     copy = object.__new__(type(item))
     for name in type(item).__slots__:  # type: ignore[attr-defined]
         object.__setattr__(copy, name, checked[name] if name in checked else getattr(item, name))
@@ -59,9 +60,9 @@ def _with(item: _Item, **checked: Any) -> _Item:
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """How propagation is done. ``max_connections`` None and ``threshold`` 0 lift the limits; ``tolerance`` is the relative error
-    wanted of a sum over all paths where its exact value is out of reach (0.01: 1 %). ``localise`` in [0, 1], in mode HT: what all listeners
-    but the nearest to each source feel is multiplied by 1 - localise, so that 1 leaves it to the nearest alone."""
+    """Settings of propagation. ``max_connections`` None and ``threshold`` 0 lift the limits; ``tolerance`` is the relative error requested
+    of a sum over all paths if its exact value is infeasible (0.01: 1 %). ``localise`` in [0, 1], in mode HT: the gain at all listeners but
+    the nearest to each source is multiplied by 1 - localise; at 1 only the nearest feels it."""
 
     mode: Mode = Mode.HT
     strategy: Strategy = Strategy.AUTO
@@ -97,15 +98,15 @@ class Pose:
         length = math.hypot(*rotation)
         if length < 1e-12:
             raise ValueError("rotation: a quaternion of length 0 is no rotation")
-        # One that is normalised already stays as it is to the last bit, through any number of files.
+        # A normalised quaternion keeps all its bits, through any number of files.
         object.__setattr__(self, "rotation", rotation if abs(length - 1) < 1e-12 else tuple(v / length for v in rotation))
 
 
 @dataclass(frozen=True, slots=True)
 class HapticObject:
-    """Transmits haptic data. ``kappa`` and ``rho`` in [0, 1]. Contacts are found from ``shape`` (`core.contacts.shapes`) and ``pose``.
-    ``impact_material``: what it feels like when it is hit, a key of `IMPACT_MATERIALS`, "" where that is unknown. ``material``: what it is
-    made of by the library's name, for tables of rules."""
+    """An object that transmits haptic signals. ``kappa`` and ``rho`` in [0, 1]. Contacts are found from ``shape`` (`core.contacts.shapes`)
+    and ``pose``. ``impact_material``: key of `IMPACT_MATERIALS` for the signal of its impacts, "" if unknown. ``material``: name of its
+    material in the library, for rule tables."""
 
     name: str
     kappa: float
@@ -138,8 +139,8 @@ _IDENTITY = Identity()  # one for all contacts: recordings have hundreds of thou
 class Contact:
     """Two touching objects: one contact node on each, ``positions[k]`` on ``objects[k]`` (world, metres).
 
-    ``share`` is this contact's part of its patch: shares of one patch add up to 1. ``weight`` multiplies what it passes on: less than 1
-    where the surfaces are further apart than those of bodies at rest. ``normal`` is a unit vector from the first object to the second.
+    ``share`` is this contact's fraction of its patch: shares of one patch add up to 1. ``weight`` multiplies its gain; it is less than 1 if
+    the surfaces are further apart than those of bodies at rest. ``normal`` is a unit vector from the first object to the second.
     """
 
     objects: tuple[str, str]
@@ -172,9 +173,9 @@ class Contact:
 class Trigger:
     """What makes a source play its signal once.
 
-    times: at ``times`` [s], each with its strength in [0, 1], 1 where there are no ``strengths``; or, where ``by`` names the objects that
-    struck, with the part of the full energy. hit: impacts of the source's object. passing: the origin of ``object`` comes into the box of
-    edges ``size`` [m] at ``pose``, a plane where one of them is 0. level: ``value`` rises above 0, which a file has as times.
+    times: at ``times`` [s], each with its strength in [0, 1], 1 without ``strengths``; if ``by`` names the striking objects, strengths are
+    fractions of the full energy. hit: impacts of the source's object. passing: the origin of ``object`` enters the box of edges ``size``
+    [m] at ``pose``, a plane if one of them is 0. level: ``value`` rises above 0; files store the times.
     """
 
     on: TriggerKind
@@ -204,8 +205,8 @@ class Trigger:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Emits a signal. A source made by an impact, or by what slides or rolls, also feeds ``second_object``, the other side of its
-    contact. A source with ``triggers`` is silent but for its signal once per trigger; None: it needs none."""
+    """Emits a signal. A source of an impact, or of sliding or rolling, also excites ``second_object``, the other side of its contact. A
+    source with ``triggers`` plays its signal only once per trigger; None: it plays without triggers."""
 
     name: str
     object: str
@@ -233,21 +234,20 @@ class Source:
 
     @property
     def rubs(self) -> bool:
-        """True for what slides or rolls: such a source ends with its signal, and may begin anew under its name."""
+        """True for a source of sliding or rolling, which ends with its signal and may begin again under its name."""
         return self.kind is SourceKind.PERSISTENT and self.second_object is not None
 
     def moved(self, position: Iterable[float], second_position: Iterable[float] | None = None) -> Source:
-        """The same source elsewhere; its second side stays where it is unless that is given. Raises ValueError where a number is not
-        finite."""
+        """The same source elsewhere; its second position is kept unless it is given. Raises ValueError if a number is not finite."""
         second = self.second_position if second_position is None else _finite_vector("second_position", second_position)
         return _with(self, position=_finite_vector("position", position), second_position=second)
 
 
 @dataclass(frozen=True, slots=True)
 class Listener:
-    """Samples haptic data at a place of the body. ``radius`` [m] is that of its bounding volume, ``extent`` what it feels of that.
-    ``mixing_expression``: the formula over `MIXING_VARIABLES` of ``custom`` mixing. ``limiter``: the mix is turned down, not cut, where it
-    would be above ``s_max``. ``ducking`` [dB]: by how much what has a higher priority turns the rest down."""
+    """Receives signals at a point of the body. ``radius`` [m] is that of its bounding volume; ``extent`` says how the volume enters the
+    gain. ``mixing_expression``: the formula over `MIXING_VARIABLES` of ``custom`` mixing. ``limiter``: peaks above ``s_max`` are attenuated
+    instead of clipped. ``ducking`` [dB]: attenuation of sources while one of higher priority arrives."""
 
     name: str
     object: str
@@ -281,14 +281,14 @@ class Listener:
                 raise ValueError(f"mixing_expression: {str(error).removeprefix('expression: ')}") from None
 
     def moved(self, position: Iterable[float]) -> Listener:
-        """The same listener elsewhere. Raises ValueError where a number is not finite."""
+        """The same listener elsewhere. Raises ValueError if a number is not finite."""
         return _with(self, position=_finite_vector("position", position))
 
 
 @dataclass(frozen=True, slots=True)
 class HapticScene:
-    """Objects, contacts, sources and listeners. Names are unique within their list; every reference resolves. ``rules``: what counts as a
-    contact and as an impact where these are found from shapes and poses."""
+    """Objects, contacts, sources and listeners. Names are unique within their list; every reference resolves. ``rules``: settings for
+    contacts and impacts that are found from shapes and poses."""
 
     objects: tuple[HapticObject, ...] = ()
     contacts: tuple[Contact, ...] = ()

@@ -1,4 +1,4 @@
-"""A number that changes over time: straight lines between keys."""
+"""Automation of parameters: piecewise linear functions of time."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Automation:
         if np.any(widths < 0):
             raise ValueError("times: must not decrease")
         rises = np.diff(self.values)
-        # A jump, and a width so small that the slope would overflow, is never stepped into.
+        # No time lies within a jump or within a segment so short that its slope overflows.
         steps = widths > 1e-12
         self._slopes = np.append(np.divide(rises, widths, out=np.zeros_like(rises), where=steps), 0.0)
         self._areas = np.append(0.0, np.cumsum(widths * (self.values[:-1] + self.values[1:]) / 2))

@@ -1,4 +1,4 @@
-"""The base of all signals, and the signals that its operators make."""
+"""The base class of all signals, and the signals that its operators create."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .limits import MAX_PEAK
 
 
 def sample_times(start: int, count: int, sample_rate: float, onset: float) -> FloatArray:
-    """Return the times of samples `start` to `start + count - 1` since `onset`, shape (count,), not to be written to."""
+    """Return the times of samples `start` to `start + count - 1` since `onset`, shape (count,), read-only."""
     return (_known_times if count <= _SHORT else _times)(start, count, sample_rate, onset)
 
 
@@ -56,7 +56,7 @@ class Signal(ABC):
     def values(self, times: FloatArray, step: float) -> FloatArray:
         """Return the values at `times`, all within [0, duration), for samples that are `step` seconds apart.
 
-        A value depends on its own time alone. `step` bounds the frequencies that samples can carry: components that would alias are left
+        A value depends only on its own time. `step` bounds the frequencies that samples can carry: components that would alias are left
         out.
         """
 
@@ -93,7 +93,7 @@ class Signal(ABC):
         return result
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the JSON form: {"signal": kind, field: value, ...}. What is endless or unlimited is left out."""
+        """Return the JSON form: {"signal": kind, field: value, ...}. Infinite values are left out."""
         result: dict[str, Any] = {"signal": self.kind}
         for key, entry in json_fields(type(self)).items():
             value = getattr(self, entry.name)

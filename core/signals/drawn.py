@@ -1,4 +1,4 @@
-"""Vibrations as designers draw them: envelopes of amplitude and frequency, and short bursts over them."""
+"""Drawn vibrations: curves of amplitude and frequency, with added short bursts."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .limits import checked_number
 from .oscillators import Sine
 
 LOWEST, HIGHEST = 65.0, 300.0
-"""Frequencies of sharpness 0 and 1 of Core Haptics [Hz], between which frequency goes with the square of sharpness."""
+"""Frequencies of sharpness 0 and 1 of Core Haptics [Hz], between which frequency rises with the square of sharpness."""
 EMPHASIS_SECONDS = 0.02
 """Duration of an emphasis: that of a transient of Core Haptics."""
 
 
 @dataclass(frozen=True, slots=True)
 class Emphasis:
-    """A short burst at ``time`` seconds, of a ``strength`` and a ``sharpness`` from 0 to 1, as phones play transients."""
+    """A short burst at ``time`` seconds, of a ``strength`` and a ``sharpness`` from 0 to 1, like the transients of phones."""
 
     time: float
     strength: float = 1.0
@@ -33,7 +33,7 @@ class Emphasis:
         checked_number("sharpness", self.sharpness, 0.0, 1.0)
 
     def to_signal(self) -> Signal:
-        """A sine of one amplitude for `EMPHASIS_SECONDS`."""
+        """A sine of constant amplitude for `EMPHASIS_SECONDS`."""
         frequency = LOWEST + (HIGHEST - LOWEST) * self.sharpness**2
         return Delay(Sine(frequency) * Keyed(ramp(self.strength, self.strength, EMPHASIS_SECONDS)), self.time)
 
@@ -42,7 +42,7 @@ class Emphasis:
 class Drawing:
     """A sine whose amplitude (0 to 1) and frequency (hertz) are drawn over ``duration`` seconds, and bursts that are added to it.
 
-    Without end where it loops. The phase is the integral of the frequency.
+    Endless if it loops. The phase is the integral of the frequency.
     """
 
     amplitude: Automation
@@ -52,7 +52,8 @@ class Drawing:
     loops: bool = False
 
     def to_signal(self) -> Signal:
-        """The drawing in the signal algebra, as readers of haptic clips have it. Raises ValueError for what no signal may have."""
+        """The drawing in the signal algebra, as readers of haptic clips return it. Raises ValueError for parameters beyond the limits of
+        signals."""
         frequency, hertz = self.frequency, self.frequency.values
         sine = Sine(float(hertz[0]) if (hertz == hertz[0]).all() else frequency)
         parts = [sine * Keyed(cut(self.amplitude, self.duration)), *(emphasis.to_signal() for emphasis in self.emphases)]
@@ -61,7 +62,7 @@ class Drawing:
 
     @staticmethod
     def of(signal: Signal | None) -> Drawing | None:
-        """The drawing whose signal this is; None where it can't be drawn."""
+        """The drawing whose signal this is; None if it cannot be drawn."""
         loops = isinstance(signal, Loop) and (signal.count, signal.crossfade) == (None, 0.0)
         inner = signal.of if isinstance(signal, Loop) and loops else signal
         parts = inner.of if isinstance(inner, Sum) else (inner,)
@@ -82,7 +83,7 @@ class Drawing:
 
 
 def _emphasis(part: Signal | None) -> Emphasis | None:
-    """The emphasis whose signal this is, None where it is that of none."""
+    """The emphasis whose signal this is, or None."""
     match part:
         case Delay(of=Product(of=(Sine(frequency=float(hertz), amplitude=1.0, phase=0.0), Keyed(automation=track))), seconds=time):
             strength = float(track.values[0])

@@ -1,4 +1,4 @@
-"""Signals that shape others by `*`."""
+"""Envelopes: signals that are multiplied with others."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .base import Signal
 from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
 
 SILENCE = 1e-4
-"""Part of its initial value at which an exponential decay ends (-80 dB)."""
+"""Fraction of its initial value at which an exponential decay ends (-80 dB)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ def _release(start: float, end: float) -> Automation:
 
 @dataclass(frozen=True, slots=True)
 class Keyed(Signal):
-    """Straight lines between keys, over at the last one; before the first it has that key's value."""
+    """Straight lines between keys, ending at the last one; constant before the first."""
 
     kind: ClassVar[str] = "keyed"
 
@@ -118,7 +118,7 @@ class Keyed(Signal):
 
 @dataclass(frozen=True, slots=True)
 class Decay(Signal):
-    """exp(-t / time_constant), over when it has fallen by 80 dB. Times a persistent source, it lets that source wear off."""
+    """exp(-t / time_constant), ending when it has fallen by 80 dB."""
 
     kind: ClassVar[str] = "decay"
 

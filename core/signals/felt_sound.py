@@ -18,20 +18,20 @@ from .sound import HOP, Heard
 BURST_CYCLES = 2
 """Sine cycles of a burst, as the reference renderer of MPEG haptics (ISO/IEC 23090-31) plays transients."""
 SLOWEST_BURST = 80.0
-"""Least frequency of a burst [Hz], so that it is over before the next may begin."""
+"""Least frequency of a burst [Hz], so that it ends before the next one can begin."""
 _STEADY = 2
-"""Pitches to either side that one is the median of."""
+"""Half-width of the median filter of pitches."""
 _ROUGH, _OFF = 0.02, 0.005
-"""Relative and absolute error of the amplitude where keys are left out; the first is that of the pitch, too."""
+"""Relative and absolute error of the amplitude due to omitted keys; the relative one also applies to the pitch."""
 
 
 @dataclass(frozen=True, slots=True)
 class Feel:
-    """How a sound is felt.
+    """Settings of the conversion of a sound.
 
-    frequency: of the carrier [Hz], and where there is no pitch. pitch: whether the carrier follows the sound's pitch, brought by octaves
-    into ``band`` [Hz]. gate: decibels of full scale below which the sound makes nothing. gain: factor on its level. release: seconds in
-    which the amplitude falls to 1/e at most. bursts: strength of onsets, 0 to 1.
+    frequency: that of the carrier [Hz], also while there is no pitch. pitch: whether the carrier follows the sound's pitch, transposed by
+    octaves into ``band`` [Hz]. gate: level below which the output is 0 [dB of full scale]. gain: factor of the level. release: time
+    constant of the decay of the amplitude [s]. bursts: amplitude of onsets, 0 to 1.
     """
 
     frequency: float = 160.0
@@ -50,7 +50,7 @@ def felt_onsets(heard: Heard, feel: Feel) -> tuple[FloatArray, FloatArray]:
 
 
 def amplitudes(heard: Heard, feel: Feel) -> FloatArray:
-    """The carrier's amplitude every `HOP` seconds: the level held and released, gated, amplified, and so much less as a burst takes.
+    """The carrier's amplitude every `HOP` seconds: the level with release, gate and gain, minus the amplitude of a burst.
 
     A peak detector with exponential release (U. Zölzer, DAFX, 2011, chapter 4), written as a running maximum.
     """
@@ -66,7 +66,7 @@ def amplitudes(heard: Heard, feel: Feel) -> FloatArray:
 
 
 def frequencies(heard: Heard, feel: Feel) -> FloatArray:
-    """The carrier's frequency [Hz] every `HOP` seconds where it follows the pitch; where there is none, the one before holds."""
+    """The carrier's frequency [Hz] every `HOP` seconds where it follows the pitch; without one, the last pitch is kept."""
     voiced = np.flatnonzero(heard.pitches)
     if not len(voiced):
         return np.full(len(heard.pitches), feel.frequency)
@@ -79,7 +79,7 @@ def frequencies(heard: Heard, feel: Feel) -> FloatArray:
 
 
 def vibration(heard: Heard, feel: Feel) -> Signal:
-    """The vibration of a sound, as long as it; its largest value is about 1 at most. Raises ValueError where nothing is above the gate."""
+    """The vibration of a sound, as long as it; its largest value is about 1 at most. Raises ValueError if nothing is above the gate."""
     level = np.round(amplitudes(heard, feel), 4)
     level[-1] = 0.0
     times, bursts = felt_onsets(heard, feel)
@@ -101,7 +101,7 @@ def _burst_seconds(feel: Feel) -> float:
 
 
 def _bursts(times: FloatArray, strengths: FloatArray, feel: Feel, seconds: float) -> Signal:
-    """All bursts as one sine, which takes whole cycles from each to the next, so that every one begins at phase 0."""
+    """All bursts as one sine with whole cycles between them, so that each begins at phase 0."""
     length = _burst_seconds(feel)
     begins, ends = np.append(times, max(seconds, times[-1] + length)), np.append(0.0, times + length)
     zero, one = np.zeros(len(times)), np.ones(len(times))

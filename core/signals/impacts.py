@@ -42,7 +42,7 @@ class Impulse(Signal):
 
 @dataclass(frozen=True, slots=True)
 class DecayingSine(Signal):
-    """amplitude · exp(-t / decay) · sin(2π frequency t), over when it has fallen by 80 dB.
+    """amplitude · exp(-t / decay) · sin(2π frequency t), ending when it has fallen by 80 dB.
 
     frequency: hertz; silent at and above half the sample rate. decay: seconds, the time constant.
     """

@@ -1,4 +1,4 @@
-"""Values between samples by the windowed sinc (Smith, Digital Audio Resampling, 2002), and other sample rates."""
+"""Band-limited interpolation by the windowed sinc (Smith, Digital Audio Resampling, 2002), and resampling."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def local_polynomials(samples: FloatArray) -> FloatArray:
     """Return polynomials for the values between `samples`, shape (k, m), m >= 32: shape (k, m - 31, 9).
 
     The value at position i + 15 + p, with 0 <= p < 1, is the sum over d of result[:, i, d] (2 p - 1)^d. They equal the kernel of
-    `interpolate` to 1e-6, and need no weights per phase, which suits many positions in the same samples (Farrow, 1988).
+    `interpolate` to 1e-6, and need no weights per phase, which is efficient for many positions in the same samples (Farrow, 1988).
     """
     windows = sliding_window_view(samples, 2 * ZERO_CROSSINGS, axis=1)
     return np.asarray(windows.reshape(-1, 2 * ZERO_CROSSINGS) @ _kernel_polynomials()).reshape(*windows.shape[:2], _TERMS)
@@ -91,8 +91,8 @@ def _kernel_polynomials() -> FloatArray:
 def resample(samples: FloatArray, rate: float, new_rate: float) -> FloatArray:
     """Return `samples`, shape (n,), at `new_rate` instead of `rate` (hertz), shape (ceil(n · new_rate / rate),), by libsoxr.
 
-    Sample 0 keeps its time. Frequencies above the new Nyquist frequency are filtered out. Raises ValueError for rates that are too far
-    apart.
+    Sample 0 keeps its time. Frequencies above the new Nyquist frequency are filtered out. Raises ValueError if the ratio of the rates is
+    too large.
     """
     if rate == new_rate:
         return samples.copy()

@@ -1,4 +1,4 @@
-"""The keys that straight lines need."""
+"""Removal of redundant keys of piecewise linear curves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bounds on the parameters of signals, which keep every sample finite, and checks of them."""
+"""Limits of the parameters of signals, which keep every sample finite, and their checks."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..arrays import FloatArray
 MAX_PEAK = 1e6
 """Largest amplitude that a signal may reach."""
 MAX_FREQUENCY = 20_000.0
-"""Hertz."""
+"""Largest frequency [Hz]."""
 MAX_SECONDS = 1e6
 """Longest time in a signal's parameters (an endless signal has no duration at all)."""
 MIN_SECONDS = 1e-6
@@ -46,7 +46,7 @@ def checked_integer(name: str, value: object, low: int, high: int) -> int:
 
 
 def checked_column(name: str, numbers: Sequence[float] | FloatArray, limit: float, most: int | None = None) -> FloatArray:
-    """Return `numbers`, at least one and at most `most`, each within ±`limit`, as an array (n,) of its own that can't be written to.
+    """Return `numbers`, at least one and at most `most`, each within ±`limit`, as a read-only copy of shape (n,).
 
     Raise ValueError that names `name` otherwise.
     """

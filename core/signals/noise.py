@@ -1,4 +1,4 @@
-"""Noise by a hash of a counter, the same on every machine and in every block."""
+"""Counter-based noise, which is the same on every machine and in every block."""
 
 from __future__ import annotations
 
@@ -19,9 +19,8 @@ from .limits import MAX_PEAK, checked_integer, checked_number
 class Noise(Signal):
     """Random values, uniform within ±amplitude, `rate` of them a second, straight lines between them.
 
-    seed: 0 to 2^64 - 1. Value k is output k of the SplitMix64 generator (Steele, Lea, Flood 2014) of that seed, which needs no
-    predecessor.
-    rate: new values a second, 1 to 48,000; a low rate gives a rumble.
+    seed: 0 to 2^64 - 1. Value k is output k of the SplitMix64 generator (Steele, Lea, Flood 2014) of that seed, which can be computed
+    without its predecessors. rate: new values a second, 1 to 48,000; a low rate gives a rumble.
     """
 
     kind: ClassVar[str] = "noise"
@@ -49,7 +48,7 @@ class Noise(Signal):
         share = position - whole
         first, last = (int(whole.min()), int(whole.max())) if len(whole) else (0, 0)
         if last - first <= 2 * len(whole):
-            # Times that lie close together: each random value is drawn once.
+            # Dense times share random values, so each value is drawn only once.
             drawn = _uniform(splitmix64(self.seed, np.arange(first, last + 2, dtype=np.uint64)))
             place = (whole - first).astype(np.intp)
             lower, upper = drawn[place], drawn[1:][place]

@@ -1,8 +1,8 @@
-"""Where events begin in a sound: peaks of the spectral flux, then the rise of the level itself.
+"""Onset detection in sounds: peaks of the spectral flux, refined by the rise of the level.
 
-The flux is that of S. Böck and G. Widmer, "Maximum filter vibrato suppression for onset detection" (DAFx 2013): the rise of the logarithm
-of what a filter bank lets through, over the largest of the neighbouring bands before. A peak counts where it exceeds its surroundings, as
-in S. Dixon, "Onset detection revisited" (DAFx 2006).
+The flux is that of S. Böck and G. Widmer, "Maximum filter vibrato suppression for onset detection" (DAFx 2013): the rise of the log
+amplitude in the bands of a filter bank over the largest of the neighbouring bands before. A peak is an onset if it exceeds its
+surroundings, as in S. Dixon, "Onset detection revisited" (DAFx 2006).
 """
 
 from __future__ import annotations
@@ -15,27 +15,28 @@ from ..arrays import FloatArray, IntArray
 FRAME = 320
 """Samples of a frame: 20 ms at 16 kHz."""
 LAG = 2
-"""Frames from the one that a frame is compared with."""
+"""Distance in frames between compared frames."""
 
 _WINDOW = np.hanning(FRAME + 1)[:FRAME]
 _BINS = np.unique(np.rint(np.geomspace(1.0, FRAME // 2, 25)[:-1]).astype(np.intp))
-"""First bin of each band of the filter bank, 50 Hz a bin; thirds of an octave where bins are as close."""
+"""First bin of each band of the filter bank, 50 Hz per bin; thirds of an octave where bins are dense enough."""
 _COMPRESSION = 1e4
-"""Bands well below a ten-thousandth of full scale count as silent."""
+"""Factor of the logarithmic compression: bands well below a ten-thousandth of full scale count as silent."""
 _NEAR, _AROUND = 6, 20
-"""Frames to either side among which a peak is the largest, and above which it stands."""
+"""Frames to either side in which a peak is the maximum, and from which its threshold is computed."""
 _LEAST, _TIMES, _PERCENTILE = 0.2, 1.5, 75
-"""A peak exceeds the first plus this many times the percentile of its surroundings, in which the beats of an engine are many."""
+"""A peak must exceed the first value plus the second times this percentile of its surroundings; the percentile rejects the beats of an
+engine."""
 _BEFORE, _AFTER = 30, 25
-"""Milliseconds around a peak in which the level's rise is looked for."""
+"""Milliseconds before and after a peak in which the rise of the level is searched for."""
 _PERIOD = 12
-"""Milliseconds for which an amplitude is held, so that single periods of a low tone are no rises."""
+"""Milliseconds of peak hold of the amplitude, so that the periods of a low tone are not onsets."""
 _RISE = 1.1
-"""Least ratio of the amplitudes after and before: an end is no onset."""
+"""Least ratio of the amplitudes after and before an onset, which rejects the ends of events."""
 _CLOSEST = 0.03
-"""Seconds between two onsets."""
+"""Least distance between two onsets [s]."""
 _SHARE = 0.15
-"""An event begins where its amplitude rises by this part for the last time."""
+"""Fraction of the rise at which an event begins."""
 
 
 def band_levels(frames: FloatArray) -> FloatArray:
@@ -62,8 +63,7 @@ def onsets(fluxes: FloatArray, hop: float, power: FloatArray) -> FloatArray:
 
 
 def _rises(middles: IntArray, amplitudes: FloatArray) -> IntArray:
-    """The millisecond in which the amplitude near each of these has risen, for good, by `_SHARE` of the way to its largest; of those where
-    it rises."""
+    """The millisecond near each of ``middles`` after which the amplitude stays above `_SHARE` of its rise; only for those with a rise."""
     held = sliding_window_view(np.pad(amplitudes, (_PERIOD - 1, 0)), _PERIOD).max(axis=1)
     padded = np.pad(held, (_BEFORE, _AFTER))
     windows = sliding_window_view(padded, _BEFORE + _AFTER)[np.minimum(middles, len(amplitudes))]

@@ -1,4 +1,4 @@
-"""Periodic signals. Phase is the integral of frequency, so sweeps are exact and do not depend on how they are cut into blocks."""
+"""Periodic signals. Phase is the integral of frequency, so sweeps are exact and independent of the block size."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ class Oscillator(Signal):
     amplitude: a number or an automation.
     phase: cycles at the beginning.
 
-    A wave with edges or corners is averaged over the sample's period (a box filter): components that alias to frequencies that skin feels
-    lie near multiples of the sample rate, where that filter has its zeros.
+    A wave with edges or corners is averaged over the sample period (a box filter). Components that alias to tactile frequencies lie near
+    multiples of the sample rate, where that filter has its zeros.
     """
 
     has_edges: ClassVar[bool] = True
@@ -72,7 +72,7 @@ class Oscillator(Signal):
 
     @abstractmethod
     def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
-        """Return the wave at phase `cycles`, averaged over `width` cycles around it where it has edges or corners."""
+        """Return the wave at phase `cycles`, averaged over `width` cycles around it if it has edges or corners."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +128,7 @@ class Triangle(Oscillator):
 
 @dataclass(frozen=True, slots=True)
 class Saw(Oscillator):
-    """Rises from -1 to +1 over the period, then falls at once."""
+    """Rises from -1 to +1 over the period, then jumps back."""
 
     kind: ClassVar[str] = "saw"
 
@@ -165,9 +165,9 @@ def _distance(cycles: FloatArray) -> FloatArray:
 
 
 def sine(cycles: FloatArray) -> FloatArray:
-    """Return sin(2π cycles), shape (n,), with an absolute error below 1e-15 beside the rounding of `cycles`.
+    """Return sin(2π cycles), shape (n,), with an absolute error below 1e-15, apart from the rounding of `cycles`.
 
-    Sums and products only, so that every machine gives the same bits, and twice as fast as the library's sine.
+    Uses only sums and products, so the result is bit-identical on every machine, and is twice as fast as the library's sine.
     """
     # sin(2π c) = sin(2π q) with q = |frac(c - 1/4) - 1/2| - 1/4, which is within ±1/4.
     quarter = cycles - 0.25

@@ -13,12 +13,12 @@ from ..arrays import FloatArray
 FRAME = 1024
 """Samples of a frame."""
 LOWEST, HIGHEST = 40.0, 2000.0
-"""Hertz that are looked for."""
+"""Range of pitches that are detected [Hz]."""
 _OCTAVE_COST = 0.02
 _VOICED = 0.5
-"""Height of the peak from which on there is a pitch."""
+"""Least height of the autocorrelation peak of a pitched frame."""
 _FAINT = 1e-8
-"""Mean square below which there is none."""
+"""Mean square below which a frame has no pitch."""
 _WINDOW = np.hanning(FRAME + 1)[:FRAME]
 
 
@@ -28,7 +28,7 @@ def _autocorrelation(frames: FloatArray, count: int) -> FloatArray:
 
 
 def pitches(frames: FloatArray, rate: float) -> FloatArray:
-    """The pitch of each of ``frames`` (n, FRAME) at ``rate`` hertz, shape (n,), 0 where there is none."""
+    """The pitch of each of ``frames`` (n, FRAME) at ``rate`` hertz, shape (n,), 0 for frames without pitch."""
     shortest, longest = int(rate / HIGHEST), int(rate / LOWEST)
     correlated = _autocorrelation((frames - frames.mean(axis=1, keepdims=True)) * _WINDOW, longest + 2)
     energy = correlated[:, :1]

@@ -18,7 +18,7 @@ _OVERSHOOT = 4.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sampled(Signal):
-    """`samples` at `rate` a second, interpolated between them, silent beyond.
+    """`samples` at `rate` a second, band-limited between them, 0 outside.
 
     samples: shape (n,), 1 to 4,000,000 finite numbers. rate: hertz, 1 to 192,000.
     """
@@ -32,7 +32,7 @@ class Sampled(Signal):
     def __post_init__(self) -> None:
         object.__setattr__(self, "rate", checked_number("rate", self.rate, 1.0, 192_000.0))
         object.__setattr__(self, "samples", checked_column("samples", self.samples, MAX_PEAK / _OVERSHOOT, MAX_SAMPLES))
-        # The largest sum of the kernel's magnitudes bounds what interpolation can overshoot.
+        # The largest sum of the kernel's magnitudes bounds the overshoot of interpolation.
         object.__setattr__(self, "peak", _OVERSHOOT * float(np.max(np.abs(self.samples))))
 
     @property

@@ -32,14 +32,14 @@ MAX_NUMBERS = 4_000_000
 def signal_from_dict(data: object, pointer: str = "") -> Signal:
     """Return the signal whose JSON form is `data`.
 
-    A form has at most 1,000 signals (what a loop crossfades counts twice), 32 deep, and 4,000,000 numbers.
+    A form has at most 1,000 signals (cross-faded ones count twice), 32 levels, and 4,000,000 numbers.
     Raises ValueError that names the place, a JSON pointer below `pointer`.
     """
     return _Reader().signal(data, pointer, 1, 1)
 
 
 class _Reader:
-    """Reads one form and counts what it has read."""
+    """Reads one form and counts its signals and numbers."""
 
     def __init__(self) -> None:
         self.nodes = 0

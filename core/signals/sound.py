@@ -1,7 +1,7 @@
-"""Sounds as what is heard in them: level, pitch and onsets over time.
+"""Analysis of sounds: level, pitch and onsets over time.
 
 The level is that of the analytic signal (S. L. Marple, "Computing the discrete-time analytic signal via FFT", IEEE Trans. Signal Processing
-47, 1999), from `LOWEST` hertz on. Everything goes block by block, in generators, so that whoever steps them can show progress and stop.
+47, 1999), from `LOWEST` hertz on. Generators compute block by block, so that their caller can show progress and cancel.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from . import onsets, pitch
 from .automation import Automation, values_of
 
 RATE = 16_000
-"""Samples a second of the sounds that are analysed."""
+"""Sample rate of the analysis [Hz]."""
 RATES = (1000.0, 2e6)
-"""Lowest and highest sample rate that is read [Hz]."""
+"""Lowest and highest sample rate of recordings [Hz]."""
 HOP = 0.005
 """Seconds from one level to the next."""
 LONGEST = 1800.0
-"""Seconds of a sound: 115 MB."""
+"""Longest sound [s]; it takes 115 MB."""
 LOWEST = 10.0
-"""Hertz below which nothing counts, such as an offset."""
+"""Lowest frequency that contributes to the level [Hz]."""
 
 _BLOCK = 8 * RATE
 _MARGIN = RATE // 4
@@ -41,7 +41,7 @@ Steps = Generator[None, None, Value]
 
 
 class Recording(Protocol):
-    """What a decoder offers: ``count`` samples a channel, ``rate`` a second (hertz)."""
+    """The interface of a decoded sound: ``count`` samples per channel at ``rate`` hertz."""
 
     rate: float
     count: int
@@ -52,10 +52,10 @@ class Recording(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Clip:
-    """A part of a recording in a sound.
+    """A part of a recording, placed in a sound.
 
-    start: when it begins in the sound, below 0 where the sound begins within it; skip: where it begins in the recording, as it is played;
-    seconds: how long it lasts at most. speed: times as fast as recorded. volume: a factor, or one over the sound's time.
+    start: its beginning in the sound [s], below 0 if the sound begins within it; skip: its beginning in the recording at playback speed
+    [s]; seconds: its largest duration. speed: playback speed. volume: a factor, constant or over the sound's time.
     """
 
     recording: Recording
@@ -67,29 +67,29 @@ class Clip:
 
     @property
     def rate(self) -> float:
-        """Samples a second at which it is played."""
+        """Sample rate at playback speed [Hz]."""
         return self.recording.rate * self.speed
 
     @property
     def samples(self) -> tuple[int, int]:
-        """The first of the recording's samples that is heard, and the one after the last."""
+        """Index of the recording's first audible sample, and of the one after the last."""
         first = round((self.skip + max(-self.start, 0.0)) * self.rate)
         last = min(self.recording.count, (self.skip + self.seconds) * self.rate)
         return first, max(round(last), first)
 
     @property
     def end(self) -> float:
-        """Seconds into the sound."""
+        """Its end in the sound [s]."""
         first, last = self.samples
         return max(self.start, 0.0) + (last - first) / self.rate
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Heard:
-    """What is heard in a sound of so many ``seconds``.
+    """Result of the analysis of a sound of ``seconds``.
 
     levels: amplitude every `HOP` seconds from 0 on, averaged over 10 ms; that of a sine of full scale is 1. pitches: hertz at the same
-    times, 0 where there is none. onsets: when events begin [s]. strengths: the largest level in the 30 ms from each on.
+    times, 0 without pitch. onsets: beginnings of events [s]. strengths: the largest level in the 30 ms after each.
     """
 
     seconds: float
@@ -100,7 +100,7 @@ class Heard:
 
 
 def outcome(steps: Steps[Value]) -> Value:
-    """Step to the end."""
+    """Run the generator to its end and return its value."""
     while True:
         try:
             next(steps)
@@ -112,7 +112,7 @@ def outcome(steps: Steps[Value]) -> Value:
 def mixed(clips: tuple[Clip, ...]) -> Steps[Samples]:
     """The sum of clips, the channels of each averaged, shape (n,), `RATE` a second.
 
-    Raises ValueError where it is longer than `LONGEST`, silent, has samples that are not finite, or more or fewer a second than `RATES`.
+    Raises ValueError if it is longer than `LONGEST` or silent, has samples that are not finite, or a sample rate outside `RATES`.
     """
     import soxr
 
@@ -141,12 +141,12 @@ def mixed(clips: tuple[Clip, ...]) -> Steps[Samples]:
 
 
 def block_count(seconds: float) -> int:
-    """How often `heard` yields."""
+    """Number of times that `heard` yields."""
     return math.ceil(math.ceil(seconds * RATE) / _BLOCK)
 
 
 def heard(samples: Samples) -> Steps[Heard]:
-    """What is heard in a sound, shape (n,), `RATE` a second."""
+    """Analyse a sound, shape (n,), at `RATE` hertz."""
     count = len(samples)
     power, fluxes, pitched = [np.zeros(0)], [np.zeros(0)], [np.zeros(0)]
     for begin in range(0, count, _BLOCK):

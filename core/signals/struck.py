@@ -1,4 +1,4 @@
-"""A template as it sounds when it is struck at another strength: other pitch, decay and brightness."""
+"""A template with modified pitch, decay and brightness, for impacts of other strength."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from .envelopes import SILENCE
 from .limits import checked_number
 
 LONGEST = 60.0
-"""Seconds that a template may last."""
+"""Longest template [s]."""
 CORNER = 100.0
-"""Hertz above which brightness acts."""
+"""Frequency above which brightness acts [Hz]."""
 _FINE, _MOST = 32_000.0, 480_000
-"""Samples a second by which a template is analysed, and how many there are at most: longer ones have fewer a second. Straight lines between
-the samples of a tone of f Hz that is faded by the low-pass are off by (pi f / rate)^2 / 2 of it: by -60 dB of the template at 1 kHz."""
+"""Sample rate of the analysis of a template [Hz], and largest number of samples, which lowers the rate for longer ones. Linear
+interpolation of a low-pass filtered tone of f Hz has the relative error (pi f / rate)^2 / 2: -60 dB of the template at 1 kHz."""
 
 
 @dataclass(frozen=True, slots=True)
 class Struck(Signal):
-    """`of`, played `pitch` times as fast, so that all its frequencies are higher by that, with its decay time times `decay` and what lies
-    above `CORNER` times `brightness`.
+    """`of`, played `pitch` times as fast, which multiplies all its frequencies, with its decay time times `decay` and its amplitude above
+    `CORNER` times `brightness`.
 
     The decay time of any signal is that of the decaying tone whose energy has the same centre in time, the integral of t x² over that of x²
     being half of it. A shorter one takes an envelope exp(-t (1 / decay - 1) / decay time). Brightness b is a shelf of first order,

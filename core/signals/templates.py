@@ -25,7 +25,7 @@ DEFAULT_IMPACT: Signal = DecayingSine(150.0, 0.03)
 class ImpactMaterial:
     """The response of a material to an impact.
 
-    frequency: hertz, what it rings at, as far as skin can tell. decay: seconds, the ring's time constant.
+    frequency: hertz, of its ringing within the tactile range. decay: seconds, time constant of the ringing.
     softness: seconds that it adds to the contact's duration (compliances in series add up).
     ring, grain: shares (0 to 1) of ringing and of crumbling noise.
 
@@ -34,9 +34,9 @@ class ImpactMaterial:
     Mechatronics 6, 2001: 100 Hz and 80 1/s, 18.8 Hz and 60 1/s, 300 Hz; as they are commonly quoted). The decay of metal lies between
     that of the tap, damped by the hand (90 1/s), and that of a free body of steel (2.6 1/s at 300 Hz by the damping of the KleinPAT
     materials).
-    Chosen: all else, so that hard and stiff rings high, what has much damping falls silent soon, and neighbours differ by a quarter in
-    frequency or by half in decay, more than skin's difference thresholds. The taps' parameters that people found most real differed from
-    the measured ones.
+    Chosen: all else, so that hard and stiff materials have high frequencies, strongly damped ones short decays, and neighbours differ by a
+    quarter in frequency or by half in decay, more than the skin's difference thresholds. In that study, the parameters rated most realistic
+    differed from the measured ones.
     """
 
     frequency: float
@@ -52,18 +52,17 @@ IMPACT_MATERIALS: Mapping[str, ImpactMaterial] = MappingProxyType(_MATERIALS)
 
 
 def impact_material(name: str) -> str | None:
-    """The name in IMPACT_MATERIALS of a material of `core.materials` or of its kindred; None for air and unknown names."""
+    """The name in IMPACT_MATERIALS for a material of `core.scene.materials`, its own or a similar one; None for air and unknown names."""
     known = str(_TABLE["kindred"].get(name, name))
     return known if known in IMPACT_MATERIALS else None
 
 
 @lru_cache(maxsize=512)
 def impact_template(first: str, second: str) -> Signal:
-    """Return what is felt when two materials of IMPACT_MATERIALS hit each other, whichever hits; its largest sample is 1.
+    """Return the signal of an impact between two materials of IMPACT_MATERIALS, in either order; its largest sample is 1.
 
-    A half-sine shock as long as the contact lasts, and each material's ring, weaker where its frequency is above what so long a contact
-    excites (the envelope of a half-sine's spectrum, 1 / (1 + (2 f w)²)), and grain that dies away with the ring.
-    Raises ValueError that names the argument.
+    The sum of a half-sine shock with the duration of the contact, of each material's ringing, attenuated by the envelope of the half-sine's
+    spectrum, 1 / (1 + (2 f w)²), and of grain that decays with the ringing. Raises ValueError that names the argument.
     """
     for name, value in (("first", first), ("second", second)):
         if value not in IMPACT_MATERIALS:

@@ -23,7 +23,7 @@ def read_wav(path: str | Path, sample_rate: float = 8000.0) -> Sampled:
     """Return the recording in a WAV file, its channels averaged, at `sample_rate` (hertz), full scale being 1.
 
     Raises OSError if the file cannot be read, ValueError that names the file if it is no such WAV file, longer than 4,000,000 samples at
-    `sample_rate`, or has samples that are not finite.
+    `sample_rate`, or if it has samples that are not finite.
     """
     path = Path(path)
     try:
@@ -42,7 +42,7 @@ def read_wav(path: str | Path, sample_rate: float = 8000.0) -> Sampled:
 
 
 class WavFile:
-    """The samples of a WAV file, read when they are asked for.
+    """The samples of a WAV file, read on demand.
 
     file: open for reading, seekable; it is read again by every call of `read`. Raises ValueError if it is broken or of another encoding.
     Attributes: ``channels``, ``count`` (samples of each channel, at least 1) and ``rate`` (hertz).

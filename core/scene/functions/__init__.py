@@ -1,7 +1,6 @@
-"""Modulation functions: the "shaders" of haptics.
-
-Each haptic connection applies one. Intra-connections use the propagation function of their object, inter-connections the transmission
-function of their contact. A function returns the gain of a signal over a distance, between 0 and 1 unless an author drives it higher.
+"""Modulation functions, which give the gain of each haptic connection.
+ Intra-connections use the propagation function of their object, inter-connections the transmission
+function of their contact. A function returns the gain of a signal over a distance, between 0 and 1 unless an expression exceeds 1.
 """
 
 from .checking import Finding, check_expression, excerpt

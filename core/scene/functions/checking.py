@@ -1,4 +1,4 @@
-"""Checks of a designer's formula while it is written: what is wrong, and where."""
+"""Checks of a designer's formula while it is being written: its faults and their places."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from ...message import Cause, Message
 from .expression import CONTACT_VARIABLES, ExpressionError, compile_expression
 
 FARTHEST = 100.0
-"""Metres up to which a formula is tried."""
+"""Largest distance at which a formula is evaluated [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A fault of a formula: its ``message``, the 0-based ``column`` or None where it has none, and whether the formula is ``usable``."""
+    """A fault of a formula: its ``message``, the 0-based ``column`` (None if unknown), and whether the formula is ``usable``
+    nevertheless."""
 
     message: Message
     column: int | None = None
@@ -23,9 +24,9 @@ class Finding:
 
 
 def check_expression(source: str, kappa: float, rho: float, epsilon: float, on_contact: bool = False) -> Finding | None:
-    """What is wrong with a formula for these properties, or None. It is tried from 0 to `FARTHEST` metres.
+    """The first fault of a formula with these properties, or None. It is evaluated from 0 to `FARTHEST` metres.
 
-    ``on_contact``: it is of a contact, which has area, depth, angle and force; an object has none.
+    ``on_contact``: the formula is that of a contact, so that area, depth, angle and force are available.
     """
     try:
         compiled = compile_expression(source)
@@ -48,7 +49,7 @@ def check_expression(source: str, kappa: float, rho: float, epsilon: float, on_c
 
 
 def excerpt(source: str, column: int, width: int = 36) -> tuple[str, int]:
-    """At most ``width`` characters of a formula around a column, and where the column is in them; ``…`` stands for what is left out."""
+    """At most ``width`` characters of a formula around a column, and the column's place in the excerpt; ``…`` replaces omitted text."""
     if len(source) <= width:
         return source, min(column, len(source))
     first = min(max(0, column - width // 2), len(source) - width)

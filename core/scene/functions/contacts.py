@@ -1,4 +1,4 @@
-"""Functions of contacts: how much passes from one body into the other, by what they are made of, what lies between them, and the force."""
+"""Transmission functions of contacts: by impedance, by a resilient layer, and by contact force."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from .modulation import ModulationFunction, OnContact, Value
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Impedance(ModulationFunction):
-    """``2 sqrt(Z1 Z2) / (Z1 + Z2)``: the root of the part of the power that passes where two materials of impedance ``Z = density speed``
-    meet. 1 where one of them is unknown (`ModulationFunction.impedance`)."""
+    """``2 sqrt(Z1 Z2) / (Z1 + Z2)``: the square root of the transmitted power at the interface of two materials with impedance ``Z =
+    density speed``. 1 if either is unknown (`ModulationFunction.impedance`)."""
 
     name: ClassVar[str] = "impedance"
 
@@ -29,7 +29,7 @@ class Impedance(ModulationFunction):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Resilient(ModulationFunction):
-    """A soft layer under a load: the transmissibility of a mass on a damped spring,
+    """A resilient layer under a load: the transmissibility of a mass on a damped spring,
     ``sqrt((1 + n^2) / ((1 - (f / f0)^2)^2 + n^2))`` with ``f0 = sqrt(stiffness / load) / (2 pi)`` and loss factor n, at most 1.
 
     stiffness: N/m. load: kg. fall_off: decibels per octave far above the resonance; 12 is the spring's own.
@@ -64,8 +64,8 @@ class Resilient(ModulationFunction):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NormalForce(ModulationFunction):
-    """``(force / reference) ** exponent``, at most 1: 1/3 as the stiffness of smooth round bodies grows (Hertz), 1 as that of rough ones
-    (Greenwood and Williamson). reference: newtons; 1 where the force is unknown."""
+    """``(force / reference) ** exponent``, at most 1: an exponent of 1/3 follows the stiffness of smooth round bodies (Hertz), 1 that of
+    rough ones (Greenwood and Williamson). reference: newtons. The gain is 1 if the force is unknown."""
 
     name: ClassVar[str] = "normal_force"
     positive: ClassVar[tuple[str, ...]] = ("reference",)

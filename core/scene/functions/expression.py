@@ -1,4 +1,4 @@
-"""Designers' expressions: compiled from a whitelist of operations, so that a file from a stranger can't run code.
+"""Designers' expressions, compiled from a whitelist of operations, so that an untrusted file cannot run code.
 
 Grammar: numbers, the variables below, ``+ - * / **``, comparisons inside ``where(condition, a, b)``, and the functions below. No
 attributes, no indexing, no other names, at most `MAX_LENGTH` characters and `MAX_NODES` parts: evaluation is bounded and loop-free.
@@ -21,11 +21,11 @@ from . import interval
 from .interval import Interval
 
 CONTACT_VARIABLES = ("area", "depth", "angle", "force")
-"""Variables that only a contact has."""
+"""Variables that are available only for contacts."""
 VARIABLES = ("x", "d", "kappa", "rho", "epsilon", *CONTACT_VARIABLES)
 """Variables of a modulation function."""
 MIXING_VARIABLES = ("sum", "weighted", "strongest", "power", "s_max")
-"""Variables of a mixing formula: at every sample the results of the other mixing methods, unlimited, and the listener's ceiling."""
+"""Variables of a mixing formula: for each sample the results of the other mixing methods, not limited, and the listener's ceiling."""
 CONSTANTS = {"pi": math.pi, "e": math.e}
 MAX_LENGTH = 500
 MAX_NODES = 200
@@ -69,7 +69,7 @@ _COMPARE: dict[type[ast.cmpop], Callable[..., Any]] = {
 
 
 class ExpressionError(ValueError):
-    """A formula that is not accepted: the ``message`` and the ``column``, its 0-based place in the formula."""
+    """Error for a rejected formula: the ``message`` and the 0-based ``column`` of the fault."""
 
     def __init__(self, message: Message, column: int = 0) -> None:
         super().__init__(f"expression: {sentence(message)} (column {column + 1})")
@@ -90,7 +90,7 @@ class CompiledExpression:
     tree: ast.expr
 
     def evaluate(self, distance: FloatArray, values: Mapping[str, float | FloatArray]) -> FloatArray:
-        """The gain (the formula at x = 1) at each distance (metres). May hold NaN or infinity: the caller decides."""
+        """The gain (the formula at x = 1) at each distance (metres). May contain NaN or infinity, which the caller must handle."""
         variables: dict[str, Any] = {"x": 1.0, "d": np.asarray(distance, dtype=np.float64), **values, **CONSTANTS}
         with np.errstate(all="ignore"):
             result = _evaluate(self.tree, variables)
@@ -101,15 +101,15 @@ class CompiledExpression:
         return _bounds(self.tree, variables)
 
     def uses(self, *variables: str) -> bool:
-        """Whether it needs one of the ``variables``."""
+        """Whether the formula uses any of the ``variables``."""
         return any(isinstance(node, ast.Name) and node.id in variables for node in ast.walk(self.tree))
 
 
 def compile_expression(source: str, variables: Collection[str] = VARIABLES) -> CompiledExpression:
     """Check a formula against the whitelist, with these ``variables``.
 
-    Raises ExpressionError, which gives the column, for anything that is not allowed, or where ``x`` is used but the formula is
-    not proportional to it.
+    Raises ExpressionError, which gives the column, for anything that is not allowed, or if ``x`` is used but the formula is not
+    proportional to it.
     """
     if not isinstance(source, str):
         raise ExpressionError.of(Cause.FORMULA_NOT_TEXT, type=type(source).__name__)

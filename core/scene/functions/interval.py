@@ -23,7 +23,7 @@ ENTIRE = Interval(-math.inf, math.inf)
 
 
 def outward(low: float, high: float) -> Interval:
-    """The interval widened for rounding; an end that is not a number becomes infinite."""
+    """The interval widened for rounding; an end that is NaN becomes infinite."""
     return Interval(
         -math.inf if math.isnan(low) else math.nextafter(low, -math.inf), math.inf if math.isnan(high) else math.nextafter(high, math.inf)
     )
@@ -115,5 +115,5 @@ def maximum(a: Interval, b: Interval) -> Interval:
 
 
 def within_unit(_: Interval) -> Interval:
-    """Bounds of sine and cosine, whatever their argument."""
+    """Bounds of sine and cosine for any argument."""
     return Interval(-1.0, 1.0)

@@ -22,14 +22,14 @@ from .interval import Interval
 
 Value = float | FloatArray
 OnContact = Mapping[str, Value] | None
-"""What is known of a contact, by the names of variables."""
+"""Quantities of a contact by the names of the variables of expressions."""
 
 
 @dataclass(frozen=True, slots=True)
 class Spectrum:
-    """What a connection does beyond the plain gain.
+    """Frequency bands and delay of a connection, in addition to its plain gain.
 
-    ``band_gains``: one factor per frequency band, each in [0, 1] (see `core.bands`), applied once per connection.
+    ``band_gains``: one factor per frequency band, each in [0, 1] (see `core.scene.bands`), applied once per connection.
     ``band_decays``: extra attenuation per band in 1/m (>= 0): factor ``exp(-band_decay * d)``.
     ``wave_speed``: metres per second; the connection delays by ``d / wave_speed``. 0 means no delay.
     """
@@ -52,11 +52,11 @@ class Spectrum:
 
     @property
     def is_plain(self) -> bool:
-        """True where neither bands nor delay are used."""
+        """True if neither bands nor delay are used."""
         return not self.band_gains and not self.band_decays and self.wave_speed == 0
 
     def to_dict(self) -> dict[str, Any]:
-        """The keys of the scene file, those that are used."""
+        """The non-default values by the keys of the scene file."""
         used: dict[str, Any] = {}
         if self.band_gains:
             used["band_gains"] = list(self.band_gains)
@@ -75,13 +75,13 @@ def require(key: str, value: float) -> None:
 
 @cache
 def _numbers(cls: type[ModulationFunction]) -> tuple[tuple[str, str], ...]:
-    """The parameters of a function that are numbers, each with its key in files."""
+    """Names of a function's numeric parameters, each with its key in files."""
     return tuple((entry.name, entry.metadata.get("key", entry.name)) for entry in fields(cls) if entry.type == "float")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModulationFunction:
-    """Base of all modulation functions. Values, hashable, compared by content."""
+    """Base of all modulation functions. Immutable, hashable, compared by content."""
 
     name: ClassVar[str] = ""
     positive: ClassVar[tuple[str, ...]] = ()
@@ -99,19 +99,20 @@ class ModulationFunction:
         return None
 
     def spreading_law(self) -> tuple[float, float, float]:
-        """``(exponent, reference, extent)`` of a gain ``(1 + min(d, extent) / reference) ** -exponent`` beside that of `log_linear`."""
+        """``(exponent, reference, extent)`` of a factor ``(1 + min(d, extent) / reference) ** -exponent`` of the gain in addition to
+        `log_linear`."""
         return 0.0, 1.0, math.inf
 
     def loss(self, kappa: float, rho: float, epsilon: float) -> float:
-        """``-log(factor)`` of `log_linear`, infinite for factor 0; precise also where the factor is close to 1."""
+        """``-log(factor)`` of `log_linear`, infinite for factor 0; accurate also for factors close to 1."""
         pair = self.log_linear(kappa, rho, epsilon)
         assert pair is not None
         return -math.log(pair[0]) if pair[0] > 0 else math.inf
 
     def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
-        """Gains over ``distance`` (metres, >= 0, any shape). ``contact`` gives area (m^2), depth (m), angle (rad) and, where it is used,
-        force (N, NaN: unknown) of a contact, and match, the gain where the impedances of its two bodies meet. ``kappa``, ``rho`` and those
-        are numbers or arrays like ``distance``."""
+        """Gains over ``distance`` (metres, >= 0, any shape). ``contact`` gives area (m^2), depth (m), angle (rad) and, if it is used, force
+        (N, NaN: unknown) of a contact, and match, the gain due to the impedances of its two bodies. ``kappa``, ``rho`` and these values are
+        numbers or arrays of the shape of ``distance``."""
         pair = self.log_linear(0.0, 0.0, epsilon)
         assert pair is not None
         factor, decay = pair
@@ -126,26 +127,26 @@ class ModulationFunction:
         return min(ends), max(ends)
 
     def band_gains(self) -> tuple[float, ...]:
-        """Factor of each frequency band beside the gain, applied once; () where all are 1."""
+        """Factor of each frequency band in addition to the gain, applied once; () if all are 1."""
         return self.spectrum.band_gains
 
     @property
     def impedance(self) -> float:
-        """Density times wave speed of the body [kg/(m^2 s)], 0 where the function knows nothing of it."""
+        """Density times wave speed of the body [kg/(m^2 s)], 0 if the function does not define it."""
         return 0.0
 
     @property
     def uses_force(self) -> bool:
-        """Whether the gain of a contact depends on the force that presses it together."""
+        """Whether the gain of a contact depends on its normal force."""
         return False
 
     def band_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
-        """Attenuation of each frequency band beside that of the gain, in 1/m; () where all bands fade alike."""
+        """Attenuation of each frequency band in addition to that of the gain [1/m]; () if it is 0 in all bands."""
         return self.spectrum.band_decays
 
     def slopes(self, distance: float, kappa: float, rho: float, epsilon: float) -> FloatArray:
-        """Derivative (bands,) of the logarithm of the gain over ``distance`` [m] by ``ln K``, K = (1 - kappa) rho; 0 where K is no part of
-        the formula."""
+        """Derivative (bands,) of the logarithm of the gain over ``distance`` [m] with respect to ``ln K``, K = (1 - kappa) rho; 0 if the
+        formula does not depend on K."""
         return np.zeros(BAND_COUNT)
 
     def to_dict(self) -> dict[str, Any]:
@@ -156,7 +157,7 @@ class ModulationFunction:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Identity(ModulationFunction):
-    """Gain 1: nothing changes. The default of inter-connections."""
+    """Gain 1. The default of inter-connections."""
 
     name: ClassVar[str] = "identity"
 
@@ -228,9 +229,10 @@ class Linear(ModulationFunction):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expression(ModulationFunction):
-    """A designer's formula over ``x, d, kappa, rho, epsilon`` and, on a contact, ``area, depth, angle, force`` (1 N where it is unknown).
+    """A designer's formula over ``x, d, kappa, rho, epsilon`` and, on a contact, ``area, depth, angle, force`` (1 N if it is unknown).
 
-    With ``x`` (a sample of the signal) it must be proportional to it, ``x * exp(-d)``; without, it is the gain itself, ``exp(-d)``.
+    With ``x`` (a sample of the signal) the formula must be proportional to it, as in ``x * exp(-d)``; without, it is the gain itself, as in
+    ``exp(-d)``.
     """
 
     name: ClassVar[str] = "expression"
@@ -245,7 +247,7 @@ class Expression(ModulationFunction):
         return self.compiled.uses("force")
 
     def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
-        """Raises ValueError where the formula gives a negative or non-finite gain."""
+        """Raises ValueError if the formula gives a negative or non-finite gain."""
         values = {"kappa": kappa, "rho": rho, "epsilon": epsilon, **_NO_CONTACT, **(contact or {})}
         values["force"] = np.nan_to_num(values["force"], nan=1.0)
         gains = self.compiled.evaluate(np.asarray(distance, dtype=np.float64), values)
@@ -256,7 +258,8 @@ class Expression(ModulationFunction):
         return gains
 
     def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
-        """By interval arithmetic: certain, though not always tight (then above 1 where the formula itself is not)."""
+        """Bounds by interval arithmetic: guaranteed, but not always tight, so that the upper one may exceed 1 although the formula does
+        not."""
         known = {"x": 1.0, "kappa": kappa, "rho": rho, "epsilon": epsilon}
         most = {"d": max_distance, "angle": math.pi, "area": math.inf, "depth": math.inf, "force": math.inf}
         exact = {name: Interval(value, value) for name, value in known.items()}
@@ -269,7 +272,8 @@ class Conduction(ModulationFunction):
     """``exp(-m d)`` with ``m = sqrt(2 h / (k t))``: the excess temperature along a long plate that is warm at one end.
 
     It is the solution of the fin equation ``k t T'' = 2 h T`` (Incropera et al., "Fundamentals of Heat and Mass Transfer", section 3.6).
-    conductivity: k, W/(m K). thickness: t, metres. exchange: h, W/(m^2 K), the heat that either face gives off; 10 is a calm room.
+    conductivity: k, W/(m K). thickness: t, metres. exchange: h, W/(m^2 K), the heat transfer coefficient of either face; about 10 in still
+    air.
     """
 
     name: ClassVar[str] = "conduction"

@@ -1,4 +1,4 @@
-"""Vibration that spreads through a body and is damped on its way, as measured materials do it."""
+"""Propagation function with geometric spreading and material damping."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ..coefficients import transfer_coefficient
 from .modulation import ModulationFunction, OnContact, Value
 
 _FELT = 0.06
-"""Nepers (0.5 dB) by which a band must differ from the lowest one over `_FAR` metres for bands to be worth their cost."""
+"""Nepers (0.5 dB) by which the loss of any band must differ from the lowest one's over `_FAR` metres; below this, bands are left out."""
 
 _FAR = 10.0
 
 
 class Wave(enum.StrEnum):
-    """How vibration travels through a body, and so how it spreads (the exponent of distance in brackets)."""
+    """Wave type in a body, which determines the exponent of spreading (in brackets)."""
 
     ROD = "rod"  # along a rod, string or small body (0)
     PLATE = "plate"  # bending waves in a plate (1/2)
@@ -38,19 +38,19 @@ SPREADING: Mapping[Wave, float] = {Wave.ROD: 0.0, Wave.PLATE: 0.5, Wave.SURFACE:
 class Physical(ModulationFunction):
     """``(1 + min(d, extent) / r0)^-g exp(-alpha(f) d)``: geometric spreading up to the extent of the body, and damping.
 
-    The exponent g follows from the wave type. Of a wave that keeps its speed ``alpha = pi f loss_factor / phase_speed``; of bending waves
+    The exponent g follows from the wave type. For non-dispersive waves ``alpha = pi f loss_factor / phase_speed``; for bending waves
     ``alpha = pi f loss_factor / (2 c_B)`` with ``c_B = sqrt(1.8 phase_speed thickness f)`` (Cremer, Heckl and Petersson, *Structure-Borne
     Sound*, for a Poisson ratio of 0.3). Along a limb ``alpha = pi (f - resonance) loss_factor / phase_speed``, 0 below its ``resonance``
-    [Hz], up to which it moves as a whole. ``absorption``
-    [1/m] comes on top at every frequency: what edges and joints of a building take.
+    [Hz], up to which the limb moves as a whole. ``absorption`` [1/m] is added at every frequency; it represents edges and joints of a
+    building.
 
-    kappa and rho scale all damping by ``ln K / ln K0`` with ``K = (1 - kappa) rho``: at the material's own ``K0 = material_k`` nothing
-    changes, at K = 1 there is no damping, at K = 0 nothing passes. The gain over distance alone is that of the lowest frequency band, which
-    no other exceeds; the other bands follow the formula, unless none of them would differ by half a decibel over ten metres.
+    kappa and rho scale all damping by ``ln K / ln K0`` with ``K = (1 - kappa) rho``: at the material's own ``K0 = material_k`` the factor
+    is 1, at K = 1 there is no damping, at K = 0 the gain is 0. The plain gain is that of the lowest frequency band, which is the highest;
+    the other bands follow the formula, unless none of them differs by half a decibel over ten metres.
 
-    Lengths in metres: ``thickness`` of the plate, ``reference_distance`` r0 (the radius of the region that is driven), ``extent`` of the
-    body (0: without end). ``phase_speed`` in m/s, of extensional, surface or shear waves; it sets no delay, which is the spectrum's.
-    ``density`` in kg/m^3 gives, with that speed, the impedance that contacts may depend on.
+    Lengths in metres: ``thickness`` of the plate, ``reference_distance`` r0 (the radius of the driven area), ``extent`` of the body (0:
+    infinite). ``phase_speed`` in m/s, of extensional, surface or shear waves; it causes no delay (`Spectrum.wave_speed` does). ``density``
+    in kg/m^3 and phase speed determine the impedance for transmission functions of contacts.
     """
 
     name: ClassVar[str] = "physical"
@@ -115,7 +115,8 @@ class Physical(ModulationFunction):
         return float(self.gain(np.array(max_distance), kappa, rho, epsilon)), 1.0
 
     def _relative_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
-        """Attenuation of each band beyond that of the lowest one [1/m], at the centres of the bands; () where none is worth its cost."""
+        """Attenuation of each band beyond that of the lowest one [1/m], at the centres of the bands; () if the difference is negligible
+        (`_FELT`)."""
         base = float(self.damping(BAND_CENTRES[0], kappa, rho))
         relative = () if base == math.inf else tuple(float(self.damping(centre, kappa, rho)) - base for centre in BAND_CENTRES)
         return () if all(decay * _FAR < _FELT for decay in relative) else relative

@@ -1,4 +1,4 @@
-"""All functions of vibration by name, and functions from the form that scene files have."""
+"""All vibration functions by name, and their construction from scene files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SPECTRUM_KEYS = ("band_gains", "band_decays", "wave_speed")
 
 
 def function_from_dict(form: Mapping[str, Any], functions: Mapping[str, type[ModulationFunction]] = FUNCTIONS) -> ModulationFunction:
-    """The function of a scene file's ``{"function": name, parameters...}``; ``functions``: those that its modality knows.
+    """The function of a scene file's ``{"function": name, parameters...}``; ``functions``: those of its modality.
 
     Raises ValueError that names the key for an unknown name, an unknown parameter or a value out of range.
     """
