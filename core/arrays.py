@@ -1,4 +1,4 @@
-"""Array types that all stages share, and runs of numbers; shapes are given where an array is documented, as in ``(n, 3)``."""
+"""Array types of all stages, and functions for runs of numbers. Docstrings give shapes, as in ``(n, 3)``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ BoolArray = NDArray[np.bool_]
 
 
 def runs(numbers: IntArray) -> tuple[IntArray, IntArray]:
-    """Where the runs of equal ``numbers`` (n,) begin, and how long they are."""
+    """Start indices and lengths of the runs of equal ``numbers`` (n,)."""
     begins = np.ones(len(numbers), dtype=np.bool_)
     np.not_equal(numbers[1:], numbers[:-1], out=begins[1:])
     begin = begins.nonzero()[0]
@@ -22,5 +22,5 @@ def runs(numbers: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def ranges(first: IntArray, size: IntArray) -> IntArray:
-    """The numbers ``first[k], first[k] + 1, ...``, ``size[k]`` of them for each k, one after the other."""
+    """The numbers ``first[k], first[k] + 1, ...``, ``size[k]`` of them for each k, concatenated."""
     return np.asarray(np.arange(size.sum()) + (first - size.cumsum() + size).repeat(size))

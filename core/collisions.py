@@ -1,4 +1,4 @@
-"""Collision detection of one frame: contacts between objects as the graph numbers them, impacts, and the sources that impacts make."""
+"""Collision detection of one frame: contacts between objects by their numbers in the graph, impacts, and temporary sources."""
 
 from __future__ import annotations
 
@@ -31,20 +31,19 @@ from .scene.values import HapticObject, Listener, Settings, Source, TriggerKind,
 from .signals import Signal
 
 EXACT_FRAMES = 32
-"""Frames whose number is a multiple of this are `Frame.exact`: those after them can be traced without those before, to the same bits."""
+"""Frames whose number is a multiple of this are `Frame.exact`: later frames can be traced from there with bit-identical results."""
 
 
 @dataclass(frozen=True, slots=True)
 class Frame:
     """The state of a scene at one frame.
 
-    ``time`` [s]; the tracer renders the samples from the previous frame's time to this one's, so that an impact between the two sounds
-    when it happened. ``continuous``: this frame follows the one traced last; otherwise contact history, velocities and sounding signals
-    are dropped. Either bodies move, then ``transforms`` (n, 4, 4) are the rigid world transforms of ``bodies``, which are ``objects`` in
-    the same order; or ``contacts`` are given, which number the objects by their sorted names. ``authored`` contacts replace detected
-    ones. ``recall``: a frame that does not follow has the impacts that it had when it was last stepped to, see `CollisionDetector`.
-    ``exact``: contacts and gains are computed anew also where things have moved by less than counts otherwise. ``duration`` [s]: of a frame
-    that follows none, in which triggers at given times count.
+    ``time`` [s]; the tracer renders the samples from the previous frame's time to this one's, so that an impact between the two is placed
+    at its time. ``continuous``: this frame follows the one traced last; otherwise contact history, velocities and active signals are
+    dropped. Either bodies are given, with rigid world ``transforms`` (n, 4, 4) of ``bodies``, which are ``objects`` in the same order; or
+    ``contacts``, which number the objects by their sorted names. ``authored`` contacts replace detected ones. ``recall``: a frame that is
+    not continuous has the impacts of its last continuous trace, see `CollisionDetector`. ``exact``: contacts and gains are recomputed also
+    after motions below the tolerance of rest. ``duration`` [s]: of a frame that is not continuous, for triggers at given times.
     """
 
     number: int
@@ -65,9 +64,9 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Collisions:
-    """Collisions of one frame. ``sources``: those of ``shots`` of sources with triggers and of impacts that still sound, and of what slides
-    or rolls. ``frames``: where the objects lie, None where propagation does not ask. ``start`` [s]: of the frame, where its impacts are
-    recalled."""
+    """Collisions of one frame. ``sources``: temporary sources of triggers (``shots``), of active impacts, and of sliding and rolling.
+    ``frames``: the frames of reference of the objects, None if propagation does not need them. ``start`` [s]: that of the frame if its
+    impacts are recalled."""
 
     contacts: ContactSet
     frames: ObjectFrames | None = None
@@ -83,15 +82,14 @@ class Collisions:
 class CollisionDetector:
     """Detects the collisions of consecutive frames.
 
-    ``lazy``: contacts are detected only where a signal of at least the threshold can arrive; gains and impacts are the same.
-    ``impact_signal``: played by impacts without templates of their materials. ``transmission``: the function of all detected contacts,
-    None for the identity.
+    ``lazy``: contacts are detected only where a signal of at least the threshold can arrive; gains and impacts are unaffected.
+    ``impact_signal``: signal of impacts without templates of their materials. ``transmission``: the function of all detected contacts, None
+    for the identity.
 
-    Impacts take two frames that follow each other. The impacts of each frame are remembered, at most `MOST_FRAMES` frames of them, for
-    frames with ``recall``: come to by a jump, or detected again after an edit, they have the same impacts as before, and the same slides
-    and rolls. So modes, gains, materials and strategies are compared on the same blow. What makes impacts drops all that is remembered:
-    other bodies, shapes, masses or motions, other rules of contacts and impacts, a struck body that stands elsewhere, and
-    `forget_impacts`, which whoever knows of edits of animation and physics calls.
+    Impacts need two consecutive frames. They are stored for at most `MOST_FRAMES` frames: a frame with ``recall``, reached by a jump or
+    detected again after an edit, has the same impacts and the same sliding and rolling as before, so that modes, gains, materials and
+    strategies are compared on the same impact. All stored impacts are dropped when bodies, shapes, masses, motions, or rules of contacts
+    and impacts change, when a struck body has moved, and by `forget_impacts`, which is called after edits of animation and physics.
     """
 
     def __init__(self, settings: ContactSettings, impact_signal: Signal, transmission: ModulationFunction | None, lazy: bool) -> None:
@@ -117,7 +115,7 @@ class CollisionDetector:
 
     @property
     def _tracked(self) -> ContactSettings:
-        """What contacts and impacts are found by: the settings without what is made of impacts."""
+        """The settings that affect the detection of contacts and impacts."""
         if self._known[0] is not self.settings:
             rows = tuple(replace(row, does=ImpactRule(limits=row.does.limits)) for row in self.settings.impact_table.rows)
             settings = replace(
@@ -133,15 +131,15 @@ class CollisionDetector:
 
     @property
     def remembers(self) -> bool:
-        """True where impacts of some frame are remembered, or what slides or rolls in it."""
+        """True if impacts, sliding or rolling of any frame are stored."""
         return bool(self._remembered)
 
     def impacts_of(self, number: int) -> FrameImpacts | None:
-        """Return the impacts that are remembered of a frame."""
+        """Return the stored impacts of a frame."""
         return self._remembered.get(number)
 
     def restore_impacts(self, number: int, bodies: tuple[Body, ...], kept: FrameImpacts) -> None:
-        """Remember the impacts of a frame of ``bodies`` from elsewhere, and nothing else."""
+        """Replace all stored impacts by those of one frame of ``bodies``."""
         self._rules = self._rules_of(bodies)
         self._remembered = {number: kept}
 
@@ -153,17 +151,17 @@ class CollisionDetector:
         return bodies, self._tracked if not self._tracked.patch_points else replace(self._tracked, patch_points=False)
 
     def forget_impacts(self) -> None:
-        """Something that makes impacts has changed."""
+        """Drop all stored impacts."""
         self._remembered.clear()
         self._last = None
 
     def take_over(self, interrupted: CollisionDetector) -> None:
-        """Take over the settings and the remembered impacts of a detector that was interrupted, but none of its contacts."""
+        """Take over the settings and the stored impacts of an interrupted detector, but not its contacts."""
         self.settings, self.lazy = interrupted.settings, interrupted.lazy
         self._remembered, self._rules = interrupted._remembered, interrupted._rules
 
     def stands(self, frame: Frame) -> bool:
-        """Whether ``frame`` is the one that was detected last, and nothing in it has moved or changed its shape."""
+        """Whether ``frame`` is the one that was detected last, with the same poses and shapes."""
         if self._last is None or self._tracker is None or frame.transforms is None or self._tracker.settings != self._tracked:
             return False
         last = self._last
@@ -171,13 +169,13 @@ class CollisionDetector:
         return alike and last.transforms is not None and np.array_equal(last.transforms, frame.transforms)
 
     def history(self) -> bytes:
-        """All that later frames take over of contacts and impacts."""
+        """The state of contacts and impacts that later frames depend on."""
         arrays = () if self._tracker is None else self._tracker.history()
         sources = repr((self._sources.names, self._shots.sounding)) + self._rubbing.history()
         return b"".join([sources.encode(), *(np.ascontiguousarray(array).tobytes() for array in arrays)])
 
     def reset(self) -> None:
-        """Drop contact history, velocities and sounding impacts."""
+        """Drop contact history, velocities and active impacts."""
         self._sources.clear()
         self._rubbing.clear()
         self._shots.clear()
@@ -186,17 +184,17 @@ class CollisionDetector:
 
     @property
     def late(self) -> Mapping[str, float]:
-        """By how many seconds the listeners feel a source later, by its name."""
+        """Largest delay of each source at the listeners [s], by name."""
         return self._shots.late
 
     def hold(self, late: Mapping[str, float]) -> None:
-        """Keep temporary sources for as many seconds longer as the listeners feel them later, by their names."""
+        """Extend temporary sources by their largest delays at the listeners [s], given by name."""
         self._sources.late = self._shots.late = late
 
     def detect(self, frame: Frame, table: ObjectTable, previous: float | None, again: bool = False) -> Collisions:
         """Return the collisions of ``frame``; ``table`` numbers its objects, ``previous`` is the time of the frame before it, if any.
 
-        again: it `stands`; contacts are looked for anew, and what follows it goes on as if it had been detected once.
+        again: it `stands`; contacts are detected again, without an effect on later frames.
         """
         if frame.contacts is not None or not frame.bodies or frame.transforms is None:
             self._sources.clear()
@@ -250,7 +248,7 @@ class CollisionDetector:
     def _rub(
         self, frame: Frame, transforms: FloatArray, found: FrameContacts, previous: float | None, kept: FrameImpacts | None, again: bool
     ) -> tuple[Source, ...]:
-        """Return the sources of what slides or rolls since ``previous`` [s], or of what did so in a frame that is ``kept``."""
+        """Return the sources of sliding and rolling since ``previous`` [s], or those of a frame that is ``kept``."""
         if not self.settings.textures.rows:
             self._rubbing.clear()
             return ()
@@ -279,7 +277,7 @@ class CollisionDetector:
         return self._shots.sources(sources, start, frame.time, frame.objects, self.settings)
 
     def _recalled(self, number: int, transforms: FloatArray) -> FrameImpacts | None:
-        """Return what is remembered of a frame; nothing at all is any more where a struck body stands elsewhere."""
+        """Return the stored impacts of a frame; all are dropped if a struck body has moved."""
         kept = self._remembered.get(number)
         if kept is not None and not kept.stands(transforms):
             self.forget_impacts()
@@ -294,11 +292,11 @@ class CollisionDetector:
                 del self._remembered[next(iter(self._remembered))]
 
     def _templates(self, frame: Frame) -> Templates:
-        """Return what the impacts of a frame play."""
+        """Return the templates of the impacts of a frame."""
         return Templates(self.settings, {item.name: item for item in frame.objects}, self._impact_signal)
 
     def _follow(self, bodies: tuple[Body, ...], table: ObjectTable) -> ContactTracker:
-        """Return a tracker of ``bodies``: the present one while they have the same names and the settings are the same."""
+        """Return a tracker of ``bodies``: the current one if names and settings are the same."""
         tracker = self._tracker
         rules = self._rules_of(bodies)
         if self._rules != rules:
@@ -318,7 +316,7 @@ class CollisionDetector:
         return tracker
 
     def _transmissions(self, table: ObjectTable) -> TransmissionRules:
-        """Return the functions of contacts by the rules of the scene, the same object while these and the objects are the same."""
+        """Return the functions of contacts by the rules of the scene, the same object while rules and objects are unchanged."""
         rows = self.settings.transmission_table
         if self._passed is None or self._passed[0] is not table or self._passed[1].table is not rows:
             self._passed = table, TransmissionRules(rows, [(item.name, item.material) for item in table.objects], self.transmission)
@@ -335,7 +333,7 @@ class CollisionDetector:
         return self._contacts
 
     def _reach(self, frame: Frame, transforms: FloatArray) -> GainBound:
-        """Return where signals of the sources can arrive, the same object while that is the same."""
+        """Return the bound on where signals of the sources can arrive, the same object while it is unchanged."""
         row = self._numbering.row
         starts: list[tuple[int, Vector]] = []
         for source in frame.sources:
@@ -354,7 +352,7 @@ class CollisionDetector:
 
 
 class _Numbering:
-    """How bodies and the objects of a table are numbered.
+    """Numbering of bodies and of the objects of a table.
 
     ``row``: the number of a body by name. ``objects`` (n,): the number of each body's object.
     """
@@ -369,11 +367,11 @@ class _Numbering:
         self._centres: FloatArray | None = None
 
     def frames(self, transforms: FloatArray) -> ObjectFrames:
-        """Return where the objects lie when the bodies have these rigid ``transforms`` (n, 4, 4)."""
+        """Return the frames of reference of the objects for rigid ``transforms`` (n, 4, 4) of the bodies."""
         return ObjectFrames.unknown(len(self.table.names)).placed(self.objects, self.middles(), transforms)
 
     def middles(self) -> FloatArray:
-        """Return the middles (n, 3) of the bodies' bounds in their own space."""
+        """Return the centres (n, 3) of the bodies' local bounding boxes."""
         if self._centres is None:
             self._centres = local_centres([body.shape for body in self.bodies])
         return self._centres

@@ -1,4 +1,4 @@
-"""Least squares within bounds, for few equations and any number of unknowns."""
+"""Bounded least squares for few equations and any number of unknowns."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from .arrays import FloatArray
 
 _ROUNDS = 200
-"""Most Newton steps; a problem of this form takes a few tens at most."""
+"""Most Newton steps; such problems usually need a few tens at most."""
 _EXACT = 1e-12
 """Relative error of the equations at which the solution counts as found."""
 _HALVINGS = 40
@@ -17,8 +17,8 @@ _ROUNDING = 4 * np.finfo(np.float64).eps
 def bounded_least_squares(matrix: FloatArray, target: FloatArray, low: FloatArray, high: FloatArray, softness: float = 1e-9) -> FloatArray:
     """The ``x`` (n,) in [low, high] (n,) that minimises ``|x|^2 + |matrix x - target|^2 / softness``; matrix (m, n), target (m,).
 
-    So of all that solve the equations it is the smallest, and where none does, the one nearest to a solution. Newton's method on the dual
-    problem of m unknowns, which is concave, and quadratic between the places where a bound is reached.
+    This is approximately the smallest solution of the equations, or, if there is none, the nearest point to one. Newton's method on the
+    dual problem of m unknowns, which is concave and piecewise quadratic.
     """
     dual = np.zeros(len(target))
     size = float(np.abs(target).max(initial=0.0)) or 1.0

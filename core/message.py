@@ -1,4 +1,4 @@
-"""Messages to people as data: a cause and its arguments. `core.sentences` writes them out."""
+"""Messages as data: a cause and its arguments. `core.sentences` formats them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 class Cause(enum.Enum):
     """Kinds of messages: reasons for silence, warnings of a traced frame, losses between listeners and actuators, faults of formulas.
 
-    The value is the sentence in English, with gaps for the arguments; other languages have a table by the causes' names.
+    The value is the English sentence with placeholders for the arguments; other languages have a table by the causes' names.
     """
 
     # What keeps a source from a listener: the source, the mode, what arrives
@@ -149,5 +149,5 @@ class Message:
         return cls(cause, tuple(arguments.items()), about)
 
     def __getitem__(self, name: str) -> Argument:
-        """The argument ``name``; raises KeyError where there is none."""
+        """The argument ``name``. Raises KeyError if there is none."""
         return dict(self.arguments)[name]

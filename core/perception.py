@@ -1,13 +1,13 @@
-"""What skin feels of a vibration: the threshold of feeling over frequency, how far a signal lies above it, and which differences it feels.
+"""Vibrotactile perception: the threshold of feeling by frequency, the sensation level of a signal, difference thresholds and masking.
 
 The threshold is the closed form that haptic codecs use, a (log(c f + b) / log(b))^2 - e with a = 50, c = 1/550, b = 1 - 250 c and e = 45
-(the reference software of ISO/IEC 23090-31): deepest at 250 Hz, rising to either side. Its level depends on the device; here a sine of
-250 Hz is just felt 45 dB below full scale.
+(the reference software of ISO/IEC 23090-31): deepest at 250 Hz, rising to either side. The absolute level depends on the device; here the
+threshold at 250 Hz is 45 dB below full scale.
 
 Difference thresholds of amplitude are those of A. Israr, H. Z. Tan and C. M. Reed, "Frequency and amplitude discrimination along the
 kinesthetic-cutaneous continuum in the presence of masking stimuli", J. Acoust. Soc. Am. 120 (2006) 2789, doi 10.1121/1.2354022: at the
 fingerpad, from 2 to 300 Hz, 1.82 to 2.98 dB at 20 dB above the threshold and 1.65 to 2.71 dB at 35 dB; with one or two maskers 3.63 and
-3.72 dB in the mean. There, too: two frequencies are told apart from a ratio of 1.46 (35 dB) to 1.60 (20 dB) on where others mask them.
+3.72 dB in the mean. Also from there: masked frequencies are distinguishable from a ratio of 1.46 (35 dB) to 1.60 (20 dB) on.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from numpy.typing import NDArray
 from .arrays import FloatArray, IntArray
 
 BEST_FREQUENCY = 250.0
-"""Hertz at which the least is felt."""
+"""Frequency of the lowest threshold [Hz]."""
 BEST_LEVEL = -45.0
-"""Decibels of full scale that are just felt there."""
+"""The threshold at that frequency [dB of full scale]."""
 DIFFERENCE_THRESHOLDS = (1.65, 2.98)
-"""Lowest and highest difference threshold of amplitude in decibels, whatever the frequency and the level."""
+"""Lowest and highest difference threshold of amplitude over all frequencies and levels [dB]."""
 MASKED_DIFFERENCE_THRESHOLD = 3.72
-"""The same where other vibration masks the difference."""
+"""Difference threshold of amplitude with maskers [dB]."""
 
 MASKED_RATIO = 1.60
-"""Ratio of frequencies from which they are told apart, whatever masks them."""
+"""Ratio from which two frequencies are distinguishable even with maskers."""
 
 _DEPTH = 50.0
 _SLOPE = 1 / 550
@@ -38,25 +38,25 @@ _LOWEST, _HIGHEST = 5.0, 1000.0
 
 
 def are_felt_alike(decibels: float) -> bool:
-    """Whether nobody feels a difference of so many decibels between two levels of one frequency."""
+    """Whether nobody feels a difference of ``decibels`` between two levels of one frequency."""
     return abs(decibels) < DIFFERENCE_THRESHOLDS[0]
 
 
 def are_felt_different(decibels: float, masked: bool = False) -> bool:
-    """Whether everybody feels a difference of so many decibels, ``masked`` by other vibration or alone."""
+    """Whether everybody feels a difference of ``decibels``, with or without maskers (``masked``)."""
     return abs(decibels) > (MASKED_DIFFERENCE_THRESHOLD if masked else DIFFERENCE_THRESHOLDS[1])
 
 
 def threshold_level(frequency: NDArray[np.floating] | float) -> FloatArray:
-    """Decibels of full scale at which a sine of ``frequency`` hertz (>= 0) is just felt; full scale is the amplitude 1."""
+    """Threshold of feeling [dB of full scale] of a sine of ``frequency`` hertz (>= 0); full scale is the amplitude 1."""
     bend = np.log10(_SLOPE * np.asarray(frequency, dtype=np.float64) + _BASE) / math.log10(_BASE)
     return np.asarray(_DEPTH * bend**2 + BEST_LEVEL)
 
 
 def _felt_energy(samples: FloatArray, sample_rate: float) -> tuple[FloatArray, FloatArray]:
-    """Energies (..., f) of ``samples`` (..., n) at the frequencies [Hz] that skin feels (f,), 1 where a sine is just felt.
+    """Energies (..., f) of ``samples`` (..., n) at the tactile frequencies (f,) [Hz], relative to the threshold.
 
-    A Hann window keeps a tone from spilling over to where the threshold is lower.
+    A Hann window limits the leakage of a tone to frequencies of lower threshold.
     """
     count = samples.shape[-1]
     window = np.hanning(count + 2)[1:-1]
@@ -68,11 +68,11 @@ def _felt_energy(samples: FloatArray, sample_rate: float) -> tuple[FloatArray, F
 
 
 def hidden_by(samples: FloatArray, sample_rate: float) -> tuple[FloatArray, IntArray]:
-    """Of signals (s, n) that arrive together: decibels (s,) that each lies above the threshold of feeling alone, and the number (s,) of the
-    one that hides it, -1 where none does.
+    """For simultaneous signals (s, n): the sensation level (s,) of each alone [dB], and the number (s,) of the signal that masks it, -1 for
+    none.
 
-    A signal is hidden where it raises what is felt within `MASKED_RATIO` of its own most felt frequency by no more than
-    `MASKED_DIFFERENCE_THRESHOLD`, and what is felt there without it lies above the threshold. What hides it is the strongest of that.
+    A signal is masked if it raises the sensation level within `MASKED_RATIO` of its dominant frequency by no more than
+    `MASKED_DIFFERENCE_THRESHOLD`, and if the level of the others there is above the threshold. Its masker is the strongest of them.
     """
     masker = np.full(len(samples), -1, dtype=np.int64)
     if samples.shape[-1] < 2 or not len(samples):
@@ -91,9 +91,9 @@ def hidden_by(samples: FloatArray, sample_rate: float) -> tuple[FloatArray, IntA
 
 
 def sensation_level(samples: FloatArray, sample_rate: float) -> FloatArray:
-    """Decibels that ``samples`` (..., n) lie above the threshold of feeling, (...); minus infinity for silence.
+    """Sensation level (...) of ``samples`` (..., n): decibels above the threshold of feeling, minus infinity for silence.
 
-    The energies of all frequencies from 5 to 1000 Hz add up, each weighed by its threshold; a sine comes out at its level minus
+    The energies of all frequencies from 5 to 1000 Hz add up, each weighted by its threshold; that of a sine is its level minus
     `threshold_level`.
     """
     if samples.shape[-1] < 2:

@@ -1,4 +1,4 @@
-"""Messages as sentences, and how their arguments are written in any language."""
+"""Messages as sentences, and the formatting of their arguments."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def sentence(message: Message, template: str | None = None) -> str:
 
 
 def written(value: Argument) -> str:
-    """An argument as text: numbers with their unit, long paths without their middle."""
+    """An argument as text: numbers with their unit, long paths shortened in the middle."""
     match value:
         case Metres():
             return _length(value)

@@ -2,7 +2,7 @@
 
     detect collisions -> update graph -> for each source: propagate -> for each listener: mix, render
 
-One tracer serves the live preview, the bake, the export, the command line and the tests, so that none of them differs from the others.
+Live preview, bake, export, command line and tests use the same tracer, so that their results agree.
 """
 
 from __future__ import annotations
@@ -48,20 +48,21 @@ class Tracer:
         self._start = 0.0  # of the last frame
 
     def reset(self) -> None:
-        """Drop contacts, velocities and sounding signals."""
+        """Drop contacts, velocities and active signals."""
         self._time = None
         self.collisions.reset()
         self._mixdown.reset()
 
     def checksum(self) -> str:
-        """Of all that later frames take over from those so far, but for samples. Tracers with the same one go on alike to the bit."""
+        """Checksum of the state that later frames depend on, except samples. Tracers with equal checksums continue with bit-identical
+        results."""
         gains = b"" if self._propagated is None else self._propagated.propagation.gain.tobytes()
         return sha256(repr(self._time).encode() + gains + self.collisions.history()).hexdigest()
 
     def step(self, frame: Frame) -> FrameResult:
-        """Trace one frame. Raises ValueError that names the object where a designer's expression gives no gain.
+        """Trace one frame. Raises ValueError, which names the object, if a designer's expression gives no valid gain.
 
-        Nothing is rendered of a frame that is traced again (`CollisionDetector.stands`): what follows it goes on from its first rendering.
+        A frame that is traced again (`CollisionDetector.stands`) is not rendered; later frames continue from its first rendering.
         """
         again = frame.recall and self.collisions.stands(frame)
         if not again and (not frame.continuous or (self._time is not None and frame.time <= self._time)):
@@ -103,14 +104,14 @@ class Tracer:
         )
 
     def _object_table(self, frame: Frame) -> ObjectTable:
-        """Return the table of the frame's objects, the same one while they are the same."""
+        """Return the table of the frame's objects, the same one while they are unchanged."""
         if frame.objects is not self._objects or frame.settings.epsilon != self._table.epsilon:
             self._objects = frame.objects
             self._table = ObjectTable.of(frame.objects, frame.settings.epsilon)
         return self._table
 
     def _propagate(self, inputs: Inputs, exact: bool, watch: _Stopwatch) -> Propagated:
-        """Return graph and gains, those of the last frame where its inputs were the same, ``exact``: to the bit."""
+        """Return graph and gains; those of the last frame if its inputs were the same (``exact``: bit-identical)."""
         known = self._propagated
         if known is None or not known.inputs.same_as(inputs, 0.0 if exact else STILL):
             gravity = self.collisions.settings.gravity
@@ -124,7 +125,7 @@ class Tracer:
 
 
 class _Stopwatch:
-    """Milliseconds between laps, added to known ones."""
+    """Stopwatch that adds the milliseconds between laps to given ones."""
 
     def __init__(self, milliseconds: dict[str, float]) -> None:
         self.milliseconds = milliseconds
@@ -137,5 +138,5 @@ class _Stopwatch:
 
 
 def _statistics(propagated: Propagated, collisions: Collisions) -> dict[str, int | float]:
-    """Return the counts of what a frame had and of what was done and skipped."""
+    """Return the counts of a frame's items and of computed and skipped work."""
     return {**collisions.statistics, **propagated.propagation.statistics}

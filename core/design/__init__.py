@@ -1,1 +1,1 @@
-"""Materials from wishes and from recordings: the values that make a scene pass on what is wanted, or what was measured."""
+"""Material values that fulfil desired levels, or that are fitted to recordings."""

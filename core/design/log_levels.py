@@ -1,4 +1,4 @@
-"""Levels at listeners along the best paths, and their derivatives by what the objects are made of.
+"""Levels at listeners along the best paths, and their derivatives with respect to material parameters.
 
 The gain of a path is a product, so its logarithm is a sum over the connections, and the derivative by a value of an object is the sum of
 closed forms over the connections inside that object.
@@ -24,15 +24,15 @@ from ..scene.values import Settings
 
 @dataclass(frozen=True, slots=True)
 class LogLevels:
-    """``level`` (l,): half the logarithm of the energy that arrives at each listener over the best path of each source, minus infinity
-    where nothing does; ``slope`` (l, o): its derivative by ln K of each object."""
+    """``level`` (l,): half the logarithm of the energy that arrives at each listener over the best path of each source, minus infinity if
+    none does; ``slope`` (l, o): its derivative by ln K of each object."""
 
     level: FloatArray
     slope: FloatArray
 
 
 def log_levels(graph: HapticGraph, settings: Settings, energies: FloatArray) -> LogLevels:
-    """The levels on a graph. ``energies`` (s, bands): what each source emits in each frequency band, squared amplitudes."""
+    """The levels on a graph. ``energies`` (s, bands): squared amplitudes of each source by frequency band."""
     found = propagate(graph, replace(settings, mode=Mode.HT, strategy=Strategy.AUTO, threshold=0.0, localise=0.0))
     total = np.zeros(len(graph.listeners))
     weighted = np.zeros((len(graph.listeners), len(graph.table.names)))

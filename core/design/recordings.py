@@ -1,9 +1,9 @@
 """The loss of one material and the gain of one contact, from recordings of an event at its source and at a listener.
 
 The transfer between the recordings is the logarithm of ``|S_xy / S_xx|`` (the estimator H1 of Bendat and Piersol, *Random Data*), averaged
-over half-overlapping windows. Along the best path it is a sum: what is known of the other objects, ``-s alpha(f) d`` of the objects that
-are fitted, which damp by s times what their material does, and a number c of the contact. Both follow by least squares, each frequency
-weighed by its coherence; their standard deviations say what the recordings do not determine.
+over half-overlapping windows. Along the best path it is a sum: the known terms of the other objects, ``-s alpha(f) d`` of the fitted
+objects, whose damping is s times that of their material, and a constant c of the contact. Least squares with the coherence of each
+frequency as its weight gives s and c; their standard deviations show what the recordings do not determine.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ RATE = 4000.0
 COHERENT = 0.5
 """Coherence below which a frequency is left out."""
 AUDIBLE_LOSS = 3.0
-"""Decibels that the object must take at the highest frequency for its loss to be determined."""
+"""Least loss of the object at the highest frequency for which its damping is determined [dB]."""
 SURE = 0.2
 """Relative standard deviation up to which a value counts as determined."""
 _WINDOW = 0.5
@@ -59,7 +59,7 @@ class Transfer:
 
 
 class Recordings:
-    """Spectra of two recordings of rate `RATE`, made at the source and at the listener at the same time, averaged window by window."""
+    """Spectra of two recordings of rate `RATE`, made simultaneously at the source and at the listener, averaged over windows."""
 
     def __init__(self, source: FloatArray, listener: FloatArray) -> None:
         self._samples, self._size, count = (source, listener), round(_WINDOW * RATE), min(len(source), len(listener))
@@ -68,7 +68,7 @@ class Recordings:
             raise ValueError(f"the recordings are too short: {count / RATE:.2f} s together, at least {2.5 * _WINDOW:g} s are needed")
 
     def steps(self) -> Iterator[None]:
-        """Add window after window."""
+        """Add one window per step."""
         window, bins = np.hanning(self._size), self._size // 2 + 1
         self._own, self._other, self._cross = np.zeros(bins), np.zeros(bins), np.zeros(bins, dtype=np.complex128)
         for start in self.starts:
@@ -79,7 +79,7 @@ class Recordings:
             yield
 
     def transfer(self) -> Transfer:
-        """The transfer of the windows that were added."""
+        """The transfer over the windows added so far."""
         frequency, cross = np.fft.rfftfreq(self._size, 1 / RATE), np.abs(self._cross)
         used = (frequency >= BAND_EDGES[0]) & (frequency <= BAND_EDGES[-1]) & (self._own > self._own.max() * 1e-12) & (cross > 0)
         own, other, cross = self._own[used], self._other[used], cross[used]
@@ -88,14 +88,14 @@ class Recordings:
 
 
 def read_recordings(source: Path, listener: Path) -> Recordings:
-    """Both WAV files, their channels averaged."""
+    """Recordings from two WAV files, their channels averaged."""
     return Recordings(read_wav(source, RATE).samples, read_wav(listener, RATE).samples)
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What is fitted: the loss of ``objects``, which share a material, and the gain of the ``contact`` between two objects, on the way from
-    a source to a listener. Recordings that are not ``calibrated`` alike differ by an unknown factor; then no contact can be fitted."""
+    """The parameters to fit: the loss of ``objects``, which share a material, and the gain of the ``contact`` between two objects, on the
+    path from a source to a listener. Without ``calibrated``, the recordings differ by an unknown factor, and no contact can be fitted."""
 
     source: str
     listener: str
@@ -106,10 +106,10 @@ class Question:
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """``damping``: times what the material does; ``contact``: logarithm of its gain; each with its standard deviation. ``k``: (1 - kappa)
-    rho of the objects, and ``gain`` of the contact, in [0, 1], that this asks for. ``before``, ``after``: root mean square of what the
-    model differs by [dB] as the scene is, and with these values. ``bands`` (bands, 4): measured transfer, the model's before and after
-    [dB], and coherence; NaN where a band has no coherent frequency. ``doubts``: what the recordings do not determine."""
+    """``damping``: multiple of the material's; ``contact``: logarithm of its gain; each with its standard deviation. ``k``: the resulting
+    (1 - kappa) rho of the objects, and ``gain`` of the contact, in [0, 1]. ``before``, ``after``: root mean square difference of model and
+    recording [dB] for the current and for the fitted values. ``bands`` (bands, 4): measured transfer, the model's before and after [dB],
+    and coherence; NaN for bands without coherent frequencies. ``doubts``: parameters that the recordings do not determine."""
 
     damping: float
     damping_error: float
@@ -125,8 +125,8 @@ class Fit:
 
 @dataclass(frozen=True, slots=True)
 class _Levels:
-    """Logarithms of gains (n,) by frequency along a path: of what is ``known``, and of the ``contact`` as it is. ``damped`` (n,): damping
-    of the fitted objects as their material has it, over ``inside`` metres. ``crossed``: the contact is on the path."""
+    """Logarithms of gains (n,) by frequency along a path: of its ``known`` parts, and of the ``contact`` before the fit. ``damped`` (n,):
+    damping of the fitted objects by their material, over ``inside`` metres. ``crossed``: the contact is on the path."""
 
     known: FloatArray
     damped: FloatArray
@@ -136,7 +136,7 @@ class _Levels:
 
 
 def fit(graph: HapticGraph, measured: Transfer, asked: Question) -> Fit:
-    """The values that bring the model nearest to what was measured. Raises ValueError where names or the path do not fit the question."""
+    """Fit the model to the measured transfer. Raises ValueError if names or the path do not match ``asked``."""
     if asked.contact and not asked.calibrated:
         raise ValueError("recordings that are not calibrated alike don't tell the gain of a contact")
     path = _path(graph, asked)
@@ -171,7 +171,7 @@ def fit(graph: HapticGraph, measured: Transfer, asked: Question) -> Fit:
 
 
 def _path(graph: HapticGraph, asked: Question) -> tuple[int, ...]:
-    """The best path from the source to the listener. Raises ValueError where names are wrong or nothing arrives."""
+    """The best path from the source to the listener. Raises ValueError for unknown names, or if nothing arrives."""
     sources = [source.name for source in graph.sources]
     for names, wanted, what in (
         (sources, (asked.source,), "source"),
@@ -188,7 +188,7 @@ def _path(graph: HapticGraph, asked: Question) -> tuple[int, ...]:
 
 
 def _levels(graph: HapticGraph, path: Sequence[int], fitted: Sequence[int], contact: Sequence[str], frequency: FloatArray) -> _Levels:
-    """What a path does to each frequency."""
+    """The gains of a path by frequency."""
     known, damped, free = np.zeros((3, len(frequency)))
     inside, crossed = 0.0, False
     band = _bands_of(frequency)
@@ -221,7 +221,7 @@ def _levels(graph: HapticGraph, path: Sequence[int], fitted: Sequence[int], cont
 
 
 def _solved(measured: Transfer, levels: _Levels, with_offset: bool) -> tuple[FloatArray, FloatArray, bool]:
-    """The damping and, ``with_offset``, the logarithm of a gain: both, their standard deviations, and whether they can't be told apart."""
+    """The damping and, ``with_offset``, the logarithm of a gain: both, their standard deviations, and whether they are not separable."""
     used = measured.used
     if used.sum() < 4:
         raise ValueError("the recordings have nothing in common: no frequency is coherent")
@@ -238,7 +238,7 @@ def _solved(measured: Transfer, levels: _Levels, with_offset: bool) -> tuple[Flo
 
 
 def _doubts(name: str, values: FloatArray, errors: FloatArray, most: float, alone: bool, with_contact: bool) -> tuple[Message, ...]:
-    """What the recordings do not determine; ``most``: damping of the object at the highest frequency, as its material has it."""
+    """Parameters that the recordings do not determine; ``most``: damping of the object by its material at the highest frequency."""
     doubts, loss = [], DECIBELS * float(values[0]) * most
     if alone:
         doubts.append(Message.of(Cause.FIT_ALIKE, object=name))
@@ -254,7 +254,7 @@ def _doubts(name: str, values: FloatArray, errors: FloatArray, most: float, alon
 
 
 def _by_band(measured: Transfer, models: FloatArray) -> FloatArray:
-    """The table of `Fit`."""
+    """The ``bands`` of `Fit`."""
     rows, band = np.full((BAND_COUNT, 4), math.nan), _bands_of(measured.frequency)
     for number in range(BAND_COUNT):
         inside = (band == number) & measured.used

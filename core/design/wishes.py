@@ -1,4 +1,4 @@
-"""Materials that bring wished levels to listeners."""
+"""Material values that give listeners the desired levels."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from ..scene.values import Settings
 from .log_levels import LogLevels, log_levels, with_changed_k
 
 DECIBELS = 20 / np.log(10)
-"""Decibels of a change of the logarithm by 1."""
+"""Decibels per neper."""
 
 _ROUNDS = 60
 _SOFTNESS = 1e-6
-"""How much a change of a material counts beside a missed wish: of several solutions the one that changes least is taken."""
+"""Regularisation: weight of a material's change relative to a deviation from a wish, so that the smallest of several solutions is taken."""
 _FIRST_STEP, _LAST_STEP = 0.5, 1e-6
-"""Largest change of ln K in a step: at first, and where nothing better is found any more."""
+"""Largest change of ln K in the first step, and that at which the search ends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class FreeMaterial:
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """A listener, and by how many decibels its level shall change."""
+    """A listener, and the desired change of its level [dB]."""
 
     listener: str
     change: float
@@ -43,18 +43,18 @@ class Wish:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """``k``: the new K of each free material. ``changes``: decibels by which the level of each wish's listener then changes; NaN where
-    nothing arrives."""
+    """``k``: the new K of each free material. ``changes``: the resulting change of the level of each wish's listener [dB]; NaN if nothing
+    arrives."""
 
     k: tuple[float, ...]
     changes: tuple[float, ...]
 
 
 def fulfil(graph: HapticGraph, settings: Settings, energies: FloatArray, wishes: Sequence[Wish], free: Sequence[FreeMaterial]) -> Answer:
-    """The values of ``free`` materials by which the levels change as wished, or as nearly as their bounds and paths allow (least squares).
+    """The values of ``free`` materials that change the levels as wished, or as closely as their bounds and paths allow (least squares).
 
-    Gauss-Newton steps within a region that shrinks where a step does not help, because other paths become the best ones. ``energies``: as
-    for `log_levels`.
+    Gauss-Newton steps within a trust region, which shrinks if a step fails because other paths become the best ones. ``energies``: as for
+    `log_levels`.
     """
     index = graph.table.index()
     groups = [[index[name] for name in material.objects] for material in free]

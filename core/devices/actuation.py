@@ -1,7 +1,8 @@
-"""Samples become what an actuator can do.
+"""Conversion of samples to the drive of actuators.
 
-Devices that take samples get them, at their own rate. All others are described every 10 ms by a short-time spectrum: for each channel
-the amplitude of the part of the signal that it takes (a full-scale sine is 1) and, where the device can follow, its frequency.
+
+Devices driven by samples get them at their own rate. All others get values from a short-time spectrum every 10 ms: for each channel the
+amplitude of its part of the signal (a full-scale sine is 1) and, if the device can reproduce it, its frequency.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from .resampling import Resampler
 HOP = 0.010
 """Seconds between two steps: two thirds of the 15 ms by which touch may lead the picture."""
 
-# The window rises for 32 ms, long enough to tell frequencies 25 Hz apart, and falls within 8 ms, so that an impact is seen at once.
+# The window rises for 32 ms, long enough to tell frequencies 25 Hz apart, and falls within 8 ms, so that an impact is detected at once.
 _RISE, _FALL = 0.032, 0.008
 # A spectrum with this share of its power so near its peak is one tone, and goes to one channel: split, its halves would beat.
 _TONE_SHARE, _TONE_HALF_WIDTH = 0.97, 60.0
@@ -30,21 +31,21 @@ _SILENT = 0.002
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """What to drive from ``offset`` seconds after the start of the block on."""
+    """Drive values from ``offset`` seconds after the start of the block on."""
 
     offset: float
     tones: Tones
 
 
 def calibrated(amplitude: FloatArray, calibration: Calibration) -> FloatArray:
-    """``floor + (1 - floor) min(gain a, 1)^exponent``, and 0 for what is silent. amplitude: any shape, 0 or more."""
+    """``floor + (1 - floor) min(gain a, 1)^exponent``, and 0 for the amplitude 0. amplitude: any shape, 0 or more."""
     driven = np.minimum(calibration.gain * amplitude, 1.0)
     curve = calibration.floor + (1.0 - calibration.floor) * driven**calibration.exponent
     return np.where(driven < _SILENT, 0.0, curve)
 
 
 class SpectralDescription:
-    """Amplitude and frequency per band, every ``HOP`` seconds, of signals that come in block by block."""
+    """Amplitude and frequency per band, every ``HOP`` seconds, of signals that arrive block by block."""
 
     def __init__(self, rate: int, bands: list[list[tuple[float, float]]]) -> None:
         """rate: samples per second. bands: for each signal, the (low, high) limits in Hz of each of its channels."""
@@ -68,11 +69,11 @@ class SpectralDescription:
 
     @property
     def pending(self) -> float:
-        """Seconds taken in that are not part of a finished step yet."""
+        """Seconds of input that are not yet part of a complete step."""
         return (self._history.shape[1] - (len(self._window) - self._hop)) / self._rate
 
     def reset(self) -> None:
-        """Forget the samples so far: as if silence had come before."""
+        """Reset to silence."""
         self._history = np.zeros((len(self._masks), len(self._window) - self._hop))
 
     def process(self, block: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
@@ -94,7 +95,7 @@ class SpectralDescription:
         near = np.where(np.abs(self._frequencies - peak) <= _TONE_HALF_WIDTH, taken, 0.0)
         total = taken.sum(axis=1)
         is_tone = near.sum(axis=1) >= _TONE_SHARE * total
-        # (steps, channels, bins): a tone whole to the channel that has its peak, anything else by its bins.
+        # (steps, channels, bins): a tone goes entirely to the channel with its peak, any other spectrum is divided by bins.
         shares = taken[:, None, :]
         if len(masks) > 1:
             shares = np.where(is_tone[:, None, None], shares * self._holds(masks, peak)[:, :, None], power[:, None, :] * masks)
@@ -105,7 +106,7 @@ class SpectralDescription:
         return np.sqrt(sums), centroids
 
     def _holds(self, masks: BoolArray, peak: FloatArray) -> BoolArray:
-        """Which channel takes the peak's frequency: (steps, channels)."""
+        """Whether a channel takes the peak's frequency: (steps, channels)."""
         bins = np.searchsorted(self._frequencies, peak[:, 0])
         held: BoolArray = masks[:, bins].T
         return held
@@ -130,7 +131,7 @@ class ToneActuation:
     def process(self, block: FloatArray) -> list[Step]:
         """Steps of a block, in order; silence has the frequencies at rest. block: (actuators, n).
 
-        The first offset is below 0 where the last block ended inside a step.
+        The first offset is below 0 if the last block ended inside a step.
         """
         start = -self._description.pending
         described = self._description.process(block)
@@ -191,7 +192,7 @@ def checked_block(block: FloatArray, actuators: int) -> FloatArray:
 def actuation_of(
     profile: Profile, family: AnyFamily, rate: int, calibrations: Mapping[str, Calibration]
 ) -> ToneActuation | SampleActuation:
-    """The actuation that fits the family."""
+    """The actuation for the family."""
     if isinstance(family, RumbleFamily):
         return ToneActuation(profile, family, rate, calibrations)
     return SampleActuation(profile, family, rate, calibrations)

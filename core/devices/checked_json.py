@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 
 
 def parse_json(text: str | bytes) -> Any:
-    """A JSON document. Raises ValueError in one line, for NaN and infinities too, and for deep nesting."""
+    """A JSON document. Raises ValueError with one line for invalid JSON, for NaN and infinities, and for deep nesting."""
     try:
         return json.loads(text, parse_constant=_refuse_constant)
     except RecursionError:
@@ -33,9 +33,9 @@ def _validator(name: str, definition: str) -> Callable[[Any], Any]:
 
 
 def schema_fault(document: Any, name: str, definition: str = "") -> tuple[str, str] | None:
-    """The place, as keys with slashes between, and the reason where a document is invalid; None where it is valid.
+    """Place (keys joined by slashes) and reason of the first fault of a document; None if it is valid.
 
-    name: of the schema, ``<name>.schema.json``. definition: an entry of its ``$defs``, to validate by that.
+    name: that of the schema, ``<name>.schema.json``. definition: an entry of its ``$defs`` to validate against.
     """
     import fastjsonschema
 

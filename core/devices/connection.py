@@ -1,4 +1,4 @@
-"""Finding devices through hidapi, opening them, and saying in one line why that did not work."""
+"""Search for devices and opening of devices through hidapi, with one line for a failure."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _INPUT_WITHIN_MS = 16
 
 
 class DeviceError(OSError):
-    """A device can't be used now; the text says why, in one line."""
+    """A device is unavailable; the text gives the reason in one line."""
 
 
 class HidModule(Protocol):
@@ -52,7 +52,7 @@ def hid_module() -> HidModule:
 
 
 class StandInDevice(ABC):
-    """Something else in the place of hidapi's device: it takes reports in its own way and answers nothing."""
+    """Replacement for hidapi's device that handles reports by other means and sends no input."""
 
     def __init__(self) -> None:
         self._error = ""
@@ -62,7 +62,7 @@ class StandInDevice(ABC):
 
     @abstractmethod
     def take(self, data: bytes) -> None:
-        """Raises OSError where the report does not arrive."""
+        """Send a report. Raises OSError if it does not arrive."""
 
     @abstractmethod
     def close(self) -> None: ...
@@ -95,9 +95,10 @@ def stand_in_entry(path: str, title: str = "", serial: str = "", bus: int = BUS_
 
 @dataclass(frozen=True, slots=True)
 class Connected:
-    """A connected device: the interfaces it could be opened through, and the families that can drive it, the default first.
+    """A connected device: its possible interfaces, and the families that can drive it, the default first.
 
-    families is empty for a gamepad that nothing here can drive.
+
+    families is empty for an unsupported gamepad.
     """
 
     title: str
@@ -117,13 +118,13 @@ def interfaces(hid: HidModule) -> tuple[Interface, ...]:
 
 
 def connected(hid: HidModule) -> tuple[Connected, ...]:
-    """The devices that can be driven, and gamepads that can't."""
+    """The supported devices, and unsupported gamepads."""
     devices: dict[tuple[Any, ...], list[Interface]] = {}
     families: dict[tuple[Any, ...], tuple[AnyFamily, ...]] = {}
     for interface in interfaces(hid):
         matching = families_of(interface)
         if matching or is_gamepad(interface):
-            # A device's interfaces share its serial number; without one, those of a family that has to try them are one device.
+            # A device's interfaces share its serial number; without one, all interfaces of a family with `probe_input` count as one device.
             alternative = bool(interface.serial) or any(family.probe_input for family in matching)
             place = b"" if alternative else interface.path
             key = (interface.vendor, interface.product, interface.serial, place, tuple(family.name for family in matching))
@@ -152,7 +153,7 @@ class Opened:
 
 
 def open_device(hid: HidModule, family: AnyFamily, serial: str = "") -> Opened:
-    """Open the first device of the family that is not open here already. serial: only that one, if not empty.
+    """Open the first device of the family that this process has not opened. serial: the one with this number, unless empty.
 
     Raises DeviceError with the reason.
     """
@@ -219,7 +220,7 @@ def udev_rule(interface: Interface) -> str:
 
 
 def missing_permission(interface: Interface) -> str | None:
-    """Why this user may not open the interface (Linux), and the udev rule that lets them; None if they may, or it can't be told."""
+    """Why this user may not open the interface (Linux), and the udev rule that lets them; None if they may, or if that is unknown."""
     if not sys.platform.startswith("linux"):
         return None
     name = interface.title or f"{interface.vendor:04x}:{interface.product:04x}"

@@ -1,7 +1,7 @@
-"""The Linux kernel's force feedback, for gamepads that may not be opened as HID devices, or are none (an Xbox pad on a cable).
+"""The Linux kernel's force feedback, for gamepads that cannot be opened as HID devices or are not HID devices (an Xbox pad on a cable).
 
-The kernel's driver knows the pad's protocol; an event device takes the strength of two motors. Its effects end with the process that
-holds it, and each by itself half a second after it was started. Constants and layouts are those of ``linux/input.h``.
+The kernel's driver implements the pad's protocol; an event device takes the amplitudes of two motors. Effects end with the process that
+holds the device, and each after half a second. Constants and layouts are those of ``linux/input.h``.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _UPLOAD = 1 << 30 | _EFFECT_SIZE << 16 | ord("E") << 8 | 0x80  # EVIOCSFF
 
 @dataclass(frozen=True, slots=True)
 class EventNode:
-    """An event device that takes rumble. serial: may be empty; the address over Bluetooth."""
+    """An event device that supports rumble. serial: may be empty; the address over Bluetooth."""
 
     path: str
     title: str
@@ -46,12 +46,12 @@ class EventNode:
 
     @property
     def may_be_opened(self) -> bool:
-        """Whether this user may."""
+        """Whether this user may open it."""
         return os.access(self.path, os.R_OK | os.W_OK)
 
 
 def event_nodes(system: Path = _SYSTEM) -> tuple[EventNode, ...]:
-    """The event devices that take rumble, by path; none on other systems than Linux."""
+    """The event devices that support rumble, by path; none on systems other than Linux."""
     if not sys.platform.startswith("linux") or not system.is_dir():
         return ()
     found = []
@@ -78,12 +78,12 @@ def _node(name: str, device: Path) -> EventNode:
 
 @dataclass(frozen=True, slots=True)
 class ForceFeedbackModule:
-    """An event device in the place of hidapi's module."""
+    """Replacement for hidapi's module with one event device."""
 
     node: EventNode
 
     def enumerate(self, vendor_id: int = 0, product_id: int = 0) -> Iterable[Mapping[str, Any]]:
-        """The one device, while it is there."""
+        """The one device, while it is connected."""
         if not os.access(self.node.path, os.F_OK):
             return []
         bus = BUS_BLUETOOTH if self.node.transport == "bt" else BUS_USB
@@ -95,7 +95,7 @@ class ForceFeedbackModule:
 
 
 class _EventDevice(StandInDevice):
-    """An event device. A report is the strength of the strong and the weak motor."""
+    """An event device. A report contains the amplitudes of the strong and the weak motor."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -143,7 +143,7 @@ FORCE_FEEDBACK = RumbleFamily(
 
 
 def force_feedback_profile(node: EventNode) -> Profile:
-    """What such a gamepad can do: a strong, slow motor and a weak, fast one shake the whole pad."""
+    """The profile of such a gamepad: a strong, slow motor and a weak, fast one, which shake the whole pad."""
     channels = (Channel("left", (10.0, 100.0)), Channel("right", (100.0, 1000.0)))
     actuator = Actuator("both motors", ("hand.L", "hand.R"), "ERM", (30.0, 250.0), 0.06, 1.0, channels, Calibration())
     return Profile("force-feedback", node.title or FORCE_FEEDBACK.title, FORCE_FEEDBACK, False, None, 50.0, 0.7, 10.0, (actuator,))

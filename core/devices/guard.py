@@ -1,7 +1,7 @@
 """The program's side of the guard: starts the process that drives the devices, sends it orders, and reads the statuses of the outputs.
 
-Nothing here blocks the caller: an order is written as far as the pipe takes it, the rest by a thread; another thread reads the statuses.
-An order that is not written yet is replaced by a newer one of the same method. The guard ends with the last output.
+Nothing here blocks the caller: an order is written as far as the pipe accepts it, and a thread writes the rest; another thread reads the
+statuses. An order that is not written yet is replaced by a newer one of the same method. The guard ends with the last output.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ _OBSOLETE = {"send": ("expect",), **dict.fromkeys(("silence", "rest", "request_s
 
 
 class Process(Protocol):
-    """A running guard: its pipes, and its end."""
+    """A running guard process and its pipes."""
 
     stdin: BinaryIO
     stdout: BinaryIO
@@ -76,7 +76,7 @@ class Guard:
     """A guard process, the orders to be written to it, and the last status of each output."""
 
     def __init__(self) -> None:
-        """Raises OSError where the process can't be started."""
+        """Raises OSError if the process cannot be started."""
         self._process = _state.start()
         self._never_blocks = _never_blocks(self._process.stdin)
         self._condition = threading.Condition()
@@ -96,7 +96,7 @@ class Guard:
             thread.start()
 
     def open(self, number: int, make: Callable[[], Output], name: str = "open") -> bool:
-        """Let the guard make and start an output. False where the guard is ending."""
+        """Let the guard create and start an output. Returns False if the guard is ending."""
         with self._condition:
             if self._closing or self._lost:
                 return False
@@ -106,7 +106,7 @@ class Guard:
             return True
 
     def order(self, number: int, name: str, *arguments: Any) -> None:
-        """Call a method of an output, in the order of the calls; of the same method, only the last call counts."""
+        """Call a method of an output, in the order of the calls; a later call of the same method replaces a pending one."""
         with self._condition:
             before = self._orders.pop((number, name), None)
             if name == "send":
@@ -125,7 +125,7 @@ class Guard:
             return replace(status, dropped_blocks=status.dropped_blocks + self._replaced.get(number, 0))
 
     def wait_until_over(self, number: int, timeout: float) -> bool:
-        """Wait for the end of an output. Returns whether it came."""
+        """Wait for the end of an output. Returns whether it has ended."""
 
         def is_over() -> bool:
             return bool(self._lost) or self._statuses.get(number, Status()).is_over
@@ -140,9 +140,9 @@ class Guard:
             thread.join(max(deadline - time.monotonic(), 0.0))
 
     def _write_some(self) -> None:
-        """Write orders as far as the pipe takes them at once; the thread writes the rest. Under _condition.
+        """Write orders as far as the pipe accepts them at once; the thread writes the rest. Called under _condition.
 
-        Not left to the thread alone, which would have to wait until the caller releases the GIL.
+        The thread alone would have to wait until the caller releases the GIL.
         """
         if not self._never_blocks or self._closing or self._lost:
             self._condition.notify_all()
@@ -204,7 +204,7 @@ def _message(orders: Mapping[tuple[int, str], tuple[Any, ...]]) -> memoryview:
 
 
 def _never_blocks(pipe: BinaryIO) -> bool:
-    """Make writing to a pipe take what there is room for instead of waiting. False where the system can't (Windows before Python 3.12)."""
+    """Make a pipe non-blocking for writes. Returns False if the system cannot (Windows before Python 3.12)."""
     try:
         os.set_blocking(pipe.fileno(), False)
     except (AttributeError, OSError):
@@ -223,7 +223,7 @@ class _State:
         self.outputs: set[GuardedOutput] = set()  # started and not ended
 
     def open(self, make: Callable[[], Output]) -> tuple[Guard, int]:
-        """Let a guard drive one more output. Raises OSError where none can be started."""
+        """Let a guard drive one more output. Raises OSError if none can be started."""
         with self._lock:
             number = next(self._numbers)
             if self._guard is None or not self._guard.open(number, make):
@@ -232,7 +232,7 @@ class _State:
             return self._guard, number
 
     def quieten(self, makers: list[Callable[[], Output]]) -> None:
-        """Silence devices whose guard was lost while it drove them, by a new guard that does only that."""
+        """Silence devices whose guard ended while it drove them, by a new guard."""
         try:
             guard = Guard()
         except OSError:
@@ -241,7 +241,7 @@ class _State:
             guard.open(number, make, "quieten")
 
     def join(self, timeout: float) -> None:
-        """Wait for the end of a guard that has nothing more to do."""
+        """Wait for the end of a guard without outputs."""
         if self._guard is not None:
             self._guard.join(timeout)
 
@@ -262,7 +262,7 @@ class GuardedOutput:
         self._own = Status()
 
     def start(self) -> None:
-        """Look for the device and drive it from now on."""
+        """Search for the device and drive it from now on."""
         try:
             self._guard, self._number = _state.open(self._make)
         except OSError as error:
@@ -287,18 +287,18 @@ class GuardedOutput:
         return sent
 
     def expect(self, ahead: ArrayLike, sent: float) -> None:
-        """Play the samples ``ahead`` (actuators, n) after the block of ``sent`` if no other block comes in time.
+        """Play the samples ``ahead`` (actuators, n) after the block of ``sent`` if no other block arrives in time.
 
         Never blocks. Raises ValueError if it has another shape or is not finite.
         """
         self._order("expect", packed(checked_block(np.asarray(ahead), len(self.profile.actuators))), sent)
 
     def silence(self) -> None:
-        """Go to zero as soon as the device takes it, and forget what was sent so far. The next block plays again. Never blocks."""
+        """Go to zero as soon as the device accepts it, and discard everything sent so far. The next block plays again. Never blocks."""
         self._order("silence")
 
     def rest(self) -> None:
-        """Zero, then release, as at the end, but stay open: the next block plays again. Never blocks."""
+        """Write zero and the release report, but keep the device open: the next block plays again. Never blocks."""
         self._order("rest")
 
     def request_stop(self) -> None:
@@ -308,7 +308,7 @@ class GuardedOutput:
             self._own = Status("stopped")
 
     def stop(self, timeout: float = 1.0) -> bool:
-        """Zero, release and close the device. Returns after at most ``timeout`` seconds whether that is done.
+        """Write zero and the release report, and close the device. Returns after at most ``timeout`` seconds whether that is done.
 
         If not, a write is blocked inside the system; the guard goes on with the rest as soon as it returns.
         """

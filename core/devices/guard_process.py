@@ -1,7 +1,7 @@
-"""The guard process: drives the devices as a program orders, and silences them when that program stops or ends.
+"""The guard process: drives the devices on the orders of a program, and silences them when that program stops or ends.
 
 The program sends a list of orders at least every `HEARTBEAT` seconds; a list may be empty. A closed pipe means that the program has ended.
-Where a list is late, the guard asks the system about the program: if it is stopped, crashing or gone, the devices are silenced; if it runs,
+If a list is late, the guard queries the state of the program: if it is stopped, crashing or gone, the devices are silenced; if it runs,
 it only waits for the GIL, and the samples that it has sent ahead are played.
 """
 
@@ -38,7 +38,7 @@ Order = tuple[int, str, tuple[Any, ...]]
 
 
 class Service:
-    """The outputs of a program, driven as it orders."""
+    """The outputs of a program, driven on its orders."""
 
     def __init__(self, orders: BinaryIO, statuses: BinaryIO, program: int) -> None:
         """orders, statuses: pipes from and to the program. program: its process id."""
@@ -50,7 +50,7 @@ class Service:
         self._heard = time.perf_counter()  # when orders were last read, or executed
 
     def run(self) -> None:
-        """Execute orders until the program ends; then silence and close the devices."""
+        """Execute orders until the program ends, then silence and close the devices."""
         threads = [
             threading.Thread(target=work, name=f"haptics guard {name}", daemon=True)
             for name, work in (("watch", self._watch), ("report", self._report))
@@ -91,7 +91,7 @@ class Service:
             threading.Thread(target=_quieten, args=(output,), name="haptics guard quieten", daemon=True).start()
 
     def _watch(self) -> None:
-        """The thread that silences the devices while the program does not run: again where orders were still executed meanwhile."""
+        """The thread that silences the devices while the program is stopped, again after orders that were still executed."""
         silenced = 0.0
         while not self._ended.wait(_LOOK):
             heard = self._heard
@@ -124,7 +124,7 @@ class Service:
 
 
 def packed(block: FloatArray) -> tuple[int, bytes]:
-    """A block (actuators, n) as it is sent: an array takes ten times as long to pickle."""
+    """A block (actuators, n) in transmitted form: pickling an array takes ten times as long."""
     return len(block), block.tobytes()
 
 
@@ -141,7 +141,7 @@ def _quieten(output: Output) -> None:
 
 
 def main(program: int) -> None:
-    """Run as the guard of the process ``program``, which has standard input and output for its pipes."""
+    """Run as the guard of the process ``program``; its pipes are standard input and output."""
     for name in ("SIGINT", "SIGHUP"):  # of the terminal; they are meant for the program
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)

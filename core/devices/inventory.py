@@ -1,4 +1,4 @@
-"""Looking for everything that can be driven: HID devices, sound cards and haptic players."""
+"""Search for all supported devices: HID devices, sound cards and haptic players."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ _BUS = {"usb": "USB", "bt": "Bluetooth"}
 class Found:
     """A device that can be driven.
 
-    key: its name in settings. kind: how it is connected, in words. permission: why this user may not open it, or empty; rule: the line
-    for udev that would let them, if that is all. open: makes the output, not started.
+    key: its name in settings. kind: description of its connection. permission: why this user may not open it, or empty; rule: the udev rule
+    that permits it, if that suffices. open: creates the output without starting it.
     """
 
     key: str
@@ -40,7 +40,7 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Inventory:
-    """What a look for devices found. strangers: gamepads that nothing here can drive. problems: one line each."""
+    """Result of a search for devices. strangers: unsupported gamepads. problems: one line each."""
 
     devices: tuple[Found, ...] = ()
     strangers: tuple[str, ...] = ()
@@ -48,9 +48,9 @@ class Inventory:
 
 
 def look(folders: Iterable[Path] = (), *, with_sound_cards: bool = False, with_players: bool = False) -> Inventory:
-    """Look for devices. A part that fails is a problem, and the others are looked for all the same.
+    """Search for devices. The failure of one kind is reported as a problem and does not affect the others.
 
-    folders: of device profiles of the user's own.
+    folders: those with the user's device profiles.
     """
     profiles, problems = load_profiles((BUILT_IN, *(folder for folder in folders if folder.is_dir())))
     gamepads: list[Connected] = []
@@ -80,19 +80,19 @@ def _matching(profiles: Iterable[Profile], device: Connected) -> list[Profile]:
 
 
 def _hid_devices(profiles: Sequence[Profile], gamepads: list[Connected]) -> list[Found]:
-    """The HID devices that can be driven. All HID devices that are gamepads are added to ``gamepads``."""
+    """The supported HID devices. All HID gamepads are added to ``gamepads``."""
     gamepads += connected(hid_module())
     return [_hid_device(profile, device) for device in gamepads for profile in _matching(profiles, device)]
 
 
 def _force_feedback(profiles: Sequence[Profile], gamepads: Sequence[Connected]) -> list[Found]:
-    """The kernel's force feedback of what can't be driven as one of the HID devices ``gamepads``."""
+    """Devices driven by the kernel's force feedback, without those that are driven as HID devices (``gamepads``)."""
     drivable = [device for device in gamepads if _matching(profiles, device) and not all(map(missing_permission, device.interfaces))]
     return [_event_device(node) for node in event_nodes() if node.may_be_opened and not any(_is_same(node, device) for device in drivable)]
 
 
 def _is_same(node: EventNode, device: Connected) -> bool:
-    """Whether an event device and a HID device are the same pad, as far as their serial numbers say."""
+    """Whether an event device and a HID device are the same pad by their serial numbers."""
     alike = (node.vendor, node.product) == (device.vendor, device.product)
     return alike and (not node.serial or not device.serial or node.serial.lower() == device.serial.lower())
 
@@ -140,7 +140,7 @@ def _open(kind: Callable[..., Output], device: ActuatedDevice, options: dict[str
 
 
 def _with_unique_keys(devices: list[Found]) -> tuple[Found, ...]:
-    """Devices alike without a serial number are numbered."""
+    """Number equal devices without a serial number."""
     seen: dict[str, int] = {}
     unique = []
     for device in devices:

@@ -1,4 +1,4 @@
-"""How hard a device may be driven: a ceiling, a limit on how fast amplitude rises, and a limit on going on at full strength."""
+"""Limits of a device's drive: a ceiling, a slew rate, and a limit on sustained power."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ..arrays import FloatArray
 
 
 class DriveLimits:
-    """The limits of one device's channels, which remember what was driven.
+    """The limits of one device's channels, with the state of the previous drive.
 
     ceilings: (channels,) largest amplitudes, in (0, 1].
-    slew: largest rise per second; falling is never held back.
-    sustained_maximum, sustained_seconds: the mean square of each channel, running with this time constant, stays at or below the
-    maximum's square. With 0.7 and 10 s, full strength lasts 6.7 s and goes on at 0.7.
-    interval: seconds that a command lasts; each is limited as if it stayed that long.
+    slew: largest rise per second; falling is not limited.
+    sustained_maximum, sustained_seconds: the running mean square of each channel with this time constant stays at or below the square of
+    the maximum. With 0.7 and 10 s, full amplitude lasts 6.7 s and then falls to 0.7. interval: duration of a command [s]; each is limited
+    as if it lasted that long.
     """
 
     def __init__(self, ceilings: FloatArray, slew: float, sustained_maximum: float, sustained_seconds: float, interval: float) -> None:
@@ -36,7 +36,7 @@ class DriveLimits:
         self._scale = scale
 
     def limited(self, wanted: FloatArray, elapsed: float) -> FloatArray:
-        """What may be driven now. wanted: (channels,) in [0, 1]; elapsed: seconds since the last call, 0 or more."""
+        """The permitted drive. wanted: (channels,) in [0, 1]; elapsed: seconds since the last call, 0 or more."""
         past = -math.expm1(-elapsed / self._seconds)
         self._mean_square += (self._driven**2 - self._mean_square) * past
         sustainable = np.sqrt(np.maximum(self._mean_square + (self._square - self._mean_square) / self._share, 0.0))
@@ -46,14 +46,14 @@ class DriveLimits:
 
 
 class SampleLimits:
-    """The limits of channels that are driven by samples: these are turned down where their peaks would not keep them."""
+    """The limits of channels that are driven by samples: samples whose peaks exceed the limits are attenuated."""
 
     def __init__(self, limits: DriveLimits, channels: int) -> None:
         self._limits = limits
         self._gains = np.ones((channels, 1))
 
     def limited(self, samples: FloatArray, seconds: float) -> FloatArray:
-        """Samples (channels, n) that last ``seconds``, scaled so that their peaks keep the limits; a scale that rises does so smoothly."""
+        """Samples (channels, n) that last ``seconds``, scaled so that their peaks are within the limits; the scale rises smoothly."""
         peaks = np.abs(samples).max(axis=1, initial=0.0)
         allowed = self._limits.limited(np.minimum(peaks, 1.0), seconds)
         gains = np.divide(allowed, peaks, out=np.ones_like(peaks), where=peaks > 0.0)[:, None]
@@ -65,5 +65,5 @@ class SampleLimits:
 
 @cache
 def _ramp(count: int) -> FloatArray:
-    """``count`` values from 0 to 1, evenly spaced. Shared: not to be written to."""
+    """``count`` values from 0 to 1, evenly spaced. Shared and read-only."""
     return np.linspace(0.0, 1.0, count)

@@ -11,7 +11,7 @@ _CRASHES = sum(1 << member.value - 1 for member in signal.Signals if member.name
 
 
 def is_running(process: int) -> bool:
-    """Whether a process runs, by its id. True where the system does not say; Windows has no stopped processes."""
+    """Whether a process runs, by its id. True if unknown; Windows has no stopped processes."""
     if sys.platform.startswith("linux"):
         return _runs_on_linux(process)
     if sys.platform == "darwin":
@@ -21,8 +21,8 @@ def is_running(process: int) -> bool:
 
 
 def _runs_on_linux(process: int) -> bool:
-    """An end shows before the process is gone and its pipes are closed, which takes long where it has much memory to give back: then it has
-    no more memory of its own; in a crash, the main thread runs a handler with the signal blocked, or a core dump is announced."""
+    """An exit is detected before the process is gone and its pipes are closed, which takes long if it frees much memory: it then has no
+    address space. In a crash, the main thread runs a handler with the signal blocked, or a core dump is announced."""
     try:
         lines = Path(f"/proc/{process}/status").read_text(encoding="ascii", errors="replace").splitlines()
     except OSError:

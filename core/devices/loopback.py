@@ -1,6 +1,6 @@
-"""WebSocket connections to haptic players on this computer, and stand-ins for hidapi's module for the devices that a player drives.
+"""WebSocket connections to haptic players on this computer, and replacements for hidapi's module for a player's devices.
 
-Only the loopback address is ever connected to: no proxy, no redirect. What a player says is bounded in size and time. Needs the Python
+Connects only to the loopback address, without proxies and redirects. Messages are limited in size and time. Needs the Python
 package websockets.
 """
 
@@ -22,16 +22,16 @@ from .connection import DeviceError, StandInDevice, stand_in_entry
 from .families.family import HidDevice
 
 ANSWER_WITHIN = 2.0
-"""Seconds within which a player has to open the connection, and to answer a question."""
+"""Time-out of a player for opening a connection and for an answer [s]."""
 LARGEST_MESSAGE = 65_536
-"""Bytes: a longer message closes the connection."""
+"""Largest message in bytes; a longer one closes the connection."""
 _LOOPBACK = "127.0.0.1"
 _CONNECT_WITHIN, _CLOSE_WITHIN = 0.5, 0.2
 _LONGEST_TALK = 100  # messages that are read while an answer is waited for, or between two that are sent
 
 
 def websockets_client() -> Any:
-    """The client of the package websockets. Raises DeviceError that says how to get it."""
+    """The client of the package websockets. Raises DeviceError with instructions if it is missing."""
     try:
         return import_module("websockets.sync.client")
     except ImportError:
@@ -44,17 +44,17 @@ _waiting: set[socket.socket] = set()
 
 
 def cancel() -> None:
-    """Give up all connections that are being opened or wait for an answer. For any thread."""
+    """Abort all connections that are being opened or wait for an answer. Thread-safe."""
     for waiting in tuple(_waiting):
         with suppress(OSError):
             waiting.shutdown(socket.SHUT_RDWR)
 
 
 class Connection:
-    """A WebSocket to a player on this computer. May be used by several threads."""
+    """A WebSocket to a player on this computer. Thread-safe."""
 
     def __init__(self, url: str) -> None:
-        """url: with the loopback address as its host. Raises DeviceError where nobody answers."""
+        """url: with the loopback address as its host. Raises DeviceError if there is no answer."""
         client = websockets_client()
         exceptions = import_module("websockets.exceptions")
         place = urlsplit(url)
@@ -92,7 +92,7 @@ class Connection:
                 _waiting.discard(self._raw)
 
     def send(self, text: str) -> None:
-        """Send a message; what the player has said meanwhile is read and dropped. Raises OSError where it is gone."""
+        """Send a message; messages received meanwhile are dropped. Raises OSError if the connection is closed."""
         with self._lock:
             try:
                 self._socket.send(text)
@@ -155,9 +155,10 @@ def messages_of(text: str | bytes) -> list[tuple[str, dict[str, Any]]]:
 
 @dataclass(frozen=True, slots=True)
 class Player:
-    """How a player is reached.
+    """Address and greeting of a player, with its connection.
 
-    greet: introduces the program. last: part of a message that has to arrive, on a new connection if need be.
+
+    greet: introduces the program. last: part of a message that must arrive, if necessary on a new connection.
     """
 
     url: str
@@ -195,13 +196,13 @@ _connections: dict[str, Connection] = {}
 
 @dataclass(frozen=True, slots=True)
 class PlayerModule:
-    """A player in the place of hidapi's module, with one device, whose name at the player is ``device_name``."""
+    """Replacement for hidapi's module with one device of a player, called ``device_name`` there."""
 
     player: Player
     device_name: str
 
     def enumerate(self, vendor_id: int = 0, product_id: int = 0) -> Iterable[Mapping[str, Any]]:
-        """The one device; whether it is there shows when it is opened."""
+        """The one device, whether or not it is present."""
         return [stand_in_entry(f"{self.player.url} {self.device_name}")]
 
     def device(self) -> HidDevice:

@@ -1,4 +1,4 @@
-"""Which listener is felt through which actuator, and what gets lost on the way."""
+"""Assignment of listeners to actuators, and its losses."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LATEST = 0.050
 
 
 class ActuatedDevice(Protocol):
-    """What the mapping has to know of a device: `Profile` and `SoundCard` are such."""
+    """The interface of a device for the mapping, which `Profile` and `SoundCard` implement."""
 
     @property
     def title(self) -> str: ...
@@ -30,7 +30,7 @@ class ActuatedDevice(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """An actuator of a device, and how much of a listener it plays, >= 0; places that differ in that alone are the same."""
+    """An actuator of a device with the gain, >= 0, of a listener's signal; equality ignores the gain."""
 
     device: str
     actuator: str
@@ -39,9 +39,9 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """Something of a listener that is not felt.
+    """A part of a listener's signal that is not felt.
 
-    kind: ``actuator`` there is none; ``band`` frequencies the actuator can't play; ``frequency`` only strength is played;
+    kind: ``actuator`` there is none; ``band`` frequencies outside the actuator's range; ``frequency`` only the amplitude is played;
     ``side`` it shares its actuator with other listeners; ``time`` touch comes noticeably late.
     message: what is lost, without the listener's name.
     """
@@ -53,10 +53,10 @@ class Loss:
 
 @dataclass(frozen=True, slots=True)
 class ActuatorMapping:
-    """How samples of listeners become blocks of devices.
+    """Mapping from the samples of listeners to the blocks of devices.
 
-    listeners: names, in the order of the samples' rows. weights: for each device an array (actuators, listeners) of gains. positions: of
-    the actuators of each device (actuators, 2), NaN where unknown.
+    listeners: names, in the order of the samples' rows. weights: for each device an array (actuators, listeners) of gains. positions: for
+    each device those of its actuators (actuators, 2), NaN if unknown.
     """
 
     listeners: tuple[str, ...]
@@ -65,7 +65,7 @@ class ActuatorMapping:
     positions: Mapping[str, FloatArray]
 
     def panned(self, device: str, row: int) -> IntArray:
-        """The actuators of a device that share listener number ``row`` by their positions; none where fewer than two could."""
+        """The actuators of a device over which listener number ``row`` is panned; none if there are fewer than two with positions."""
         chosen = np.flatnonzero(np.isfinite(self.positions[device][:, 0]) & (self.weights[device][:, row] > 0))
         return chosen if len(chosen) > 1 else chosen[:0]
 
@@ -77,8 +77,8 @@ class ActuatorMapping:
     def blocks(self, samples: FloatArray, before: FloatArray | None = None, after: FloatArray | None = None) -> dict[str, FloatArray]:
         """For each device the sum of its listeners, (actuators, n). samples: (listeners, n).
 
-        before, after: where in the unit square of its actuators each listener is felt at the beginning and the end of the block,
-        (listeners, 2). Actuators with positions share the power of a listener by that.
+        before, after: position of each listener in the unit square of its actuators at the beginning and the end of the block, (listeners,
+        2), by which it is panned.
         """
         if samples.ndim != 2 or samples.shape[0] != len(self.listeners):
             raise ValueError(f"samples has the shape {samples.shape}, not ({len(self.listeners)}, n)")
@@ -96,11 +96,11 @@ class ActuatorMapping:
 
 
 def shares(positions: FloatArray, place: FloatArray) -> FloatArray:
-    """The parts (k,) of a power that actuators at ``positions`` (k, 2) play of what is felt at ``place`` in the unit square about them.
+    """Shares (k,) of the power of a signal at ``place`` in the unit square for actuators at ``positions`` (k, 2).
 
-    They add up to 1, so that amplitudes are those of the energy model, sqrt(1 - beta) and sqrt(beta) at beta of the way from one to the
-    next (A. Israr, I. Poupyrev, "Tactile Brush", CHI 2011, doi 10.1145/1978942.1979235): along rows and columns where the actuators fill
-    a grid, else by the reciprocals of their distances.
+    They add up to 1, so that amplitudes are those of the energy model, sqrt(1 - beta) and sqrt(beta) at the fraction beta of the distance
+    between two actuators (A. Israr, I. Poupyrev, "Tactile Brush", CHI 2011, doi 10.1145/1978942.1979235): along rows and columns if the
+    actuators fill a grid, otherwise weighted by inverse distance.
     """
     where = positions.min(axis=0) + np.ptp(positions, axis=0) * place
     ticks = [np.unique(column) for column in positions.T]
@@ -122,8 +122,8 @@ def map_listeners(
 ) -> ActuatorMapping:
     """Give each listener the actuators that are felt at its body part.
 
-    listeners: name to body part, or to an empty text where it has none. devices: a name for each connected device, what it is.
-    chosen: listeners whose actuators the user picked instead; none at all means muted, and is no loss.
+    listeners: name to body part, or to "" for none. devices: the connected devices by name.
+    chosen: listeners with their actuators as chosen by the user; an empty choice means muted and is no loss.
     bands: the frequencies (low, high) in Hz that a listener's signal has, where known.
     Raises ValueError for an unknown body part, listener, device or actuator.
     """
@@ -170,7 +170,7 @@ def _index(profile: ActuatedDevice, place: Place) -> int:
 
 
 def _losses(profile: ActuatedDevice, weights: FloatArray, names: tuple[str, ...], bands: Mapping[str, tuple[float, float]]) -> list[Loss]:
-    """What the device can't do, for each listener that it has."""
+    """The losses of a device for each of its listeners."""
     losses: list[Loss] = []
     for actuator, felt in zip(profile.actuators, weights, strict=True):
         sharing = [names[row] for row in np.flatnonzero(felt)]

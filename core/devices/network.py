@@ -1,6 +1,6 @@
 """Haptic players on this computer: bHaptics Player (vests, sleeves, gloves) and Intiface (Buttplug protocol, version 3).
 
-A connection takes the place of a HID device: `DeviceOutput` drives both, with the same pace, limits, watchdog, zero and release.
+A connection replaces a HID device: `DeviceOutput` drives both with the same intervals, limits, watchdog, zero and release.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ BHAPTICS = "ws://127.0.0.1:15881/v2/feedbacks?app_id=haptic-tracing&app_name=Hap
 INTIFACE = "ws://127.0.0.1:12345"
 
 _INTERVAL = 0.05
-# A server that hears no ping for a time that it says stops its devices: so many go out in that time, of which two may be late.
+# Number of pings within the server's time-out, after which it stops its devices; two of them may be late.
 _PINGS_IN_TIME = 3
 _SHORTEST_PING = 10.0
 _PING = json.dumps([{"Ping": {"Id": 2}}])
-# A frame lasts so long by itself: a program that hangs leaves the vest silent.
+# Duration of a frame, after which the vest is silent if the program hangs.
 _FRAME_MILLISECONDS = 100
 _TAKES = (10.0, 1000.0)
 _MOTORS = tuple((position, index) for device in DEVICES.values() for position, places in device.items() for index in range(len(places)))
 
 
 def bhaptics(url: str = BHAPTICS) -> tuple[Profile, PlayerModule]:
-    """bHaptics Player: every motor is an actuator. Raises DeviceError where it does not run."""
+    """bHaptics Player: every motor is an actuator. Raises DeviceError if it does not run."""
     Connection(url).close()
     names = [f"{position} {index + 1}" for position, index in _MOTORS]
     family = _family("bhaptics", "bHaptics Player", names, _encode_bhaptics, _release_bhaptics, refresh=0.06)
@@ -72,7 +72,7 @@ def _release_bhaptics(transport: Transport, sequence: int) -> tuple[Report, ...]
 
 
 def intiface(url: str = INTIFACE) -> tuple[tuple[Profile, PlayerModule], ...]:
-    """The devices that Intiface has: every motor is an actuator, at no body part. Raises DeviceError where it does not run."""
+    """The devices of Intiface: every motor is an actuator without a body part. Raises DeviceError if it does not run."""
     player = Player(url, _greet, b"StopDeviceCmd")
     connection = player.open()
     try:
@@ -89,7 +89,7 @@ def devices_of(player: Player, listed: dict[str, Any]) -> tuple[tuple[Profile, P
 
 
 def _greet(connection: Connection) -> None:
-    """Introduce the program, and keep the connection alive as the server wants it. Raises DeviceError."""
+    """Introduce the program, and keep the connection alive at the server's interval. Raises DeviceError."""
     greeting = {"RequestServerInfo": {"Id": 1, "ClientName": "Haptic Tracing", "MessageVersion": 3}}
     seconds = ping_seconds(connection.ask(greeting, "ServerInfo"))
     if seconds is not None:

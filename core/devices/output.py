@@ -1,4 +1,4 @@
-"""Live output: what goes to a device or a sound card, driven by the guard process."""
+"""Live outputs to a device or a sound card, driven by the guard process."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When which report goes out: a device's pace, its refresh, the watchdog and the limits. No clock and no device: time is an argument."""
+"""Schedule of a device's reports: interval, refresh, watchdog and limits. Uses no clock and no device: time is an argument."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from .profiles import Adjustment, Profile
 from .report import Report, Tones, Transport
 
 WATCHDOG = 0.500
-"""Seconds without a fresh block after which a device is silenced. Operators of Blender may delay frames by up to that; the samples that
-were sent ahead are played meanwhile."""
+"""Seconds without a fresh block after which a device is silenced. Blender's operators may delay frames by up to that; the samples sent
+ahead are played meanwhile."""
 
 _MARGIN = 0.010
-"""Seconds that a stream starts after its block, besides one report: a frame may be that late without a gap. A block that comes earlier than
-that cuts off the rest of the one before."""
+"""Buffering of a stream in addition to one report [s]: a frame may be that late without a gap. A block that is earlier by more cuts off the
+rest of the one before."""
 _LATE = 0.050
-"""A stream that is later than this [s] starts afresh instead of catching up."""
+"""A stream that is later than this [s] restarts instead of catching up."""
 _SEAM = 8
-"""Samples in which a stream goes from its last value to one that does not continue it."""
+"""Length of the ramp from a stream's last value to a discontinuous one, in samples."""
 
 
 class Ahead:
-    """Samples to be played after a block if no other block comes in time; true while there are any.
+    """Samples to be played after a block if no other block arrives in time; true while there are any.
 
-    start: when the first of them is due, in seconds. begun: some of them were taken.
+    start: when the first of them is due, in seconds. begun: whether any was taken.
     """
 
     __slots__ = ("begun", "rate", "samples", "start")
@@ -82,12 +82,12 @@ class SampleQueue:
         self.samples, self.ahead = self.samples[:, :0], Ahead()
 
     def fill(self, count: int) -> None:
-        """Lengthen the queue to ``count`` samples as far as the samples sent ahead reach."""
+        """Extend the queue to ``count`` samples from those sent ahead, if there are enough."""
         while self.ahead and len(self) < count:
             self.append(self._process(self.ahead.pop(self._hop)))
 
     def take(self, count: int) -> FloatArray:
-        """The next ``count`` samples, silence where there are no more, without a jump at the seam."""
+        """The next ``count`` samples, padded with silence, without a jump at the boundary."""
         self.fill(count)
         taken, self.samples = self.samples[:, :count], self.samples[:, count:]
         played = np.zeros((len(taken), count))
@@ -100,7 +100,7 @@ class SampleQueue:
 
 
 def join(samples: FloatArray, start: int, last: FloatArray) -> None:
-    """Let the samples from ``start`` on begin at the value ``last``, in place."""
+    """Ramp the samples from ``start`` on from the value ``last``, in place."""
     seam = samples[:, start : start + _SEAM]
     seam += (last - seam) * (1.0 - (np.arange(seam.shape[1]) + 1.0) / _SEAM)
 
@@ -110,9 +110,9 @@ ActuationKind = TypeVar("ActuationKind", ToneActuation, SampleActuation)
 
 
 class Pacing(ABC, Generic[FamilyKind, ActuationKind]):
-    """Decides, at any time, what to write next.
+    """Decides what to write next.
 
-    interval: least seconds between two reports. lead: seconds by which a block waits for its turn, besides the delay asked for.
+    interval: least seconds between two reports. lead: buffering of a block in seconds, in addition to the requested delay.
     """
 
     def __init__(
@@ -148,7 +148,7 @@ class Pacing(ABC, Generic[FamilyKind, ActuationKind]):
 
     @abstractmethod
     def _prepare(self) -> None:
-        """Set up what the kind of device needs."""
+        """Set up the state of the kind of device."""
 
     def _begin(self) -> None:
         self._startup: deque[Report] = deque(self._family.startup(self._transport, self._sequence))
@@ -173,7 +173,7 @@ class Pacing(ABC, Generic[FamilyKind, ActuationKind]):
     def _continue(self, ahead: Ahead) -> None: ...
 
     def silence(self) -> None:
-        """Forget everything that is not written yet, and go to zero."""
+        """Discard everything that is not written yet, and go to zero."""
         self._actuation.reset()
         self._fresh = -np.inf
 
@@ -182,17 +182,17 @@ class Pacing(ABC, Generic[FamilyKind, ActuationKind]):
         """The report to write at ``now``, or None. A report that is returned counts as written."""
 
     def written(self, now: float) -> None:
-        """The last report has been written, which took until ``now``."""
+        """Record that the last report was written at ``now``."""
         self._wrote = now
 
     def failed(self) -> None:
-        """The last report did not arrive: after one of the start-up, that begins again."""
+        """Record that the last report did not arrive; a start-up begins again."""
         if self._starting:
             self._begin()
 
     @abstractmethod
     def wake(self, now: float) -> float | None:
-        """When to ask again unless a block comes before; None if nothing will happen by itself."""
+        """Time of the next call unless a block arrives before; None if nothing is scheduled."""
 
     @abstractmethod
     def _zero(self) -> Report: ...
@@ -206,15 +206,15 @@ class Pacing(ABC, Generic[FamilyKind, ActuationKind]):
         return tuple(reports)
 
     def restart(self) -> None:
-        """Play again on a device that was stopped; the limits remember what was driven before."""
+        """Play again on a device that was stopped; the state of the limits is kept."""
         self.silence()
         self._begin()
 
 
 class RumblePacing(Pacing[RumbleFamily, ToneActuation]):
-    """Pace of a device that is commanded by amplitude.
+    """Pacing of a device that is commanded by amplitude.
 
-    Between two commands the largest amplitude of each channel counts, so that a slow device does not miss a short impact.
+    A command uses the largest amplitude of each channel since the last one, so that a slow device does not miss a short impact.
     """
 
     def _command_seconds(self) -> float:
@@ -229,7 +229,7 @@ class RumblePacing(Pacing[RumbleFamily, ToneActuation]):
         self._looked = -np.inf
 
     def _tell_anew(self) -> None:
-        """Assume nothing of what the device does: it may still do what a program that was killed told it."""
+        """Discard the known state of the device: a program that was killed may have changed it."""
         self._known = b""
         self._zeros_left = self._family.zero_repeats
 
@@ -302,7 +302,7 @@ class RumblePacing(Pacing[RumbleFamily, ToneActuation]):
         )
 
     def _unless_known(self, drive: Tones, now: float) -> Report | None:
-        """The report for a drive, unless the device does that already and needs no reminder."""
+        """The report for a drive, unless the device has that drive and needs no refresh."""
         data = self._family.encode(drive, self._transport, 0).data
         if data == self._silent:
             if self._zeros_left == 0:
@@ -322,9 +322,9 @@ class RumblePacing(Pacing[RumbleFamily, ToneActuation]):
 
 
 class StreamPacing(Pacing[StreamFamily, SampleActuation]):
-    """Pace of a device that takes samples: one report after the other, each when the one before it has been played.
+    """Pacing of a device driven by samples: each report is due when the one before it has been played.
 
-    Samples are due at their own time, however long writing takes.
+    The schedule does not depend on the duration of writes.
     """
 
     def _command_seconds(self) -> float:
@@ -420,7 +420,7 @@ def pacing_of(
     adjustment: Adjustment | None = None,
     sequence: int = 0,
 ) -> AnyPacing:
-    """The pacing that fits the family. sequence: number of the first report. Raises ValueError if the actuation is of the other kind."""
+    """The pacing for the family. sequence: number of the first report. Raises ValueError if the actuation is of the other kind."""
     adjustment = adjustment or Adjustment()
     if isinstance(family, RumbleFamily) and isinstance(actuation, ToneActuation):
         return RumblePacing(profile, family, transport, actuation, adjustment, sequence)

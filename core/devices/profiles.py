@@ -1,4 +1,4 @@
-"""Device profiles: where a device's actuators sit, what they can do, and how hard they may be driven. Data, one JSON file each."""
+"""Device profiles: positions, capabilities and limits of a device's actuators, one JSON file per device."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ Kind = Literal["VCM", "LRA", "ERM", "PCM"]
 
 BUILT_IN = Path(__file__).parent / "profiles"
 EARLIEST = -0.050
-"""Least delay in seconds: a frame's block is worth no more."""
+"""Least delay in seconds, limited by the duration of a frame's block."""
 
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """How a device's amplitude follows the signal's: ``floor + (1 - floor) (gain a)^exponent``, 0 staying 0.
+    """Mapping from the signal's amplitude to the device's: ``floor + (1 - floor) (gain a)^exponent``, 0 staying 0.
 
     gain: 0 or more. floor: least amplitude at which the actuator moves, in [0, 1). exponent: above 0; below 1 lifts weak signals.
     """
@@ -44,10 +44,10 @@ class Calibration:
 
 @dataclass(frozen=True, slots=True)
 class Adjustment:
-    """How the user wants one device to feel, on top of its profile.
+    """The user's adjustment of one device, in addition to its profile.
 
     calibrations: by actuator, in place of the profile's. ceiling: factor in [0, 1] on every safe maximum.
-    delay: seconds from -0.05 to 1 by which touch is held back; below 0 it is brought forward, as far as it has not passed by then.
+    delay: seconds from -0.05 to 1 by which touch is delayed; below 0 it is advanced, as far as its samples are not yet due.
     """
 
     calibrations: Mapping[str, Calibration] = field(default_factory=dict)
@@ -70,7 +70,7 @@ def check_adjustment(adjustment: Adjustment, actuators: Iterable[Actuator]) -> N
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """One value that the device is commanded by. takes: the part of the signal that goes to it, in Hz."""
+    """One value that the device is commanded by. takes: its range of the signal's frequencies [Hz]."""
 
     name: str
     takes: tuple[float, float]
@@ -78,11 +78,11 @@ class Channel:
 
 @dataclass(frozen=True, slots=True)
 class Actuator:
-    """Something that vibrates.
+    """
 
-    body_parts: where it is felt. band: what it can vibrate at, in Hz; resonances: where in it it is strongest, if known. latency: seconds
-    from command to touch. safe_maximum: amplitude in (0, 1] never exceeded. position: across from the wearer's left and down, in any unit,
-    among the actuators of its body part; None: it plays what they play, wherever that arrives.
+    body_parts: those at which it is felt. band: its range of frequencies [Hz]; resonances: its resonance frequencies, if known. latency:
+    seconds from command to touch. safe_maximum: amplitude in (0, 1] never exceeded. position: coordinates from the wearer's left and from
+    the top, in any unit, among the actuators of its body part; None: it always plays at full amplitude.
     """
 
     name: str
@@ -101,7 +101,7 @@ class Actuator:
 class Profile:
     """A device as the user sees it.
 
-    minimum_interval: seconds between commands where slower than the family's own, else None.
+    minimum_interval: seconds between commands if longer than the family's, else None.
     slew: largest rise of amplitude per second.
     sustained_maximum, sustained_seconds: the running mean square of the drive over that time stays below the maximum's square.
     """
@@ -127,20 +127,20 @@ class Profile:
 
     @property
     def best_frequency(self) -> float:
-        """The frequency in Hz at which it is felt most: of its actuators' resonances, or of their bands where none are known, the one for
-        which skin needs least."""
+        """The frequency in Hz at which it is felt most: of its actuators' resonances, or of their bands without known resonances, the one
+        with the lowest threshold of feeling."""
         known = [hertz for actuator in self.actuators for hertz in actuator.resonances]
         inside = [min(max(BEST_FREQUENCY, actuator.band[0]), actuator.band[1]) for actuator in self.actuators]
         return min(known or inside, key=lambda hertz: float(threshold_level(hertz)))
 
     @property
     def plays_frequency(self) -> bool:
-        """Whether frequency is felt, not strength alone."""
+        """Whether the device reproduces frequencies, not only amplitudes."""
         return not isinstance(self.family, RumbleFamily) or self.family.has_tones
 
 
 def parse_profile(text: str, families: Mapping[str, AnyFamily] = FAMILIES) -> Profile:
-    """A profile from its JSON text. Raises ValueError with the JSON pointer and what is wrong there, in one line."""
+    """A profile from its JSON text. Raises ValueError with the JSON pointer and the reason, in one line."""
     try:
         document = parse_json(text)
     except ValueError as error:
@@ -188,7 +188,8 @@ def _band(place: str, limits: list[float]) -> tuple[float, float]:
 
 
 def _check_channels(family: AnyFamily, actuators: tuple[Actuator, ...]) -> None:
-    """Every channel exists and is used once; names of actuators are unique; samples go to one channel each."""
+    """Check that every channel exists and is used once, that names of actuators are unique, and that an actuator of a stream has one
+    channel."""
     names: set[str] = set()
     used: set[str] = set()
     for i, actuator in enumerate(actuators):
@@ -207,7 +208,7 @@ def _check_channels(family: AnyFamily, actuators: tuple[Actuator, ...]) -> None:
 
 
 def load_profiles(folders: Iterable[Path] = (BUILT_IN,)) -> tuple[dict[str, Profile], tuple[str, ...]]:
-    """Profiles by name from the ``*.json`` files of the folders, and one line for each file that is broken.
+    """Profiles by name from the ``*.json`` files of the folders, and one line for each invalid file.
 
     A later folder's profile replaces an earlier one of the same name, so a user's file can override a built-in one.
     """

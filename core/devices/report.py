@@ -1,4 +1,4 @@
-"""What goes to a device: drive values before encoding, report bytes after it, and the number formats that the pads share."""
+"""Drive values, encoded reports, and the number formats shared by the pads."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Tones:
     """Drive of a device that is commanded by amplitude: one entry per channel of its family.
 
     amplitudes: in [0, 1].
-    frequencies: Hz; 0 where the device has a frequency of its own.
+    frequencies: Hz; 0 if the device has a fixed frequency.
     """
 
     amplitudes: tuple[float, ...]
@@ -38,7 +38,7 @@ class Tones:
 
 
 def levels(*amplitudes: float) -> Tones:
-    """Drive of channels that take no frequency. amplitudes: in [0, 1]."""
+    """Drive of channels without a frequency. amplitudes: in [0, 1]."""
     return Tones(amplitudes, (0.0,) * len(amplitudes))
 
 
@@ -65,5 +65,5 @@ def percent(amplitude: float) -> int:
 
 
 def with_crc(body: bytes) -> bytes:
-    """``body`` followed by its CRC-32 as Sony's pads expect it over Bluetooth: seeded with 0xA2, little-endian."""
+    """``body`` followed by its CRC-32 for Sony's pads over Bluetooth: seeded with 0xA2, little-endian."""
     return body + zlib.crc32(_OUTPUT_REPORT_SEED + body).to_bytes(4, "little")

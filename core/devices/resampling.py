@@ -1,9 +1,9 @@
-"""Streaming change of sample rate with a low delay: what a device that takes samples at its own rate needs.
+"""Streaming sample rate conversion with a low delay, for devices that are driven by samples.
 
 A linear-phase low-pass of this quality would lag by 14 samples of the lower rate, 14 ms at 1 kHz. This one is a least-squares fit of a
 plain delay of `DELAY` samples up to 0.8 times the lower Nyquist frequency and of silence from 1.2 times on, to within -86 dB; between the
-two only its size is bounded (it reaches +4 dB). So frequencies above the lower Nyquist frequency are aliased to above 0.8 times it only.
-The fit is a sum of B-splines, so that it can be evaluated at any ratio of the rates.
+two only its magnitude is bounded (it reaches +4 dB). Frequencies above the lower Nyquist frequency therefore alias only to those above 0.8
+times it. The fit is a sum of B-splines, so it can be evaluated at any ratio of the rates.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _LENGTH = 40
 _PASS, _STOP, _HIGHEST = 0.4, 0.6, 5.0
 """Ends of the pass band and of the fitted stop band, in cycles per sample of the lower rate."""
 _DEGREE, _PER_SAMPLE = 7, 4
-"""Degree of the B-splines, and how many begin per sample of the lower rate."""
+"""Degree of the B-splines, and their number per sample of the lower rate."""
 _BETWEEN = 1.5e-8
 """Weight of the squared response between the bands."""
 
@@ -31,7 +31,7 @@ _BETWEEN = 1.5e-8
 class Resampler:
     """Changes the sample rate of some channels block by block.
 
-    The output does not depend on how the input is cut into blocks. It lags by ``delay`` seconds.
+    The output does not depend on the division of the input into blocks. It lags by ``delay`` seconds.
     """
 
     def __init__(self, channels: int, rate_in: int, rate_out: int) -> None:
@@ -47,7 +47,7 @@ class Resampler:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the samples so far: as if silence had come before."""
+        """Reset to silence."""
         self._history = np.zeros((self._channels, self._taps.shape[1] - 1))
         # Position of the next output sample after the start of the history, in steps of 1 / up of an input sample.
         self._position = 0
@@ -73,7 +73,7 @@ class Resampler:
 
 
 def _phases(up: int, lower: float) -> FloatArray:
-    """Return the weights of input samples, the oldest first, a row for each of ``up`` places between two of them; each row sums to 1.
+    """Return the weights of input samples, the oldest first, one row for each of ``up`` positions between two of them; each row sums to 1.
 
     lower: the lower of the two rates by the input's.
     """
@@ -96,7 +96,7 @@ def _impulse_response(times: FloatArray) -> FloatArray:
 
 
 def _spline(at: FloatArray) -> FloatArray:
-    """Return the B-spline with integer knots from 0 to `_DEGREE` + 1 at places between them."""
+    """Return the B-spline with integer knots from 0 to `_DEGREE` + 1 at positions between them."""
     terms = ((-1) ** knot * math.comb(_DEGREE + 1, knot) * np.maximum(at - knot, 0.0) ** _DEGREE for knot in range(_DEGREE + 1))
     return np.asarray(sum(terms) / math.factorial(_DEGREE))
 
@@ -105,7 +105,7 @@ def _spline(at: FloatArray) -> FloatArray:
 def _coefficients() -> FloatArray:
     """Return the weights of the B-splines, the first of which begins at time 0."""
     centre = (np.arange(_LENGTH * _PER_SAMPLE - _DEGREE) + (_DEGREE + 1) / 2) / _PER_SAMPLE
-    # Chebyshev nodes in either band: with them the error of least squares is nearly as even as the smallest maximum would be.
+    # Chebyshev nodes in either band: with them the least-squares fit is close to the minimax one.
     passed = _PASS * np.sin(np.pi / 2 * np.arange(120) / 119)
     stopped = _STOP + (_HIGHEST - _STOP) * (1.0 - np.cos(np.pi * (np.arange(400) + 0.5) / 400)) / 2.0
     between = np.linspace(_PASS, _STOP, 25)

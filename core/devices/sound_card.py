@@ -1,8 +1,7 @@
 """Sound cards whose channels are actuators: a DualSense over USB (channels 3 and 4), bass shakers, cushions and headsets.
 
-Through python-sounddevice, which is PortAudio: its wheels for Windows and macOS bring it along, Linux has it as a package (libportaudio2).
-PortAudio asks for samples from a thread of its own; what is due lies ready in a queue that empties by itself, so that a program that
-hangs leaves the card silent.
+Through python-sounddevice, which is PortAudio: its wheels for Windows and macOS contain it; Linux has a package (libportaudio2). PortAudio
+requests samples from its own thread; they come from a queue that runs empty, so the card falls silent if the program hangs.
 """
 
 from __future__ import annotations
@@ -30,23 +29,23 @@ from .resampling import Resampler
 from .status import State, Status
 from .writer import RESCAN, SAMPLE_RATE
 
-# Where a card is recognised: its name, the least number of channels, and what is felt where, by channel.
+# Recognised cards: name, least number of channels, and the actuators by channel.
 _KNOWN: tuple[tuple[str, int, Mapping[int, tuple[str, str]]], ...] = (
     (r"DualSense|^Wireless Controller", 4, {2: ("left grip", "hand.L"), 3: ("right grip", "hand.R")}),
 )
-# Audio systems that reach the same card, the one with the least latency first.
+# Audio systems that offer the same card, the one with the least latency first.
 _HOSTS = ("Windows WASAPI", "Core Audio", "PipeWire", "PulseAudio", "JACK Audio Connection Kit", "ALSA")
 _MOST_CHANNELS = 8
 _BAND = (20.0, 1000.0)
 _SAFE_MAXIMUM, _SLEW, _SUSTAINED, _SUSTAINED_SECONDS = 1.0, 50.0, 0.7, 10.0
-# Seconds that are queued before the first block, so that a frame may be late without a gap; a queue longer than the second is cut to that.
+# Seconds that are queued before the first block, so that a frame may be late without a gap, and the length to which a longer queue is cut.
 _MARGIN, _EARLY = 0.015, 0.030
 
 
 @dataclass(frozen=True, slots=True)
 class SoundCard:
-    """A sound card. index: PortAudio's number. channels: how many it has. rate: hertz. actuators: those of its channels that are used, each
-    with the channel's number (from 0) as its channel's name."""
+    """A sound card. index: PortAudio's number. channels: their number. rate: hertz. actuators: those of its used channels, each with the
+    channel's number (from 0) as its channel's name."""
 
     title: str
     index: int
@@ -56,7 +55,7 @@ class SoundCard:
 
     @property
     def plays_frequency(self) -> bool:
-        """Samples have all of it."""
+        """True: samples carry all frequencies."""
         return True
 
 
@@ -71,7 +70,7 @@ def sound_module() -> Any:
 
 
 def sound_cards(module: Any) -> tuple[SoundCard, ...]:
-    """The cards that can play, each once. Raises DeviceError if the system's audio can't be asked."""
+    """The cards with outputs, each once. Raises DeviceError if the audio system is unavailable."""
     try:
         hosts = [host["name"] for host in module.query_hostapis()]
         devices = [dict(device) for device in module.query_devices()]
@@ -101,7 +100,7 @@ class SoundCardWriter:
     """A sound card that is fed with blocks of samples, one row per actuator; used like `DeviceWriter`."""
 
     def __init__(self, card: SoundCard, *, rate: int = SAMPLE_RATE, adjustment: Adjustment | None = None, module: Any = None) -> None:
-        """rate: samples per second of the blocks. module: in place of python-sounddevice."""
+        """rate: samples per second of the blocks. module: replacement for python-sounddevice."""
         self.profile = card
         self._module = module
         self._rows = len(card.actuators)
@@ -141,7 +140,7 @@ class SoundCardWriter:
     def send(self, block: ArrayLike, sent: float | None = None) -> float:
         """Play a block after the rest of the one before. (actuators, n) in [-1, 1] at the rate.
 
-        sent: when that was decided, which only tells blocks apart; None for now. Returns that time.
+        sent: when that was decided, which only distinguishes blocks; None for now. Returns that time.
         """
         checked = checked_block(np.asarray(block), self._rows)
         sent = time.perf_counter() if sent is None else sent
@@ -202,7 +201,7 @@ class SoundCardWriter:
 
     @property
     def status(self) -> Status:
-        """What the output is doing right now: blocks count as reports."""
+        """The current state of the output; blocks count as reports."""
         delays = list(self._delays)
         delay = median(delays) if delays else None
         return Status(
@@ -227,7 +226,7 @@ class SoundCardWriter:
         out[:, self._places] = np.clip(played, -1.0, 1.0).T
 
     def _resampled(self, samples: FloatArray) -> FloatArray:
-        """Samples at the card's rate, as the user wants them and within the limits."""
+        """Samples at the card's rate, with the user's adjustment and within the limits."""
         resampled = self._resampler.process(self._gains * samples)
         return self._limits.limited(resampled, resampled.shape[1] / self.profile.rate)
 
@@ -271,5 +270,5 @@ class SoundCardWriter:
                 self._losses += 1
                 self._message = f"{self.profile.title} is gone"
             else:
-                # The way to zero is still to be heard.
+                # Let the ramp to zero play.
                 self._ended.wait(min(self._latency + 0.02, 0.2))

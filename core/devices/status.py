@@ -1,4 +1,4 @@
-"""What an output is doing, as a panel shows it, and what every output can be told."""
+"""The status of an output, and the interface of all outputs."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ State = Literal["searching", "open", "stopped", "failed"]
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """What an output is doing.
+    """The status of an output.
 
-    state: ``searching`` until the device is there; ``open``; ``stopped``; ``failed`` after an error that ends the output.
+    state: ``searching`` until the device is found; ``open``; ``stopped``; ``failed`` after an error that ends the output.
     message: why it is not open, or the last error; empty if all is well.
-    written, failed_writes: reports. losses: times the device went away while it was open. dropped_blocks: replaced before they were taken.
-    writing_for: seconds that the write in progress has been blocking, else 0.
-    delay: median seconds from ``send`` to the report written, over the last blocks; None before the first.
-    lag: ``delay``, what a stream waits, the delay asked for and the actuators' latency: how long after the picture touch is felt.
+    written, failed_writes: reports. losses: number of disconnections while it was open. dropped_blocks: blocks that were replaced before
+    they were played. writing_for: seconds that the write in progress has been blocking, else 0. delay: median seconds from ``send`` to the
+    report written, over the last blocks; None before the first. lag: delay of touch relative to the picture: ``delay``, a stream's
+    buffering, the requested delay and the actuators' latency.
     """
 
     state: State = "searching"
@@ -39,12 +39,12 @@ class Status:
 
     @property
     def is_over(self) -> bool:
-        """Whether the output has ended, in whatever way."""
+        """Whether the output has ended, regularly or by failure."""
         return self.state in ("stopped", "failed")
 
 
 class Output(Protocol):
-    """A device that is driven. Only ``stop`` waits."""
+    """The interface of an output. Only ``stop`` blocks."""
 
     @property
     def profile(self) -> ActuatedDevice: ...

@@ -1,7 +1,8 @@
-"""Writing to devices in this process: one thread per device takes the newest block, keeps the device's pace and leaves the device silent.
+"""Writing to devices in this process: one thread per device takes the newest block, keeps the device's report interval and silences the
+device at the end.
 
-Nothing here blocks the caller: ``send`` puts a block into a mailbox of size one, in which the latest wins. `output.DeviceOutput` has this
-done by the guard process, so that a device falls silent whatever ends the program.
+Nothing here blocks the caller: ``send`` puts a block into a mailbox of size one, in which the latest replaces the previous.
+`output.DeviceOutput` does this in the guard process, so that a device falls silent whatever ends the program.
 """
 
 from __future__ import annotations
@@ -29,11 +30,11 @@ from .status import State, Status, stop_together
 
 SAMPLE_RATE = 8000
 RESCAN = 1.5
-"""Seconds between two looks for a device that is not there."""
+"""Seconds between two searches for a missing device."""
 
-# hidapi reports a vanished device only by failing writes; a single one can be a hiccup of the radio.
+# hidapi reports a vanished device only by failing writes; a single failure can be a radio disturbance.
 _FAILURES_TO_CLOSE = 3
-# At exit, all devices together get so long to be silenced.
+# Time-out for silencing all devices at exit.
 _EXIT_SECONDS = 1.0
 _MEASURED_BLOCKS = 256
 
@@ -56,8 +57,8 @@ class DeviceWriter:
         adjustment: Adjustment | None = None,
         hid: HidModule | None = None,
     ) -> None:
-        """rate: samples per second of the blocks. serial: of one device among several alike. adjustment: the user's settings.
-        hid: in place of cython-hidapi.
+        """rate: samples per second of the blocks. serial: selects one of several equal devices. adjustment: the user's settings. hid:
+        replacement for cython-hidapi.
 
         Raises ValueError for a rate out of range, or a calibration of an unknown actuator.
         """
@@ -91,7 +92,7 @@ class DeviceWriter:
         self._adjustment = adjustment
 
     def start(self) -> None:
-        """Look for the device and drive it from now on. Raises RuntimeError if started before."""
+        """Search for the device and drive it from now on. Raises RuntimeError if started before."""
         _running.add(self)
         self._thread.start()
 
@@ -109,7 +110,7 @@ class DeviceWriter:
         return mail.sent
 
     def expect(self, ahead: ArrayLike, sent: float) -> None:
-        """Play the samples ``ahead`` (actuators, n) after the block of ``sent`` if no other block comes in time.
+        """Play the samples ``ahead`` (actuators, n) after the block of ``sent`` if no other block arrives in time.
 
         Never blocks. Raises ValueError if it has another shape or is not finite.
         """
@@ -119,11 +120,11 @@ class DeviceWriter:
             self._wake.notify()
 
     def silence(self) -> None:
-        """Go to zero as soon as the device takes it, and forget what was sent so far. The next block plays again. Never blocks."""
+        """Go to zero as soon as the device accepts it, and discard everything sent so far. The next block plays again. Never blocks."""
         self._drop(_silence=True)
 
     def rest(self) -> None:
-        """Zero, then release, as at the end, but stay open: the next block plays again. Never blocks."""
+        """Write zero and the release report, but keep the device open: the next block plays again. Never blocks."""
         self._drop(_rest=True)
 
     def request_stop(self) -> None:
@@ -131,7 +132,7 @@ class DeviceWriter:
         self._drop(_stopping=True)
 
     def _drop(self, **wanted: bool) -> None:
-        """Forget what was sent, and have the thread do something else."""
+        """Discard everything sent so far, and notify the thread."""
         with self._wake:
             self._mail = self._expected = None
             for name, value in wanted.items():
@@ -139,7 +140,7 @@ class DeviceWriter:
             self._wake.notify()
 
     def stop(self, timeout: float = 1.0) -> bool:
-        """Zero, release and close the device. Returns after at most ``timeout`` seconds whether that is done.
+        """Write zero and the release report, and close the device. Returns after at most ``timeout`` seconds whether that is done.
 
         If not, a write is blocked inside the system. The thread is a daemon: it silences and closes the device as soon as that write
         returns, and does not keep the program from exiting; until then the device does what it does when a program is killed.
@@ -153,7 +154,7 @@ class DeviceWriter:
 
     @property
     def status(self) -> Status:
-        """What the output is doing right now. Never blocks."""
+        """The current state of the output. Never blocks."""
         since = self._writing_since
         delays = list(self._delays)
         delay = median(delays) if delays else None
@@ -188,7 +189,7 @@ class DeviceWriter:
     def _open(self, hid: HidModule) -> Opened | None:
         """The device, or None after waiting for a while because it can't be opened."""
         try:
-            # Opening holds Python's lock. Old kernels make it wait for a write that is stuck in another device.
+            # Opening holds the GIL. On old kernels it waits for a blocked write to another device.
             if any(output.status.writing_for > 0.1 for output in tuple(_running)):
                 raise DeviceError("waiting: a write to another device is blocked")
             opened = open_device(hid, self.profile.family, self._serial)
@@ -200,7 +201,7 @@ class DeviceWriter:
         return opened
 
     def _play(self, opened: Opened) -> None:
-        """Drive the device until it is to stop, or is gone. Leaves it silent and closed, whatever happens."""
+        """Drive the device until a stop or its disconnection. Always leaves it silent and closed."""
         pacing: AnyPacing | None = None
         try:
             pacing = self._prepare(opened)
@@ -224,7 +225,7 @@ class DeviceWriter:
                     opened.close()
 
     def _prepare(self, opened: Opened) -> AnyPacing:
-        """Set the device up as its family wants it. Raises OSError where it can't be driven."""
+        """Set up the device for its family. Raises OSError if it cannot be driven."""
         family: AnyFamily = self.profile.family
         before = self._written
         if family.prepare is not None:
@@ -234,18 +235,18 @@ class DeviceWriter:
         return pacing_of(self.profile, family, transport, actuation, self._adjustment, self._written - before)
 
     def _pause(self) -> None:
-        """Wait until it is time to look for the device again, or the output is to stop."""
+        """Wait until the next search for the device, or until a stop."""
         with self._wake:
             self._wake.wait_for(lambda: self._stopping, RESCAN)
 
     def _sleep(self) -> None:
-        """Wait until a block comes, or the output is to stop."""
+        """Wait until a block arrives, or until a stop."""
         with self._wake:
             self._silence = self._rest = False
             self._wake.wait_for(lambda: self._mail is not None or self._stopping)
 
     def _follow(self, opened: Opened, pacing: AnyPacing) -> Literal["stop", "rest", "lost"]:
-        """Write what is due when it is due, until the device is to stop or to rest, or is gone."""
+        """Write reports when they are due, until a stop, a rest, or the loss of the device."""
         failures = 0
         adjustment: Adjustment | None = None
         unmeasured: float | None = None
@@ -287,7 +288,7 @@ class DeviceWriter:
         return "stop"
 
     def _wait(self, pacing: AnyPacing) -> None:
-        """Wait until something is due, a block comes, or the output is to stop."""
+        """Wait until a report is due, a block arrives, or a stop."""
         with self._wake:
             if self._mail is None and self._expected is None and not (self._silence or self._rest or self._stopping):
                 now = time.perf_counter()
@@ -295,7 +296,7 @@ class DeviceWriter:
                 self._wake.wait(None if due is None else max(due - now, 0.0))
 
     def _write(self, opened: Opened, report: Report) -> bool:
-        """Whether the device took the report. hidapi returns -1 for failure and blocks as long as the system does."""
+        """Write a report; returns whether the device accepted it. hidapi returns -1 for failure and blocks as long as the system does."""
         self._writing_since = time.perf_counter()
         try:
             send = opened.hid.send_feature_report if report.feature else opened.hid.write
@@ -314,7 +315,7 @@ class DeviceWriter:
         return done
 
     def _lose(self) -> None:
-        """The device is gone: look for it."""
+        """Mark the device as lost, to search for it again."""
         self._state = "searching"
         self._losses += 1
 
@@ -324,7 +325,7 @@ class DeviceWriter:
         return all(taken)
 
     def _insist(self, opened: Opened, report: Report, interval: float) -> bool:
-        """Write a report, again where that fails."""
+        """Write a report, and again if that fails."""
         for _ in range(_FAILURES_TO_CLOSE):
             time.sleep(max(self._wrote + interval - time.perf_counter(), 0.0))
             if _exiting.is_set():
@@ -344,7 +345,7 @@ def stop_all(timeout: float = _EXIT_SECONDS) -> bool:
 
 
 def _at_exit() -> None:
-    """Silence the devices; a thread whose write is still blocked then must not touch hidapi again when it goes on."""
+    """Silence the devices; a thread whose write is still blocked must not use hidapi afterwards."""
     stop_all()
     _exiting.set()
 

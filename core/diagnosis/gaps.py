@@ -1,4 +1,4 @@
-"""Causes of silence that lie between objects: gaps that no contact bridges."""
+"""Causes of silence between objects: gaps without a contact."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _NARROW = 10
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """The bodies of a frame with their ``transforms`` (n, 4, 4), and what counts as a contact between them."""
+    """The bodies of a frame with their ``transforms`` (n, 4, 4), and the settings of contacts between them."""
 
     bodies: tuple[Body, ...]
     transforms: FloatArray
@@ -34,7 +34,7 @@ class Surroundings:
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """Two objects that a signal would have to cross between, and the distance [m] from one to the other."""
+    """Two objects that a signal cannot cross between, and their distance [m]."""
 
     first: str
     second: str
@@ -55,7 +55,7 @@ def complete_graph(result: FrameResult, settings: Settings, surroundings: Surrou
 
 
 def gap_message(result: FrameResult, graph: HapticGraph, row: int, listener: int, surroundings: Surroundings | None) -> Message:
-    """No chain of contacts leads from source ``row`` to ``listener``: the objects between which it is interrupted."""
+    """Message that no chain of contacts leads from source ``row`` to ``listener``, with the objects at its gap."""
     source, felt_at = result.sources[row], result.listeners[listener]
     names = graph.table.names
     start = {names[graph.node_object[node]] for node in graph.sources[row].nodes}
@@ -74,9 +74,9 @@ def gap_message(result: FrameResult, graph: HapticGraph, row: int, listener: int
 
 
 def gaps(surroundings: Surroundings, graph: HapticGraph, start: set[str], end: str) -> tuple[Gap, ...]:
-    """The gaps on the way from the objects ``start`` to ``end`` that has the least air in it, widest first.
+    """The gaps, widest first, on the route from the objects ``start`` to ``end`` with the least total gap.
 
-    Contacts cost nothing and air costs the distance of bounding boxes; the gaps found are then measured exactly.
+    Contacts have the cost 0 and gaps the distance of bounding boxes; the gaps found are then measured exactly.
     """
     bodies = surroundings.bodies
     row = {body.name: number for number, body in enumerate(bodies)}
@@ -94,7 +94,7 @@ def gaps(surroundings: Surroundings, graph: HapticGraph, start: set[str], end: s
 
 
 def _touching(graph: HapticGraph, row: dict[str, int]) -> list[set[int]]:
-    """The bodies in contact with each body, both by their ``row``."""
+    """The bodies in contact with each body, by ``row``."""
     touching: list[set[int]] = [set() for _ in row]
     contact = np.flatnonzero(graph.partner > np.arange(graph.node_count))
     for a, b in zip(graph.node_object[contact].tolist(), graph.node_object[graph.partner[contact]].tolist(), strict=True):

@@ -1,4 +1,4 @@
-"""Causes of silence that lie on the path: what attenuates too much, transmits nothing, or has too many connections."""
+"""Causes of silence on a path: too much attenuation, gain 0, or too many connections."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from ..scene.coefficients import transfer_coefficient
 from ..scene.values import Mode, Settings
 
 NEPER = 20 / math.log(10)
-"""Decibels of a factor e."""
+"""Decibels per neper."""
 _BARRIER = 40.0
-"""Cost [Np] given to an object that transmits nothing, to find the path with the fewest of them."""
+"""Cost [Np] given to an object that transmits nothing, to find the path with the fewest such objects."""
 
 
 def straight_line_message(result: FrameResult, settings: Settings, row: int, listener: int) -> Message:
-    """Why nothing arrives in the modes MD and MN, which know no objects."""
+    """Why nothing arrives in the modes MD and MN, which ignore objects."""
     if settings.max_connections is not None and settings.max_connections < 1:
         return Message.of(Cause.NO_CONNECTION_ALLOWED)
     source = result.sources[row].name
@@ -39,7 +39,7 @@ def straight_line_message(result: FrameResult, settings: Settings, row: int, lis
 
 
 def loss_message(graph: HapticGraph, settings: Settings, row: int, column: int) -> Message | None:
-    """What is lost on the best chain of contacts from source ``row`` to listener ``column``; None where no chain leads there."""
+    """The losses on the best chain of contacts from source ``row`` to listener ``column``; None without a chain."""
     path = _best_path(graph, row, column)
     if path:
         return _weak_path_message(graph, settings, path)
@@ -48,7 +48,7 @@ def loss_message(graph: HapticGraph, settings: Settings, row: int, column: int) 
 
 
 def _weak_path_message(graph: HapticGraph, settings: Settings, path: tuple[int, ...]) -> Message:
-    """A path exists, but its gain is too low or it is too long."""
+    """Message that the gain of the path is too low, or that it has too many connections."""
     losses = object_losses(graph, path)
     total = sum(loss for _, loss, _ in losses)
     chain, count = Chain(objects_on(graph, path)), len(path) - 1
@@ -70,7 +70,7 @@ def _weak_path_message(graph: HapticGraph, settings: Settings, path: tuple[int, 
 
 
 def _barrier_message(graph: HapticGraph, path: tuple[int, ...]) -> Message:
-    """A chain of contacts exists, but something on it transmits nothing."""
+    """Message that an object or contact on the chain transmits nothing."""
     for a, b in itertools.pairwise(path):
         if graph.partner[a] == b and graph.contact[a] >= 0:
             if not math.isfinite(graph.transmission_loss[graph.contact[a]]):
@@ -82,7 +82,7 @@ def _barrier_message(graph: HapticGraph, path: tuple[int, ...]) -> Message:
 
 
 def _object_message(graph: HapticGraph, a: int, b: int) -> Message:
-    """The object with the nodes ``a`` and ``b`` transmits nothing between them."""
+    """Message that the object with the nodes ``a`` and ``b`` transmits nothing between them."""
     item = graph.table.objects[graph.node_object[a]]
     if item.propagation.name == "haptic_tracing" and transfer_coefficient(item.kappa, item.rho) == 0:
         return Message.of(Cause.KAPPA_ONE if item.kappa == 1 else Cause.RHO_ZERO, item.name, object=item.name)
@@ -107,14 +107,14 @@ def object_losses(graph: HapticGraph, path: tuple[int, ...]) -> list[tuple[str, 
 
 
 def _best_path(graph: HapticGraph, row: int, column: int) -> tuple[int, ...]:
-    """Nodes of the best path without any limit, () where there is none."""
+    """Nodes of the best path without limits, () if there is none."""
     patches = merge_patches(graph)
     found = best_paths(patches.graph, np.array([[row, column]]), None, 0.0, BUDGET, amplifying(graph), {}, {})
     return tuple(patches.node[list(found.nodes.get((row, column), ()))].tolist())
 
 
 def _with_barriers(graph: HapticGraph) -> HapticGraph:
-    """The graph with a finite cost wherever nothing is transmitted, and next to none elsewhere."""
+    """The graph with a finite cost for each connection of gain 0, and nearly 0 elsewhere."""
     barriers = np.where(graph.table.loss >= _BARRIER, _BARRIER, 1e-3)
     barriers[sorted(graph.table.special)] = _BARRIER / 4
     decay = np.full(len(barriers), 1e-3)
@@ -124,5 +124,5 @@ def _with_barriers(graph: HapticGraph) -> HapticGraph:
 
 
 def _threshold_loss(settings: Settings) -> float:
-    """Loss [dB] at the threshold of propagation, infinite where there is none."""
+    """Loss [dB] at the threshold of propagation, infinite without a threshold."""
     return -NEPER * math.log(settings.threshold) if settings.threshold > 0 else math.inf

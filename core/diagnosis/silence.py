@@ -34,12 +34,12 @@ def reasons(
     Args:
         settings: those that ``result`` was traced with.
         surroundings: the bodies of the frame, to measure gaps between them.
-        muted: names of sources that are switched off rather than at amplitude 0.
-        recent: (n,) the last samples of the listener at the result's rate; the frame's own where it is None.
+        muted: names of muted sources, as opposed to those with amplitude 0.
+        recent: (n,) the last samples of the listener at the result's rate; None for those of the frame.
         waiting: names of sources that have not been triggered.
 
     Returns:
-        One message per cause; () where the listener feels something.
+        One message per cause; () if the listener feels something.
     """
     if not result.sources:
         return (Message.of(Cause.WAITING, waiting[0], source=waiting[0]) if waiting else Message.of(Cause.NO_SOURCE),)
@@ -53,7 +53,7 @@ def reasons(
 
 
 def _arrival_messages(result: FrameResult, listener: int, arriving: Sequence[int], recent: FloatArray | None) -> tuple[Message, ...]:
-    """Why what reaches the listener from the sources ``arriving`` is not felt."""
+    """Why the signals of the sources ``arriving`` at the listener are not felt."""
     item = result.listeners[listener]
     if item.gain == 0:
         return (Message.of(Cause.LISTENER_GAIN, item.name, listener=item.name),)
@@ -74,7 +74,8 @@ def _arrival_messages(result: FrameResult, listener: int, arriving: Sequence[int
 
 
 class _Search:
-    """Search for what separates a listener from its sources; the complete graph is built once, for the first source that needs it."""
+    """Search for the interruption between a listener and its sources; the complete graph is built once, for the first source that needs
+    it."""
 
     def __init__(self, result: FrameResult, settings: Settings, listener: int, surroundings: Surroundings | None) -> None:
         self._result, self._settings, self._listener, self._surroundings = result, settings, listener, surroundings
@@ -91,7 +92,7 @@ class _Search:
 
 
 def _source_message(result: FrameResult, settings: Settings, row: int, listener: int, muted: Collection[str]) -> Message | None:
-    """Why source ``row`` emits nothing, or nothing for this listener; None where neither holds."""
+    """Why source ``row`` emits nothing, or nothing for this listener; None if neither holds."""
     source = result.sources[row]
     if source.amplitude == 0:
         return Message.of(Cause.MUTED if source.name in muted else Cause.ZERO_AMPLITUDE, source.name, source=source.name)
@@ -107,7 +108,7 @@ def _source_message(result: FrameResult, settings: Settings, row: int, listener:
 
 
 def _is_over(result: FrameResult, row: int) -> bool:
-    """True where the signal of source ``row`` has ended before the frame."""
+    """True if the signal of source ``row`` ended before the frame."""
     return _signal_end(result.sources[row]) <= result.time
 
 

@@ -1,6 +1,6 @@
-"""Modalities: ways to feel that share the objects, contacts and listeners of a scene, each with functions, values and a unit of its own.
+"""Modalities: kinds of sensation that share the objects, contacts and listeners of a scene, each with its own functions, values and unit.
 
-A further modality is a module with one `Modality` value, and its line in `MODALITIES`. `propagation` computes what listeners feel of one.
+A further modality is a module with one `Modality` value, listed in `MODALITIES`. `propagation` computes its values at listeners.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a modality is, as data: its functions, what materials have for it, its signal and its unit."""
+"""Definition of a modality: its functions, material values, signal and unit."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..scene.choices import Strategy
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A number that an author sets. ``name`` as code and files say it, ``title`` as panels do; ``low`` <= value <= ``high``."""
+    """A number that an author sets. ``name`` in code and files, ``title`` in panels; ``low`` <= value <= ``high``."""
 
     name: str
     title: str
@@ -23,13 +23,12 @@ class Quantity:
 
 @dataclass(frozen=True, slots=True)
 class Modality:
-    """One way to feel: vibrotactile, thermal, ...
+    """One kind of sensation: vibrotactile, thermal, ...
 
-    functions: the names of those that objects can have, the default first. object_values: what an object has, by the names that its
-    functions' parameters and `core.scene.materials.Material` give them; ``source_value``: how strong a source is. ``sampled``: a signal
-    has samples (a vibration); else it is one value per frame (a temperature). ``strategy`` computes the gains. ``transmission``: the gain
-    of a contact from the values of the object that is entered. ``sensations``: from which value at a listener on it is felt as what,
-    rising.
+    functions: names of the objects' functions, the default first. object_values: quantities of an object, named like the parameters of its
+    functions and the fields of `core.scene.materials.Material`; ``source_value``: quantity of a source. ``sampled``: a signal has samples
+    (vibration), otherwise one value per frame (temperature). ``strategy`` computes the gains. ``transmission``: gain of a contact from the
+    values of the object that the signal enters. ``sensations``: ascending pairs of the least value at a listener and the sensation.
     """
 
     name: str
@@ -49,14 +48,14 @@ class Modality:
         return self.functions[0]
 
     def defaults(self) -> dict[str, float]:
-        """The objects' values before anything is known of them."""
+        """The default values of objects."""
         return {quantity.name: quantity.default for quantity in self.object_values}
 
     def sensation(self, value: float) -> str:
-        """What a value at a listener feels like, in words; "" below all that is felt."""
+        """The sensation of a value at a listener; "" below the first."""
         return next((words for least, words in reversed(self.sensations) if value >= least), "")
 
 
 def lossless(values: Mapping[str, float]) -> float:
-    """A contact that passes everything on."""
+    """Gain 1 for every contact."""
     return 1.0

@@ -1,4 +1,4 @@
-"""What a modality without samples gives at every listener: one value per frame."""
+"""Propagation of modalities without samples: one value per listener and frame."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from ..scene.values import Extent, HapticObject, Listener, Settings, Source
 from .modality import Modality
 
 _FUNCTIONS: Mapping[str, type[ModulationFunction]] = {**FUNCTIONS, "conduction": Conduction}
-"""Those of all modalities."""
+"""The functions of all modalities."""
 
 
 @dataclass(frozen=True, slots=True)
 class Emitter:
-    """Where a modality's signal comes from: the object it stands on, its place (metres, world) and its value in the modality's unit."""
+    """A source of a modality: its object, its position (metres, world) and its value in the modality's unit."""
 
     name: str
     object: str
@@ -44,7 +44,7 @@ class Felt:
 
 
 def propagation_function(modality: Modality, values: Mapping[str, float], form: Mapping[str, Any] | None = None) -> ModulationFunction:
-    """The function of an object: ``form`` as in a scene file where its author chose one, else the modality's default.
+    """The function of an object: ``form`` as in a scene file, None for the modality's default.
 
     An object's ``values`` are the parameters that ``form`` does not give. Raises ValueError that names the key.
     """
@@ -67,8 +67,8 @@ def feel(
 ) -> Felt:
     """Propagate a modality through the contacts that the tracer found.
 
-    names: objects in the order that ``contacts`` number them, which is sorted. values: what each has for the modality, its defaults
-    where it is not named; forms: the function of those whose author chose one. Raises ValueError that names what is wrong.
+    names: objects in the (sorted) order of the numbers in ``contacts``. values: those of each object, the modality's defaults for all
+    others; forms: functions other than the default. Raises ValueError with the reason.
     """
     if modality.sampled:
         raise ValueError(f"modality: {modality.name!r} has sampled signals, which the tracer renders")
@@ -93,8 +93,8 @@ def feel(
 def _with_transmission(
     modality: Modality, names: Sequence[str], values: Mapping[str, Mapping[str, float]], contacts: ContactSet
 ) -> ContactSet:
-    """The contacts with the modality's gains. One function serves both ways through a contact: the geometric mean of the two gains, so that
-    a way there and back loses what it should."""
+    """The contacts with the modality's gains. Both directions through a contact have the geometric mean of the two gains, so that the
+    product of a round trip is exact."""
     gains = [
         math.sqrt(modality.transmission(values[names[first]]) * modality.transmission(values[names[second]]))
         for first, second in contacts.pairs.tolist()

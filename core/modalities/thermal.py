@@ -1,9 +1,9 @@
-"""Warmth, in the steady state: what a listener feels long after a fire was lit.
+"""Warmth: heat conduction in the steady state.
 
 Temperatures are excesses over the room's, in kelvin. Along an object they fall as along a long plate that leaks into the air (the function
-"conduction"). At a contact, what flows through the joint warms the next plate: with the joint's conductance ``h_c`` and the flux
-``k m T`` that a long plate draws, ``T2 / T1 = h_c / (h_c + k m)``. That is the closed form for a chain of long plates; of several ways
-from a source the warmest counts, and the excesses of several sources add up, since the equation is linear.
+"conduction"). At a contact, the heat flow through the joint warms the next plate: with the joint's conductance ``h_c`` and the flux
+``k m T`` that a long plate draws, ``T2 / T1 = h_c / (h_c + k m)``. That is the closed form for a chain of long plates; of several paths
+from a source the warmest counts, and the excesses of several sources add up, because the equation is linear.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ..scene.choices import Strategy
 from .modality import Modality, Quantity
 
 JOINT = 500.0
-"""Conductance of a dry joint between two bodies that lie on each other, W/(m^2 K): rough solids are between 100 and 10,000."""
+"""Conductance of a dry joint between two bodies in contact, W/(m^2 K); that of rough solids is between 100 and 10,000."""
 
 
 def joint_gain(values: Mapping[str, float]) -> float:
@@ -37,7 +37,7 @@ THERMAL = Modality(
     source_value=Quantity("temperature", "Temperature", "How much warmer than the room the source is", "K", 60.0, -100.0, 1000.0),
     sampled=False,
     strategy=Strategy.BEST_PATH,
-    # Skin is at about 33 °C: in a room of 21 °C what it touches is no warmer until 12 K over the room; from 45 °C on it hurts.
+    # Skin is at about 33 °C: in a room of 21 °C an object feels warm from 12 K above the room on; from 45 °C on it hurts.
     sensations=((0.5, "hardly warmer"), (4.0, "lukewarm"), (12.0, "warm"), (18.0, "hot"), (24.0, "burns")),
     transmission=joint_gain,
 )

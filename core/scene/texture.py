@@ -39,9 +39,9 @@ class Texture:
     """The texture of two surfaces: at v m/s they emit a tone of v / ``period`` hertz.
 
     ``period`` [m]: distance of ridges or grains. ``noise`` in [0, 1]: fraction of the power in a band of noise around the tone, as wide as
-    ``bandwidth`` times its frequency, but at least the frame rate. Below ``stick_speed`` [m/s] they stick and slip: the slower, the
-    more the sine changes to a sawtooth. The amplitude is ``sliding`` (F / ``full_force``)^(1/2) (v / ``full_speed``)^(3/4) where they slide,
-    and ``rolling`` (F / full_force)^(1/2) (v / full_speed)^(3/2) where they roll, with F newtons between them; at most sliding or rolling.
+    ``bandwidth`` times its frequency, but at least the frame rate. Below ``stick_speed`` [m/s] they stick and slip: the slower, the more
+    the sine changes to a sawtooth. The amplitude is ``sliding`` (F / ``full_force``)^(1/2) (v / ``full_speed``)^(3/4) where they slide, and
+    ``rolling`` (F / full_force)^(1/2) (v / full_speed)^(3/2) where they roll, with F newtons between them; at most sliding or rolling.
     """
 
     period: float = 0.005

@@ -3,8 +3,8 @@
 Layout: Linux ``hid-playstation.c`` and SDL's PS5 driver agree on it; the drivers' common block of 47 bytes starts at byte 1 (USB) or 3
 (Bluetooth). Only the flags of the vibration are set, so lights and triggers stay as the game or the system left them.
 
-Samples without a cable are experimental. The layout of report 0x32 was found by the SAxense project (egormanga/SAxense): two packets, one
-that counts and one with 32 frames of 8-bit samples, left and right in turn, at 3 kHz.
+Samples without a cable are experimental. The layout of report 0x32 was determined by the SAxense project (egormanga/SAxense): two packets,
+one that counts and one with 32 frames of 8-bit samples, left and right in turn, at 3 kHz.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def release(transport: Transport, sequence: int) -> tuple[Report, ...]:
 
 
 def _prepare(device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> RumbleFamily | None:
-    """The first generation's reports for an old firmware; a version that can't be read counts as new, as in SDL."""
+    """The first generation's reports for an old firmware; an unreadable version counts as new, as in SDL."""
     if interface.product == EDGE:
         return None
     try:
@@ -85,7 +85,7 @@ RATE = 3000
 def _encode_samples(samples: NDArray[np.int8], sequence: int) -> Report:
     if samples.shape != (2, FRAMES):
         raise ValueError(f"samples has the shape {samples.shape}, not (2, {FRAMES})")
-    # The pad accepts a constant sequence nibble; the counter inside the first packet is what it follows.
+    # The pad accepts a constant sequence nibble; it follows the counter inside the first packet.
     counting = bytes([0x91, 7, 0xFE, 0, 0, 0, 0, 0xFF, sequence & 0xFF])
     sounding = bytes([0x92, 2 * FRAMES]) + samples.T.tobytes()
     return Report(with_crc((bytes([0x32, 0x00]) + counting + sounding).ljust(137, b"\0")))

@@ -10,7 +10,7 @@ from .family import HidDevice, Interface
 from .pads import pad
 
 _ULTIMATE_2_WIRELESS, _ULTIMATE_3 = 0x6012, 0x202F
-# Reading this feature report switches to the firmware's extended protocol; the Ultimate 3 has another, with its abilities.
+# Reading this feature report switches to the firmware's extended protocol; the Ultimate 3 has another one, which includes its capabilities.
 _EXTENDED, _ABILITIES = 0x06, 0x30
 _ATTEMPTS = 5
 # The firmware of the Ultimate 2 Wireless that rumbles sends input reports of this length, earlier ones shorter reports.
@@ -24,7 +24,7 @@ def _prepare(device: HidDevice, interface: Interface, write: Callable[[Report], 
 
 
 def _rumbles(device: HidDevice, product: int) -> bool:
-    """Whether the pad says that it rumbles, as SDL asks it."""
+    """Whether the pad reports rumble support, queried as in SDL."""
     if product == _ULTIMATE_2_WIRELESS:
         return any(len(device.read(64, 80)) >= _LONG_INPUT for _ in range(3))
     answer = _feature(device, _ABILITIES if product == _ULTIMATE_3 else _EXTENDED)

@@ -1,4 +1,4 @@
-"""What a device family is: how its devices are recognised, commanded, stopped and let go."""
+"""Device families: how devices are recognised, commanded, stopped and released."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BUS_USB = 1
 BUS_BLUETOOTH = 2
 
 RESEND = 2.0
-"""Seconds after which a steady drive is sent again, as SDL does: what another program stopped goes on after that time."""
+"""Seconds after which a steady drive is sent again, as SDL does: so that a stop by another program lasts at most that long."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Interface:
 
     @classmethod
     def of(cls, entry: Mapping[str, Any]) -> Interface:
-        """From hidapi's dictionary. Where it does not know the bus, USB interfaces are those with a number."""
+        """From hidapi's dictionary. If the bus is unknown, interfaces with a number are USB."""
         bus, number = int(entry.get("bus_type") or 0), int(entry["interface_number"])
         usb = bus == BUS_USB or (bus != BUS_BLUETOOTH and number >= 0)
         return cls(
@@ -72,7 +72,7 @@ def is_gamepad(interface: Interface) -> bool:
 
 
 def any_interface(interface: Interface) -> bool:
-    """For devices that are found by other means than their HID interface."""
+    """Any interface, for devices that are not found by it."""
     return True
 
 
@@ -87,17 +87,17 @@ def nothing(transport: Transport, sequence: int) -> tuple[Report, ...]:
 
 
 class Prepare(Protocol):
-    """Sets up an opened device. Writes through ``write``, which says whether the device took the report, and reads its answers.
+    """Sets up an opened device. ``write`` sends a report and returns whether the device accepted it.
 
-    Returns the family to go on with (an older firmware may want other reports), or None for the same. Raises OSError with the reason
-    where the device can't be driven.
+    Returns the family to use (older firmware may need other reports), or None for the same one. Raises OSError with the reason if the
+    device cannot be driven.
     """
 
     def __call__(self, device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> AnyFamily | None: ...
 
 
 def answer_of(device: HidDevice, is_answer: Callable[[bytes], bool], seconds: float = 0.1) -> bytes | None:
-    """The first input report that ``is_answer`` accepts; None where none comes in time."""
+    """The first input report that ``is_answer`` accepts; None if there is none in time."""
     end = time.monotonic() + seconds
     while (left := end - time.monotonic()) > 0.0:
         report = bytes(device.read(64, max(round(1000 * left), 1)))
@@ -110,20 +110,20 @@ def answer_of(device: HidDevice, is_answer: Callable[[bytes], bool], seconds: fl
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Family:
-    """What rumble and stream families have in common.
+    """The common fields of rumble and stream families.
 
     name: key in the registry and on the command line.
     ids: (vendor, product) numbers.
-    channels: names of what a drive has one value for, in order.
-    minimum_interval: least seconds from the end of one report to the next, by the transports that it can be driven over, the default first.
+    channels: names of the values of a drive, in order.
+    minimum_interval: least seconds from the end of one report to the next, by supported transport, the default first.
     refresh_interval: seconds after which an unchanged non-zero drive is sent again.
-    picks: whether an interface is the one to open.
-    probe_input: of several such interfaces, the right one is that which emits input within 16 ms.
+    picks: predicate of the interface to open.
+    probe_input: of several such interfaces, open the one that emits input within 16 ms.
     prepare: sets up a device once after it was opened; called in the writer's thread.
     startup: reports before the first block and before the first one after a pause; (transport, sequence of the first) -> reports.
     release: reports after zero, at a pause and at the end.
     farewell: reports after those, at the end alone.
-    zero_repeats: how many times zero is sent before falling silent.
+    zero_repeats: number of times that zero is sent before reports cease.
     """
 
     name: str
@@ -142,11 +142,11 @@ class Family:
 
     @property
     def transports(self) -> tuple[Transport, ...]:
-        """Those it can be driven over, the default first."""
+        """The supported transports, the default first."""
         return tuple(self.minimum_interval)
 
     def matches(self, interface: Interface) -> bool:
-        """Whether this is a device of the family, on a transport and interface it is driven through."""
+        """Whether this is a device of the family, on a supported transport and interface."""
         known = (interface.vendor, interface.product) in self.ids
         return known and interface.transport in self.transports and self.picks(interface)
 
@@ -171,7 +171,7 @@ class RumbleFamily(Family):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StreamFamily(Family):
-    """Devices that take samples.
+    """Devices driven by samples.
 
     rate: frames per second. frames: frames in one report.
     encode: (samples int8 of shape (channels, frames), sequence) -> report.
@@ -183,7 +183,7 @@ class StreamFamily(Family):
 
     @property
     def period(self) -> float:
-        """Seconds that one report lasts."""
+        """Duration of one report [s]."""
         return self.frames / self.rate
 
 

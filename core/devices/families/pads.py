@@ -1,8 +1,8 @@
 """Gamepads with two motors whose reports have a fixed layout, from `pads.json`.
 
-A layout is the bytes of a report: in hexadecimals, ``sequence`` for the lower byte of the report's number, ``left`` and ``right`` with how
-their amplitudes are written: ``8``, ``5``: the upper bits of the 16-bit value, ``16``: all of it, little-endian, ``%``: percent. A report
-is filled up with zeros to its length. ``silent``: the layout of zero where that is another one; ``crc``, ``feature``: see `report`.
+A layout is the bytes of a report in hexadecimal, with ``sequence`` for the lower byte of the report's number, and ``left`` and ``right``
+with the format of their amplitudes: ``8``, ``5``: the upper bits of the 16-bit value; ``16``: all of it, little-endian; ``%``: percent.
+Reports are padded with zeros to their length. ``silent``: a separate layout for zero; ``crc``, ``feature``: see `report`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _WRITTEN: Mapping[str, Callable[[float], bytes]] = {
 
 
 def _part(word: str, drive: Tones, sequence: int) -> bytes:
-    """The bytes that a word of a layout stands for."""
+    """The bytes that a word of a layout represents."""
     for side, amplitude in zip(("left", "right"), drive.amplitudes, strict=True):
         if word.startswith(side):
             return _WRITTEN[word.removeprefix(side)](amplitude)
@@ -42,7 +42,7 @@ def _encode(reports: Mapping[str, Mapping[str, Any]], drive: Tones, transport: T
 
 
 def pad(name: str, **functions: Any) -> RumbleFamily:
-    """The family called ``name`` in `pads.json`; ``functions``: what it does besides."""
+    """The family called ``name`` in `pads.json`; ``functions``: its further functions."""
     row = _PADS[name]
     return RumbleFamily(
         name=name,

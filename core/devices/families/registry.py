@@ -1,4 +1,4 @@
-"""All device families by name, and which of them a connected interface belongs to."""
+"""All device families by name, and the families of a connected interface."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FAMILIES: Mapping[str, AnyFamily] = MappingProxyType({family.name: family for fa
 
 
 def family(name: str) -> AnyFamily:
-    """The family called ``name``. Raises ValueError that lists the known names."""
+    """The family called ``name``. Raises ValueError, which lists the known names, for any other."""
     return named(name, FAMILIES, "device")
 
 

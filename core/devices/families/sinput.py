@@ -10,12 +10,12 @@ from .pads import pad
 
 _ANSWER, _FEATURES = 0x02, 0x02
 _ASK_FEATURES = Report(bytes([0x03, _FEATURES]).ljust(48, b"\0"))
-# The answer to the query of features: report id, command, version of the protocol (2 bytes), abilities.
+# The answer to the query of features: report id, command, version of the protocol (2 bytes), capabilities.
 _ABILITIES, _CAN_RUMBLE = 4, 0x01
 
 
 def _prepare(device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> None:
-    """Ask what the pad can do, as SDL does. One that does not answer is driven all the same."""
+    """Query the pad's capabilities, as SDL does. A pad that does not answer is driven nevertheless."""
     write(_ASK_FEATURES)
     answer = answer_of(device, _describes_features)
     if answer is not None and not answer[_ABILITIES] & _CAN_RUMBLE:

@@ -1,6 +1,6 @@
 """Switch Pro Controller and Joy-Con: linear resonant actuators, each driven by two tones.
 
-Formulas: dekuNukem's notes and Linux ``hid-nintendo.c``; lengths and pace: SDL. The published tables are steps of 1/32 octave, and for
+Formulas: dekuNukem's notes and Linux ``hid-nintendo.c``; lengths and intervals: SDL. The published tables are steps of 1/32 octave, and for
 amplitudes of 1/32, 1/16 and 1/4 octave.
 """
 
@@ -19,7 +19,7 @@ PRO, LEFT, RIGHT, GRIP = 0x2009, 0x2006, 0x2007, 0x200E
 LOW_HZ, HIGH_HZ = 160.0, 320.0
 """The two tones at rest, near the actuators' two resonances."""
 
-# Table index of amplitude 1.0; what lies above can damage the actuators.
+# Table index of amplitude 1.0; higher ones can damage the actuators.
 SAFE_INDEX = 100
 
 _LENGTH: dict[Transport, int] = {"usb": 64, "bt": 49}
@@ -39,7 +39,7 @@ def amplitude_index(amplitude: float) -> int:
     """Row 0..100 of the published amplitude table nearest on its logarithmic scale. amplitude: in [0, 1]."""
     if checked_amplitude(amplitude) < 0.0039:
         return 0
-    # Each formula only in its own part of the table: below it, it turns negative and would wrap to a strong vibration.
+    # Each formula holds only in its own part of the table: below, it is negative and would wrap to a strong vibration.
     if amplitude >= 0.2299:
         index = round(32.0 * math.log2(8.7 * amplitude))
     elif amplitude >= 0.11747:
@@ -50,7 +50,7 @@ def amplitude_index(amplitude: float) -> int:
 
 
 def actuator_word(low_hz: float, low: float, high_hz: float, high: float) -> bytes:
-    """Four bytes for one actuator. Frequencies in Hz are held to 40.9..626.3 (low) and 81.8..1252.6 (high); amplitudes in [0, 1]."""
+    """Four bytes for one actuator. Frequencies in Hz are clamped to 40.9..626.3 (low) and 81.8..1252.6 (high); amplitudes in [0, 1]."""
     high_code = 4 * (min(max(frequency_code(high_hz), 0x61), 0xDF) - 0x60)
     low_code = min(max(frequency_code(low_hz), 0x41), 0xBF) - 0x40
     high_index, low_index = amplitude_index(high), amplitude_index(low)
@@ -85,8 +85,8 @@ def enable_vibration(transport: Transport, sequence: int) -> Report:
 
 
 def _prepare(device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> None:
-    """SDL's way: the handshake over USB, then vibration on. Some clones answer only the first command, so that what stays unanswered is
-    said again and then left at that."""
+    """Set up as in SDL: the handshake over USB, then vibration on. Some clones answer only the first command, so an unanswered command is
+    repeated once and then ignored."""
 
     def say(report: Report, is_answer: Callable[[bytes], bool]) -> None:
         for _ in range(_ATTEMPTS):
@@ -113,7 +113,7 @@ def _farewell(transport: Transport, sequence: int) -> tuple[Report, ...]:
 
 
 def _in_grip(number: int, interface: Interface) -> bool:
-    """Whether it is a Joy-Con by itself, or the one behind this interface of the charging grip."""
+    """Whether the interface is that of a Joy-Con alone, or that of this Joy-Con in the charging grip."""
     return is_gamepad(interface) and (interface.product != GRIP or interface.number == number)
 
 
