@@ -84,9 +84,10 @@ def test_parts_of_every_sample_add_up_to_the_bit(registered, tmp_path, name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("scene_start", "frames"), [(1, (1, 304)), (1, (185, 240)), (200, (180, 260))])
+@pytest.mark.parametrize(("scene_start", "frames"), [(1, (1, 118)), (1, (185, 240)), (200, (180, 260))])
 def test_parts_and_ranges_of_what_slides_have_the_bits_of_the_whole(registered, tmp_path, scene_start, frames):
-    """The range begins with the scene's first frame, in the middle of a slide after it, and before it."""
+    """The range begins with the scene's first frame, in the middle of a slide after it, and before it. A file slides in frames 5 to 57, a
+    ball rolls in 65 to 113, and a crate slides in 177 to 241."""
     bpy.ops.wm.read_homefile(use_empty=True)  # rows name objects
     scene = build_sample("sliding_and_rolling")
     _bake_rigid_bodies(scene)
@@ -112,8 +113,8 @@ def test_parts_and_ranges_of_what_slides_have_the_bits_of_the_whole(registered, 
         merged = merge._tracks(merge._bakes([tmp_path / f"{number}.npz" for number in range(1, parts + 1)])["slides"])
         assert merged.samples.tobytes() == whole.tracks.samples.tobytes()
     if scene_start == frames[0]:
-        own = Run(scene, 190, 200, looks_back=True)
-        begin = sample_index((190 - frames[0]) / 24, own.rate)
+        own = Run(scene, 90, 100, looks_back=True)
+        begin = sample_index((90 - frames[0]) / 24, own.rate)
         assert own.tracks.samples.any()
         assert np.array_equal(own.tracks.samples, whole.tracks.samples[:, begin : begin + own.tracks.samples.shape[1]])
 

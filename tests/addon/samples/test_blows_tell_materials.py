@@ -20,7 +20,7 @@ from haptic_tracing.sample_scenes import SAMPLES, materials
 from scipy import spatial
 from scipy.io import wavfile
 
-FRAME_RATE = 50
+FRAME_RATE = 25
 DROP, FALL = 3.0, (2 * 3.0 / 9.81) ** 0.5
 """Metres and seconds."""
 APART = 0.44
