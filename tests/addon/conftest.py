@@ -24,7 +24,7 @@ from haptic_tracing.addon.registration import classes, properties
 for _name in gateway.MODULES:  # tests replace parts of modules: they need the modules themselves, not their stand-ins
     import_module(f"haptic_tracing.{_name}")
 # Evaluated and read once, not at the registration in each test: annotations of classes and of what they inherit from, and translations.
-for _class in {_base for _class in (*properties.CLASSES, *classes.CLASSES) for _base in _class.__mro__}:
+for _class in {_base for _own in (*properties.CLASSES, *classes.CLASSES) for _base in _own.__mro__}:
     if _class.__module__.startswith("haptic_tracing.") and "__annotations__" in vars(_class):
         _known = typing.get_type_hints(_class)
         _class.__annotations__ = {_key: _known[_key] for _key in _class.__annotations__}

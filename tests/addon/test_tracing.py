@@ -2,8 +2,6 @@
 
 import json
 import math
-import subprocess
-import sys
 from dataclasses import fields
 from pathlib import Path
 
@@ -12,6 +10,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.scene_reader.reader import SceneReader
 from haptic_tracing.addon.session import session
+from haptic_tracing.command_line import main
 
 
 def _gain(kappa, rho, distance, epsilon=0.1):
@@ -221,14 +220,13 @@ def test_a_dropped_crate_makes_one_impact_of_its_energy(add_box, add_empty, scen
     assert impacts[0].time == pytest.approx(math.sqrt(2 * 1.0 / 9.81), abs=0.05)
 
 
-def test_the_command_line_finds_the_same_gains_in_the_export(seesaw, traced, tmp_path: Path):
+def test_the_command_line_finds_the_same_gains_in_the_export(seesaw, traced, tmp_path: Path, capsys):
     result = traced()
     path = tmp_path / "scene.json"
     bpy.ops.export_scene.haptic_scene(filepath=str(path))
-    out = subprocess.run(
-        [sys.executable, "-m", "haptic_tracing", "propagate", str(path)], capture_output=True, text=True, check=True
-    ).stdout
-    pairs = json.loads(out)["gains"]
+    capsys.readouterr()
+    assert main(["propagate", str(path)]) == 0
+    pairs = json.loads(capsys.readouterr().out)["gains"]
     assert [(p["source"], p["listener"]) for p in pairs] == [("shaker", "skin")]
     assert pairs[0]["gain"] == pytest.approx(result.gains[0, 0], rel=1e-12)
     assert pairs[0]["path"] == ["plank", "box"]
