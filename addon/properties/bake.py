@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import CollectionProperty, IntProperty, PointerProperty, StringProperty
 from bpy.types import Context, PropertyGroup, Sound, Text
 
 from ..changes.events import track_switched
+from .kinds import number, switch
 
 
 def _played_otherwise(self: PropertyGroup, context: Context) -> None:
@@ -27,41 +28,34 @@ class HapticBakeProperties(PropertyGroup):
 
     track: PointerProperty(type=Text, name="Track", description="Where the haptic track is kept: a text with the track as its property")
     sound: PointerProperty(type=Sound, name="Sound", description="The track as sound, packed into the file")
-    use_track: BoolProperty(
-        name="Play Baked Track",
-        description="While the timeline plays, read what is felt from the baked track instead of tracing",
-        default=True,
+    use_track: switch(
+        "Play Baked Track",
+        "While the timeline plays, read what is felt from the baked track instead of tracing",
+        True,
         update=_played_otherwise,
     )
-    use_range: BoolProperty(name="Custom Range", description="Bake these frames instead of the scene's frame range", default=False)
+    use_range: switch("Custom Range", "Bake these frames instead of the scene's frame range")
     frame_start: IntProperty(name="Start", description="First frame to bake", default=1, min=-1048574, max=1048574)
     frame_end: IntProperty(name="End", description="Last frame to bake", default=250, min=-1048574, max=1048574)
-    write_curves: BoolProperty(
-        name="Write F-Curves",
-        description="Write intensity and frequency as F-curves on the listeners, to be seen in the graph editor and to drive others",
-        default=True,
+    write_curves: switch(
+        "Write F-Curves",
+        "Write intensity and frequency as F-curves on the listeners, to be seen in the graph editor and to drive others",
+        True,
     )
-    write_sound: BoolProperty(
-        name="Add Sound Strip",
-        description="Add what is felt as a sound strip to the sequencer: left side of the body left, right side right",
-        default=True,
+    write_sound: switch(
+        "Add Sound Strip", "Add what is felt as a sound strip to the sequencer: left side of the body left, right side right", True
     )
 
 
 class HapticFeltProperties(PropertyGroup):
     """What a bake writes on a listener."""
 
-    intensity: FloatProperty(
-        name="Intensity",
-        description="Strength that this listener feels: the amplitude of a sine of the same power. Written as an F-curve by Bake",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
+    intensity: number(
+        "Intensity",
+        "Strength that this listener feels: the amplitude of a sine of the same power. Written as an F-curve by Bake",
+        0.0,
+        (0.0, 1.0),
     )
-    frequency: FloatProperty(
-        name="Frequency (Hz)",
-        description="Vibrations per second that this listener feels, in hertz. Written as an F-curve by Bake",
-        default=0.0,
-        min=0.0,
-        soft_max=1000.0,
+    frequency: number(
+        "Frequency (Hz)", "Vibrations per second that this listener feels, in hertz. Written as an F-curve by Bake", 0.0, (0.0, 1000.0)
     )

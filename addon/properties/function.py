@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from bpy.props import EnumProperty, FloatProperty, StringProperty
+from bpy.props import EnumProperty, StringProperty
 
 from .callbacks import edited
+from .kinds import number, share
+from .physical import PhysicalParameters
 
 FUNCTIONS = {
     "identity": ("Identity", "Passes everything on unchanged"),
@@ -36,18 +36,7 @@ PARAMETERS = {
     "linear": {"range": "range"},
     "constant": {"gain": "constant"},
     "expression": {"expression": "expression"},
-    "physical": {
-        "wave": "wave",
-        "loss_factor": "loss_factor",
-        "phase_speed": "phase_speed",
-        "density": "density",
-        "thickness": "plate_thickness",
-        "absorption": "absorption",
-        "material_k": "material_k",
-        "reference_distance": "reference_distance",
-        "extent": "extent",
-        "resonance": "resonance",
-    },
+    "physical": {"thickness" if name == "plate_thickness" else name: name for name in PhysicalParameters.__annotations__},
 }
 """Which properties are the parameters of which function of an object, by their names in the core."""
 
@@ -73,27 +62,16 @@ def function_property(names: tuple[str, ...], default: str) -> EnumProperty:
 class FunctionParameters:
     """Mixin: the parameters of the functions that have some."""
 
-    alpha: FloatProperty(
-        name="Alpha (1/m)",
-        description="Attenuation per metre; 0.2 is the paper's distance-only function",
-        default=0.2,
-        min=0.0,
-        soft_max=5.0,
+    alpha: number(
+        "Alpha (1/m)",
+        "Attenuation per metre; 0.2 is the paper's distance-only function",
+        0.2,
+        (0.0, 5.0),
         precision=3,
         update=edited("alpha"),
     )
-    range: FloatProperty(
-        name="Range",
-        description="Distance from which on nothing is felt",
-        default=10.0,
-        min=0.001,
-        soft_max=100.0,
-        unit="LENGTH",
-        update=edited("range"),
-    )
-    constant: FloatProperty(
-        name="Gain", description="The gain over any distance", default=0.5, min=0.0, max=1.0, subtype="FACTOR", update=edited("constant")
-    )
+    range: number("Range", "Distance from which on nothing is felt", 10.0, (0.001, 100.0), unit="LENGTH", update=edited("range"))
+    constant: share("Gain", "The gain over any distance", 0.5, update=edited("constant"))
     expression: StringProperty(
         name="Expression",
         description="Formula of x (the signal), d (metres), kappa, rho, epsilon. "
@@ -104,32 +82,32 @@ class FunctionParameters:
     )
 
 
-def _number(key: str, name: str, description: str, default: float, least: float, most: float, **more: Any) -> FloatProperty:
-    return FloatProperty(name=name, description=description, default=default, min=least, soft_max=most, update=edited(key), **more)
-
-
 class ContactParameters(FunctionParameters):
     """Mixin: the parameters of the functions of contacts."""
 
-    stiffness: _number(
-        "stiffness",
+    stiffness: number(
         "Stiffness (N/m)",
         "Stiffness of the layer: a foam mat under a chair's leg 10,000, a rubber pad 1,000,000",
         1e5,
-        1e-3,
-        1e8,
+        (1e-3, 1e8),
+        update=edited("stiffness"),
     )
-    load: _number("load", "Load", "Mass that the layer carries", 10.0, 1e-6, 1e4, unit="MASS")
-    layer_loss: _number(
-        "layer_loss",
+    load: number("Load", "Mass that the layer carries", 10.0, (1e-6, 1e4), unit="MASS", update=edited("load"))
+    layer_loss: number(
         "Loss Factor",
         "Damping of the layer: rubber 0.1, foam 0.2; a greater one softens the resonance and passes more far above it",
         0.2,
-        0.0,
-        1.0,
+        (0.0, 1.0),
+        update=edited("layer_loss"),
     )
-    fall_off: _number(
-        "fall_off", "Fall-Off (dB)", "Decibels per octave that are lost far above the resonance; 12 is that of a spring", 12, 0, 48
+    fall_off: number(
+        "Fall-Off (dB)",
+        "Decibels per octave that are lost far above the resonance; 12 is that of a spring",
+        12,
+        (0, 48),
+        update=edited("fall_off"),
     )
-    reference: _number("reference", "Reference (N)", "Force in newtons from which on everything passes", 10, 1e-6, 1e4)
-    exponent: _number("exponent", "Exponent", "1/3: stiffness of smooth round bodies (Hertz); 1: of rough ones", 1 / 3, 0, 4, precision=3)
+    reference: number("Reference (N)", "Force in newtons from which on everything passes", 10, (1e-6, 1e4), update=edited("reference"))
+    exponent: number(
+        "Exponent", "1/3: stiffness of smooth round bodies (Hertz); 1: of rough ones", 1 / 3, (0, 4), precision=3, update=edited("exponent")
+    )

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from bpy.props import BoolProperty, StringProperty
+from bpy.props import StringProperty
 from bpy.types import PropertyGroup
+
+from .kinds import switch
 
 
 class HapticGltfProperties(PropertyGroup):
     """What is written when the scene is exported as glTF."""
 
-    use_extras: BoolProperty(
-        name="Haptics", description="Roles, haptic properties, functions and contacts, in the extras of nodes", default=True
-    )
-    use_material: BoolProperty(
-        name="MPEG Haptic Material", description="Haptic materials of meshes as an extension of ISO/IEC 23090-14", default=False
-    )
+    use_extras: switch("Haptics", "Roles, haptic properties, functions and contacts, in the extras of nodes", True)
+    use_material: switch("MPEG Haptic Material", "Haptic materials of meshes as an extension of ISO/IEC 23090-14")
     material_name: StringProperty(
         name="Name", description="Of that extension: drafts of the standard differ", default="MPEG_haptic_material", maxlen=60
     )

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, PropertyGroup
 
 from ...core.scene.body import BODY_PARTS
 from ...core.scene.choices import MOST_DUCKING, Extent
 from .callbacks import changed, edited
 from .imported import Imported
+from .kinds import limited, number, switch
 
 MIXING_ITEMS = (
     ("cumulative", "Cumulative", "Adds all signals up and holds the sum at the ceiling"),
@@ -49,13 +50,9 @@ def _radius_edited(self: HapticListenerProperties, context: Context) -> None:
 class HapticListenerProperties(Imported, PropertyGroup):
     """A haptic listener: receives signals at a place of the body."""
 
-    enabled: BoolProperty(
-        name="Haptic Listener", description="Signals are received at this object's origin", default=False, update=_enabled_edited
-    )
-    muted: BoolProperty(name="Mute", description="Keep the listener but let it feel nothing", default=False, options=set(), update=changed)
-    solo: BoolProperty(
-        name="Solo", description="Let only listeners that are solo feel something", default=False, options=set(), update=changed
-    )
+    enabled: switch("Haptic Listener", "Signals are received at this object's origin", update=_enabled_edited)
+    muted: switch("Mute", "Keep the listener but let it feel nothing", options=set(), update=changed)
+    solo: switch("Solo", "Let only listeners that are solo feel something", options=set(), update=changed)
     body_part: EnumProperty(
         name="Body Part",
         description="The place on the body that this listener stands for",
@@ -63,15 +60,7 @@ class HapticListenerProperties(Imported, PropertyGroup):
         default="NONE",
         update=changed,
     )
-    radius: FloatProperty(
-        name="Radius",
-        description="Radius of the listener's bounding volume",
-        default=0.05,
-        min=0.0,
-        soft_max=0.5,
-        unit="LENGTH",
-        update=_radius_edited,
-    )
+    radius: number("Radius", "Radius of the listener's bounding volume", 0.05, (0.0, 0.5), unit="LENGTH", update=_radius_edited)
     extent: EnumProperty(
         name="Extent",
         description="What the listener feels of its bounding volume. New listeners feel the strongest; those of earlier files are points",
@@ -79,24 +68,9 @@ class HapticListenerProperties(Imported, PropertyGroup):
         default=Extent.NONE.value,
         update=changed,
     )
-    use_wish: BoolProperty(name="Wish", description="Fulfil Wishes brings this listener to the wished level", default=False, options=set())
-    wish: FloatProperty(
-        name="Level (dB)",
-        description="The level that this listener shall have, in decibels of full scale",
-        default=-20.0,
-        min=-90.0,
-        max=0.0,
-        options=set(),
-    )
-    gain: FloatProperty(
-        name="Gain",
-        description="Makes this listener feel more or less; can be animated",
-        default=1.0,
-        min=0.0,
-        max=10.0,
-        soft_max=2.0,
-        update=edited("gain"),
-    )
+    use_wish: switch("Wish", "Fulfil Wishes brings this listener to the wished level", options=set())
+    wish: limited("Level (dB)", "The level that this listener shall have, in decibels of full scale", -20.0, (-90.0, 0.0), options=set())
+    gain: limited("Gain", "Makes this listener feel more or less; can be animated", 1.0, (0.0, 10.0), soft_max=2.0, update=edited("gain"))
     mixing: EnumProperty(name="Mixing", description="How signals that arrive together are combined", items=MIXING_ITEMS, update=changed)
     mixing_expression: StringProperty(
         name="Formula",
@@ -106,28 +80,20 @@ class HapticListenerProperties(Imported, PropertyGroup):
         maxlen=500,
         update=changed,
     )
-    s_max: FloatProperty(
-        name="Ceiling",
-        description="No sample of the mixed signal is stronger than this",
-        default=1.0,
-        min=0.01,
-        max=1.0,
-        subtype="FACTOR",
-        update=edited("s_max"),
+    s_max: limited(
+        "Ceiling", "No sample of the mixed signal is stronger than this", 1.0, (0.01, 1.0), subtype="FACTOR", update=edited("s_max")
     )
-    ducking: FloatProperty(
-        name="Ducking (dB)",
-        description="Sources are turned down by so many decibels while one of higher priority arrives here",
-        default=0.0,
-        min=0.0,
-        max=MOST_DUCKING,
+    ducking: limited(
+        "Ducking (dB)",
+        "Sources are turned down by so many decibels while one of higher priority arrives here",
+        0.0,
+        (0.0, MOST_DUCKING),
         soft_max=24.0,
         update=edited("ducking"),
     )
-    limiter: BoolProperty(
-        name="Limiter",
-        description="Turns a mix that would exceed the ceiling down, ahead of its peaks, instead of cutting it off, which distorts. "
+    limiter: switch(
+        "Limiter",
+        "Turns a mix that would exceed the ceiling down, ahead of its peaks, instead of cutting it off, which distorts. "
         "All listeners then feel 5 ms later",
-        default=False,
         update=changed,
     )

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from bpy.props import BoolProperty, CollectionProperty, FloatProperty, StringProperty
+from bpy.props import CollectionProperty, StringProperty
 from bpy.types import Context, PropertyGroup
 
 from ..changes.events import device_adjusted, preview_volume_changed
 from ..changes.revisions import mark_actuators
+from .kinds import limited, share, switch
 
 
 def _device_changed(self: PropertyGroup, context: Context) -> None:
@@ -24,49 +25,24 @@ def _volume_changed(self: HapticLiveOutputProperties, context: Context) -> None:
 class HapticDeviceProperties(PropertyGroup):
     """How one device feels; its name is the device's key."""
 
-    gain: FloatProperty(
-        name="Gain",
-        description="Makes everything on this device stronger or weaker",
-        default=1.0,
-        min=0.0,
-        max=4.0,
-        soft_max=2.0,
-        update=_device_changed,
-    )
-    floor: FloatProperty(
-        name="Floor",
-        description="Least strength at which the actuator moves: the weakest signal starts there",
-        default=0.0,
-        min=0.0,
-        max=0.9,
+    gain: limited("Gain", "Makes everything on this device stronger or weaker", 1.0, (0.0, 4.0), soft_max=2.0, update=_device_changed)
+    floor: limited(
+        "Floor",
+        "Least strength at which the actuator moves: the weakest signal starts there",
+        0.0,
+        (0.0, 0.9),
         subtype="FACTOR",
         update=_device_changed,
     )
-    curve: FloatProperty(
-        name="Curve",
-        description="Exponent of strength; below 1 lifts weak signals",
-        default=1.0,
-        min=0.1,
-        max=4.0,
-        soft_min=0.3,
-        soft_max=2.0,
-        update=_device_changed,
+    curve: limited(
+        "Curve", "Exponent of strength; below 1 lifts weak signals", 1.0, (0.1, 4.0), soft_min=0.3, soft_max=2.0, update=_device_changed
     )
-    ceiling: FloatProperty(
-        name="Ceiling",
-        description="The device is never driven harder than this part of what is safe for it",
-        default=1.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        update=_device_changed,
-    )
-    offset: FloatProperty(
-        name="Latency Offset (ms)",
-        description="Holds touch back, in milliseconds, where the picture is slow; below 0 brings it forward",
-        default=0.0,
-        min=-50.0,
-        max=1000.0,
+    ceiling: share("Ceiling", "The device is never driven harder than this part of what is safe for it", 1.0, update=_device_changed)
+    offset: limited(
+        "Latency Offset (ms)",
+        "Holds touch back, in milliseconds, where the picture is slow; below 0 brings it forward",
+        0.0,
+        (-50.0, 1000.0),
         soft_max=200.0,
         precision=0,
         update=_device_changed,
@@ -78,14 +54,11 @@ class HapticLiveOutputProperties(PropertyGroup):
     """The live output of a scene."""
 
     devices: CollectionProperty(type=HapticDeviceProperties)
-    sound_cards: BoolProperty(
-        name="Sound Cards Too",
-        description="Look for sound cards as well: shakers, cushions and headsets that are felt, and a DualSense's actuators over USB",
-        default=False,
+    sound_cards: switch(
+        "Sound Cards Too",
+        "Look for sound cards as well: shakers, cushions and headsets that are felt, and a DualSense's actuators over USB",
     )
-    preview_volume: FloatProperty(
-        name="Volume", description="How loud listeners are heard", default=0.5, min=0.0, max=1.0, subtype="FACTOR", update=_volume_changed
-    )
+    preview_volume: share("Volume", "How loud listeners are heard", 0.5, update=_volume_changed)
 
 
 class HapticActuatorProperties(PropertyGroup):

@@ -7,20 +7,18 @@ from typing import Any
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty
 
 from ...core.scene.bands import BAND_COUNT
+from .kinds import number, share, switch
 
 NAMES = ("kappa", "rho", "wave_speed", "use_bands", "band_decays", "conductivity")
 
 
 def kappa(**more: Any) -> FloatProperty:
     """The property κ; ``more``: its callback and options."""
-    return FloatProperty(
-        name="Kappa (κ)",
-        description="A higher κ passes on less, but over a longer distance; 1 passes on nothing. The paper's transmissibility: as its "
+    return share(
+        "Kappa (κ)",
+        "A higher κ passes on less, but over a longer distance; 1 passes on nothing. The paper's transmissibility: as its "
         "function is published, only (1 - κ) ρ counts",
-        default=0.1,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
+        0.1,
         precision=3,
         **more,
     )
@@ -28,13 +26,10 @@ def kappa(**more: Any) -> FloatProperty:
 
 def rho(**more: Any) -> FloatProperty:
     """The property ρ."""
-    return FloatProperty(
-        name="Rho (ρ)",
-        description="A higher ρ passes on more but fades faster with distance; 0 passes on nothing. The paper's density coefficient",
-        default=0.9,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
+    return share(
+        "Rho (ρ)",
+        "A higher ρ passes on more but fades faster with distance; 0 passes on nothing. The paper's density coefficient",
+        0.9,
         precision=3,
         **more,
     )
@@ -42,22 +37,14 @@ def rho(**more: Any) -> FloatProperty:
 
 def wave_speed(**more: Any) -> FloatProperty:
     """The speed of waves [m/s]."""
-    return FloatProperty(
-        name="Wave Speed",
-        description="Speed of vibration in this material; 0 passes signals on without delay",
-        default=0.0,
-        min=0.0,
-        soft_max=5000.0,
-        unit="VELOCITY",
-        **more,
+    return number(
+        "Wave Speed", "Speed of vibration in this material; 0 passes signals on without delay", 0.0, (0.0, 5000.0), unit="VELOCITY", **more
     )
 
 
 def use_bands(**more: Any) -> BoolProperty:
     """Whether frequency bands are attenuated differently."""
-    return BoolProperty(
-        name="Frequency Bands", description="High frequencies fade faster than low ones, as the values per band say", default=False, **more
-    )
+    return switch("Frequency Bands", "High frequencies fade faster than low ones, as the values per band say", **more)
 
 
 def band_decays(**more: Any) -> FloatVectorProperty:

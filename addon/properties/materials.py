@@ -11,7 +11,6 @@ from operator import attrgetter
 from typing import Any
 
 from bpy.props import (
-    BoolProperty,
     CollectionProperty,
     EnumProperty,
     FloatProperty,
@@ -26,6 +25,7 @@ from ...core.scene.bands import BAND_COUNT
 from ..blender.progress import progress
 from . import material_values
 from .callbacks import edited
+from .kinds import limited, switch
 
 TARGET_ITEMS = (
     ("SELECTED", "Selected", "The selected objects", "RESTRICT_SELECT_OFF", 0),
@@ -95,15 +95,7 @@ def unique_name(name: str, taken: set[str]) -> str:
 
 
 def _bound(name: str, default: float) -> FloatProperty:
-    return FloatProperty(
-        name=name,
-        description="Bound of (1 - κ) ρ for Fulfil Wishes",
-        default=default,
-        min=0.001,
-        max=1.0,
-        precision=3,
-        options=set(),
-    )
+    return limited(name, "Bound of (1 - κ) ρ for Fulfil Wishes", default, (0.001, 1.0), precision=3, options=set())
 
 
 class HapticMaterial(PropertyGroup):
@@ -113,26 +105,24 @@ class HapticMaterial(PropertyGroup):
     known_as: StringProperty(options={"HIDDEN"})
     kappa: material_values.kappa(options=set(), update=_material_changed)
     rho: material_values.rho(options=set(), update=_material_changed)
-    use_delay: BoolProperty(
-        name="Delay",
-        description="Signals take their time through this material, as its wave speed says; costs time to trace",
-        default=False,
+    use_delay: switch(
+        "Delay",
+        "Signals take their time through this material, as its wave speed says; costs time to trace",
         options=set(),
         update=_material_changed,
     )
     wave_speed: material_values.wave_speed(options=set(), update=_material_changed)
     use_bands: material_values.use_bands(options=set(), update=_material_changed)
     band_decays: material_values.band_decays(options=set(), update=_material_changed)
-    conductivity: FloatProperty(
-        name="Conductivity (W/(m·K))",
-        description="How well heat is conducted, in W/(m·K): steel 50, stone 2.8, wood 0.15",
-        default=1.0,
-        min=0.01,
-        max=500.0,
+    conductivity: limited(
+        "Conductivity (W/(m·K))",
+        "How well heat is conducted, in W/(m·K): steel 50, stone 2.8, wood 0.15",
+        1.0,
+        (0.01, 500.0),
         options=set(),
         update=_material_changed,
     )
-    is_free: BoolProperty(name="Free", description="Fulfil Wishes may change κ and ρ of this material", default=False, options=set())
+    is_free: switch("Free", "Fulfil Wishes may change κ and ρ of this material", options=set())
     least_k: _bound("Least", 0.01)
     most_k: _bound("Most", 0.99)
 
@@ -179,10 +169,10 @@ class HapticFit(PropertyGroup):
     source: _one("Source", "The source at which the first recording was made", "source.enabled")
     listener: _one("Listener", "The listener at which the second recording was made", "listener.enabled")
     object: _one("Object", "The object on the way whose loss is fitted; what is made of the same material changes with it", "enabled")
-    is_calibrated: BoolProperty(
-        name="Calibrated Alike",
-        description="Both recordings have the same scale. Otherwise they tell what high frequencies lose beyond low ones, nothing else",
-        default=True,
+    is_calibrated: switch(
+        "Calibrated Alike",
+        "Both recordings have the same scale. Otherwise they tell what high frequencies lose beyond low ones, nothing else",
+        True,
         options=set(),
     )
     first: _one("Contact", "One side of a contact on the way whose gain is fitted, too", "enabled")

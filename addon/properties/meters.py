@@ -2,32 +2,26 @@
 
 from __future__ import annotations
 
-from bpy.props import BoolProperty, EnumProperty
+from bpy.props import EnumProperty
 from bpy.types import PropertyGroup
 
 from .callbacks import view_changed
+from .kinds import switch
 
 
 class HapticMetersProperties(PropertyGroup):
     """The meters of a scene."""
 
-    show: BoolProperty(
-        name="Meters", description="Draw meters over the 3D viewport: how much each listener feels", default=True, update=view_changed
+    show: switch("Meters", "Draw meters over the 3D viewport: how much each listener feels", True, update=view_changed)
+    show_scope: switch(
+        "Scope", "Draw the last second of the selected listener, or of the one that feels the most", True, update=view_changed
     )
-    show_scope: BoolProperty(
-        name="Scope",
-        description="Draw the last second of the selected listener, or of the one that feels the most",
-        default=True,
-        update=view_changed,
-    )
-    show_body: BoolProperty(
-        name="Body", description="Draw a body whose parts light up where they feel something", default=True, update=view_changed
-    )
-    show_lane: BoolProperty(
-        name="Timeline of Touch",
-        description="Draw over Timeline and Dope Sheet what each listener feels: waves and impacts of the frames baked or played, and in "
+    show_body: switch("Body", "Draw a body whose parts light up where they feel something", True, update=view_changed)
+    show_lane: switch(
+        "Timeline of Touch",
+        "Draw over Timeline and Dope Sheet what each listener feels: waves and impacts of the frames baked or played, and in "
         "orange the threshold of feeling",
-        default=True,
+        True,
         update=view_changed,
     )
     corner: EnumProperty(
@@ -42,6 +36,4 @@ class HapticMetersProperties(PropertyGroup):
         default="BOTTOM_LEFT",
         update=view_changed,
     )
-    sort_path: BoolProperty(
-        name="Sort by Loss", description="List the objects of a path by what they lose, the most first; else in their order", default=False
-    )
+    sort_path: switch("Sort by Loss", "List the objects of a path by what they lose, the most first; else in their order")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from bpy.props import BoolProperty, PointerProperty
+from bpy.props import PointerProperty
 from bpy.types import Object, PropertyGroup
 
 from . import bake, live_output, material_values, materials, modalities
 from .callbacks import changed, edited
 from .function import PARAMETERS, VIBRATION_FUNCTIONS, FunctionParameters, function_property
 from .imported import Imported, drop
+from .kinds import switch
 from .listener import HapticListenerProperties
 from .physical import PhysicalParameters
 from .source import HapticSourceProperties
@@ -26,17 +27,13 @@ _OF_THE_FUNCTION = {
 class HapticObjectProperties(Imported, FunctionParameters, PhysicalParameters, PropertyGroup):
     """A haptic object: passes signals on."""
 
-    enabled: BoolProperty(name="Haptic Object", description="Vibration passes through this object", default=False, update=changed)
+    enabled: switch("Haptic Object", "Vibration passes through this object", update=changed)
     kappa: material_values.kappa(update=edited("kappa"))
     rho: material_values.rho(update=edited("rho"))
     wave_speed: material_values.wave_speed(update=edited("wave_speed"))
     function: function_property(VIBRATION_FUNCTIONS, "haptic_tracing")
-    medium: BoolProperty(
-        name="Medium",
-        description="A volume such as air or water: it touches everything that it overlaps",
-        default=False,
-        translation_context="Haptics",
-        update=changed,
+    medium: switch(
+        "Medium", "A volume such as air or water: it touches everything that it overlaps", translation_context="Haptics", update=changed
     )
     source: PointerProperty(type=HapticSourceProperties)
     listener: PointerProperty(type=HapticListenerProperties)

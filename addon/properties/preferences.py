@@ -7,10 +7,11 @@ from types import SimpleNamespace
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
+from bpy.props import EnumProperty, FloatVectorProperty, StringProperty
 
 from ..blender.extension import ROOT
 from .callbacks import view_changed
+from .kinds import limited, switch
 
 GAIN_UNIT_ITEMS = (("BOTH", "Factor and Decibel", "0.50  -6 dB"), ("FACTOR", "Factor", "0.50"), ("DECIBEL", "Decibel", "-6 dB"))
 
@@ -29,28 +30,19 @@ class PreferenceProperties:
         default=(1.0, 0.62, 0.2),
         update=view_changed,
     )
-    overlay_size: FloatProperty(
-        name="Overlay Size",
-        description="How large nodes, lines and labels are in the viewport",
-        default=1.0,
-        min=0.5,
-        max=3.0,
-        subtype="FACTOR",
-        update=view_changed,
+    overlay_size: limited(
+        "Overlay Size", "How large nodes, lines and labels are in the viewport", 1.0, (0.5, 3.0), subtype="FACTOR", update=view_changed
     )
     default_device: StringProperty(
         name="Default Device", description="What Connect Device takes: a part of its name; empty for the first device that is found"
     )
-    keep_awake: BoolProperty(
-        name="Keep Devices Awake",
-        description="When playback ends, hold devices at zero instead of releasing them, so that they do not fall asleep",
-        default=False,
+    keep_awake: switch(
+        "Keep Devices Awake", "When playback ends, hold devices at zero instead of releasing them, so that they do not fall asleep"
     )
 
-    haptic_players: BoolProperty(
-        name="Haptic Players Too",
-        description="Look on this computer, and only here, for bHaptics Player and Intiface as well, which drive vests and other devices",
-        default=False,
+    haptic_players: switch(
+        "Haptic Players Too",
+        "Look on this computer, and only here, for bHaptics Player and Intiface as well, which drive vests and other devices",
     )
 
 

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
+from bpy.props import CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from bpy.types import PropertyGroup
 
 from .callbacks import changed, edited
 from .drawing import drawing_property
 from .function import TRANSMISSIONS, ContactParameters, function_property
 from .imported import Imported
+from .kinds import limited, number, share, switch
 
 TABLES = (
     ("impact_table", "Impacts", "What impacts between some objects need and play"),
@@ -48,19 +49,19 @@ def _curve(name: str, description: str, weak: float, low: float, high: float) ->
 def least_energy(key: str, **more: Any) -> FloatProperty:
     """The property ``key`` for the least energy E_min of an impact [J]."""
     words = "Collisions weaker than this, in joules, make no source; 5 J is a light contact"
-    return FloatProperty(name="Least Energy (J)", description=words, default=5.0, min=0.0, soft_max=100.0, update=edited(key), **more)
+    return number("Least Energy (J)", words, 5.0, (0.0, 100.0), update=edited(key), **more)
 
 
 def full_energy(key: str, **more: Any) -> FloatProperty:
     """E_max, as the property ``key``."""
     words = "A collision of this energy, in joules, plays the impact signal at full strength"
-    return FloatProperty(name="Full Energy (J)", description=words, default=100.0, min=0.001, soft_max=1000.0, update=edited(key), **more)
+    return number("Full Energy (J)", words, 100.0, (0.001, 1000.0), update=edited(key), **more)
 
 
 def refractory(key: str, **more: Any) -> FloatProperty:
     """The refractory time, as the property ``key``."""
     words = "After an impact the same two objects make no other for so many seconds, however they bounce"
-    return FloatProperty(name="Refractory (s)", description=words, default=0.1, min=0, soft_max=2, precision=3, update=edited(key), **more)
+    return number("Refractory (s)", words, 0.1, (0, 2), precision=3, update=edited(key), **more)
 
 
 SIGNAL_ITEMS = (
@@ -104,9 +105,7 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
         name="File", description="The file with the vibration that impacts play", subtype="FILE_PATH", options=set(), update=changed
     )
     drawing: drawing_property()
-    use_limits: BoolProperty(
-        name="Own Energies", description="These collisions need other energies than others of the scene", options=set(), update=changed
-    )
+    use_limits: switch("Own Energies", "These collisions need other energies than others of the scene", options=set(), update=changed)
     least_energy: least_energy("least_energy", options=set())
     full_energy: full_energy("full_energy", options=set())
     refractory: refractory("refractory", options=set())
@@ -116,23 +115,19 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
         "Decay", "Part of its decay time that the signal has in the weakest collisions, and in those of full energy", 1.0, 0.01, 1.0
     )
     brightness: _curve("Brightness", "What is left above 100 Hz in the weakest collisions, and in those of full energy", 1.0, 0.0, 1.0)
-    bend: FloatProperty(
-        name="Bend",
-        description="How these values go from weak to full: 1 with the energy, 0.5 with the speed of the blow",
-        default=1.0,
-        min=0.1,
-        max=10.0,
+    bend: limited(
+        "Bend",
+        "How these values go from weak to full: 1 with the energy, 0.5 with the speed of the blow",
+        1.0,
+        (0.1, 10.0),
         options=set(),
         update=edited("bend"),
     )
-    variation: FloatProperty(
-        name="Variation",
-        description="How much one blow differs from the next: so much higher or lower, shorter and weaker at most",
-        default=0.0,
-        min=0.0,
-        max=1.0,
+    variation: share(
+        "Variation",
+        "How much one blow differs from the next: so much higher or lower, shorter and weaker at most",
+        0.0,
         soft_max=0.3,
-        subtype="FACTOR",
         options=set(),
         update=edited("variation"),
     )
@@ -147,8 +142,8 @@ class HapticImpactTable(TableRows, PropertyGroup):
     items: CollectionProperty(type=HapticImpactRule)  # type: ignore[assignment]  # in place of items() of bpy_struct
 
 
-def _texture(key: str, name: str, words: str, default: float, low: float, high: float, **more: Any) -> FloatProperty:
-    return FloatProperty(name=name, description=words, default=default, min=low, max=high, options=set(), update=edited(key), **more)
+def _texture(key: str, name: str, words: str, default: float, span: tuple[float, float], **more: Any) -> FloatProperty:
+    return limited(name, words, default, span, options=set(), update=edited(key), **more)
 
 
 class HapticTexture(RuleScope, Imported, PropertyGroup):
@@ -159,22 +154,20 @@ class HapticTexture(RuleScope, Imported, PropertyGroup):
         "Period",
         "From one ridge or grain of the surface to the next: at 1 m/s, 5 mm give 200 Hz",
         0.005,
-        1e-5,
-        10.0,
+        (1e-5, 10.0),
         subtype="DISTANCE",
         precision=4,
     )
-    sliding: _texture("sliding", "Sliding", "Amplitude of what slides at full force and speed", 0.5, 0.0, 1.0)
-    rolling: _texture("rolling", "Rolling", "Amplitude of what rolls at full force and speed: how rough it is to a wheel", 0.2, 0.0, 1.0)
-    noise: _texture("noise", "Noise", "Part of the power that is noise about the tone: more on less regular surfaces", 0.5, 0.0, 1.0)
-    bandwidth: _texture("bandwidth", "Bandwidth", "How wide the noise is, relative to the frequency of the tone", 0.5, 0.05, 4.0)
+    sliding: _texture("sliding", "Sliding", "Amplitude of what slides at full force and speed", 0.5, (0.0, 1.0))
+    rolling: _texture("rolling", "Rolling", "Amplitude of what rolls at full force and speed: how rough it is to a wheel", 0.2, (0.0, 1.0))
+    noise: _texture("noise", "Noise", "Part of the power that is noise about the tone: more on less regular surfaces", 0.5, (0.0, 1.0))
+    bandwidth: _texture("bandwidth", "Bandwidth", "How wide the noise is, relative to the frequency of the tone", 0.5, (0.05, 4.0))
     stick_speed: _texture(
         "stick_speed",
         "Stick Below",
         "Below this speed the surfaces stick and slip, the slower the more; 0: they do not",
         0.0,
-        0.0,
-        100.0,
+        (0.0, 100.0),
         unit="VELOCITY",
         precision=3,
     )
@@ -183,8 +176,7 @@ class HapticTexture(RuleScope, Imported, PropertyGroup):
         "Full Force (N)",
         "Force between them, in newtons, at which the amplitude is the full one; it goes with the root of the force",
         100.0,
-        1e-3,
-        1e9,
+        (1e-3, 1e9),
         soft_max=1e4,
     )
     full_speed: _texture(
@@ -192,8 +184,7 @@ class HapticTexture(RuleScope, Imported, PropertyGroup):
         "Full Speed",
         "Speed at which the amplitude is the full one; it goes with the power 3/4 of the speed, of what rolls 3/2",
         1.0,
-        1e-3,
-        1e3,
+        (1e-3, 1e3),
         unit="VELOCITY",
     )
 

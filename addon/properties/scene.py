@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import EnumProperty, IntProperty, PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 
 from . import bake, gltf, live_output, materials, meters, modalities, rules
 from .callbacks import changed, edited, view_changed
 from .imported import Imported
+from .kinds import limited, number, share, switch
 
 MODE_ITEMS = (
     ("HT", "Haptic Tracing", "Through touching objects, as their properties say"),
@@ -20,18 +21,13 @@ MODE_ITEMS = (
 class HapticSceneProperties(Imported, PropertyGroup):
     """How a scene is traced and shown."""
 
-    tracing: BoolProperty(
-        name="Trace", description="Trace haptics at every frame while the timeline plays or objects move", default=True, update=changed
-    )
+    tracing: switch("Trace", "Trace haptics at every frame while the timeline plays or objects move", True, update=changed)
     mode: EnumProperty(name="Mode", description="The rendering", items=MODE_ITEMS, update=changed)
-    localise: FloatProperty(
-        name="Localise",
-        description="Blends from what touching objects carry everywhere (0) to only the listener nearest to each source (1). "
+    localise: share(
+        "Localise",
+        "Blends from what touching objects carry everywhere (0) to only the listener nearest to each source (1). "
         "Part of the people in the paper's study liked to feel a source in one place",
-        default=0.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
+        0.0,
         update=edited("localise"),
     )
     strategy: EnumProperty(
@@ -54,44 +50,38 @@ class HapticSceneProperties(Imported, PropertyGroup):
         soft_max=128,
         update=changed,
     )
-    threshold: FloatProperty(
-        name="Threshold",
-        description="A path ends where its gain falls below this part of the source; 0 sets no limit",
-        default=0.001,
-        min=0.0,
-        max=1.0,
+    threshold: limited(
+        "Threshold",
+        "A path ends where its gain falls below this part of the source; 0 sets no limit",
+        0.001,
+        (0.0, 1.0),
         soft_max=0.1,
         precision=4,
         update=edited("threshold"),
     )
-    epsilon: FloatProperty(
-        name="Epsilon (ε, 1/m)",
-        description="How much vibration fades per metre at least, also where a material would carry it any distance. The paper's ε",
-        default=0.1,
-        min=0.0,
-        soft_max=1.0,
+    epsilon: number(
+        "Epsilon (ε, 1/m)",
+        "How much vibration fades per metre at least, also where a material would carry it any distance. The paper's ε",
+        0.1,
+        (0.0, 1.0),
         precision=3,
         update=edited("epsilon"),
     )
-    contact_tolerance: FloatProperty(
-        name="Contact Tolerance",
-        description="Objects closer than this touch",
-        default=0.01,
-        min=0.0,
-        soft_max=0.1,
+    contact_tolerance: number(
+        "Contact Tolerance",
+        "Objects closer than this touch",
+        0.01,
+        (0.0, 0.1),
         unit="LENGTH",
         precision=4,
         update=edited("contact_tolerance"),
     )
-    patch_points: BoolProperty(
-        name="Contact Points",
-        description="Signals pass at each corner of where two objects lie on each other, instead of in its middle; the sum stays the same",
-        default=False,
+    patch_points: switch(
+        "Contact Points",
+        "Signals pass at each corner of where two objects lie on each other, instead of in its middle; the sum stays the same",
         update=changed,
     )
-    impacts: BoolProperty(
-        name="Impacts", description="Collisions make temporary sources that play the impact signal once", default=True, update=changed
-    )
+    impacts: switch("Impacts", "Collisions make temporary sources that play the impact signal once", True, update=changed)
     impact_signal: EnumProperty(name="Signal", description="What impacts feel like", update=changed, items=rules.SIGNAL_ITEMS)
     minimum_energy: rules.least_energy("minimum_energy")
     maximum_energy: rules.full_energy("maximum_energy")
@@ -108,25 +98,16 @@ class HapticSceneProperties(Imported, PropertyGroup):
     impact_table: PointerProperty(type=rules.HapticImpactTable)
     transmission_table: PointerProperty(type=rules.HapticTransmissionTable)
     textures: PointerProperty(type=rules.HapticTextureTable)
-    show_overlay: BoolProperty(name="Overlay", description="Draw the haptic graph over the 3D viewport", default=True, update=view_changed)
-    show_intra: BoolProperty(
-        name="Connections", description="Draw the connections inside objects that carry signal", default=True, update=view_changed
-    )
-    show_best_paths: BoolProperty(
-        name="Best Paths", description="Mark the best path from each source to each listener", default=True, update=view_changed
-    )
-    show_labels: BoolProperty(
-        name="Labels", description="Write names and gains beside sources and listeners", default=True, update=view_changed
-    )
-    show_flow: BoolProperty(
-        name="Signal Flow",
-        description="Pulses run along the best paths while the timeline plays; not their real speed, which the eye could not follow",
-        default=False,
+    show_overlay: switch("Overlay", "Draw the haptic graph over the 3D viewport", True, update=view_changed)
+    show_intra: switch("Connections", "Draw the connections inside objects that carry signal", True, update=view_changed)
+    show_best_paths: switch("Best Paths", "Mark the best path from each source to each listener", True, update=view_changed)
+    show_labels: switch("Labels", "Write names and gains beside sources and listeners", True, update=view_changed)
+    show_flow: switch(
+        "Signal Flow",
+        "Pulses run along the best paths while the timeline plays; not their real speed, which the eye could not follow",
         update=view_changed,
     )
-    xray: BoolProperty(
-        name="In Front", description="Draw the graph over objects instead of being hidden by them", default=True, update=view_changed
-    )
+    xray: switch("In Front", "Draw the graph over objects instead of being hidden by them", True, update=view_changed)
     bake: PointerProperty(type=bake.HapticBakeProperties)
     meters: PointerProperty(type=meters.HapticMetersProperties)
     live_output: PointerProperty(type=live_output.HapticLiveOutputProperties)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
+from bpy.props import EnumProperty, PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 
 from .callbacks import changed, edited
 from .drawing import HERTZ, drawing_property
 from .imported import Imported
+from .kinds import limited, number, share, switch
 from .sound import HapticSoundProperties
 
 SIGNAL_ITEMS = (
@@ -29,77 +30,51 @@ def _name(name: str, description: str) -> StringProperty:
 class HapticSourceProperties(Imported, PropertyGroup):
     """A haptic source: emits a signal."""
 
-    enabled: BoolProperty(name="Haptic Source", description="This object emits a haptic signal", default=False, update=changed)
-    muted: BoolProperty(name="Mute", description="Keep the source but silence it", default=False, update=changed)
-    solo: BoolProperty(
-        name="Solo", description="Silence all sources that are not solo, and impacts", default=False, options=set(), update=changed
-    )
-    amplitude: FloatProperty(
-        name="Amplitude",
-        description="Strength of the emitted signal; can be animated",
-        default=1.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        update=edited("amplitude"),
-    )
+    enabled: switch("Haptic Source", "This object emits a haptic signal", update=changed)
+    muted: switch("Mute", "Keep the source but silence it", update=changed)
+    solo: switch("Solo", "Silence all sources that are not solo, and impacts", options=set(), update=changed)
+    amplitude: share("Amplitude", "Strength of the emitted signal; can be animated", 1.0, update=edited("amplitude"))
     signal: EnumProperty(name="Signal", description="What the source emits", items=SIGNAL_ITEMS, default="SINE", update=changed)
-    frequency: FloatProperty(
-        name="Frequency (Hz)",
-        description="Vibrations or blows per second, in hertz; the skin feels 20 to 1000 Hz, best around 250 Hz",
-        default=60.0,
-        min=HERTZ[0],
-        max=HERTZ[1],
+    frequency: limited(
+        "Frequency (Hz)",
+        "Vibrations or blows per second, in hertz; the skin feels 20 to 1000 Hz, best around 250 Hz",
+        60.0,
+        HERTZ,
         soft_min=10.0,
         soft_max=500.0,
         update=changed,
     )
     drawing: drawing_property()
-    envelope: FloatProperty(
-        name="Envelope",
-        description="Amplitude of the drawn signal where F-curves draw it instead of a curve",
-        default=1.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        update=changed,
-    )
+    envelope: share("Envelope", "Amplitude of the drawn signal where F-curves draw it instead of a curve", 1.0, update=changed)
     filepath: StringProperty(name="WAV File", description="The recorded signal, looped", subtype="FILE_PATH", update=changed)
     sound: PointerProperty(type=HapticSoundProperties)
-    decay: FloatProperty(
-        name="Decay Time (s)",
-        description="The source wears off from the first frame on: after so many seconds it is 37% as strong; 0 keeps it up",
-        default=0.0,
-        min=0.0,
-        max=1e6,
+    decay: limited(
+        "Decay Time (s)",
+        "The source wears off from the first frame on: after so many seconds it is 37% as strong; 0 keeps it up",
+        0.0,
+        (0.0, 1e6),
         soft_max=60.0,
         precision=3,
         update=changed,
     )
-    priority: FloatProperty(
-        name="Priority",
-        description="Weight of this source where a listener mixes by priority; where one ducks, higher ones turn lower ones down",
-        default=1.0,
-        min=0.0,
-        soft_max=10.0,
+    priority: number(
+        "Priority",
+        "Weight of this source where a listener mixes by priority; where one ducks, higher ones turn lower ones down",
+        1.0,
+        (0.0, 10.0),
         update=edited("priority"),
     )
-    one_shot: BoolProperty(
-        name="Once per Trigger", description="Silent, but for its signal each time that one of its triggers goes off", update=changed
-    )
-    trigger: FloatProperty(
-        name="Trigger",
-        description="Plays at each keyframe above 0, as strongly as that says; with a driver, in each frame in which it rises above 0",
-        default=0.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
+    one_shot: switch("Once per Trigger", "Silent, but for its signal each time that one of its triggers goes off", update=changed)
+    trigger: share(
+        "Trigger",
+        "Plays at each keyframe above 0, as strongly as that says; with a driver, in each frame in which it rises above 0",
+        0.0,
         update=changed,
     )
     trigger_markers: _name("Markers", "Plays at the timeline markers of this name; * stands for any characters, ? for one")
-    trigger_hit: BoolProperty(
-        name="When Hit",
-        description="Plays at each impact of the haptic object, with the blow's energy, as the rule for impacts of the two says",
+    trigger_hit: switch(
+        "When Hit",
+        "Plays at each impact of the haptic object, with the blow's energy, as the rule for impacts of the two says",
         options=set(),
         update=changed,
     )

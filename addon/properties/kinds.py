@@ -1,0 +1,27 @@
+"""Kinds of properties: switches, shares and numbers, each with its name, its tooltip and its default."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bpy.props import BoolProperty, FloatProperty
+
+
+def switch(name: str, description: str, default: bool = False, **more: Any) -> BoolProperty:
+    """What is on or off; ``more``: callback, options and what else Blender takes."""
+    return BoolProperty(name=name, description=description, default=default, **more)
+
+
+def number(name: str, description: str, default: float, span: tuple[float, float], **more: Any) -> FloatProperty:
+    """A number from the beginning of ``span`` on; its slider ends with the span, beyond which a number can be typed."""
+    return FloatProperty(name=name, description=description, default=default, min=span[0], soft_max=span[1], **more)
+
+
+def limited(name: str, description: str, default: float, span: tuple[float, float], **more: Any) -> FloatProperty:
+    """A number within ``span``."""
+    return FloatProperty(name=name, description=description, default=default, min=span[0], max=span[1], **more)
+
+
+def share(name: str, description: str, default: float, **more: Any) -> FloatProperty:
+    """A part of a whole, 0 to 1."""
+    return limited(name, description, default, (0.0, 1.0), subtype="FACTOR", **more)
