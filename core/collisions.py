@@ -44,6 +44,7 @@ class Frame:
     ``contacts``, which number the objects by their sorted names. ``authored`` contacts replace detected ones. ``recall``: a frame that is
     not continuous has the impacts of its last continuous trace, see `CollisionDetector`. ``exact``: contacts and gains are recomputed also
     after motions below the tolerance of rest. ``duration`` [s]: of a frame that is not continuous, for triggers at given times.
+    ``heard``: its samples are rendered.
     """
 
     number: int
@@ -60,6 +61,7 @@ class Frame:
     recall: bool = False
     exact: bool = False
     duration: float = 0.0
+    heard: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,7 +222,7 @@ class CollisionDetector:
         reach = self._reach(frame, frame.transforms) if lazy else None
         found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, self.settings.impacts or hits, frame.exact)
         contacts = self._numbered(found, frame.authored, rules)
-        broad, total = found.statistics.broad_seconds, perf_counter() - begun
+        broad = found.statistics.broad_seconds
         impacts = found.impacts if self.settings.impacts else ()
         if impacts:
             self._sources.add(impacts, [body.name for body in frame.bodies], frame.transforms, self._templates(frame))
@@ -239,7 +241,7 @@ class CollisionDetector:
                 "contact_queries": found.statistics.queries,
                 "queries_avoided": found.statistics.avoided,
             },
-            milliseconds={"broad": 1000 * broad, "narrow": 1000 * (total - broad)},
+            milliseconds={"broad": 1000 * broad, "narrow": 1000 * (perf_counter() - begun - broad)},
             warnings=found.warnings,
             start=None if kept is None else kept.start,
             shots=self._shots.sounding,

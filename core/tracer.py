@@ -78,7 +78,7 @@ class Tracer:
         self.collisions.hold(propagated.propagation.latest([source.name for source in sources]))
         block = None
         if not again:
-            block = self._mixdown.render(self._time, frame.time, inputs.sources, frame.listeners, propagated.propagation)
+            block = self._mixdown.render(self._time, frame.time, inputs.sources, frame.listeners, propagated.propagation, frame.heard)
         watch.lap("mix")
         self._time = frame.time
         graph, propagation = propagated.graph, propagated.propagation

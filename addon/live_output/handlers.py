@@ -42,7 +42,7 @@ def _is_used() -> bool:
     return is_loaded(outputs) or is_loaded(preview)
 
 
-def _is_wanted() -> bool:
+def is_wanted() -> bool:
     """Whether there is anything to play on; tells a player that was loaded during playback that it plays."""
     if not _is_used() or not player.is_wanted():
         return False
@@ -53,7 +53,7 @@ def _is_wanted() -> bool:
 
 def frame_comes(scene: Scene) -> None:
     """Where tracing takes long, play a frame before it is traced, with the gains of the last traced frame."""
-    traced = sessions.shown(scene) if _is_wanted() else None
+    traced = sessions.shown(scene) if is_wanted() else None
     if traced is not None:
         time = seconds_of(scene, scene.frame_current)
         player.play_ahead(scene.session_uid, traced.result, scene.frame_current, time, frame_seconds(scene), choices(traced.result))
@@ -62,7 +62,7 @@ def frame_comes(scene: Scene) -> None:
 def frame_changed(scene: Scene, recorded: bool = False) -> None:
     """Play the frame that is being traced, once that is done; silence where it can't be traced, or tracing is off. ``recorded``: it
     was read from a baked track."""
-    if not _is_wanted():
+    if not is_wanted():
         return
     try:
         begun = session.of(scene).begun if scene.haptics.tracing else None

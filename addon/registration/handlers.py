@@ -46,7 +46,7 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
     try:
         if scene.haptics.tracing and not playback.play(scene) and _is_ready(scene):
             live_output.frame_comes(scene)
-            session.begin(scene, depsgraph, live=True)
+            session.begin(scene, depsgraph, live=True, plays=live_output.is_wanted())
     finally:
         live_output.frame_changed(scene, playback.plays(scene))
 

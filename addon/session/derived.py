@@ -19,6 +19,8 @@ Value = TypeVar("Value")
 
 _SHOWN_SECONDS = 1.0
 """A value counts as shown for so long after it was drawn."""
+_HEARD_SECONDS = 3.0
+"""Samples are rendered for so long after what is made of them was drawn, also where a frame takes more than a second."""
 _BRIEF = 0.01
 """Computing time [s] up to which a value is computed at once, whatever else is going on."""
 _REST = 0.3
@@ -109,11 +111,15 @@ class Derived(Generic[Choice, Value]):
     Args:
         compute: makes the value of a frame, a choice of the user and the value before, on the worker thread; it must not touch Blender.
         every_frame: compute right after each frame is traced. Else what takes long is computed once no more frames follow.
+        hears: it is made of samples, so that these must be rendered while it is shown.
     """
 
-    def __init__(self, compute: Callable[[sessions.Traced, Choice, Value | None], Value], every_frame: bool = False) -> None:
+    def __init__(
+        self, compute: Callable[[sessions.Traced, Choice, Value | None], Value], every_frame: bool = False, hears: bool = False
+    ) -> None:
         self._compute = compute
         self._every_frame = every_frame
+        self.hears = hears
 
     def latest(self, scene: Scene, choice: Choice) -> Latest[Value] | None:
         """The last value, without waiting; None before there is one, or where nothing is traced."""
@@ -137,6 +143,12 @@ class Derived(Generic[Choice, Value]):
         choice = background.choice
         background.want((traced.serial, choice), partial(self._compute, traced, choice))
         background.update()
+
+
+def shows_samples(own: sessions.Session) -> bool:
+    """Whether something that is made of samples is drawn."""
+    since = time.monotonic() - _HEARD_SECONDS
+    return any(derived.hears and background.shown > since for derived, background in own.derived.items())
 
 
 def _rests(own: sessions.Session) -> bool:

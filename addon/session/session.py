@@ -9,6 +9,7 @@ import time
 from concurrent.futures import CancelledError, Future
 from dataclasses import dataclass, replace
 
+import numpy as np
 from bpy.types import Depsgraph, Scene
 
 from ...core.arrays import FloatArray
@@ -16,6 +17,7 @@ from ...core.collisions import EXACT_FRAMES
 from ...core.modalities.modality_scene import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
+from ...core.render.mixdown import block_of
 from ...core.tracer import Frame, Tracer
 from ..blender.playing import is_playing
 from ..blender.time import frame_seconds, seconds_of
@@ -29,6 +31,7 @@ from ..scene_reader.reader import SceneReader, edited_geometry
 from ..scene_reader.reading import Reading
 from ..scene_reader.settings import read_settings
 from . import modalities, sessions, worker
+from .derived import shows_samples
 from .sessions import Session, Traced, known, problems_in
 
 
@@ -62,6 +65,10 @@ def result_of(scene: Scene) -> FrameResult | None:
     if session is None:
         return None
     _finish(scene, session)
+    session.asked = True
+    if session.result is not None:
+        block = block_of(session.result)
+        session.result = session.result if block is session.result.block else replace(session.result, block=block)
     return session.result
 
 
@@ -185,9 +192,10 @@ def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult
     return result_of(scene)
 
 
-def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
+def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False, plays: bool = False) -> None:
     """Read the scene as it stands now and begin to trace it. The result is None where nothing is tagged, or where a problem forbids it.
-    ``live``: for the moment only, so that contacts that no signal gets to need not be looked for.
+    ``live``: for the moment only, so that contacts that no signal gets to need not be looked for, nor samples rendered while frames follow
+    each other whose samples nothing shows, ``plays`` or asks for.
 
     While the timeline stands, a frame keeps the impacts that stepping or playing to it made: modes, gains, materials and strategies are
     compared on the same blow, at any frame, however it is come to. They are dropped by what makes impacts: objects added, removed, moved,
@@ -226,7 +234,9 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> None:
     read_milliseconds = 1000 * (time.perf_counter() - started)
     begun = _Begun(session.serial, reading, others, errors, read_milliseconds, 1000 * sessions.evaluation_seconds())
     session.begun_at = time.monotonic()
-    _submit(session, begun, frame_of(scene, reading, continuous, recall, exact))
+    heard = not (live and continuous) or plays or session.asked or shows_samples(session)
+    session.asked = not continuous
+    _submit(session, begun, frame_of(scene, reading, continuous, recall, exact, heard))
 
 
 def keep_impacts(scene: Scene) -> None:
@@ -265,14 +275,16 @@ def _step(session: Session, begun: _Begun, frame: Frame) -> Traced:
             session.tracer.reset()
             session.failure = (*begun.reading.problems, Problem("", str(error)))
             raise
-        session.history.feed(result)
+        if frame.heard:
+            session.history.feed(result)
         felt, errors = modalities.felt_of(begun.modalities, result, frame.settings)
         result = replace(
             result,
             milliseconds={"read": begun.read_milliseconds, **result.milliseconds},
             statistics={**result.statistics, "blender_milliseconds": begun.blender_milliseconds},
         )
-        samples, errors = session.history.all(), begun.errors + errors
+        samples = session.history.all() if frame.heard else np.zeros((len(result.listeners), 0))
+        errors = begun.errors + errors
         session.shown = Traced(begun.serial, result, frame.settings, samples, begun.reading, felt, errors)
         return session.shown
     except BaseException:
@@ -308,7 +320,7 @@ def _finish(scene: Scene, session: Session) -> None:
     session.problems = problems_in(traced)
 
 
-def frame_of(scene: Scene, reading: Reading, continuous: bool, recall: bool = False, exact: bool = False) -> Frame:
+def frame_of(scene: Scene, reading: Reading, continuous: bool, recall: bool = False, exact: bool = False, heard: bool = True) -> Frame:
     """What the tracer is told of a reading."""
     return Frame(
         number=scene.frame_current,
@@ -324,6 +336,7 @@ def frame_of(scene: Scene, reading: Reading, continuous: bool, recall: bool = Fa
         recall=recall,
         exact=exact,
         duration=frame_seconds(scene),
+        heard=heard,
     )
 
 

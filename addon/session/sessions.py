@@ -67,6 +67,7 @@ class Session:
     begun: Future[Traced] | None = None
     job: Any = None  # what the frame was traced from that was begun last
     interrupted: Any = None  # the same of a frame whose tracing was cancelled, to be resumed
+    asked: bool = False  # for the result of the frame that was begun last, or that follows no other
     serial: int = 0  # of the frame that was begun last
     begun_at: float = 0.0  # time.monotonic() of that
     shown: Traced | None = None

@@ -92,7 +92,7 @@ def _add_impacts(waves: Waves, result: FrameResult, frames: _Range) -> None:
     waves.add_impacts(frames.first + np.array([result.sources[k].onset for k in begun]) / frames.seconds, result.gains[begun])
 
 
-_LAST_KEPT: Derived[_Range, int] = Derived(_keep, every_frame=True)
+_LAST_KEPT: Derived[_Range, int] = Derived(_keep, every_frame=True, hears=True)
 
 
 def draw(baked: Waves | None) -> None:

@@ -125,4 +125,7 @@ def _shows_still(traced: Traced, is_playing: bool) -> bool:
     return traced.reading is not None and not (is_playing and is_long)
 
 
-LEVELS: Derived[bool, tuple[Level, ...]] = Derived(shown_levels, every_frame=True)
+STILL: Derived[None, FloatArray] = Derived(lambda traced, *_: still_samples(traced.result, LEVEL_SECONDS))
+"""The samples (l, n) of a frame as if it lasted."""
+
+LEVELS: Derived[bool, tuple[Level, ...]] = Derived(shown_levels, every_frame=True, hears=True)

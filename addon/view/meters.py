@@ -21,6 +21,7 @@ from ..session import sessions
 from . import shader
 from .hud import Hud, Rectangle
 from .layout import corner_room, free_rectangle, is_main_view
+from .levels import STILL
 from .meter_layout import Scope, meter_hud
 from .quads import quads_of
 from .screen import draw_flat, shared_atlas
@@ -50,8 +51,14 @@ def scope_of(scene: Scene) -> Scope | None:
     traced, name = sessions.shown(scene), watched(scene)
     if traced is None or not scene.haptics.meters.show_scope or not name:
         return None
+    samples = traced.samples
+    if not samples.size:  # nothing showed samples when the frame was traced
+        latest = STILL.latest(scene, None)
+        if latest is None or not latest.is_current:
+            return None
+        samples = latest.value
     row = [listener.name for listener in traced.result.listeners].index(name)
-    return Scope(name, traced.samples[row], traced.result.sample_rate)
+    return Scope(name, samples[row], traced.result.sample_rate)
 
 
 def draw_pixels(spots: Sequence[Spot] = ()) -> None:

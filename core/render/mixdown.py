@@ -11,10 +11,13 @@ from ..arrays import FloatArray
 from ..propagation import Propagation
 from ..scene.values import Listener, Source, SourceKind
 from ..signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Signal
-from .frame_result import Sounding
+from .frame_result import FrameResult, Sounding
 from .mixing import MixingExpression, MixingMethod
 from .renderer import SAMPLE_RATE, ListenerMix, Renderer
 from .voices import Voice
+
+_LIMITER_SECONDS = 0.5
+"""Time [s] that a limiter's gain depends on, to a few percent."""
 
 DUCKS = 0.01
 """Amplitude from which a source of higher priority turns others down in full: -40 dB of full scale."""
@@ -32,27 +35,60 @@ class Mixdown:
         self.before: Sounding | None = None
         self._renderer: Renderer | None = None
         self._last: Sounding | None = None
+        self._skipped = False
 
     def reset(self) -> None:
         """Drop all sounding signals."""
         if self._renderer is not None:
             self._renderer.reset()
-        self._last = None
+        self._last, self._skipped = None, False
 
     def render(
-        self, start: float | None, end: float, sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation
+        self,
+        start: float | None,
+        end: float,
+        sources: Sequence[Source],
+        listeners: Sequence[Listener],
+        propagation: Propagation,
+        heard: bool = True,
     ) -> FloatArray | None:
         """The samples (l, n) from ``start`` to ``end`` [s], gains reaching those of ``propagation`` at the end; None where there is no
-        start or nobody listens."""
+        start, nobody listens, or they are not ``heard``. The next ones that are go on from the gains of this end."""
         mixes = listener_mixes(listeners)
         if self._renderer is None or self._renderer.listeners != mixes:
-            self._renderer, self._last = Renderer(mixes, self.sample_rate) if mixes else None, None
+            self._renderer, self._last, self._skipped = Renderer(mixes, self.sample_rate) if mixes else None, None, False
         if self._renderer is None or start is None:
             self.before = None
             return None
         self.before = self._last
         self._last = Sounding(end, tuple(sources), tuple(listeners), propagation)
+        if not heard:
+            self._skipped = True
+            return None
+        if self._skipped and self.before is not None:
+            earlier = source_voices(self.before.sources, self.before.listeners, self.before.propagation, self.impact_signal)
+            self._renderer, self._skipped = primed(mixes, self.sample_rate, self.before.time, earlier), False
         return self._renderer.render_frame(start, end, source_voices(sources, listeners, propagation, self.impact_signal))
+
+
+def block_of(result: FrameResult) -> FloatArray | None:
+    """The samples (l, n) of a frame, rendered now where that was left out."""
+    before = result.before
+    if result.block is not None or before is None:
+        return result.block
+    earlier = source_voices(before.sources, before.listeners, before.propagation)
+    renderer = primed(listener_mixes(result.listeners), result.sample_rate, before.time, earlier)
+    return renderer.render_frame(before.time, result.time, source_voices(result.sources, result.listeners, result.propagation))
+
+
+def primed(mixes: tuple[ListenerMix, ...], sample_rate: float, time: float, voices: Sequence[Voice]) -> Renderer:
+    """A renderer that stands at ``time`` [s] with the gains of ``voices``, and whose limiter has worked for a while."""
+    renderer = Renderer(mixes, sample_rate)
+    start = time - _LIMITER_SECONDS if renderer.latency else time
+    renderer.render_frame(start, start, voices)
+    if start < time:
+        renderer.render_frame(start, time, voices)
+    return renderer
 
 
 def listener_mixes(listeners: Sequence[Listener]) -> tuple[ListenerMix, ...]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from .frame_result import FrameResult
-from .mixdown import listener_mixes, source_voices
+from .mixdown import listener_mixes, primed, source_voices
 from .renderer import ListenerMix, Renderer, sample_index
 from .voices import Voice
 
@@ -26,8 +26,6 @@ _GRAIN_RISE, _GRAIN_FALL = 0.005, 0.040
 _GRAIN_SILENCE = 0.060
 # A recorded block that does not continue the last one fades from its last value within this time [s].
 _SEAM = 0.008
-# Time [s] that a limiter's gain depends on, to a few percent.
-_LIMITER_SECONDS = 0.5
 # Dropped frames are rendered and left out up to this gap [s]; larger ones are jumps.
 _LONGEST_STEP = 1.0
 
@@ -204,17 +202,13 @@ def _are_alike(voices: list[Voice], others: list[Voice]) -> bool:
 
 def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> Renderer:
     """A renderer that stands at ``time`` with the gains of ``shown``, and whose limiter has worked for a while."""
-    renderer = Renderer(listener_mixes(shown.listeners), shown.sample_rate)
     voices = _moved(source_voices(shown.sources, shown.listeners, shown.propagation), late)
     times, earlier = [time], voices
     if shown.block is not None and shown.time <= time:  # its lines of gains may bend here
         before = shown.before
         times = [shown.first_sample / shown.sample_rate if before is None else before.time, shown.time, time]
         earlier = [] if before is None else source_voices(before.sources, before.listeners, before.propagation)
-    start = times[0] - _LIMITER_SECONDS if renderer.latency else times[0]
-    renderer.render_frame(start, start, earlier)
-    if start < times[0]:
-        renderer.render_frame(start, times[0], earlier)
+    renderer = primed(listener_mixes(shown.listeners), shown.sample_rate, times[0], earlier)
     for begun, end in pairwise(times):
         if begun < end:
             renderer.render_frame(begun, end, voices)

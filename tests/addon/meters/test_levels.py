@@ -14,6 +14,7 @@ from haptic_tracing.core.contacts.settings import ContactSettings
 from haptic_tracing.core.perception import threshold_level
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.render.history import History, still_samples
+from haptic_tracing.core.render.mixdown import block_of
 from haptic_tracing.core.scene.body import BODY_PARTS
 from haptic_tracing.core.scene.body_map import HALF_WIDTH, HEIGHT, figure
 from haptic_tracing.core.scene.functions import Exponential
@@ -155,3 +156,20 @@ def test_compared_modes_are_those_that_tracing_gives():
     for mode, gain in gains.items():
         assert gain == pytest.approx(0.5 * propagate(result.graph, Settings(mode=mode, localise=0.5)).gain[0])
     assert gains[Mode.MN].tolist() == [0.5, 0.5]
+
+
+def test_frames_that_nobody_hears_are_left_out_and_rendered_when_asked_for():
+    """A sine of 100 Hz arrives with 0.5 e^-0.2, in the frame that was left out, in the one after it, and in those that follow."""
+    objects, listeners = (HapticObject("plank", 0.0, 1.0, Exponential(alpha=0.2)),), (Listener("hand", "plank", (1.0, 0, 0)),)
+    sources = (Source("hum", "plank", (0, 0, 0), 0.5, signal=Sine(100.0)),)
+    tracer, results = Tracer(), []
+    for number in range(8):
+        heard = number not in (3, 4, 5)
+        frame = Frame(number, number / 25, objects, sources, listeners, contacts=ContactSet.empty(), heard=heard)
+        results.append(tracer.step(frame))
+    assert [result.block is None for result in results] == [True, False, False, True, True, True, False, False]
+    for result in results[2:]:
+        times = (result.first_sample + np.arange(320)) / RATE
+        wave = 0.5 * math.exp(-0.2) * np.sin(2 * np.pi * 100.0 * times)
+        assert block_of(result)[0] == pytest.approx(wave, abs=1e-12)
+    assert block_of(results[0]) is None

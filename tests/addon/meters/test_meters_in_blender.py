@@ -10,7 +10,7 @@ import pytest
 from haptic_tracing.addon.live_output.unfelt import device_words
 from haptic_tracing.addon.panels import result as result_panel
 from haptic_tracing.addon.registration.module_classes import classes_of
-from haptic_tracing.addon.session import session
+from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view import explanation, meter_pictures, meters, watched
 from haptic_tracing.core.message import Cause, Message
 from haptic_tracing.pictures import picture
@@ -58,6 +58,30 @@ def test_levels_are_worked_out_once_a_frame(felt, settle):
     assert watched.levels_of(felt)[0] is foot
     felt.frame_set(51)
     assert settle(lambda: watched.levels_of(felt))[0] is not foot
+
+
+def test_samples_are_rendered_where_they_are_shown_or_asked_for(felt, settle):
+    """Frames that follow each other unseen have none; the first draw shows the frame as if it lasted, and the next frames are heard."""
+    assert not sessions.shown(felt).samples.size
+    assert settle(lambda: meters.scope_of(felt)).samples.shape == (2000,)
+    assert settle(lambda: watched.levels_of(felt))[0].peak == pytest.approx(
+        20 * np.log10(session.of(felt).shown.result.gains[0, 0]), abs=0.05
+    )
+    for frame in range(51, 61):
+        felt.frame_set(frame)
+        settle(lambda: watched.levels_of(felt))
+    assert sessions.shown(felt).samples.shape == (2, 3200)
+    assert settle(lambda: meters.scope_of(felt)).samples.shape == (3200,)
+
+
+def test_a_script_gets_the_samples_of_the_frames_that_it_asks_for(felt):
+    latency = round(0.005 * 8000)  # of the limiter
+    for frame in (50, 51, 52):
+        if frame > felt.frame_current:
+            felt.frame_set(frame)
+        result = session.result_of(felt)
+        expected = result.gains[0, 0] * np.sin(2 * np.pi * 60 * (result.first_sample + np.arange(320) - latency) / 8000)
+        assert result.block[0] == pytest.approx(expected, abs=1e-6)
 
 
 def test_scope_is_of_the_active_listener_or_of_the_strongest(felt, settle):
