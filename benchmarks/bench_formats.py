@@ -32,7 +32,7 @@ from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.io.catalogue import named
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
-from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
+from haptic_tracing.core.scene.body import PAPER_LISTENERS
 from haptic_tracing.core.scene.values import HapticObject, HapticScene, Listener
 from haptic_tracing.core.signals import DEFAULT_IMPACT, Pulse
 
@@ -83,7 +83,7 @@ def gains_of(listeners: int) -> np.ndarray:
 def tracks(seconds: float, listeners: int, path: Path) -> Tracks:
     """The tracks whose samples are in a file."""
     times = impact_times(seconds)
-    parts = [DEFAULT_LISTENERS[k % len(DEFAULT_LISTENERS)] for k in range(listeners)]
+    parts = [PAPER_LISTENERS[k % len(PAPER_LISTENERS)] for k in range(listeners)]
     felt = [
         ListenerTrack(f"{part} {k}", part, np.column_stack([times, np.full(len(times), 0.8 * gain)]))
         for k, (part, gain) in enumerate(zip(parts, gains_of(listeners), strict=True))

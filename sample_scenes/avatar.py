@@ -1,4 +1,5 @@
-"""An artist's mannequin as the user's avatar: sixteen haptic body parts that touch at their joints, and the ten default listeners.
+"""An artist's mannequin as the user's avatar: sixteen haptic body parts that touch at their joints, and listeners: the ten of the
+paper unless others are named.
 
 It faces -Y, so that its left is +X.
 """
@@ -6,13 +7,13 @@ It faces -Y, so that its left is +X.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from bpy.types import Object, Scene
 from mathutils import Matrix, Vector
 
-from ..core.scene.body import BODY_PART, DEFAULT_LISTENERS
+from ..core.scene.body import BODY_PART, PAPER_LISTENERS
 from ..core.scene.materials import Material as Substance
 from .geometry import SUNK, Geometry, Point, along, joined, limb, sphere, superellipsoid
 from .materials import FLESH, surface
@@ -129,10 +130,12 @@ def build_avatar(
     substance: Substance = FLESH,
     parent: Object | None = None,
     gain: float = 1.0,
+    listening: Sequence[str] = PAPER_LISTENERS,
 ) -> Avatar:
     """Put the avatar into ``scene``, its haptic parts under one empty, turned by ``heading`` about z.
 
-    ``moving``: that empty, or what carries it, will be animated. ``gain``: of its listeners.
+    ``moving``: that empty, or what carries it, will be animated. ``gain``: of its listeners. ``listening``: the body parts with a
+    listener, of the twelve default ones.
     """
     root = place_empty(scene, "Avatar", location, parent, "ARROWS", 0.25, heading)
     materials = (surface("Avatar Body", "#e9e2d6", 0.45), surface("Avatar Joints", "#2f5d73", 0.4))
@@ -150,7 +153,7 @@ def build_avatar(
             make_static(scene, obj, substance)
         parts[part] = obj
     listeners: dict[str, Object] = {}
-    for listener in DEFAULT_LISTENERS:
+    for listener in listening:
         carrier, spot = anchors[listener]
         empty = place_empty(scene, listener, spot - parts[carrier].location, parts[carrier], "SPHERE", BODY_PART[listener].radius)
         listeners[listener] = make_listener(empty, listener, BODY_PART[listener].radius, gain)
@@ -219,6 +222,7 @@ def _anchors(posture: Posture, joints: Mapping[str, Vector]) -> dict[str, tuple[
         anchors[f"upper_back.{letter}"] = ("Chest", point(side * 0.095, -0.105, 0.47))
         anchors[f"middle_back.{letter}"] = ("Belly", point(side * 0.075, -0.08, 0.19))
         anchors[f"hand.{letter}"] = (f"Hand.{letter}", hand.palm + _hand_axes(hand)[1] * HAND[2] / 2)
+        anchors[f"foot.{letter}"] = (f"Foot.{letter}", joints[f"ankle.{letter}"] + Vector((0.0, -0.075, -ANKLE_HEIGHT)))
         anchors[f"upper_leg.{letter}"] = (f"Upper Leg.{letter}", thigh - _thigh_front(joints, letter) * _thigh_radius(0.45))
     return anchors
 

@@ -1,5 +1,5 @@
 """The ten listeners of three samples with the paper's function, with measured materials, and with these and contacts by impedance; and
-those of a new body, on objects with the paper's function, when only the body is a measured one.
+the twelve of a new body, on objects with the paper's function, with the paper's body and with the measured one.
 
 ``python -m haptic_tracing.study.physical_scenes`` prints the tables of `docs/functions.md`.
 """
@@ -18,6 +18,7 @@ from ..addon.authoring import materials as library
 from ..addon.session import session
 from ..core.perception import sensation_level
 from ..core.render.history import still_samples
+from ..core.scene.body import DEFAULT_LISTENERS
 from ..sample_scenes.avatar import Hand, Posture, build_avatar, seated, standing
 
 SAMPLES = (("jackhammer_bench", 3), ("hammer_nail", 20), ("mine_ride", 2638))
@@ -26,10 +27,19 @@ WAYS = ("paper", "physical", "physical, impedance")
 BODIES: dict[str, tuple[float, float, float] | Posture] = {
     "one mesh stands on the floor": (0.5, 0.3, 1.75),
     "parts stand on the floor": standing(Hand(Vector((0.3, -0.45, 1.0)), Vector((0.0, -1.0, 0.0)))),
+    "one mesh holds a tool": (0.5, 0.3, 1.75),
     "parts hold a tool": standing(Hand(Vector((0.3, -0.45, 1.0)), Vector((0.0, -1.0, 0.0)))),
     "parts sit on what shakes": seated(0.45, 0.1),
 }
 """What a new body is and does: a block of so many metres, or the posture of a mannequin."""
+SHAKERS = {
+    "one mesh holds a tool": (0.289, 0, 0.84),
+    "parts hold a tool": (0.3, -0.45, 0.851),
+    "parts sit on what shakes": (0, -0.13, 0.3005),
+}
+"""Where the shaker touches the body; else it stands on the floor, a metre away."""
+FUNCTIONS = {"haptic_tracing": "paper", "physical": "measured"}
+"""Of what bodies are made of, and what the table calls them."""
 PITCHES = (30, 80, 150, 250)
 """Frequencies [Hz] of the shaker of full amplitude."""
 
@@ -65,8 +75,8 @@ def make(scene: Scene, way: str) -> None:
 
 
 def body_levels(case: str) -> np.ndarray:
-    """Decibels above the threshold of feeling (2, f, 10) at the ten listeners of a new body at each of `PITCHES`, with the paper's function
-    and with the measured body; what it touches keeps the paper's function. The shaker stands a metre away on the floor, or is touched."""
+    """Decibels above the threshold of feeling (2, f, 12) at the twelve listeners of a new body at each of `PITCHES`, as in the paper
+    and measured; what it touches keeps the paper's function. The shaker stands a metre away on the floor, or is touched."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene, posture = bpy.context.scene, BODIES[case]
     _block("Concrete Floor", (6, 6, 0.2), (0, 0, -0.1))
@@ -75,12 +85,12 @@ def body_levels(case: str) -> np.ndarray:
         _block("Body", posture, (0, 0, posture[2] / 2 - 0.001))
         bpy.ops.haptic.add_default_listeners()
     else:
-        build_avatar(scene, posture)
-    where = {"parts hold a tool": (0.3, -0.45, 0.851), "parts sit on what shakes": (0, -0.13, 0.3005)}.get(case, (1, 0, 0.149))
-    shaker = _block("Steel Shaker", (0.24, 0.24, 0.3) if "sit" in case else (0.08, 0.12, 0.3), where)
+        build_avatar(scene, posture, listening=DEFAULT_LISTENERS)
+    shaker = _block("Steel Shaker", (0.24, 0.24, 0.3) if "sit" in case else (0.08, 0.12, 0.3), SHAKERS.get(case, (1, 0, 0.149)))
     bpy.ops.haptic.add_source(signal="SINE")
     found = []
-    for _ in range(2):
+    for function in FUNCTIONS:
+        bpy.ops.haptic.set_bodies(function=function)
         for pitch in PITCHES:
             shaker.haptics.source.frequency = pitch
             scene.frame_set(scene.frame_current + 1)
@@ -88,8 +98,7 @@ def body_levels(case: str) -> np.ndarray:
             result = session.result_of(scene)
             assert result is not None
             found.append(sensation_level(still_samples(result, 1.0), result.sample_rate))
-        bpy.ops.haptic.physical_materials(bodies=True)
-    return np.array(found).reshape(2, len(PITCHES), -1)
+    return np.array(found).reshape(len(FUNCTIONS), len(PITCHES), -1)
 
 
 def _block(name: str, size: tuple[float, float, float], place: tuple[float, float, float]) -> Object:
@@ -104,8 +113,8 @@ def _block(name: str, size: tuple[float, float, float], place: tuple[float, floa
 
 
 def body_rows() -> list[str]:
-    """The table of new bodies: how many of ten are felt at each of `PITCHES`, and the strongest there."""
-    head = " | ".join(f"{way}, {pitch} Hz" for way in ("paper", "measured") for pitch in PITCHES)
+    """The table of new bodies: how many of twelve feel it at each of `PITCHES`, and the strongest there."""
+    head = " | ".join(f"{way}, {pitch} Hz" for way in FUNCTIONS.values() for pitch in PITCHES)
     rows = [f"| a new body | {head} |", f"|---|{'---|' * 2 * len(PITCHES)}"]
     for case in BODIES:
         cells = (f"{(level > 0).sum()} ({level.max():+.0f} dB)" for level in body_levels(case).reshape(2 * len(PITCHES), -1))

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import bpy
+import numpy as np
 from bpy.types import Collection, Object
 from mathutils import Matrix, Vector
 
 from ...core.scene.body import BODY_PART, BodyPart
 from ...core.scene.skeleton import Bone, Place, partner, places
+from ..scene_reader.collision_shapes import vertices_of
 
 # Positions of the parts of a standing body in its bounding box: from the middle to the side (left is +x), from front (-y) to back, height.
 _PLACES = {
@@ -28,6 +30,8 @@ _PLACES = {
     "lower_leg": (0.35, 0.5, 0.2),
     "foot": (0.35, 0.35, 0.03),
 }
+_FEET = 0.05
+"""Height of the feet, of that of the body."""
 
 
 def listeners_on(body: Object) -> dict[str, Object]:
@@ -36,14 +40,18 @@ def listeners_on(body: Object) -> dict[str, Object]:
 
 
 def place_on_mesh(body: Object, parts: Sequence[BodyPart], collection: Collection) -> None:
-    """Place empties as listeners at the parts of a standing body that fills the bounding box of ``body``."""
-    corners = [Vector(corner) for corner in body.bound_box]
-    low = Vector(map(min, zip(*corners, strict=True)))
-    high = Vector(map(max, zip(*corners, strict=True)))
+    """Place empties as listeners at the parts of a standing body that fills the bounding box of ``body``; feet in the box of what is as low
+    as they are, however far its arms reach. Raises ValueError where it has no surface."""
+    corners = vertices_of(body, bpy.context.evaluated_depsgraph_get(), "FINAL")
+    bottom, top = corners[:, 2].min(), corners[:, 2].max()
+    lowest = corners[corners[:, 2] <= bottom + _FEET * (top - bottom)]
     for part in parts:
-        offset, depth, height = _PLACES[part.name.partition(".")[0]]
+        name = part.name.partition(".")[0]
+        offset, depth, height = _PLACES[name]
         across = 0.5 + {"L": 0.5, "R": -0.5, "": 0.0}[part.side] * offset
-        local = Vector(low[axis] + fraction * (high[axis] - low[axis]) for axis, fraction in enumerate((across, depth, height)))
+        near = lowest if name == "foot" else corners
+        x, y = near[:, :2].min(axis=0) + (across, depth) * np.ptp(near[:, :2], axis=0)
+        local = Vector((x, y, bottom + height * (top - bottom)))
         listener = add_listener(part, f"{body.name} {part.name}", collection)
         attach(listener, body, "", body.matrix_world @ local)
 

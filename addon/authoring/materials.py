@@ -75,6 +75,17 @@ def make_physical(objects: Iterable[Object], in_a_building: bool) -> int:
     return known
 
 
+def set_bodies(objects: Iterable[Object], function: str) -> int:
+    """Set the function of those of ``objects`` that are made of flesh: measured ("physical") or the paper's ("haptic_tracing"). Returns
+    their number."""
+    bodies = [obj for obj in objects if preset_of(obj) is MATERIALS["flesh"]]
+    if function == "physical":
+        return make_physical(bodies, False)
+    for obj in bodies:
+        obj.haptics.function = function
+    return len(bodies)
+
+
 def targets(context: Context, target: str) -> list[Object]:
     """The editable objects with a surface among the "selected" ones, their "children" or those of the "collection"."""
     match target:

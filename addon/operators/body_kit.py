@@ -6,13 +6,15 @@ import bpy
 from bpy.props import EnumProperty
 from bpy.types import Context, Object, Operator
 
-from ...core.scene.body import BODY_PART, BODY_PARTS, DEFAULT_LISTENERS, BodyPart
+from ...core.scene.body import BODY_PART, DEFAULT_LISTENERS, PAPER_LISTENERS, BodyPart
 from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
 from ..blender.polling import SOLID_TYPES, UNDO, Edit, editable, poll_active, poll_selected
 from ..scene_reader.roles import haptic_carrier
 
 _rpt = bpy.app.translations.pgettext_rpt
+
+_PARTS = {"DEFAULT": DEFAULT_LISTENERS, "PAPER": PAPER_LISTENERS, "ALL": tuple(BODY_PART)}
 
 
 class HAPTIC_OT_add_default_listeners(Edit, Operator):
@@ -25,7 +27,8 @@ class HAPTIC_OT_add_default_listeners(Edit, Operator):
         name="Parts",
         description="Which parts of the body get a listener",
         items=(
-            ("DEFAULT", "Ten", "Ears, hands, upper back, middle back and upper legs: the default set-up"),
+            ("DEFAULT", "Twelve", "Ears, hands, upper back, middle back, upper legs and feet: the default set-up"),
+            ("PAPER", "Ten", "Ears, hands, upper back, middle back and upper legs, as in the paper"),
             ("ALL", "All 25", "Every part of the body that a device may have an actuator for"),
         ),
     )
@@ -36,20 +39,25 @@ class HAPTIC_OT_add_default_listeners(Edit, Operator):
         context.view_layer.update()
         active = context.object
         armature = body_kit.armature_of(active)
-        wanted = BODY_PARTS if self.parts == "ALL" else tuple(BODY_PART[name] for name in DEFAULT_LISTENERS)
+        wanted = tuple(BODY_PART[name] for name in _PARTS[self.parts])
         if armature is not None:
             self._on_armature(context, armature, active, wanted)
             return
-        if haptic_carrier(active) is None:
-            if active.type not in SOLID_TYPES:
-                message = _rpt("'{}' has no surface: select the mesh or the armature of the body")
-                raise ValueError(message.format(active.name))
-            _make_flesh(context, active)
-        body_kit.place_on_mesh(active, _new(active, wanted), context.collection)
+        if active.type not in SOLID_TYPES:
+            message = _rpt("'{}' has no surface: select the mesh or the armature of the body")
+            raise ValueError(message.format(active.name))
+        is_new = not body_kit.listeners_on(active)
+        try:
+            body_kit.place_on_mesh(active, _new(active, wanted), context.collection)
+        except ValueError as error:
+            raise ValueError(f"{active.name}: {error}") from None
+        if haptic_carrier(active) in (None, active):
+            _make_body(context, active, is_new)
 
     def _on_armature(self, context: Context, armature: Object, active: Object, wanted: tuple[BodyPart, ...]) -> None:
         if not armature.is_editable:
             raise ValueError(_rpt("The armature is linked from a library; make it local or override it first"))
+        is_new = not body_kit.listeners_on(armature)
         try:
             missing = body_kit.place_on_bones(armature, _new(armature, wanted), context.collection)
         except ValueError as error:
@@ -58,7 +66,7 @@ class HAPTIC_OT_add_default_listeners(Edit, Operator):
         if body is None:
             self.report({"WARNING"}, "This armature moves no mesh: choose its body in the panel Haptic Object, else nothing is felt")
         else:
-            _make_flesh(context, body)
+            _make_body(context, body, is_new)
             armature.haptics.body = body
         if missing:
             names = ", ".join(part.name.replace("_", " ") for part in missing)
@@ -71,10 +79,15 @@ def _new(body: Object, wanted: tuple[BodyPart, ...]) -> list[BodyPart]:
     return [part for part in wanted if part.name not in known]
 
 
-def _make_flesh(context: Context, body: Object) -> None:
+def _make_body(context: Context, body: Object, is_new: bool) -> None:
+    """Make a mesh haptic, of flesh unless its name tells another material. The flesh of a body that ``is_new``, which had no listeners yet,
+    gets the measured function, except in a scene as in the paper."""
     if not body.haptics.enabled:
         body.haptics.enabled = True
         materials.apply([body], materials.preset_in(context.scene, materials.guessed(body) or MATERIALS["flesh"]))
+    is_paper = body.haptics.function == "haptic_tracing"
+    if is_new and is_paper and body.is_editable and context.scene.haptics.strategy != "as_in_the_paper":
+        materials.set_bodies([body], "physical")
 
 
 class HAPTIC_OT_mirror_listeners(Edit, Operator):

@@ -87,25 +87,36 @@ class HAPTIC_OT_physical_materials(Edit, Operator):
     in_a_building: BoolProperty(
         name="In a Building", description="Walls and floors in place, whose joints and edges take 2 dB per metre", default=False
     )
-    bodies: BoolProperty(
-        name="Bodies Only",
-        description="Only what is made of flesh; the other objects keep their functions",
-        default=False,
-        options={"SKIP_SAVE"},
-    )
 
     poll = classmethod(poll_object_mode)
 
     def apply(self, context: Context) -> set[str]:
         objects = [obj for obj in context.scene.objects if obj.haptics.enabled and obj.is_editable]
-        if self.bodies:
-            objects = [obj for obj in objects if library.preset_of(obj) is MATERIALS["flesh"]]
-            if not objects:
-                raise ValueError(_rpt("No haptic object is made of flesh; Add Body Listeners makes a body of it"))
         known = library.make_physical(objects, self.in_a_building)
         message = _rpt("{} of {} haptic objects are made of a preset")
         self.report({"INFO"}, message.format(known, len(objects)))
         return {"FINISHED"} if known else {"CANCELLED"}
+
+
+class HAPTIC_OT_set_bodies(Edit, Operator):
+    """Choose how all objects of flesh damp vibration; other objects keep their functions"""
+
+    bl_label = "Bodies"
+
+    function: EnumProperty(
+        name="Bodies",
+        description="How objects of flesh damp vibration",
+        items=(
+            ("physical", "Measured", "Damping grows with frequency above the resonance of each part: the default of new bodies"),
+            ("haptic_tracing", "As in the Paper", "The same damping at all frequencies, by κ and ρ"),
+        ),
+    )
+
+    poll = classmethod(poll_object_mode)
+
+    def apply(self, context: Context) -> None:
+        if not library.set_bodies((obj for obj in context.scene.objects if obj.haptics.enabled and obj.is_editable), self.function):
+            raise ValueError(_rpt("No haptic object is made of flesh; Add Body Listeners makes a body of it"))
 
 
 class HAPTIC_OT_new_material(Edit, Operator):

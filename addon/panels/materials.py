@@ -69,7 +69,10 @@ class HAPTIC_PT_materials(HapticsPanel, Panel):
             layout.label(text="Add materials with +", icon="INFO")
         measured = layout.column(align=True)
         measured.operator("haptic.physical_materials", icon="PHYSICS")
-        measured.operator("haptic.physical_materials", text="Measured Body", icon="ARMATURE_DATA").bodies = True
+        bodies = measured.split(factor=0.22, align=True)
+        bodies.label(text="Bodies")
+        bodies.operator("haptic.set_bodies", text="Measured").function = "physical"
+        bodies.operator("haptic.set_bodies", text="As in the Paper").function = "haptic_tracing"
 
 
 class HAPTIC_PT_wishes(HapticsPanel, Panel):

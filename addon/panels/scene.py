@@ -63,6 +63,8 @@ class HAPTIC_PT_propagation(HapticsPanel, Panel):
         row.active = haptics.mode == "HT"
         row.prop(haptics, "localise", slider=True)
         layout.prop(haptics, "strategy")
+        if haptics.strategy == "as_in_the_paper":
+            layout.operator("haptic.set_bodies", text="Bodies as in the Paper").function = "haptic_tracing"
         draw_properties(layout, haptics, "threshold", "max_connections", "epsilon")
 
 

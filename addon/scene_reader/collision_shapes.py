@@ -33,11 +33,11 @@ def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Sha
     size, mirror = np.abs(scale), np.sign(scale)
     body = obj.rigid_body
     if body is None:
-        return ConvexHull(_vertices(obj, depsgraph, "FINAL") * scale)
+        return ConvexHull(vertices_of(obj, depsgraph, "FINAL") * scale)
     margin, use_margin = body.collision_margin, body.use_margin
     match body.collision_shape:
         case "CONVEX_HULL":
-            vertices = _vertices(obj, depsgraph, body.mesh_source) * mirror
+            vertices = vertices_of(obj, depsgraph, body.mesh_source) * mirror
             return _hull(vertices.tobytes(), tuple(size.tolist()), margin, use_margin)
         case "MESH":
             vertices, triangles = _triangles(obj, depsgraph, body.mesh_source)
@@ -56,7 +56,7 @@ def mesh_checksum(obj: Object, depsgraph: Depsgraph) -> object:
         case "COMPOUND":
             return object()
         case "CONVEX_HULL":
-            return zlib.crc32(_vertices(obj, depsgraph, source).tobytes())
+            return zlib.crc32(vertices_of(obj, depsgraph, source).tobytes())
         case "MESH":
             return tuple(zlib.crc32(part.tobytes()) for part in _triangles(obj, depsgraph, source))
         case _:
@@ -95,7 +95,9 @@ def _mesh_source(obj: Object, depsgraph: Depsgraph, source: str) -> tuple[Any, O
         raise ValueError(words.format(obj.type.lower())) from None
 
 
-def _vertices(obj: Object, depsgraph: Depsgraph, source: str) -> FloatArray:
+def vertices_of(obj: Object, depsgraph: Depsgraph, source: str) -> FloatArray:
+    """Corners (n, 3) of the surface of an object in its own space, with its modifiers unless ``source`` is "BASE". Raises ValueError where
+    it has none."""
     mesh, owner = _mesh_source(obj, depsgraph, source)
     try:
         return _read_vertices(mesh)

@@ -57,7 +57,10 @@ BODY_PART: Mapping[str, BodyPart] = MappingProxyType({part.name: part for part i
 """Body parts by name."""
 
 DEFAULT_LISTENERS: tuple[str, ...] = tuple(_TABLE["default_listeners"])
-"""The ten places of the default set-up."""
+"""Names of the twelve body parts of the default set-up: those of the paper and the feet."""
+
+PAPER_LISTENERS: tuple[str, ...] = tuple(_TABLE["paper_listeners"])
+"""Names of the ten body parts of the paper's study and of the samples."""
 
 
 def body_part(name: str) -> BodyPart:

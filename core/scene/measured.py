@@ -13,6 +13,8 @@ platforms amplify, while little arrives at the hip (doi 10.3390/app14209516), el
 2017), fingertip 200 Hz (Lundström, J. Biomech. 17, 1984). Cited from memory, without access to a curve: wrist 20 to 40 Hz and shoulder 10
 Hz (doi 10.1016/j.jsv.2010.02.001), head and trunk 4 to 6 Hz, with a transmissibility of 0.5 to 0.7 at 15 to 20 Hz; above the resonances, at
 most 0.2 at the elbow from 100 Hz and 0.1 at the shoulder from 50 Hz.
+A whole body in one mesh has the resonance and speed that give the loss of its parts along the way from sole to crown, with the heights of
+the joints of Drillis and Contini (1966).
 """
 
 from __future__ import annotations
@@ -60,6 +62,9 @@ LIMBS: Mapping[str, tuple[float, float]] = MappingProxyType({part: (row["resonan
 SKIN = 0.005
 """Largest thickness of flesh that counts as skin [m]; also the radius of the area of skin that a small actuator excites."""
 
+_LONGEST_PART = 1.0
+"""Length [m] above which flesh that is not named after a part is a whole body."""
+
 _THIN = 0.25
 """Ratio of an extent to the next greater one below which a body is a plate or a rod."""
 
@@ -96,6 +101,7 @@ def physical(name: str, size: tuple[float, float, float], in_a_building: bool = 
     )
     if name == "flesh" and wave is Wave.SURFACE:
         return replace(function, reference_distance=SKIN)
+    part = part or ("body" if max(size) > _LONGEST_PART else "")
     if wave is Wave.LIMB and part in LIMBS:
         resonance, speed = LIMBS[part]
         return replace(function, resonance=resonance, phase_speed=speed)

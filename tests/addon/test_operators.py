@@ -52,7 +52,7 @@ def test_a_source_on_a_mesh_makes_it_haptic_and_on_a_free_empty_is_refused(add_b
     assert not empty.haptics.enabled
 
 
-def test_ten_listeners_are_the_default_body_parts_inside_the_body(add_box):
+def test_twelve_listeners_are_the_default_body_parts_inside_the_body(add_box):
     body = add_box("body", (1, 2, 3), (0.5, 0.3, 1.8), haptic=False)
     _select(body)
     bpy.ops.haptic.add_default_listeners()

@@ -35,6 +35,11 @@ def test_quick_start(play):
     assert all(seen.values()), seen
 
 
+def test_bodies(play):
+    seen = played_through(play(SCENARIOS / "bodies.py"))
+    assert all(seen.values()), seen
+
+
 def test_sound_to_vibration(play):
     seen = played_through(play(SCENARIOS / "sound.py"))
     assert all(seen.values()), seen

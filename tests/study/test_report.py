@@ -78,10 +78,10 @@ def test_numbers_are_json_with_every_check_measure_and_impact(bake, tmp_path):
 
 
 def test_body_map_has_a_disc_for_every_default_listener():
-    from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
+    from haptic_tracing.core.scene.body import PAPER_LISTENERS
 
-    svg = body_map(DEFAULT_LISTENERS)
-    assert svg.count('class="disc"') == len(DEFAULT_LISTENERS)
+    svg = body_map(PAPER_LISTENERS)
+    assert svg.count('class="disc"') == len(PAPER_LISTENERS)
     assert "hand L" not in svg and "<title>upper leg.R</title>" in svg
 
 

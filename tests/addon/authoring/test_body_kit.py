@@ -64,7 +64,7 @@ def _listeners(parent):
     return {child.haptics.listener.body_part: child for child in parent.children if child.haptics.listener.enabled}
 
 
-@pytest.mark.parametrize(("parts", "count"), [("DEFAULT", 10), ("ALL", 25)])
+@pytest.mark.parametrize(("parts", "count"), [("DEFAULT", 12), ("PAPER", 10), ("ALL", 25)])
 def test_an_armature_gets_listeners_on_its_bones(armature, skinned, parts, count):
     _select(armature)
     assert bpy.ops.haptic.add_default_listeners(parts=parts) == {"FINISHED"}
@@ -152,12 +152,36 @@ def test_a_mesh_gets_them_where_a_standing_body_has_its_parts(add_box, parts):
         assert tuple(listener.matrix_world.to_scale()) == pytest.approx((1, 1, 1), rel=1e-4)
 
 
+def test_feet_stand_below_a_body_whose_arms_reach_out(scene):
+    """A trunk on two legs, and arms as wide as it is high: without an armature, feet lie within the legs."""
+    parts = (((0, 0, 1.2), (0.3, 0.3, 0.8)), ((0, -0.2, 1.4), (1.8, 0.1, 0.1)), *(((x, 0, 0.4), (0.15, 0.25, 0.8)) for x in (0.12, -0.12)))
+    for place, size in parts:
+        bpy.ops.mesh.primitive_cube_add(size=1, location=place)
+        bpy.context.object.scale = size
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.join()
+    bpy.ops.haptic.add_default_listeners()
+    listeners = _listeners(bpy.context.object)
+    for side, sign in (("L", 1), ("R", -1)):
+        x, y, z = listeners[f"foot.{side}"].matrix_world.translation
+        assert 0.045 <= sign * x <= 0.195 and abs(y) <= 0.125 and 0 <= z <= 0.1
+
+
 def test_a_camera_has_no_body(scene):
     camera = bpy.data.objects.new("eye", bpy.data.cameras.new("eye"))
     scene.collection.objects.link(camera)
     _select(camera)
     with pytest.raises(RuntimeError, match="no surface: select the mesh or the armature"):
         bpy.ops.haptic.add_default_listeners()
+
+
+def test_a_mesh_without_vertices_is_named_and_stays_as_it_is(scene):
+    body = bpy.data.objects.new("Nobody", bpy.data.meshes.new("Nobody"))
+    scene.collection.objects.link(body)
+    _select(body)
+    with pytest.raises(RuntimeError, match="Nobody: its mesh has no vertices"):
+        bpy.ops.haptic.add_default_listeners()
+    assert not body.haptics.enabled and len(body.children) == 0
 
 
 def test_mirroring_copies_settings_and_makes_what_is_missing(armature, skinned):
@@ -171,7 +195,7 @@ def test_mirroring_copies_settings_and_makes_what_is_missing(armature, skinned):
     _select(listeners["hand.L"], listeners["ear.L"])
     bpy.ops.haptic.mirror_listeners()
     after = _listeners(armature)
-    assert len(after) == 10
+    assert len(after) == 12
     assert after["hand.R"].haptics.listener.gain == pytest.approx(1.7)
     assert after["ear.R"].haptics.listener.mixing == "power"
     assert after["hand.R"].parent_bone == "mixamorig:RightHand"

@@ -252,7 +252,8 @@ def test_physical_flesh_has_the_resonance_of_the_part_that_it_is_named_after(add
     for name, size, wave, resonance in (
         ("Avatar Hand.L", (0.1, 0.1, 0.2), "limb", 30),
         ("Avatar Lower Leg.R", (0.1, 0.1, 0.4), "limb", 25),
-        ("Body", (0.4, 0.3, 1.8), "limb", 20),
+        ("Body", (0.4, 0.3, 1.8), "limb", 15),
+        ("Lump", (0.4, 0.3, 0.3), "limb", 20),
         ("Forearm Skin", (0.3, 0.1, 0.003), "surface", 20),
     ):
         box = add_box(name, (0, 0, 0), size)

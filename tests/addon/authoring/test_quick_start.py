@@ -25,7 +25,7 @@ def test_four_operators_from_a_cube_to_something_felt(add_box):
     for frame in (2, 3):
         bpy.context.scene.frame_set(frame)
     result = session.result_of(bpy.context.scene)
-    assert len(result.listeners) == 10
+    assert len(result.listeners) == 12
     assert (result.gains > 0).all()
     assert np.abs(result.block).max() > 0.01
 

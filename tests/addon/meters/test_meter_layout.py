@@ -7,7 +7,7 @@ import pytest
 from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.view.levels import Level
 from haptic_tracing.addon.view.meter_layout import MOST_ROWS, ROW, Scope, colour_of, meter_hud
-from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
+from haptic_tracing.core.scene.body import PAPER_LISTENERS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -19,7 +19,7 @@ def level(name, rms=-20.0, part=""):
     return Level(name, part, rms + 6, rms, -math.inf if silent else rms + 40, None if silent else -40.0)
 
 
-LEVELS = [level(name, -5.0 * k, name) for k, name in enumerate(DEFAULT_LISTENERS)]
+LEVELS = [level(name, -5.0 * k, name) for k, name in enumerate(PAPER_LISTENERS)]
 SCOPE = Scope("hand.L", np.sin(np.arange(8000) / 20.0) * 0.3, 8000.0)
 
 
@@ -30,7 +30,7 @@ def _texts(items):
 @deterministic
 @given(st.floats(0, 1400), st.floats(0, 900), st.sampled_from([1.0, 1.5, 2.0]), st.integers(0, 40), st.booleans())
 def test_everything_lies_within_the_plate_and_the_plate_within_the_room(width, height, scale, count, body):
-    shown = [level(f"listener {k}", -1.5 * k, DEFAULT_LISTENERS[k % 10]) for k in range(count)]
+    shown = [level(f"listener {k}", -1.5 * k, PAPER_LISTENERS[k % 10]) for k in range(count)]
     items = meter_hud(shown, SCOPE, (width, height), scale, text_width, "Mode HT", body=body)
     if not len(items.lines.width):
         assert items.texts == ()

@@ -6,7 +6,7 @@ import bpy
 import pytest
 from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.addon.session import session
-from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
+from haptic_tracing.core.scene.body import PAPER_LISTENERS
 from haptic_tracing.sample_scenes import SAMPLES, build_sample
 
 FRAMES = 4
@@ -56,7 +56,7 @@ def test_first_frames_are_traced_without_a_problem_and_built_again_it_plays_besi
         result = session.result_of(scene)
         assert result.number == frame
         assert result.warnings == session.problems_of(scene) == ()
-    assert len(result.listeners) == len(DEFAULT_LISTENERS)
+    assert len(result.listeners) == len(PAPER_LISTENERS)
     names = sorted(obj.name for obj in scene.objects)
     with suspended():
         second = build_sample(name)
@@ -81,7 +81,7 @@ def test_built_twice_is_identical_and_has_what_tracing_and_a_picture_need(name):
     assert [m.name for m in bpy.data.materials if re.search(r"\.\d{3}$", m.name)] == []
     haptic = [obj for obj in scene.objects if obj.haptics.enabled]
     listeners = {obj.haptics.listener.body_part: obj for obj in scene.objects if obj.haptics.listener.enabled}
-    assert set(listeners) == set(DEFAULT_LISTENERS)
+    assert set(listeners) == set(PAPER_LISTENERS)
     assert all(obj.type == "EMPTY" and obj.parent in haptic for obj in listeners.values())
     assert scene.camera is not None
     assert {obj.type for obj in scene.objects} >= {"MESH", "EMPTY", "CAMERA", "LIGHT"}

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from haptic_tracing.core.perception import dominant_frequency, sensation_level
-from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
+from haptic_tracing.core.scene.body import PAPER_LISTENERS
 from haptic_tracing.sample_scenes import domino_wall, hammer_nail, mine_ride, sliding_and_rolling
 
 RELATIVE = 1e-5  # Blender keeps positions and properties in single precision
@@ -172,7 +172,7 @@ def test_walls_of_stone_wood_and_ribbons_differ_by_tracing_alone(build, results)
         found = []
         for number in (0, 3, 6):
             frame = mine_ride.wall_frame(number)
-            total = np.zeros(len(DEFAULT_LISTENERS))
+            total = np.zeros(len(PAPER_LISTENERS))
             for result in results(scene, frame, frame + 9):
                 total = np.maximum(total, result.gains.sum(axis=0))
             assert total.max() > 0.05

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from haptic_tracing.core.scene.body import BODY_PART, BODY_PARTS, DEFAULT_LISTENERS, body_part
+from haptic_tracing.core.scene.body import BODY_PART, BODY_PARTS, PAPER_LISTENERS, body_part
 
 # Bits of OHMData.h in MPEGGroup/HapticReferenceSoftware.
 # On each side: ear 0x4, chest 0x10, then every second bit from the upper arm to the toes; the left one is the right one shifted by 1.
@@ -33,7 +33,7 @@ STUDY = {
 
 def test_there_are_25_parts_with_unique_names_and_the_ten_of_the_study():
     assert len(BODY_PARTS) == len(BODY_PART) == 25
-    assert set(DEFAULT_LISTENERS) == set(STUDY)
+    assert set(PAPER_LISTENERS) == set(STUDY)
     for name, (mask, target) in STUDY.items():
         assert (body_part(name).mpeg_mask, body_part(name).mpeg_target) == (mask, target)
 

@@ -18,7 +18,7 @@ def kinds(mapping, listener):
     return sorted(loss.kind for loss in mapping.losses if loss.listener == listener)
 
 
-def test_the_ten_default_listeners_on_a_dualsense():
+def test_the_twelve_default_listeners_on_a_dualsense():
     mapping = map_listeners(DEFAULT, {"pad": profile("dualsense")})
     weights = mapping.weights["pad"]
     assert weights[:, mapping.listeners.index("hand.L")].tolist() == [1.0, 0.0]

@@ -8,7 +8,7 @@ import jsonschema
 import pytest
 from haptic_tracing.core.devices.families.registry import FAMILIES
 from haptic_tracing.core.devices.profiles import BUILT_IN, Calibration, load_profiles, parse_profile, profile
-from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
+from haptic_tracing.core.scene.body import PAPER_LISTENERS
 
 SCHEMA = json.loads((BUILT_IN.parent / "device.schema.json").read_text())
 FILES = sorted(BUILT_IN.glob("*.json"))
@@ -20,7 +20,7 @@ def test_built_in_profiles_are_valid_and_named_like_their_file(file):
     jsonschema.Draft7Validator(SCHEMA).validate(json.loads(file.read_text()))
     loaded = parse_profile(file.read_text())
     assert loaded.name == file.stem
-    assert all(part in DEFAULT_LISTENERS for actuator in loaded.actuators for part in actuator.body_parts)
+    assert all(part in PAPER_LISTENERS for actuator in loaded.actuators for part in actuator.body_parts)
     assert {channel.name for actuator in loaded.actuators for channel in actuator.channels} <= set(loaded.family.channels)
     for actuator in loaded.actuators:
         takes = [channel.takes for channel in actuator.channels]

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
-from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
+from haptic_tracing.core.scene.body import PAPER_LISTENERS
 
 RATE = 8000
 
@@ -30,10 +30,10 @@ def study_tracks(seconds=5.0):
     """Ten listeners on a bench: a jackhammer through the ground, and crates that fall; each feels it as strongly as the way allows."""
     times = [0.5, 0.708, 0.917, 1.125, 1.333]
     hammer, crates = jackhammer(seconds), impact_samples(seconds, times)
-    gains = np.geomspace(0.03, 0.4, len(DEFAULT_LISTENERS))
+    gains = np.geomspace(0.03, 0.4, len(PAPER_LISTENERS))
     listeners = tuple(
         ListenerTrack(name, name, np.column_stack([times, np.full(len(times), gain * 0.8)]))
-        for name, gain in zip(DEFAULT_LISTENERS, gains, strict=True)
+        for name, gain in zip(PAPER_LISTENERS, gains, strict=True)
     )
     return Tracks(listeners, RATE, gains[:, None] * (0.5 * hammer + 0.8 * crates))
 

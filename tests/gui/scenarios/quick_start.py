@@ -5,7 +5,7 @@ import bpy
 
 def roles() -> dict[str, bool]:
     haptics = bpy.context.scene.objects["Cube"].haptics
-    return {"haptic": haptics.enabled, "source": haptics.source.enabled, "listeners": len(bpy.context.scene.objects) == 13}
+    return {"haptic": haptics.enabled, "source": haptics.source.enabled, "listeners": len(bpy.context.scene.objects) == 15}
 
 
 def steps(window):
@@ -27,4 +27,4 @@ def steps(window):
     yield from window.press("SPACE")
     yield from window.screenshot("felt")
     result = window.module("addon.session.session").result_of(bpy.context.scene)
-    window.seen["ten listeners feel it"] = result.gains.shape == (1, 10) and bool((result.gains > 0).all())
+    window.seen["twelve listeners feel it"] = result.gains.shape == (1, 12) and bool((result.gains > 0).all())
