@@ -1,1 +1,1 @@
-"""Edits that several operators share: materials, body listeners, signals."""
+"""Edits shared by several operators: materials, body listeners, signals."""

@@ -35,7 +35,7 @@ _FEET = 0.05
 
 
 def listeners_on(body: Object) -> dict[str, Object]:
-    """The listeners that a body or armature carries, by body part."""
+    """The listeners of a body or armature, by body part."""
     return {child.haptics.listener.body_part: child for child in body.children if child.haptics.listener.enabled}
 
 
@@ -64,7 +64,7 @@ def bones_of(armature: Object) -> list[Bone]:
 def place_on_bones(armature: Object, parts: Sequence[BodyPart], collection: Collection) -> list[BodyPart]:
     """Place empties as listeners, each parented to the bone of its part. Returns the parts without a bone.
 
-    Raises ValueError where it is not the armature of a body.
+    Raises ValueError if it is not the armature of a body.
     """
     found: Mapping[str, Place] = places(bones_of(armature), parts)
     for part in parts:
@@ -82,7 +82,7 @@ def posed(armature: Object, bone: str, rest: Vector) -> Vector:
 
 
 def add_listener(part: BodyPart, name: str, collection: Collection) -> Object:
-    """Add a listener as an empty, drawn as the bounding volume of the part."""
+    """Add a listener as an empty, displayed as the bounding volume of the part."""
     empty = bpy.data.objects.new(name, None)
     collection.objects.link(empty)
     empty.empty_display_type = "SPHERE"
@@ -95,7 +95,7 @@ def add_listener(part: BodyPart, name: str, collection: Collection) -> Object:
 
 
 def attach(obj: Object, parent: Object, bone: str, place: Vector) -> None:
-    """Parent an object, to a bone where one is named, and put it at ``place`` in the world, neither turned nor scaled."""
+    """Parent an object, to ``bone`` unless that is "", and move it to the world position ``place`` without rotation and scale."""
     carried = parent.matrix_world
     obj.parent = parent
     if bone:
@@ -106,7 +106,7 @@ def attach(obj: Object, parent: Object, bone: str, place: Vector) -> None:
 
 
 def armature_of(obj: Object) -> Object | None:
-    """The object itself where it is an armature, else the armature that deforms it."""
+    """The object itself if it is an armature, else the armature that deforms it."""
     if obj.type == "ARMATURE":
         return obj
     return obj.find_armature() if obj.type == "MESH" else None
@@ -119,7 +119,7 @@ def skins(armature: Object) -> list[Object]:
 
 
 def mirrored(listener: Object) -> Object:
-    """The listener's partner on the other side of the body, with its settings; made where there is none."""
+    """The listener's partner on the other side of the body, with its settings; created if there is none."""
     part = BODY_PART[listener.haptics.listener.body_part]
     other = BODY_PART[part.mirror]
     parent = listener.parent
@@ -139,7 +139,7 @@ def mirrored(listener: Object) -> Object:
 
 
 def _other_bone(parent: Object, listener: Object) -> str:
-    """The bone on the other side; the same where it has no partner."""
+    """The bone on the other side; the same if it has no partner."""
     if listener.parent_type != "BONE":
         return ""
     return partner(listener.parent_bone, (bone.name for bone in parent.data.bones))

@@ -19,7 +19,7 @@ def spread_all_around(haptics: Any, radius: float) -> None:
     """Give a medium spherical spreading without loss: at a distance d [m], the gain is ``radius`` / (``radius`` + d)."""
     haptics.function, haptics.wave, haptics.reference_distance = "physical", "solid", radius
     haptics.loss_factor = haptics.absorption = haptics.extent = 0.0
-    haptics.material_k = (1.0 - haptics.kappa) * haptics.rho  # so that a decay that is set later counts as it is
+    haptics.material_k = (1.0 - haptics.kappa) * haptics.rho  # so that a decay set later is not scaled
 
 
 def preset_values(material: Material) -> dict[str, object]:
@@ -28,14 +28,14 @@ def preset_values(material: Material) -> dict[str, object]:
         "kappa": material.kappa,
         "rho": material.rho,
         "wave_speed": material.wave_speed,
-        "use_bands": False,  # at first the paper's function alone, whose gains the overlay shows; delays cost time to trace, too
+        "use_bands": False,  # initially only the paper's function, whose gains the overlay shows; delays also slow down tracing
         "band_decays": material.band_decays,
         "conductivity": material.conductivity,
     }
 
 
 def preset_in(scene: Scene, material: Material) -> HapticMaterial:
-    """The library's material with the preset's title, added where there is none."""
+    """The library's material with the preset's title, added if missing."""
     return scene.haptics.materials.items.get(material.title) or add_material(scene, material.title, preset_values(material))
 
 

@@ -15,7 +15,7 @@ class SourceSignal:
     amplitude: float = 1.0
 
 
-# Typical blows or turns per second of machines, within the range that skin feels.
+# Typical strokes or revolutions per second of machines, within the tactile range.
 _SIGNALS = (
     (SourceSignal("PULSE", 25.0), "jackhammer pneumatic breaker presslufthammer"),
     (SourceSignal("PULSE", 45.0), "drill hammerdrill bohrer chisel woodpecker"),

@@ -23,8 +23,8 @@ _rpt = bpy.app.translations.pgettext_rpt
 def bake_job(scene: Scene) -> Job:
     """The bake of a scene's range. Until the last frame is traced the scene is unchanged, and cancelling restores its frame.
 
-    Raises ValueError, with a message for the user, where the range is empty; the steps do where a frame can't be traced, where nothing
-    is felt, and where the track would be too large.
+    Raises ValueError, with a message for the user, if the range is empty; the steps raise it if a frame cannot be traced, if there is no
+    listener, and if the track would be too large.
     """
     first, last = wanted_range(scene)
     if last < first:
@@ -41,7 +41,7 @@ def bake_job(scene: Scene) -> Job:
 
 
 def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generator[None, None, None]:
-    """Bake; ``warnings`` gets what could not be done."""
+    """Bake; ``warnings`` collects what could not be done."""
     recorder = TrackRecorder()
     digest = digest_of(scene)
     frame_duration = scene.render.fps_base / scene.render.fps

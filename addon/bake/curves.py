@@ -18,8 +18,8 @@ _LINEAR = 1
 
 
 def write_curves(scene: Scene, track: HapticTrack, index: int) -> bool:
-    """Write the F-curves of listener number ``index``; the key of a frame is what is felt up to that frame. False where the listener is
-    gone or linked from a library."""
+    """Write the F-curves of listener number ``index``; the key of a frame covers the samples up to that frame. Returns False if the
+    listener is missing or linked from a library."""
     obj = _object(scene, track.listeners[index].name)
     if obj is None or not obj.is_editable:
         return False
@@ -37,7 +37,7 @@ def remove_curves(scene: Scene) -> None:
 
 
 def felt(track: HapticTrack, index: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Intensity and frequency (hertz) of a listener at every frame; where nothing is felt the frequency keeps its last value."""
+    """Intensity and frequency (hertz) of a listener at every frame; in silence the frequency keeps its last value."""
     count = track.frame_count
     intensity, frequency = np.zeros(count), np.zeros(count)
     if count > 1 and track.samples.shape[1]:

@@ -1,4 +1,4 @@
-"""Playback of a baked scene, whose frames come from the track, and whether the track still fits the scene."""
+"""Playback of a baked scene, whose frames come from the track, and comparison of the track with the scene."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def plays(scene: Scene) -> bool:
 
 
 def play(scene: Scene) -> bool:
-    """Show the current frame from the track. False where that is not wanted or the frame was not baked."""
+    """Show the current frame from the track. Returns False if playback of the track is off or the frame was not baked."""
     if not plays(scene):
         return False
     started = time.perf_counter()
@@ -60,7 +60,7 @@ def play(scene: Scene) -> bool:
 
 
 def keep_up(scene: Scene) -> bool:
-    """Show the current frame of the track after an edit, undo or redo. False where the frame is not played from the track."""
+    """Show the current frame of the track after an edit, undo or redo. Returns False if the frame is not played from the track."""
     if not plays(scene):
         return False
     result = session.result_of(scene)
@@ -73,16 +73,16 @@ def is_from_track(result: FrameResult | None, frame: int) -> bool:
 
 
 def show_current(scene: Scene) -> None:
-    """Show the current frame anew after the choice between track and tracing has changed."""
+    """Show the current frame again after switching between track and tracing."""
     revisions.mark_changed()
     play(scene)
     redraw_viewports()
 
 
 def known_stale_reasons(scene: Scene) -> tuple[str, ...] | None:
-    """What has changed since the bake, as far as it is known; None before the first comparison.
+    """The changes since the bake found by the last comparison; None before the first one.
 
-    For draw callbacks: where something has been edited since, scene and track are compared after the redraw, with pauses in between.
+    For draw callbacks: after an edit, scene and track are compared after the redraw, with pauses between comparisons.
     """
     known = _compared.get(scene.session_uid)
     if known is not None and known.stamp != storage.stamp(scene):
@@ -105,7 +105,7 @@ def _compare_shown() -> None:
 
 
 def stale_reasons(scene: Scene) -> tuple[str, ...]:
-    """What has changed since the bake, in words; () where nothing has, or where there is no track."""
+    """Sentences about the changes since the bake; () without changes or without a track."""
     track = storage.track_of(scene)
     if track is None:
         return ()
@@ -117,7 +117,7 @@ def stale_reasons(scene: Scene) -> tuple[str, ...]:
 
 
 def compare(scene: Scene, track: HapticTrack) -> tuple[Change, ...]:
-    """What differs between a scene and what was baked of it."""
+    """The differences between a scene and its baked track."""
     first, last = wanted_range(scene)
     found = changes(track.digest, digest_of(scene))
     if first < track.frame_start or last > track.frame_end:
@@ -126,7 +126,7 @@ def compare(scene: Scene, track: HapticTrack) -> tuple[Change, ...]:
 
 
 def fitting_track(scene: Scene, start: int, end: int) -> HapticTrack | None:
-    """The scene's baked track where it has the frames and nothing has changed since it was made."""
+    """The scene's baked track if it contains the frames and nothing has changed since the bake."""
     track = storage.track_of(scene)
     if track is None or start < track.frame_start or end > track.frame_end or compare(scene, track):
         return None
@@ -140,7 +140,7 @@ def wanted_range(scene: Scene) -> tuple[int, int]:
 
 
 def forget() -> None:
-    """Drop what is known of tracks, as another file is loaded or the add-on ends."""
+    """Drop all state of tracks, because another file is loaded or the add-on is disabled."""
     storage.forget()
     _compared.clear()
     _to_compare.clear()

@@ -27,7 +27,7 @@ _CHUNK = 1 << 18
 def add_strip(scene: Scene, track: HapticTrack) -> Any:
     """Add the sound strip on the lowest free channel, in place of an earlier one. Returns the strip.
 
-    Raises ValueError where this Blender was built without sound.
+    Raises ValueError if Blender was built without sound.
     """
     channel = remove_strip(scene)
     editor = scene.sequence_editor or scene.sequence_editor_create()
@@ -49,7 +49,7 @@ def add_strip(scene: Scene, track: HapticTrack) -> Any:
 
 
 def remove_strip(scene: Scene) -> int:
-    """Remove the strip of an earlier bake, and its sound where nothing else uses it. Returns the strip's channel, or 0."""
+    """Remove the strip of an earlier bake, and its sound if nothing else uses it. Returns the strip's channel, or 0."""
     sound = scene.haptics.bake.sound
     channel = 0
     if sound is None:
@@ -66,7 +66,8 @@ def remove_strip(scene: Scene) -> int:
 
 
 def write_stereo(track: HapticTrack, path: Path) -> None:
-    """Write a 16-bit WAV file: each channel is the sum of the listeners of its side, those in the middle are on both, at full scale."""
+    """Write a 16-bit WAV file: each channel is the sum of the listeners of its side, with those in the middle on both, scaled down if it
+    would clip."""
     sides = np.array([_sides(item.body_part) for item in track.listeners], dtype=np.float64).reshape(-1, 2)
     weights = sides / np.sqrt(np.maximum((sides**2).sum(axis=0), 1.0))
     pieces = [_mixed(track.samples[:, first : first + _CHUNK], weights) for first in range(0, max(track.samples.shape[1], 1), _CHUNK)]

@@ -1,5 +1,5 @@
-"""Storage of a track, as bytes in a property of a text datablock of the scene. A text is saved with the file, shared by nothing that
-Blender evaluates, and says to whoever opens it what it is."""
+"""Storage of a track, as bytes in a property of a text datablock of the scene. A text is saved with the file, does not affect Blender's
+evaluation, and explains its content to a reader."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ def drop(scene: Scene) -> None:
 
 
 def track_of(scene: Scene) -> HapticTrack | None:
-    """The scene's track; None where there is none, or none that can be read."""
+    """The scene's track; None if there is none, or none that can be read."""
     return track_in(scene.haptics.bake.track)
 
 
 def track_in(text: Text | None) -> HapticTrack | None:
-    """The track in a text; None where there is none, or none that can be read."""
+    """The track in a text; None if there is none, or none that can be read."""
     return _kept(text)[0]
 
 
@@ -56,7 +56,7 @@ def trouble(scene: Scene) -> str:
 
 
 def stamp(scene: Scene) -> str:
-    """Identifier of the scene's bake, different for each; "" where there is none."""
+    """Identifier of the scene's bake, different for each; "" if there is none."""
     return stamp_of(scene.haptics.bake.track)
 
 
@@ -67,7 +67,7 @@ def stamp_of(text: Text | None) -> str:
 
 
 def forget() -> None:
-    """Drop what was read."""
+    """Drop all cached tracks."""
     _read.clear()
 
 

@@ -1,4 +1,4 @@
-"""Takes: bakes kept under a name, one of which is played, and how they differ."""
+"""Takes: bakes stored under a name, one of which is played, and their differences."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from .track import HapticTrack
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """The RMS levels [dB of full scale] of a listener over all of two takes, minus infinity for silence; nan where it is not in one."""
+    """The RMS levels [dB of full scale] of a listener over the whole of two takes, minus infinity for silence; NaN for a take without the
+    listener."""
 
     listener: str
     here: float
@@ -28,7 +29,7 @@ _kept: dict[int, Background[tuple[Difference, ...]]] = {}  # by session id of th
 
 
 def keep(scene: Scene) -> None:
-    """Keep the scene's bake as a take, where it is none yet."""
+    """Store the scene's bake as a take, unless it is one already."""
     bake = scene.haptics.bake
     if bake.track is not None and all(take.track != bake.track for take in bake.takes):
         take = bake.takes.add()
@@ -38,7 +39,7 @@ def keep(scene: Scene) -> None:
 
 
 def play(scene: Scene, index: int) -> None:
-    """Play a take from the current frame on; the one played before is kept, and compared with."""
+    """Play a take from the current frame on; the one played before is kept for comparison."""
     keep(scene)
     bake = scene.haptics.bake
     if bake.track != bake.takes[index].track:
@@ -48,7 +49,7 @@ def play(scene: Scene, index: int) -> None:
 
 
 def differences(scene: Scene) -> Latest[tuple[Difference, ...]] | None:
-    """How the take that is played differs from the one played before, without waiting; None before it is known."""
+    """The differences between the current take and the one played before, without waiting; None before they are known."""
     texts = scene.haptics.bake.track, scene.haptics.bake.compared
     here, there = (storage.track_in(text) for text in texts)
     if here is None or there is None:

@@ -1,7 +1,7 @@
-"""The haptic track: what every listener feels in every frame of a range, as plain values that can be kept in a file.
+"""The haptic track: the signals of all listeners over a range of frames, as plain values that can be stored in a file.
 
-No Blender here. As bytes: `MAGIC`, the version, the length of the header, the header as JSON, then the arrays one after the other, each
-packed by zlib. Everything read from a file is checked before it is used.
+Independent of Blender. The bytes are `MAGIC`, the version, the length of the header, the header as JSON, then the arrays in order, each
+compressed by zlib. Everything read from a file is validated.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ MAX_FRAMES, MAX_LISTENERS, MAX_SOURCES, MAX_HEADER = 1_000_000, 1_000, 100_000, 
 
 
 class TrackError(ValueError):
-    """Bytes that are not a haptic track, or one of a later version."""
+    """Error for bytes that are not a haptic track, or one of a later version."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class TrackListener:
 
 @dataclass(frozen=True, slots=True)
 class TrackSource:
-    """A source that was felt; ``second_object`` is the other object of an impact."""
+    """A source that reached a listener; ``second_object`` is the other object of an impact."""
 
     name: str
     object: str
@@ -80,9 +80,9 @@ class HapticTrack:
     """Frames ``frame_start`` to ``frame_start + f - 1``, ``frame_duration`` seconds each, the first at ``start`` seconds.
 
     ``samples`` (l, n) int16 at ``sample_rate``, the first is sample number ``first_sample`` of the scene; frame k has
-    ``offsets[k] : offsets[k + 1]`` of them. ``places`` (f, l, 3): where the listeners are [m]. ``rows[k] : rows[k + 1]`` are the sources
-    that sound in frame k: ``row_source`` (r,) their number, ``row_amplitude`` (r,), ``row_place`` (r, 3), ``row_gain`` (r, l) amplitude
-    included. ``digest``: what was baked, see `digest`.
+    ``offsets[k] : offsets[k + 1]`` of them. ``places`` (f, l, 3): positions of the listeners [m]. ``rows[k] : rows[k + 1]`` are the sources
+    active in frame k: ``row_source`` (r,) their number, ``row_amplitude`` (r,), ``row_place`` (r, 3), ``row_gain`` (r, l) including the
+    amplitude. ``digest``: checksums of the baked scene, see `digest`.
     """
 
     frame_start: int
@@ -126,7 +126,7 @@ class HapticTrack:
         return self.samples[:, max(last - round(seconds * self.sample_rate), 0) : last].astype(np.float64) / FULL_SCALE
 
     def result(self, frame: int) -> FrameResult | None:
-        """A frame as if it had just been traced, without contacts and paths; None outside the range."""
+        """The result of a frame, without contacts and paths; None outside the range."""
         k = frame - self.frame_start
         if not 0 <= k < self.frame_count:
             return None
@@ -345,7 +345,7 @@ class TrackRecorder:
         self._row_counts.append(len(result.sources))
 
     def track(self, digest: Mapping[str, Any], frame_duration: float) -> HapticTrack:
-        """The track of all recorded frames. Raises ValueError where there are none."""
+        """The track of all recorded frames. Raises ValueError if there are none."""
         if self._first is None:
             raise ValueError("There is no frame to keep")
         listeners = self._first.listeners
@@ -371,7 +371,7 @@ class TrackRecorder:
 
 
 def check_size(listeners: int, frames: int, frame_duration: float, sample_rate: float) -> None:
-    """Raises ValueError where a track would be larger than `MAX_BYTES`."""
+    """Raise ValueError if a track would be larger than `MAX_BYTES`."""
     size = 2 * listeners * frames * frame_duration * sample_rate
     if size > MAX_BYTES or frames > MAX_FRAMES or listeners > MAX_LISTENERS:
         raise ValueError(

@@ -15,7 +15,7 @@ _kept: dict[int, Background[Waves | None]] = {}  # by session id of the scene
 
 
 def waves_of(scene: Scene) -> Waves | None:
-    """The waves of the track that is played, without waiting; None where there is none, or none yet."""
+    """The waves of the track that is played, without waiting; None if there are none yet."""
     bake = scene.haptics.bake
     track = storage.track_of(scene) if bake.use_track and bake.track is not None else None
     if track is None:
@@ -26,7 +26,7 @@ def waves_of(scene: Scene) -> Waves | None:
 
 
 def computed(track: HapticTrack) -> Waves | None:
-    """The waves of a track; None where it has no samples."""
+    """The waves of a track; None if it has no samples."""
     if not track.samples.size:
         return None
     origin = track.frame_start + (track.first_sample / track.sample_rate - track.start) / track.frame_duration

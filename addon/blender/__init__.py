@@ -1,1 +1,1 @@
-"""What Blender lacks or does differently from version to version."""
+"""Helpers for Blender: differences between versions, jobs, handlers, texts."""

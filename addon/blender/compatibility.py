@@ -1,4 +1,4 @@
-"""What differs between Blender 4.2 and 5.2, by feature, in one place."""
+"""Differences between Blender 4.2 and 5.2, by feature."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ import bpy
 
 
 def can_draw_off_screen() -> bool:
-    """True where the GPU can be started without a window (Blender 5.2 on)."""
+    """True if the GPU can be initialised without a window (Blender 5.2 on)."""
     import gpu
 
     return hasattr(gpu, "init")
 
 
 def eevee_engine() -> str:
-    """The identifier of EEVEE, which was BLENDER_EEVEE_NEXT for a while."""
+    """The identifier of EEVEE, which was BLENDER_EEVEE_NEXT in some versions."""
     items = bpy.types.RenderSettings.bl_rna.properties["engine"].enum_items
     return "BLENDER_EEVEE_NEXT" if "BLENDER_EEVEE_NEXT" in items else "BLENDER_EEVEE"
 
 
 _TRANSFORMS = ("location", "rotation_", "scale", "delta_", "hide_")
-"""Beginnings of data paths of transforms, whose animation shows in the matrix."""
+"""Prefixes of data paths of transforms, whose animation is visible in the matrix."""
 
 
 def animated_paths(datablock: Any) -> tuple[str, ...] | None:
-    """The data paths, other than of its transform and visibility, that an action or drivers may change of the datablock; None where the NLA
-    may change any."""
+    """The data paths, other than of its transform and visibility, that an action or drivers may animate; None if the NLA may animate
+    any."""
     data = datablock.animation_data
     if data is None:
         return ()
@@ -38,7 +38,7 @@ def animated_paths(datablock: Any) -> tuple[str, ...] | None:
 
 
 def fcurves_of(datablock: Any) -> list[Any]:
-    """The F-curves that animate the datablock through its action: those of its slot where actions have slots (Blender 4.4 on)."""
+    """The F-curves that animate the datablock through its action: those of its slot in versions with slotted actions (Blender 4.4 on)."""
     data = datablock.animation_data
     if data is None or data.action is None:
         return []
@@ -63,7 +63,7 @@ def remove_fcurves(datablock: Any, data_paths: Collection[str]) -> None:
 
 
 def ensure_fcurve(datablock: Any, data_path: str, group: str = "", index: int = 0) -> Any:
-    """The F-curve of a property in the datablock's action; both are made where there are none."""
+    """The F-curve of a property in the datablock's action; both are created if missing."""
     if datablock.animation_data is None:
         datablock.animation_data_create()
     data = datablock.animation_data
@@ -81,7 +81,7 @@ STRIPS = "strips" if "strips" in bpy.types.SequenceEditor.bl_rna.properties else
 
 
 def strips_of(editor: Any) -> Any:
-    """All strips of the sequencer; they were called sequences."""
+    """All strips of the sequencer; called sequences in earlier versions."""
     return getattr(editor, STRIPS)
 
 

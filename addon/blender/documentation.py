@@ -1,4 +1,4 @@
-"""The documentation that the extension carries, a page of HTML each, and what F1 and *Online Manual* open of it."""
+"""The extension's documentation as HTML pages, and the pages that F1 and *Online Manual* open."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ _PAGES = {
     "formats": "types.hapticgltf ops.import_scene.haptic ops.export_scene.haptic",
     **{f"panels/{kind}": f"types.haptic{kind}" for kind in ("listener", "object")},
 }
-"""Pages, and how the lower-case names of their operators and properties begin, with wildcards; the first that fits counts."""
+"""Pages with patterns of the lower-case names of their operators and properties; the first match counts."""
 
 
 @cache
 def page_url(page: str) -> str:
-    """The address of a page ("panels/bake"); of its source where the extension was not built into a zip."""
+    """The address of a page ("panels/bake"); that of its source if the extension does not run from a zip."""
     path = _ROOT / "manual" / f"{page}.html"
     return (path if path.is_file() else _ROOT / "docs" / f"{page}.md").as_uri()
 
 
 def manual_map() -> tuple[str, tuple[tuple[str, str], ...]]:
-    """For `bpy.utils.register_manual_map`."""
+    """The manual map for `bpy.utils.register_manual_map`."""
     return "", tuple((f"bpy.{name}*", page_url(page)) for page, names in _PAGES.items() for name in names.split())

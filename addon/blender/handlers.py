@@ -14,7 +14,7 @@ def add(handlers: Mapping[str, Callable[..., None]]) -> None:
 
 
 def remove(handlers: Mapping[str, Callable[..., None]]) -> None:
-    """Remove the handlers that are there."""
+    """Remove those of the handlers that are present."""
     for event, handler in handlers.items():
         present = getattr(bpy.app.handlers, event, [])
         if handler in present:

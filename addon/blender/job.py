@@ -1,4 +1,4 @@
-"""Long work, in steps between the events of Blender's window with a progress bar, cancelled by ESC, or all at once without a window."""
+"""Long jobs: in steps between the events of Blender's window, with a progress bar and cancelled by ESC, or at once without a window."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ _iface, _rpt = bpy.app.translations.pgettext_iface, bpy.app.translations.pgettex
 BUDGET = 0.1
 """Seconds of work between two rounds of events."""
 WAIT = 0.02
-"""Seconds of waiting for the writing between two rounds of events."""
+"""Seconds of waiting for the writing thread between two rounds of events."""
 LINE = 60
-"""Characters of a line of a question."""
+"""Characters per line of a question."""
 
 Report = tuple[set[str], str]
 
 
 class Cancelled(Exception):
-    """A job was cancelled."""
+    """Raised when a job was cancelled."""
 
 
 class Job:
-    """Steps in Blender's thread, then writing in another: ``work`` yields ``total`` times, ``finish`` returns what to report.
+    """Steps in Blender's thread, then writing in another: ``work`` yields ``total`` times, ``finish`` returns the reports.
 
-    ``finish`` gets the job, for `progress` and `ask`, and does not touch Blender's data. Nothing is written before it, so that a cancelled
+    ``finish`` gets the job, for `progress` and `ask`, and does not access Blender's data. Nothing is written before it, so that a cancelled
     job leaves no files.
     """
 
@@ -53,20 +53,20 @@ class Job:
 
     @property
     def factor(self) -> float:
-        """How much of the steps or, after the last, of the writing is done, 0 to 1."""
+        """Progress of the steps or, after the last one, of the writing, 0 to 1."""
         return min(self.done / self.total, 1.0) if self._writing is None else self._written
 
     @property
     def state(self) -> str:
-        """What is being done, in words."""
+        """Description of the current activity."""
         if self._writing is None:
             return _iface("{}: {} of {}").format(_iface(self.label), min(self.done, self.total), self.total)
         return _iface("Writing")
 
     def advance(self, seconds: float) -> list[Report] | None:
-        """Work for this many seconds, at least one step. Returns None where there is more to do.
+        """Work for this many seconds, at least one step. Returns None if there is more to do.
 
-        Raises what the work raises, and `Cancelled`.
+        Raises the exceptions of the work, and `Cancelled`.
         """
         if self._writing is None:
             if self._cancelled.is_set():
@@ -88,13 +88,13 @@ class Job:
             result.set_exception(error)
 
     def progress(self, factor: float) -> None:
-        """Note how much is written. Raises `Cancelled`."""
+        """Set the progress of the writing, 0 to 1. Raises `Cancelled`."""
         if self._cancelled.is_set():
             raise Cancelled
         self._written = factor
 
     def ask(self, question: Iterable[str]) -> bool:
-        """Wait for the answer to a question of some lines; yes where nobody can be asked."""
+        """Ask a question of several lines and wait for the answer; True without a user."""
         if not self.asks:
             return True
         self.question = tuple(question)
@@ -102,17 +102,17 @@ class Job:
         return self._consent
 
     def answer(self, consent: bool) -> None:
-        """Answer the question that waits."""
+        """Answer the pending question."""
         self.question, self._consent = (), consent
         self._answered.set()
 
     def cancel(self) -> None:
-        """Cancel, without waiting for the writing; the work restores what it changed."""
+        """Cancel, without waiting for the writing; the work restores its changes."""
         self._cancelled.set()
         self.answer(False)
         close = getattr(self._work, "close", None)
         if close is not None:
-            with suppress(ReferenceError):  # the scene may be gone
+            with suppress(ReferenceError):  # the scene may have been removed
                 close()
 
 
@@ -132,14 +132,14 @@ def running() -> Job | None:
 
 
 def poll_idle(cls: type[Operator]) -> bool:
-    """True where no job runs in the window."""
+    """True if no job runs in the window."""
     if _state.running is not None:
         cls.poll_message_set("Wait for the running job, or press Esc to cancel it")
     return _state.running is None
 
 
 def run(operator: Operator, context: Context, job: Job) -> set[str]:
-    """Run a job for an operator: in steps where a user waits at a window, else at once. ValueError and OSError are reported."""
+    """Run a job for an operator: in steps if there is a window, else at once. ValueError and OSError are reported."""
     if operator.options.is_invoke and not bpy.app.background and context.window is not None and job.total > 1:
         if _state.running is not None:
             operator.report({"ERROR"}, _rpt("{} is not done yet").format(_state.running.label))
@@ -196,7 +196,7 @@ class HAPTIC_OT_run_job(Operator):
         if event.type == "ESC":
             _state.running.cancel()
         elif event.type != "TIMER":
-            return {"RUNNING_MODAL"}  # nothing else happens while the frames are stepped
+            return {"RUNNING_MODAL"}  # blocks all other events while the frames are stepped
         if _state.running.question:
             if not self._asked:
                 self._asked = True
@@ -228,7 +228,7 @@ class HAPTIC_OT_run_job(Operator):
         return {"FINISHED"}
 
     def cancel(self, context: Context) -> None:
-        """End the job, in whatever way; also called by Blender when the window closes."""
+        """Clean up after the job; also called by Blender when the window closes."""
         if _state.running is not None:
             _state.running.cancel()
             _state.running = None
@@ -275,7 +275,7 @@ def draw_status(header: Header, context: Context) -> None:
 
 
 def draw_running(layout: bpy.types.UILayout) -> bool:
-    """Draw the progress of the job that runs in the window. False where there is none."""
+    """Draw the progress of the job that runs in the window. Returns False if there is none."""
     if _state.running is None:
         return False
     layout.progress(factor=_state.running.factor, text=_state.running.state)
@@ -291,7 +291,7 @@ def _redraw(manager: WindowManager) -> None:
 
 
 def stop() -> None:
-    """Cancel the running job, as the add-on is disabled."""
+    """Cancel the running job, because the add-on is disabled."""
     if bpy.app.timers.is_registered(_start):
         bpy.app.timers.unregister(_start)
     if _state.running is not None:

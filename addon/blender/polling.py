@@ -1,4 +1,4 @@
-"""What operators have in common: their options, poll functions, and how they refuse."""
+"""Base classes and poll functions of operators."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def editable(objects: Sequence[Object]) -> list[Object]:
 
 
 def linked_message(objects: Sequence[Object]) -> str:
-    """The message where nothing can be edited because everything is linked from a library; "" where something can."""
+    """The message if all objects are linked from a library; "" if any is editable."""
     if not objects or editable(objects):
         return ""
     return "These objects are linked from a library; make them local or override them first"
@@ -32,7 +32,7 @@ def poll_object_mode(cls: type[Operator], context: Context) -> bool:
 
 
 def poll_selected(cls: type[Operator], context: Context) -> bool:
-    """Object Mode, and something selected."""
+    """Object Mode, and at least one selected object."""
     if not poll_object_mode(cls, context):
         return False
     if not context.selected_objects:
@@ -42,7 +42,7 @@ def poll_selected(cls: type[Operator], context: Context) -> bool:
 
 
 def poll_active(cls: type[Operator], context: Context) -> bool:
-    """Object Mode, and an active object that can be edited."""
+    """Object Mode, and an editable active object."""
     if not poll_object_mode(cls, context):
         return False
     if context.object is None:
@@ -55,12 +55,12 @@ def poll_active(cls: type[Operator], context: Context) -> bool:
 
 
 class Refused(ValueError):
-    """Why an operator does nothing, which is reported as a warning, not as an error."""
+    """The reason for which an operator does nothing, reported as a warning, not as an error."""
 
 
 class Action:
-    """Mixin: an operator. Its name in Blender is that of its class, haptic.add_rule for HAPTIC_OT_add_rule, and ``apply`` is what it does:
-    ValueError and OSError are reported; what it returns, if anything, is what Blender gets."""
+    """Mixin: an operator. Its name in Blender is that of its class, haptic.add_rule for HAPTIC_OT_add_rule, and ``apply`` does its work:
+    ValueError and OSError are reported; a return value is passed to Blender."""
 
     bl_idname = ""
 
@@ -71,7 +71,7 @@ class Action:
             cls.bl_idname = f"{prefix.lower()}.{name}"
 
     def execute(self: Any, context: Context) -> set[str]:
-        """Do it."""
+        """Call ``apply`` and report its errors."""
         try:
             return self.apply(context) or {"FINISHED"}
         except (ValueError, OSError) as error:

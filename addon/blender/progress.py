@@ -1,4 +1,4 @@
-"""A progress bar at the mouse pointer for what takes longer than a moment."""
+"""Progress at the mouse pointer for loops over many items."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ MANY = 1000
 
 
 def show(part: float) -> None:
-    """The part, 0 to 1, that is done, at the mouse pointer."""
+    """Show the progress, 0 to 1, at the mouse pointer."""
     bpy.context.window_manager.progress_update(part)
 
 
 def progress(items: Sequence[Item]) -> Iterator[Item]:
-    """The items one by one, with a progress bar where they are many."""
+    """The items one by one, with progress at the mouse pointer if there are many."""
     if len(items) < MANY:
         yield from items
         return

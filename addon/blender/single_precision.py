@@ -1,4 +1,4 @@
-"""Numbers as an author typed them: Blender keeps its properties in single precision."""
+"""Decimal values of Blender's properties, which are stored in single precision."""
 
 from __future__ import annotations
 

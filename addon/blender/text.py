@@ -26,7 +26,7 @@ def text_width(words: str, size: float) -> float:
 
 
 def shortened(words: str, width: float, size: float, measure: Measure) -> str:
-    """A text of at most ``width`` pixels, its middle cut out where it is longer; "" where not even its ends fit."""
+    """A text of at most ``width`` pixels, shortened in the middle if it is longer; "" if not even its ends fit."""
     if measure(words, size) <= width:
         return words
     for count in range(len(words) - 1, 1, -1):

@@ -17,7 +17,7 @@ class Event:
         self._subscribers.append(subscriber)
 
     def unsubscribe(self, subscriber: Callable[..., None]) -> None:
-        """No longer call ``subscriber``; nothing where it is not subscribed."""
+        """No longer call ``subscriber``; no effect if it is not subscribed."""
         if subscriber in self._subscribers:
             self._subscribers.remove(subscriber)
 

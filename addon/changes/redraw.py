@@ -1,4 +1,4 @@
-"""Requests to draw parts of Blender's windows again."""
+"""Requests to redraw parts of Blender's windows."""
 
 from __future__ import annotations
 

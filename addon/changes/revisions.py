@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(slots=True)
 class _Revisions:
-    """How many changes there have been of each kind since the add-on was loaded."""
+    """Numbers of changes by kind since the add-on was loaded."""
 
     authored: int = 0
     edits: int = 0

@@ -11,7 +11,7 @@ from bpy.types import Scene
 
 @dataclass(slots=True)
 class _State:
-    """``depth``: of nested suspensions. ``stepped``: session ids of the scenes that the add-on steps through."""
+    """``depth``: number of nested suspensions. ``stepped``: session ids of the scenes that the add-on steps through."""
 
     depth: int = 0
     stepped: list[int] = field(default_factory=list)
@@ -41,13 +41,13 @@ def is_stepped(scene: Scene) -> bool:
 
 
 def steps_any() -> bool:
-    """True while the add-on steps through the frames of some scene."""
+    """True while the add-on steps through the frames of any scene."""
     return bool(_state.stepped)
 
 
 @contextmanager
 def stepped(scene: Scene) -> Iterator[None]:
-    """A context in which every frame of the scene is traced, whatever the preview settings, and edits are not."""
+    """A context in which every frame of the scene is traced, independent of the preview settings, and edits are not traced."""
     scene_id = scene.session_uid
     _state.stepped.append(scene_id)
     try:

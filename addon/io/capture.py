@@ -1,4 +1,4 @@
-"""Frames of a scene, stepped and traced one after the other, gathered into what is written."""
+"""Capture of a range of frames for export: the frames are stepped, traced and collected."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ class Capture:
         scene: The scene to capture.
         start: First frame.
         end: Last frame.
-        recorded: Whether the scene and what changes in it are captured.
+        recorded: Whether the scene and its changes are captured.
         felt: Whether the samples of the listeners are captured.
-        names: Names of the objects, sources and listeners to capture; None for all. All are traced in any case.
-        track: A baked track of the range to read the samples from instead of tracing; only where the scene itself is not captured.
+        names: Names of the objects, sources and listeners to capture; None for all. All are traced.
+        track: A baked track of the range to read the samples from instead of tracing; only if the scene itself is not captured.
     """
 
     def __init__(
@@ -61,13 +61,13 @@ class Capture:
 
     @property
     def frames(self) -> int:
-        """How many."""
+        """Number of frames."""
         return self.end - self.start + 1
 
     def steps(self) -> Iterator[int]:
-        """Trace the frames; each is yielded when it is done. When it ends or is closed, the scene's frame is what it was.
+        """Trace the frames; each is yielded after its trace. At the end or on closing, the scene's frame is restored.
 
-        Raises ValueError in words for a frame that can't be traced, and for an empty range.
+        Raises ValueError, with a message for the user, for a frame that cannot be traced, and for an empty range.
         """
         if self.frames < 1:
             raise ValueError(f"The frame range {self.start} to {self.end} is empty")
@@ -77,7 +77,7 @@ class Capture:
                 yield result.number
 
     def export(self, name: str) -> Export:
-        """All that was gathered, called ``name``."""
+        """The captured data as an export called ``name``."""
         tracks = self._tracks.tracks() if self._tracks is not None else None
         if tracks is not None and not tracks.listeners:
             tracks = None
@@ -95,12 +95,12 @@ class Capture:
             return
         for frame in range(self.start, self.end + 1):
             result = self._track.result(frame)
-            assert result is not None  # the track has the range
-            # What is heard at the first frame was felt on the way to it.
+            assert result is not None  # the track contains the range
+            # The samples of the first frame precede its time.
             yield replace(result, block=None) if frame == self.start else result
 
     def add(self, result: FrameResult) -> None:
-        """Add the frame in which the scene stands."""
+        """Add the scene's current frame."""
         if self._tracks is not None:
             self._tracks.add(result if self.names is None else felt_within(result, self.names))
         if self._recorder is None:
@@ -127,7 +127,7 @@ def felt_within(result: FrameResult, names: Collection[str]) -> FrameResult:
 
 
 def contacts_within(contacts: ContactSet, objects: Collection[str], names: Collection[str]) -> ContactSet:
-    """Those between objects of these names; ``objects`` are the names that ``contacts`` numbers."""
+    """The contacts between objects of these names; ``objects`` are the names by the numbers in ``contacts``."""
     inside = np.array([name in names for name in objects], dtype=np.bool_)
     if inside.all():
         return contacts
@@ -136,7 +136,7 @@ def contacts_within(contacts: ContactSet, objects: Collection[str], names: Colle
 
 
 def expected(scene: bpy.types.Scene, ranged: bool, collection: str = "") -> Export:
-    """What would be exported, without a sample: enough to say what a format can't carry."""
+    """The export without samples, which suffices to determine the losses of a format."""
     inside = bpy.data.collections.get(collection)
     objects = scene.objects if inside is None else inside.all_objects
     tagged = [obj for obj in objects if obj.haptics.listener.enabled]

@@ -1,7 +1,7 @@
-"""The devices of a scene file: what their actuators play, from listeners' choices, and as these.
+"""Conversion between the devices of a scene file, with the signals of their actuators, and the choices of listeners.
 
-A listener that is felt automatically is written with the actuators at its body part of all devices whose profile is known, so that others
-need not know how they are chosen; read again, the same choice is the automatic one.
+A listener with the automatic choice is written with the actuators at its body part of all devices with a known profile, so that readers
+need not implement the choice; when it is read again, the same actuators become the automatic choice.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from ..properties.actuators import AUTOMATIC, MUTED, choice_of, places_of
 from ..scene_reader.imported import imported_device, text_of
 
 ADJUSTED = ("gain", "floor", "curve", "ceiling", "offset")
-"""Properties of a device that stand in its extras, under `EXTRAS`, where they are not as they come."""
+"""Properties of a device that are written to its extras, under `EXTRAS`, if they differ from their defaults."""
 EXTRAS = "blender"
 
 
 def written_devices(scene: Scene, listeners: Sequence[Listener]) -> tuple[DeviceMapping, ...]:
-    """The devices that a scene knows of, in the order of their names, with what they play of ``listeners``."""
+    """The devices of a scene, ordered by name, with the ``listeners`` that their actuators play."""
     settings = scene.haptics.live_output.devices
     choices = {item.name: _choice(bpy.data.objects.get(item.name)) for item in listeners}
     named = {place.device for choice in choices.values() for place in places_of(choice) or ()}
@@ -55,7 +55,7 @@ def written_devices(scene: Scene, listeners: Sequence[Listener]) -> tuple[Device
 
 
 def take_devices(scene: Scene, devices: Sequence[DeviceMapping], listeners: Mapping[str, Object]) -> None:
-    """Make a scene know ``devices``; ``listeners``: Blender's objects by their names in the file."""
+    """Add ``devices`` to a scene; ``listeners``: Blender's objects by their names in the file."""
     settings = scene.haptics.live_output.devices
     for device in devices:
         own = settings.get(device.name) or settings.add()
@@ -80,12 +80,12 @@ def take_devices(scene: Scene, devices: Sequence[DeviceMapping], listeners: Mapp
 
 
 def is_muted(obj: Object | None) -> bool:
-    """Whether a listener is chosen to be felt nowhere."""
+    """Whether a listener has the choice of no actuator."""
     return _choice(obj) == MUTED
 
 
 def automatic(parts: Mapping[str, str], profiles: Mapping[str, str]) -> dict[str, list[Place]]:
-    """The actuators that listeners (by name: body part) are felt through of themselves, of devices (by name: profile) that are known."""
+    """The automatic actuators of listeners (body part by name) on known devices (profile by name)."""
     known = {name: _profiles()[profile] for name, profile in profiles.items() if profile in _profiles()}
     weights = map_listeners(parts, known).weights
     return {
@@ -100,7 +100,7 @@ def automatic(parts: Mapping[str, str], profiles: Mapping[str, str]) -> dict[str
 
 
 def profile_name(device: str) -> str:
-    """The profile of a device by the name that it has here, which begins with it; of one without a profile its own name."""
+    """The profile of a device, whose name begins with it; without a profile, the name of the device."""
     fitting = [name for name in _profiles() if device == name or device.startswith(f"{name} ")]
     return max(fitting, key=len, default=device)
 

@@ -21,15 +21,15 @@ from ..scene_reader.drawings import MOST_EMPHASES, mapping_of, points_of
 from ..scene_reader.objects import read_source
 
 PATHS = {AMPLITUDE: animated.ENVELOPE, FREQUENCY: animated.FREQUENCY}
-"""What F-curves animate in place of a curve."""
+"""Data paths of the F-curves that replace a curve."""
 _APART = 0.0125
-"""Frames: Blender makes one key of two that are nearer than 0.01."""
+"""Least distance of keys in frames: Blender merges keys that are nearer than 0.01."""
 _MOST_POINTS = 1000
 _KINDS = ("AUTO", "AUTO_CLAMPED", "VECTOR")
 
 
 def drawn(name: str, signal: Signal) -> NodeTree | None:
-    """A new node group in which this signal is drawn, None where it can't be within the limits of the properties."""
+    """A new node group with this signal as a drawing, None if the limits of the properties do not allow it."""
     drawing = Drawing.of(signal)
     if drawing is None or not EMPHASIS_SECONDS <= drawing.duration <= LONGEST or len(drawing.emphases) > MOST_EMPHASES:
         return None
@@ -39,7 +39,7 @@ def drawn(name: str, signal: Signal) -> NodeTree | None:
 
 
 def drawn_like(obj: Object, scene: Scene) -> NodeTree:
-    """A new node group with the signal of a source, as far as it can be drawn: else a swell of its frequency."""
+    """A new node group with the signal of a source, as far as it can be drawn, otherwise a swell of its frequency."""
     try:
         tree = drawn(obj.name, signal_of(obj, scene))
     except (OSError, ValueError):
@@ -49,7 +49,7 @@ def drawn_like(obj: Object, scene: Scene) -> NodeTree:
 
 
 def has_fcurves(obj: Object) -> bool:
-    """Whether F-curves count instead of the curves of an object's drawn signal."""
+    """Whether F-curves replace the curves of an object's drawn signal."""
     return any(animated.animating(obj, path) for path in PATHS.values())
 
 
@@ -72,11 +72,11 @@ def _new(name: str, drawing: Drawing) -> NodeTree:
 
 
 def write_points(mapping: Any, places: FloatArray, kinds: Sequence[str] = ()) -> None:
-    """Make the points of a curve those of ``places`` (n, 2), n >= 1, corners where ``kinds`` say nothing else."""
+    """Replace the points of a curve by ``places`` (n, 2), n >= 1, with the handle types ``kinds``, corners by default."""
     if len(places) == 1:
         places = np.array([[0.0, places[0, 1]], [1.0, places[0, 1]]])
     places = places.astype(np.float32)
-    for k in range(1, len(places)):  # Blender sorts points, those at one place in any order
+    for k in range(1, len(places)):  # Blender sorts points, coincident ones in any order
         places[k, 0] = max(places[k, 0], np.nextafter(places[k - 1, 0], np.float32(2.0)))
     points = mapping.curves[0].points
     while len(points) > len(places):
@@ -89,7 +89,8 @@ def write_points(mapping: Any, places: FloatArray, kinds: Sequence[str] = ()) ->
 
 
 def shape_envelope(tree: NodeTree, attack: float, decay: float, sustain: float, release: float) -> None:
-    """Draw an envelope of straight lines over the whole signal, which is made longer where it is too short; seconds, and 0 to 1."""
+    """Draw an envelope of straight lines over the whole signal, which is extended if it is too short; times in seconds, ``sustain`` from 0
+    to 1."""
     tree.haptics.duration = max(tree.haptics.duration, attack + decay + release)
     hold = max(tree.haptics.duration - attack - decay - release, 0.0)
     corners = np.column_stack([np.cumsum([0.0, attack, decay, hold, release]) / tree.haptics.duration, [0.0, 1.0, sustain, sustain, 0.0]])
@@ -97,12 +98,12 @@ def shape_envelope(tree: NodeTree, attack: float, decay: float, sustain: float, 
 
 
 def signal_of(obj: Object, scene: Scene) -> Signal:
-    """What a source emits. Raises ValueError or OSError where it can't be read."""
+    """The signal of a source. Raises ValueError or OSError if it cannot be read."""
     return read_source(obj, obj.name_full, animated.AnimatedCurves().of_source(obj, scene)).signal or DEFAULT_PERSISTENT
 
 
 def to_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
-    """Make the curves of an object's ``drawing`` F-curves from the scene's first frame on, with a key for each point."""
+    """Convert the curves of an object's ``drawing`` to F-curves from the scene's first frame on, with a key for each point."""
     frames = drawing.duration / frame_seconds(scene)
     for name, path in PATHS.items():
         points, kinds = points_of(mapping_of(drawing.id_data, name))
@@ -122,7 +123,7 @@ def to_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
 
 
 def from_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
-    """Make F-curves the curves of an object's ``drawing``, as long as that lasts; its range becomes as wide as they need."""
+    """Convert F-curves to the curves of an object's ``drawing`` over its duration; its frequency range is extended as needed."""
     for name, path in PATHS.items():
         curve = animated.animating(obj, path)
         if curve is None:
@@ -144,7 +145,7 @@ def from_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
 
 
 def _keys(curve: Any) -> tuple[FloatArray, list[str]]:
-    """Frames and values of the points (n, 2) of a drawn curve, and how they are rounded; only corners where it was edited to more."""
+    """Frames and values of the points (n, 2) of a drawn curve, and their handle types; only corners if other handle types were used."""
     keys = list(curve.keyframe_points)
     kinds = [key.handle_right_type for key in keys]
     straight = ["LINEAR" if kind == after == "VECTOR" else "BEZIER" for kind, after in pairwise(kinds)]

@@ -1,7 +1,7 @@
-"""The haptic scene of a traced frame: the very numbers that it was traced from.
+"""The haptic scene of a traced frame, with the exact numbers of the trace.
 
-Written, imported and written again, a frame gives the same bytes: what stands and touches where a file put it is traced with that file's
-numbers.
+A frame that is written, imported and written again gives identical bytes, because objects and contacts that are where a file put them are
+traced with the numbers of the file.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from .devices import is_muted, written_devices
 from .materials import written_materials
 
 EXTRAS = "blender"
-"""Where the extras of a scene say which frame of Blender's timeline the file is of."""
+"""Key of the scene's extras that hold the frame of Blender's timeline."""
 MUTED = "muted"
-"""True in the extras of a listener that is chosen to be felt nowhere."""
+"""Key that is true in the extras of a listener without output."""
 
 
 def current_scene(context: Context) -> HapticScene:
-    """The current frame: as it was traced last, with the impacts that still ring, else traced now. Raises ValueError in words."""
+    """The current frame from its last trace, with the active impacts, or traced now. Raises ValueError with a message for the user."""
     scene = context.scene
     depsgraph = context.evaluated_depsgraph_get()
     result, reading = session.result_of(scene), session.of(scene).reading
@@ -45,7 +45,7 @@ def current_scene(context: Context) -> HapticScene:
 
 
 def scene_of_frame(scene: bpy.types.Scene, depsgraph: Depsgraph) -> HapticScene:
-    """The haptic scene as it stands in the current frame, contacts included. Raises ValueError in words where nothing can be traced."""
+    """The haptic scene of the current frame, including contacts. Raises ValueError, with a message for the user, if it cannot be traced."""
     result = session.trace(scene, depsgraph)
     reading = session.of(scene).reading
     if result is None or reading is None:
@@ -55,7 +55,7 @@ def scene_of_frame(scene: bpy.types.Scene, depsgraph: Depsgraph) -> HapticScene:
 
 
 def scene_of_result(result: FrameResult, reading: Reading, scene: bpy.types.Scene) -> HapticScene:
-    """The haptic scene of a traced frame of ``scene`` and the reading that it was traced from. Lists are in the order of names."""
+    """The haptic scene of a traced frame of ``scene`` and the reading that it was traced from. Lists are ordered by name."""
     return replace(written_frame(result, reading, scene), contacts=_contacts(result, file_contacts(scene.haptics.imported_contacts)))
 
 
@@ -76,8 +76,8 @@ def written_frame(result: FrameResult, reading: Reading, scene: bpy.types.Scene)
 
 
 def written_modalities(scene: bpy.types.Scene, frame: HapticScene, names: Collection[str] | None = None) -> tuple[ModalityScene, ...]:
-    """What ``scene`` has for modalities beside vibration, as it stands now, on the objects of a written ``frame``; ``names``: with only
-    the sources of these names. Raises ValueError in words."""
+    """The current properties of ``scene`` for modalities other than vibration, on the objects of a written ``frame``; ``names``: only
+    sources of these names. Raises ValueError with a message for the user."""
     objects = {item.name for item in frame.objects}
     found = (read_modality(modality, scene, objects) for modality in SHOWN)
     return tuple(
@@ -88,7 +88,8 @@ def written_modalities(scene: bpy.types.Scene, frame: HapticScene, names: Collec
 
 
 def written_export(name: str, scene: bpy.types.Scene, frame: HapticScene, names: Collection[str] | None = None, **more: Any) -> Export:
-    """A written frame of ``scene`` with all that belongs to it; ``names``: only what belongs to these. Raises ValueError in words."""
+    """A written frame of ``scene`` with materials, devices and modalities; ``names``: only those of these objects. Raises ValueError with a
+    message for the user."""
     return Export(
         name,
         frame,
@@ -100,7 +101,7 @@ def written_export(name: str, scene: bpy.types.Scene, frame: HapticScene, names:
 
 
 def within(scene: HapticScene, names: Collection[str]) -> HapticScene:
-    """The part of a scene that is made of the objects, sources and listeners of these names."""
+    """The part of a scene with the objects, sources and listeners of these names."""
     objects = tuple(item for item in scene.objects if item.name in names)
     left = {item.name for item in objects}
     return replace(
@@ -146,14 +147,14 @@ def _listener(item: Listener, obj: Object | None) -> Listener:
 
 
 def _contacts(result: FrameResult, kept: FileContacts) -> tuple[Contact, ...]:
-    """Those that were traced, in the order of their objects' names; what came from a file with its extras."""
+    """The traced contacts, ordered by the names of their objects; imported ones with their extras."""
     extras = {item.positions: dict(item.extras) for items in kept.contacts.values() for item in items if item.extras}
     contacts = sorted(result.contacts.to_contacts(result.objects), key=pair_of)
     return tuple(replace(item, extras=extras[item.positions]) if item.positions in extras else item for item in contacts)
 
 
 def _extras(scene: bpy.types.Scene, frame: int) -> dict[str, Any]:
-    """What was imported with the scene, and its time."""
+    """The imported extras of the scene, with its frame and frame rate."""
     rate = scene.render.fps / scene.render.fps_base
     return {
         **imported_scene(scene.haptics.imported).extras,

@@ -1,7 +1,7 @@
-"""Haptics in glTF, through the hooks that Blender's own exporter and importer offer to add-ons.
+"""Haptics in glTF, through the add-on hooks of Blender's exporter and importer.
 
-What an object is goes into the extras of its node, under `KEY`; contacts stand with the first of their two objects, in the axes of the
-file. Haptic materials can go into the MPEG extension too, which has no place for kappa and rho but its extras.
+The roles of an object are stored in the extras of its node, under `KEY`; contacts with the first of their two objects, in the axes of the
+file. Haptic materials can also be written to the MPEG extension, which can hold kappa and rho only in its extras.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ KEY = "haptic_tracing"
 VERSION = 1
 
 _OF_THE_NODE = {"name", "shape", "pose", "motion", "object", "position", "second_position"}
-"""What the node itself says, or what would be of no use there."""
+"""Keys that the node itself has, or that have no use there."""
 
 
 class glTF2ExportUserExtension:
-    """What the exporter makes once per file and calls for every node."""
+    """Hooks that the exporter instantiates once per file and calls for every node."""
 
     def __init__(self) -> None:
         self.properties = bpy.context.scene.haptics.gltf
@@ -62,7 +62,7 @@ class glTF2ExportUserExtension:
         gltf.extensions[self.properties.material_name] = _extension(self.properties.material_name, {"materials": materials})
 
     def _form(self, name: str, export_settings: dict[str, Any]) -> dict[str, Any] | None:
-        """What is written of an object; None of one without a role."""
+        """The haptic properties of an object; None without a role."""
         if self._forms is None:
             self._forms = {}
             if self.properties.use_extras or self.properties.use_material:
@@ -85,7 +85,7 @@ class glTF2ExportUserExtension:
 
 
 def forms_of(scene: HapticScene, y_up: bool) -> dict[str, dict[str, Any]]:
-    """What is written of each object, source and listener, by name."""
+    """The haptic properties of each object, source and listener, by name."""
     forms: dict[str, dict[str, Any]] = {}
     for role, items in (("object", scene.objects), ("source", scene.sources), ("listener", scene.listeners)):
         for item in items:
@@ -113,7 +113,7 @@ def _extension(name: str, content: dict[str, Any]) -> Any:
 
 
 class glTF2ImportUserExtension:
-    """What the importer makes once and calls for every node."""
+    """Hooks that the importer instantiates once and calls for every node."""
 
     def gather_import_node_after_hook(self, vnode: Any, gltf_node: Any, blender_object: Any, gltf: Any) -> None:
         """Called when an object was made of a node."""
@@ -121,7 +121,7 @@ class glTF2ImportUserExtension:
         if not isinstance(form, dict):
             return
         if KEY in blender_object:
-            del blender_object[KEY]  # it is no custom property, but what it says
+            del blender_object[KEY]  # its content replaces the custom property
         try:
             read_roles(blender_object, form)
         except (ValueError, TypeError, KeyError) as error:
@@ -129,7 +129,7 @@ class glTF2ImportUserExtension:
 
 
 def read_roles(obj: Object, form: dict[str, Any]) -> None:
-    """Give an object the roles that its node had. Raises ValueError, TypeError or KeyError for what is none."""
+    """Give an object the roles of its node. Raises ValueError, TypeError or KeyError for invalid ones."""
     nowhere = {"name": obj.name, "object": obj.name, "position": [0.0, 0.0, 0.0]}
     items: dict[str, Any] = {
         role: make({key: value for key, value in {**base, **form[role]}.items() if key != "second_object"}, (role,))

@@ -1,4 +1,4 @@
-"""What changes from frame to frame, as keyframes."""
+"""Conversion of the changes of a recording to keyframes."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from ...core.scene.values import HapticScene, Listener, Pose, Source, SourceKind
 from ..blender.compatibility import ensure_fcurve
 
 Keys = dict[int, tuple[float, ...]]
-"""By frame."""
+"""Values by frame."""
 
 LINEAR = 1
 STILL = 1e-4
-"""Metres that something may wander on the object that carries it and still count as fixed to it: poses in files are rounded."""
+"""Largest motion [m] relative to its object of a source or listener that counts as fixed to it, because poses in files are rounded."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Changes:
-    """What changes, by name: poses and (κ, ρ) of objects, amplitudes of sources, gains of listeners; places and the objects they are on by
-    ``source <name>`` and ``listener <name>``; objects and listeners that appear or are removed: 1 where they are there, else 0."""
+    """Changes by name: poses and (κ, ρ) of objects, amplitudes of sources, gains of listeners; positions and objects of sources and
+    listeners by ``source <name>`` and ``listener <name>``; presence of objects and listeners: 1 or 0."""
 
     poses: dict[str, Keys]
     properties: dict[str, Keys]
@@ -39,7 +39,7 @@ class _Changes:
 
     @classmethod
     def of(cls, scene: HapticScene, recording: Recording) -> _Changes:
-        """From the first frame of a recording on."""
+        """The changes of a recording."""
         first = recording.frames[0].number
         changes = cls({}, {}, {}, {}, {}, {}, {}, {})
         begin = RecordedFrame(first, objects=scene.objects, sources=scene.sources, listeners=scene.listeners)
@@ -81,14 +81,15 @@ class _Changes:
 
 
 def _attached(change: RecordedFrame) -> Iterator[tuple[str, Source | Listener]]:
-    """The sources and listeners that appear in a frame, by the keys of their places."""
+    """The sources and listeners that appear in a frame, by the keys of their positions."""
     yield from ((f"source {item.name}", item) for item in change.sources)
     yield from ((f"listener {item.name}", item) for item in change.listeners)
 
 
 def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[str, Object], attached: Mapping[str, Object]) -> list[str]:
     """Keyframes for all that changes; ``objects``: Blender's, by the names of haptic objects, ``attached``: those of sources and listeners,
-    by ``source <name>`` and ``listener <name>``. What could not be carried over, in words."""
+    by ``source <name>`` and ``listener <name>``. Returns sentences about losses.
+    """
     changes = _Changes.of(scene, recording)
     losses = [f"the function of {name} over time" for name in sorted({name for change in recording.frames for name in change.functions})]
     for name, keys in changes.poses.items():
@@ -119,7 +120,7 @@ def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[s
 
 
 def _write_all(changes: Mapping[str, Keys], owners: Mapping[str, Object], prefix: str, paths: Sequence[str]) -> None:
-    """Keyframes of properties, each a column of what changes."""
+    """Write keyframes of properties, one per column of the changes."""
     for name, keys in changes.items():
         if len(keys) > 1:
             times, values = _held(keys)
@@ -132,7 +133,7 @@ def _row(pose: Pose | None) -> PoseRow:
 
 
 def _held(keys: Keys) -> tuple[FloatArray, FloatArray]:
-    """Frames (k,) and values (k, n), with a key more before every change after a rest, so that it changes from one frame to the next."""
+    """Frames (k,) and values (k, n), with an additional key before every change after a rest, so that the change takes one frame."""
     times: list[int] = []
     values: list[tuple[float, ...]] = []
     for frame, value in keys.items():
@@ -145,13 +146,13 @@ def _held(keys: Keys) -> tuple[FloatArray, FloatArray]:
 
 
 def _continuous(rotations: FloatArray) -> FloatArray:
-    """The same rotations by quaternions none of which is far from the one before."""
+    """The same rotations as quaternions without sign changes between consecutive ones."""
     signs = np.where(np.einsum("ij,ij->i", rotations[1:], rotations[:-1]) < 0, -1.0, 1.0)
     return rotations * np.concatenate([[1.0], np.cumprod(signs)])[:, None]
 
 
 def _local(places: Keys, poses: Keys) -> Keys:
-    """Places in the space of what carries them, whenever either moves."""
+    """Positions in the space of their objects, whenever either moves."""
     result: Keys = {}
     first = next(iter(places))
     place = places[first]

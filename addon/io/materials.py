@@ -1,4 +1,4 @@
-"""The scene's library of haptic materials, into files and from them."""
+"""Export and import of the scene's library of haptic materials."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ _KEYS = tuple(item.name for item in fields(LibraryMaterial) if item.name != "nam
 
 
 def written_materials(scene: Scene, objects: Iterable[HapticObject], whole: bool) -> tuple[LibraryMaterial, ...]:
-    """The library's, ``whole`` or only those that ``objects`` are made of, and then those that objects name and the library has not, with
-    the values of the first that does."""
+    """The materials of the library, all of them (``whole``) or only those of ``objects``, followed by those that objects name but the
+    library lacks, with the values of the first such object."""
     named: dict[str, str] = {}
     for item in objects:
         if item.material:
@@ -35,7 +35,7 @@ def written_materials(scene: Scene, objects: Iterable[HapticObject], whole: bool
 
 
 def take_materials(scene: Scene, materials: Sequence[LibraryMaterial]) -> list[str]:
-    """Put ``materials`` into a scene's library; those whose name it has already stay as they are there, and are returned if they differ."""
+    """Add ``materials`` to a scene's library. Existing ones of the same name are kept, and their names are returned if they differ."""
     other = []
     for material in materials:
         values = {key: value for key, value in asdict(material).items() if key != "name"}

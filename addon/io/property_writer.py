@@ -1,4 +1,4 @@
-"""What a haptic scene says of an object, a source or a listener, as Blender's properties."""
+"""Conversion of the objects, sources, listeners and rules of a haptic scene to Blender's properties."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Does = TypeVar("Does")
 
 
 def write_numbers(owner: Any, **values: float) -> dict[str, float]:
-    """Set properties. Returns the numbers that only differ from them by single precision, for `imported.exact`."""
+    """Set properties. Returns the numbers that differ from them by rounding to single precision, for `imported.exact`."""
     for name, value in values.items():
         setattr(owner, name, value)
     return {name: value for name, value in values.items() if shortest(value) != value and takes(owner, name, value)}
@@ -40,7 +40,7 @@ def takes(owner: Any, name: str, value: float) -> bool:
 
 
 def write_body(haptics: Any, item: HapticObject) -> dict[str, Any]:
-    """Make an object's properties those of ``item``. What is to be kept of it beside them."""
+    """Set an object's properties to ``item``. Returns the values that they cannot hold."""
     haptics.enabled, haptics.medium = True, item.medium
     numbers = write_numbers(haptics, kappa=item.kappa, rho=item.rho)
     function = item.propagation
@@ -57,8 +57,7 @@ def write_body(haptics: Any, item: HapticObject) -> dict[str, Any]:
 
 
 def write_modality(obj: Object, part: ModalityScene, name: str) -> tuple[dict[str, float], list[str]]:
-    """Make an object's properties those that the object ``name`` has for a modality. The numbers that are to be kept, and what could not be
-    carried over, in words."""
+    """Set an object's properties to those of the object ``name`` for a modality. Returns the exact numbers, and sentences about losses."""
     group = getattr(obj.haptics.modalities, part.modality.name)
     numbers = write_numbers(group, **{**part.modality.defaults(), **part.values.get(name, {})})
     losses = []
@@ -76,7 +75,7 @@ def write_modality(obj: Object, part: ModalityScene, name: str) -> tuple[dict[st
 
 
 def write_source(source: Any, item: Source, placed: bool = True) -> None:
-    """Make a source's properties those of ``item``; ``placed``: with its place in the world."""
+    """Set a source's properties to ``item``; ``placed``: store its world position as well."""
     source.enabled = True
     numbers = write_numbers(source, amplitude=item.amplitude, priority=item.priority)
     signal = Sine(60.0) if item.signal is None and item.kind is SourceKind.PERSISTENT else item.signal
@@ -98,7 +97,7 @@ def write_source(source: Any, item: Source, placed: bool = True) -> None:
 
 
 def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[str]:
-    """As `write_source`. What could not be carried over, in words."""
+    """Set a listener's properties, as `write_source` does. Returns sentences about losses."""
     listener.enabled = True
     numbers = write_numbers(listener, radius=item.radius, gain=item.gain, s_max=item.s_max, ducking=item.ducking)
     listener.limiter, listener.extent = item.limiter, item.extent.value
@@ -115,7 +114,7 @@ def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[s
 
 
 def write_table(rows: Any, table: RuleTable[Does], write: Callable[[Any, Does], None]) -> None:
-    """Make the rows of a scene's table those of ``table``; ``write`` puts what one does into it."""
+    """Replace the rows of a scene's table by those of ``table``; ``write`` sets the values of one row."""
     rows.items.clear()
     for rule in table.rows:
         row = rows.items.add()
@@ -126,14 +125,14 @@ def write_table(rows: Any, table: RuleTable[Does], write: Callable[[Any, Does], 
 
 
 def write_transmission(row: Any, function: ModulationFunction) -> None:
-    """Make a row's properties those of ``function``, in single precision; functions that are none of contacts pass everything."""
+    """Set a row's properties to ``function``, in single precision; functions not available for contacts become the identity."""
     row.function = function.name if function.name in CONTACTS else "identity"
     for key, name in CONTACT_PARAMETERS.get(row.function, {}).items():
         setattr(row, name, function.to_dict()[key])
 
 
 def write_impact_rule(row: Any, rule: ImpactRule) -> None:
-    """Make a row's properties those of ``rule``."""
+    """Set a row's properties to ``rule``."""
     numbers = write_numbers(row, **{name: getattr(rule, name) for name in OF_IMPACTS})
     if rule.limits is not None:
         row.use_limits = True
@@ -146,12 +145,12 @@ def write_impact_rule(row: Any, rule: ImpactRule) -> None:
 
 
 def write_texture(row: Any, texture: Texture) -> None:
-    """Make a row's properties those of ``texture``."""
+    """Set a row's properties to ``texture``."""
     row.imported = text_of(numbers=write_numbers(row, **{name: getattr(texture, name) for name in OF_TEXTURES}))
 
 
 def _without_decay(signal: Signal | None) -> tuple[Signal | None, float]:
-    """A signal and the seconds in which it wears off, 0 where it does not, as the properties have them."""
+    """A signal without its decay, and its decay time [s], 0 without a decay."""
     match signal:
         case Product(of=(worn, Decay(time_constant=seconds))) if shortest(seconds) == seconds:
             return worn, seconds
@@ -159,7 +158,7 @@ def _without_decay(signal: Signal | None) -> tuple[Signal | None, float]:
 
 
 def _write_signal(source: Any, signal: Signal | None) -> Signal | None:
-    """Choose the signal that the properties can make; else the imported one, which is returned to be kept."""
+    """Choose the equivalent signal of the properties; otherwise the imported one, which is returned to be stored."""
     low, high = HERTZ
     match signal:
         case Sine(frequency=float(frequency)) | Pulse(frequency=float(frequency)) if (
@@ -176,7 +175,7 @@ def _write_signal(source: Any, signal: Signal | None) -> Signal | None:
 
 
 def _choose(owner: Any, name: str, value: str) -> bool:
-    """Set a choice; False where there is no such one."""
+    """Set a choice. Returns False if it does not exist."""
     if value not in owner.bl_rna.properties[name].enum_items:
         return False
     setattr(owner, name, value)

@@ -44,15 +44,16 @@ from .property_writer import (
 from .shape_mesh import surface
 
 SMALLEST = 0.1
-"""Metres: the least extent of an object whose file says nothing of its shape."""
+"""Least extent of an object without a shape in the file [m]."""
 AXES = 0.1
 LONGEST_NAME = 63
 
 
 def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list[str]:
-    """Make the objects of an export in a collection called after it; ``settings``: take over those of its scene, time included.
+    """Create the objects of an export in a collection with its name; ``settings``: also apply its settings and times to the scene.
 
-    What could not be carried over, in words.
+    Returns sentences about losses.
+
     """
     builder = _Builder(export, scene)
     try:
@@ -89,21 +90,21 @@ class _Builder:
         self.lost: dict[str, list[str]] = {}
 
     def remove(self) -> None:
-        """Take away what was made."""
+        """Remove everything that was created."""
         bpy.data.batch_remove([*self.collection.objects, self.collection])
 
     def lose(self, what: str, name: str) -> None:
-        """Something could not be carried over, of a thing of that name."""
+        """Record a loss of the item ``name``."""
         self.lost.setdefault(what, []).append(name)
 
     def losses(self) -> list[str]:
-        """All of it, in words."""
+        """Sentences about all losses."""
         if self.export.tracks is not None:
             self.lose("rendered tracks, which are rendered again", "tracks")
         return [f"{what}: {_listed(names)}" for what, names in self.lost.items()]
 
     def add_materials(self) -> None:
-        """The library, before anything is made of it."""
+        """Add the library, which precedes the objects."""
         for name in take_materials(self.scene, self.export.materials):
             self.lose("material of that name is another one in this scene", name)
 
@@ -149,14 +150,14 @@ class _Builder:
                 self.lose(f"function {item.propagation.name!r} as the file has it", item.name)
 
     def add_source(self, item: Source) -> None:
-        """On its object where it stands at its origin and is called so, else an empty on it."""
+        """Make its object the source if that has its position and name, otherwise an empty on it."""
         obj = self._holder(item, "source")
         second = None if item.second_object is None else self.objects[item.second_object].name_full
         triggers = item.triggers and tuple(replace(t, object=self.objects[t.object].name_full) if t.object else t for t in item.triggers)
         write_source(obj.haptics.source, replace(item, second_object=second, triggers=triggers))
 
     def add_listener(self, item: Listener) -> None:
-        """As `add_source`."""
+        """Add a listener, as `add_source` does."""
         obj = self._holder(item, "listener")
         muted = item.extras.get(MUTED) is True
         extras = {key: value for key, value in item.extras.items() if key != MUTED} if muted else item.extras
@@ -166,7 +167,7 @@ class _Builder:
             obj.haptics.live_output.actuators = ACTUATORS_MUTED
 
     def add_emitters(self) -> None:
-        """Sources of other modalities, each on what is a source or listener of its name already, if it stands there."""
+        """Add sources of other modalities, each on the source or listener with its name and position if there is one."""
         for part in self.export.modalities:
             name = part.modality.name
             for emitter in part.emitters:
@@ -177,12 +178,12 @@ class _Builder:
                 obj.haptics.imported = text_with(obj.haptics.imported, {name: emitter.position}, numbers)
 
     def add_devices(self) -> None:
-        """What the listeners are felt through."""
+        """Add the devices and the listeners' choices of actuators."""
         listeners = {item.name: self.attached[f"listener {item.name}"] for item in self.haptic.listeners}
         take_devices(self.scene, self.export.devices, listeners)
 
     def take_settings(self) -> None:
-        """Settings, what the extras say of the scene's properties, and the frame that the file is of."""
+        """Apply the settings, the scene properties in the extras, and the frame of the file."""
         haptics, settings = self.scene.haptics, self.haptic.settings
         haptics.mode, haptics.strategy = settings.mode.value, settings.strategy.value
         haptics.max_connections = settings.max_connections or 0
@@ -200,7 +201,7 @@ class _Builder:
             getattr(haptics.modalities, part.modality.name).enabled = part.enabled
 
     def _take_rules(self) -> dict[str, float]:
-        """What counts as a contact and as an impact. The numbers that are to be kept."""
+        """Apply the rules of contacts and impacts. Returns the exact numbers."""
         scene, haptics, rules = self.scene, self.scene.haptics, self.haptic.rules
         haptics.patch_points, haptics.impacts, haptics.impact_energy = rules.patch_points, rules.impacts, rules.energy.value
         haptics.impact_signal = next(name for name, templates in TEMPLATES.items() if templates is rules.templates)
@@ -231,7 +232,7 @@ class _Builder:
             self.scene.frame_set(frame)
 
     def keep_contacts(self) -> None:
-        """The contacts of the file, beside those of files that were imported before; what was imported again has new ones."""
+        """Store the contacts of the file in addition to those of earlier imports; they replace those of objects that are imported again."""
         frames = self.export.recording.frames if self.export.recording is not None else ()
         begun = [item for frame in frames for item in frame.contacts]
         later: dict[tuple[str, str], Contact] = {}
@@ -247,7 +248,7 @@ class _Builder:
         names = {obj.name_full for obj in self.objects.values()}
         try:
             before = file_contacts(haptics.imported_contacts).contacts
-        except ValueError:  # damaged: importing again is what helps
+        except ValueError:  # damaged: it must be imported again
             before = {}
         old = [
             item
@@ -263,12 +264,12 @@ class _Builder:
         )
 
     def _renamed(self, item: Contact) -> Contact:
-        """A contact between the objects as they are called in Blender."""
+        """A contact with the names that its objects have in Blender."""
         first, second = (self.objects[name].name_full for name in item.objects)
         return replace(item, objects=(first, second))
 
     def add_frames(self) -> None:
-        """Keyframes and the sources that begin on the way. Impacts come from the file: Blender finds none of its own."""
+        """Add keyframes, and the sources that begin later. Impacts come from the file and are not searched for."""
         recording = self.export.recording
         if recording is None:
             return
@@ -297,7 +298,7 @@ class _Builder:
         return obj
 
     def _holder(self, item: Source | Listener | Emitter, role: str) -> Object:
-        """What is to be the source or listener, or the source of a modality."""
+        """The object for a source or listener, or for the source of a modality."""
         carrier = self.objects[item.object]
         pose = self.poses[item.object]
         place = local_place(item.position, pose)
@@ -316,7 +317,7 @@ class _Builder:
         return obj
 
     def _guessed(self, item: HapticObject) -> tuple[Shape, Vector]:
-        """A box around all that is known to be on an object, and its centre in the world."""
+        """A box around all positions on an object, and its centre in the world."""
         known = [position for contact in self.haptic.contacts for name, position in zip(contact.objects, contact.positions, strict=True)
                  if name == item.name]  # fmt: skip
         known += [source.position for source in self.haptic.sources if source.object == item.name]
@@ -329,7 +330,7 @@ class _Builder:
 
 
 def set_frame_rate(scene: bpy.types.Scene, rate: float) -> None:
-    """Frames a second, as a whole number by a base."""
+    """Set the frames per second, as an integer divided by a base."""
     whole = max(math.ceil(rate - 1e-6), 1)
     scene.render.fps = whole
     scene.render.fps_base = 1.0 if abs(whole - rate) < 1e-6 else whole / rate

@@ -1,4 +1,4 @@
-"""Collision shapes as surfaces to look at."""
+"""Collision shapes as visible surfaces."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ...core.contacts.hull import convex_hull
 from ...core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Shape, Sphere, pose_matrix
 
 Surface = tuple[FloatArray, list[tuple[int, ...]]]
-"""Points (n, 3) and faces of their numbers."""
+"""Points (n, 3), and faces as indices of points."""
 
 SEGMENTS = 24
 RINGS = 6
@@ -31,7 +31,7 @@ def surface(shape: Shape) -> Surface:
             return _turned([(0.0, -height / 2), (radius, -height / 2), (0.0, height / 2)])
         case ConvexHull(points=points):
             hull = convex_hull(points)
-            flat = {frozenset(face): tuple(face) for face in hull.triangles.tolist()}  # a flat hull has both its sides
+            flat = {frozenset(face): tuple(face) for face in hull.triangles.tolist()}  # a flat hull contains both sides of each face
             return hull.points, list(flat.values())
         case Mesh(points=points, triangles=triangles):
             return np.array(points), [tuple(face) for face in triangles.tolist()]
@@ -48,7 +48,7 @@ def _arc(radius: float, centre: float, start: float, end: float) -> list[tuple[f
 
 
 def _turned(profile: list[tuple[float, float]]) -> Surface:
-    """The surface that a profile (distance from the axis, height), upwards, makes when it goes round the z axis; its ends lie on it."""
+    """The surface of revolution of an upward profile (distance from the axis, height) around the z axis; its ends lie on the axis."""
     angles = 2 * np.pi * np.arange(SEGMENTS) / SEGMENTS
     inner = profile[1:-1]
     rings = [np.column_stack([r * np.cos(angles), r * np.sin(angles), np.full(SEGMENTS, z)]) for r, z in inner]

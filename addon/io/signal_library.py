@@ -1,6 +1,6 @@
-"""The signal library: files of one signal each, in the form that scene files have; those of the add-on, then the user's own.
+"""The signal library: files of one signal each, in the format of scene files; built-in ones, then the user's own.
 
-Any signal can be kept so, also recordings; a file from elsewhere is checked like a scene.
+Any signal can be stored, including recordings; files are validated like scenes.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def own_folder() -> Path:
 
 
 def files() -> list[Path]:
-    """The files of the library, by name, the add-on's own first."""
+    """The files of the library, by name, the built-in ones first."""
     return [path for folder in (_SHIPPED, own_folder()) for path in sorted(folder.glob("*.json"))[:_MOST_FILES]]
 
 
@@ -42,14 +42,14 @@ def read(path: Path) -> Signal:
 
 
 def save(name: str, signal: Signal) -> Path:
-    """Write a signal to the user's folder, in place of one of that name. Raises OSError."""
+    """Write a signal to the user's folder, replacing one of that name. Raises OSError."""
     own_folder().mkdir(parents=True, exist_ok=True)
     return write_json(own_folder() / f"{file_stem(name)}.json", signal.to_dict())
 
 
 def picture(path: Path) -> tuple[str, tuple[float, ...]]:
-    """A name for the present state of a file, and the wave of its signal as a picture of 64 x 64 pixels of RGBA from the bottom; an empty
-    one where it can't be read."""
+    """An identifier of the current content of a file, and the waveform of its signal as a picture of 64 x 64 RGBA pixels from the bottom;
+    an empty one if it cannot be read."""
     try:
         changed = path.stat().st_mtime_ns
         return f"{path} {changed}", _picture(path, changed)
@@ -59,7 +59,7 @@ def picture(path: Path) -> tuple[str, tuple[float, ...]]:
 
 @lru_cache(maxsize=128)
 def _picture(path: Path, changed: int) -> tuple[float, ...]:
-    """The picture of a file as it is since it was ``changed``."""
+    """The picture of a file with the modification time ``changed``."""
     signal = read(path)
     seconds = min(signal.duration, _LONGEST_SHOWN)
     count = max(round(seconds * _RATE), _SIDE * _FINE)

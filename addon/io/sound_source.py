@@ -1,4 +1,4 @@
-"""The sound that a source is to be made of: found in Blender, heard, and kept with the source as vibration."""
+"""Conversion of a sound in Blender to vibration, which is stored with the source."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ WAVE_COLUMNS = 256
 _KNOWN_SOUNDS = 8
 
 _known: dict[bytes, Heard] = {}
-"""What was heard in the last sounds, by the digest of their samples: 2 MB for ten minutes."""
+"""Analyses of the last sounds, by the digest of their samples: 2 MB for ten minutes."""
 
 
 class DecodedSound:
@@ -57,7 +57,7 @@ class DecodedSound:
 
 
 class Conversion:
-    """Makes the vibration of an object's sound, in steps. Raises OSError or ValueError where there is no sound."""
+    """Converts an object's sound to vibration, in steps. Raises OSError or ValueError if there is no sound."""
 
     def __init__(self, scene: Scene, obj: Object) -> None:
         sound = obj.haptics.source.sound
@@ -67,7 +67,7 @@ class Conversion:
         self.step_count = sum(block_count(clip.end) for clip in self._clips) + block_count(max(clip.end for clip in self._clips))
 
     def steps(self) -> Iterator[None]:
-        """Hear the sound, then keep its vibration with the object; what is wrong with the sound is kept, too, and raised."""
+        """Analyse the sound, then store its vibration with the object; a fault of the sound is also stored, and raised."""
         try:
             yield from self._steps()
         except (OSError, ValueError) as error:
@@ -155,7 +155,7 @@ def _decoded(sound: Any) -> DecodedSound:
 
 
 def _volume(owner: Any, path: str, value: float, scene: Scene, end: float) -> float | Automation:
-    """A volume, over the scene's time until ``end`` [s] where it is animated."""
+    """A volume, over the scene's time until ``end`` [s] if it is animated."""
     curve = next((curve for curve in compatibility.fcurves_of(owner) if curve.data_path == path and not curve.mute), None)
     if curve is None:
         return shortest(value)

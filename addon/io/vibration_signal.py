@@ -13,7 +13,7 @@ HIGHEST_RATE = 8000
 
 
 def chosen_channel(reading: VibrationFile, number: int) -> Channel:
-    """A channel by its number, from 1. Raises ValueError where there is none."""
+    """A channel by its number, from 1. Raises ValueError if there is none."""
     if not reading.channels:
         raise ValueError("There is no vibration in this file")
     if number > len(reading.channels):

@@ -1,1 +1,1 @@
-"""Live output: what listeners feel goes to devices and loudspeakers while the timeline plays, and stops when anything else happens."""
+"""Live output: the listeners' signals go to devices and loudspeakers while the timeline plays; any other event stops them."""

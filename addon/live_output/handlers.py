@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class _State:
-    """``started``: the scene (its session id) and the time [s] where playback began, None while it does not play. ``chosen``: what
-    `choices` gave last, ``chosen_for``: from what."""
+    """``started``: the scene (its session id) and the time [s] at which playback began, None while it does not play. ``chosen``: the last
+    result of `choices`, ``chosen_for``: its arguments."""
 
     started: tuple[int, float] | None = None
     chosen_for: Any = None
@@ -38,12 +38,12 @@ _state = _State()
 
 
 def _is_used() -> bool:
-    """Whether live output has been used: devices were looked for, or the preview was switched on. Its modules are loaded then."""
+    """Whether live output has been used: a search for devices, or the preview. Its modules are loaded then."""
     return is_loaded(outputs) or is_loaded(preview)
 
 
 def is_wanted() -> bool:
-    """Whether there is anything to play on; tells a player that was loaded during playback that it plays."""
+    """Whether there is any output; starts a player that was loaded during playback."""
     if not _is_used() or not player.is_wanted():
         return False
     if _state.started is not None and not player.is_playing():
@@ -52,7 +52,7 @@ def is_wanted() -> bool:
 
 
 def frame_comes(scene: Scene) -> None:
-    """Where tracing takes long, play a frame before it is traced, with the gains of the last traced frame."""
+    """If tracing takes long, play a frame before it is traced, with the gains of the last traced frame."""
     traced = sessions.shown(scene) if is_wanted() else None
     if traced is not None:
         time = seconds_of(scene, scene.frame_current)
@@ -60,8 +60,8 @@ def frame_comes(scene: Scene) -> None:
 
 
 def frame_changed(scene: Scene, recorded: bool = False) -> None:
-    """Play the frame that is being traced, once that is done; silence where it can't be traced, or tracing is off. ``recorded``: it
-    was read from a baked track."""
+    """Play the frame that is being traced when its trace is complete; silence if it cannot be traced, or if tracing is off. ``recorded``:
+    the frame comes from a baked track."""
     if not is_wanted():
         return
     try:
@@ -80,7 +80,7 @@ def frame_changed(scene: Scene, recorded: bool = False) -> None:
 
 
 def _correct(begun: Future[sessions.Traced]) -> None:
-    """On the worker: a frame that went ahead has been traced."""
+    """Correct a frame that was played ahead, after its trace; called on the worker."""
     if not begun.cancelled() and begun.exception() is None:
         player.correct(begun.result().result)
 
@@ -110,7 +110,7 @@ def rest(*_: Any) -> None:
 
 @persistent
 def load_pre(*_: Any) -> None:
-    """Another file is loaded, with settings of its own: the devices are disconnected."""
+    """Disconnect the devices, because another file with its own settings is loaded."""
     _state.started = None
     if _is_used():
         player.stop()
@@ -120,13 +120,13 @@ def load_pre(*_: Any) -> None:
 
 @persistent
 def exit_pre(*_: Any) -> None:
-    """Blender ends. Where it is a module of Python, Python has ended before it, with `atexit`, and taken this module's names away."""
+    """Blender exits. If it is a module of Python, Python has ended before, with `atexit`, and cleared this module's names."""
     if _state is not None:
         stop_everything()
 
 
 def choices(result: Any) -> dict[str, str]:
-    """The actuators chosen for the listeners of a frame, by name; without those chosen automatically. Read again only after a change."""
+    """The actuators chosen for the listeners of a frame, by name; without automatic choices. Cached until a change."""
     key = (revisions.actuators(), tuple(listener.name for listener in result.listeners))
     if _state.chosen_for != key:
         objects = ((name, bpy.data.objects.get(name)) for name in key[1])
@@ -137,7 +137,7 @@ def choices(result: Any) -> dict[str, str]:
 
 @persistent
 def choose_again(*_: Any) -> None:
-    """After undo, redo and another file any choice may be another."""
+    """Discard the cached choices after undo, redo and file load."""
     revisions.mark_actuators()
 
 

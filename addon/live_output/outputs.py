@@ -1,4 +1,4 @@
-"""The devices that were found and those that are driven. Plain Python: nothing of it is saved, and no thread touches Blender."""
+"""Found and driven devices. Nothing of it is saved, and no thread accesses Blender."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from ...core.devices.status import Output
 
 @dataclass(slots=True)
 class _State:
-    """driven: what the running devices were found as. version: changes with the set of running devices. renderer: the thread that renders
-    what would follow the last blocks, and its job."""
+    """driven: the running devices, as found. version: changes with the set of running devices. renderer: the thread that renders the
+    continuation of the last blocks, and its job."""
 
     inventory: Inventory | None = None
     finder: threading.Thread | None = None
@@ -40,29 +40,29 @@ def version() -> int:
 
 
 def inventory() -> Inventory | None:
-    """What was found last; None before the first look."""
+    """The result of the last search; None before the first one."""
     return _state.inventory
 
 
 def is_finding() -> bool:
-    """True while a look for devices goes on."""
+    """True while a search for devices runs."""
     return _state.finder is not None and _state.finder.is_alive()
 
 
 def find(folders: tuple[Path, ...] = (), sound_cards: bool = False, players: bool = False) -> None:
-    """Look for devices, in the background: some systems take their time. ``folders``: of device profiles of the user's own."""
+    """Search for devices in the background, because that is slow on some systems. ``folders``: those of the user's device profiles."""
     if not is_finding():
         _state.finder = threading.Thread(target=_find, args=(folders, sound_cards, players), name="haptics find devices", daemon=True)
         _state.finder.start()
 
 
 def _find(folders: tuple[Path, ...], sound_cards: bool, players: bool) -> None:
-    """The thread of a look."""
+    """The thread of a search."""
     _state.inventory = look(folders, with_sound_cards=sound_cards, with_players=players)
 
 
 def wait_until_found(timeout: float = 5.0) -> None:
-    """Wait for the look that goes on."""
+    """Wait for the running search."""
     if _state.finder is not None:
         _state.finder.join(timeout)
 
@@ -80,7 +80,7 @@ def found(key: str) -> Found | None:
 
 
 def preferred(part: str) -> str:
-    """The key of the first found device whose name has ``part`` in it, of the first device where none has; "" where none was found."""
+    """The key of the first found device whose name contains ``part``, else of the first device; "" if none was found."""
     devices = (_state.inventory or Inventory()).devices
     wanted = [device.key for device in devices if part.lower() in f"{device.key} {device.title}".lower()]
     return next(iter([*wanted, *(device.key for device in devices)]), "")
@@ -110,7 +110,7 @@ def disconnect(key: str) -> None:
 def expect(render: Callable[[], Mapping[str, FloatArray]], sent: Mapping[str, float]) -> None:
     """Send the devices the samples to play after the blocks ``sent`` (when, by key) if the next blocks are late.
 
-    A thread of its own renders it, in at most a fifth of the time: where that is not enough, some frames are left out.
+    A separate thread calls ``render``, for at most a fifth of the time: if that is not enough, some frames are skipped.
     """
     if (_state.job is not None and not _state.job.done()) or time.monotonic() < _state.rested:
         return
@@ -141,7 +141,7 @@ def silence() -> None:
 
 
 def disconnect_all() -> None:
-    """All devices to zero, released and closed, without waiting for them; a look for devices is given up."""
+    """All devices to zero, released and closed, without waiting for them; a running search for devices is abandoned."""
     loopback.cancel()
     for key in tuple(_state.running):
         disconnect(key)
@@ -158,5 +158,5 @@ def stop_all(timeout: float = 1.0) -> bool:
 
 
 def forget() -> None:
-    """Forget what was found."""
+    """Discard the result of the search."""
     _state.inventory = None

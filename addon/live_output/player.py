@@ -1,4 +1,4 @@
-"""From traced frames to devices: blocks while the timeline plays, grains while it is scrubbed, silence otherwise."""
+"""Output of traced frames to devices: blocks during playback, grains during scrubbing, silence otherwise."""
 
 from __future__ import annotations
 
@@ -23,13 +23,14 @@ from ..properties.preferences import preferences
 from . import outputs, preview
 
 SLOW = 8.0
-"""Milliseconds: where the tracing of a few frames in a row takes longer, the next is not waited for."""
+"""Tracing time [ms] beyond which, after a few frames in a row, frames are played before they are traced."""
 _SLOW_FRAMES = 2
 
 
 @dataclass(frozen=True, slots=True)
 class _Ahead:
-    """A frame that was felt before it was traced: that of a scene (its session id), when its block was sent, and the listeners' choices."""
+    """A frame that was played before it was traced: its scene (session id), the time at which its block was sent, and the listeners'
+    choices."""
 
     scene: int
     frame: int
@@ -62,7 +63,7 @@ def is_playing() -> bool:
 
 
 def is_wanted() -> bool:
-    """True where there is anything to play on."""
+    """True if there is any output."""
     return bool(outputs.running()) or preview.is_on()
 
 
@@ -74,13 +75,13 @@ def start(scene: int, time: float) -> None:
 
 
 def stop() -> None:
-    """Playback ends: silence. The devices are released, unless the user wants them to be kept awake."""
+    """Playback ends: silence the devices, and release them unless the user keeps them awake."""
     _state.playing = False
     rest(release=not preferences().keep_awake)
 
 
 def rest(release: bool = True) -> None:
-    """Zero, then release, now; the next frame plays again."""
+    """Write zero and the release report now; the next frame plays again."""
     with _state.lock:
         _state.result = _state.ahead = _state.arrived = None
         _state.playback = Playback()
@@ -108,7 +109,7 @@ def play(scene: int, result: FrameResult, frame_seconds: float, choices: Mapping
 
 def play_ahead(scene: int, latest: FrameResult, frame: int, time: float, frame_seconds: float, choices: Mapping[str, str]) -> None:
     """Play the ``frame`` at ``time`` [s], which is not traced yet, with the gains of the ``latest`` traced frame if tracing has been slow;
-    else its own result is to be waited for."""
+    otherwise do nothing."""
     if latest.time != _state.timed:
         _state.timed = latest.time
         _state.slow = _state.slow + 1 if sum(latest.milliseconds.values()) > SLOW else 0
@@ -130,7 +131,7 @@ def went_ahead(scene: int, frame: int) -> bool:
 
 
 def correct(result: FrameResult) -> None:
-    """Replace the rest of the block that was played ahead by the ``result`` of its frame, traced meanwhile. For any thread."""
+    """Replace the rest of the block that was played ahead by the ``result`` of its frame, traced meanwhile. Thread-safe."""
     with _state.lock:
         ahead = _state.ahead
         if ahead is None:
@@ -142,7 +143,7 @@ def correct(result: FrameResult) -> None:
 
 
 def _send(result: FrameResult, samples: FloatArray, choices: Mapping[str, str], recorded: bool = False, sent: float | None = None) -> None:
-    """Send a block to the devices, and what would follow it."""
+    """Send a block and its continuation to the devices."""
     mapping, running = _mapping_of(result, choices, {}), dict(outputs.running())
     before = after = None
     if mapping.pans:
@@ -158,7 +159,7 @@ def _send(result: FrameResult, samples: FloatArray, choices: Mapping[str, str], 
 
 
 def spots() -> tuple[Spot, ...]:
-    """The actuators that share what listeners feel by their positions, as played last."""
+    """The panned actuators, with their last amplitudes."""
     if _state.arrived is None or False not in _state.mappings:
         return ()
     (result, arrivals), (_, mapping) = _state.arrived, _state.mappings[False]
@@ -180,7 +181,7 @@ def _samples(result: FrameResult, frame_seconds: float, recorded: bool) -> Float
 
 
 def mapping_of(result: FrameResult, choices: Mapping[str, str]) -> ActuatorMapping:
-    """Which actuators the listeners of a frame are felt through, and what gets lost."""
+    """The mapping of the listeners of a frame to actuators, with its losses."""
     return _mapping_of(result, choices, _bands(result))
 
 
@@ -195,7 +196,7 @@ def _mapping_of(result: FrameResult, choices: Mapping[str, str], bands: Mapping[
 
 
 def _bands(result: FrameResult) -> dict[str, tuple[float, float]]:
-    """The lowest and highest frequency [Hz] that reaches a listener, where all that does are tones."""
+    """The lowest and highest frequency [Hz] at each listener that only tones reach."""
     tones = [_tone(source.signal) for source in result.sources]
     bands = {}
     for row, listener in enumerate(result.listeners):
@@ -207,7 +208,7 @@ def _bands(result: FrameResult) -> dict[str, tuple[float, float]]:
 
 
 def _tone(signal: Signal | None) -> Sine | None:
-    """The tone that a signal is, wearing off or not."""
+    """The tone of a signal that is one, with or without decay, else None."""
     if isinstance(signal, Product) and all(isinstance(part, Decay) for part in signal.of[1:]):
         signal = signal.of[0]
     return signal if isinstance(signal, Sine) else None

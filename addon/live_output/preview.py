@@ -1,7 +1,7 @@
-"""The preview: what listeners feel, as sound, through Blender's own audio system. Needs no device but a loudspeaker.
+"""The preview: the listeners' signals as sound through Blender's audio system.
 
-Listeners on the left are heard on the left. Blocks follow each other without a gap: they are cut into pieces that fade into each other,
-as Blender's sequencer begins a sound now and then a sample too late.
+Listeners on the left are heard on the left. Blocks are divided into pieces that cross-fade, because Blender's sequencer sometimes starts a
+sound a sample too late.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ OLDEST = (5, 2, 0)
 
 
 class AudioUnavailable(OSError):
-    """There is nothing to play the preview on; the text says why, in one line."""
+    """No audio output is available; the text gives the reason in one line."""
 
 
 class _Stream:
@@ -90,15 +90,14 @@ class _Stream:
         self._next += 1
 
     def _drop(self, first: int) -> None:
-        """Take away the pieces from number ``first`` on."""
+        """Remove the pieces from number ``first`` on."""
         while self._entries and self._entries[-1][0] >= first:
             self._sequence.remove(self._entries.pop()[1])
 
 
 @dataclass(slots=True)
 class _State:
-    """Whether the preview is switched on, how loud it is, and what it plays with; the signal that is
-    ``heard`` by itself."""
+    """Switch, volume and audio objects of the preview; ``heard``: the signal that is played by `hear`."""
 
     on: bool = False
     volume: float = 0.5
@@ -110,7 +109,7 @@ _state = _State()
 
 
 def is_on() -> bool:
-    """True where the preview is switched on."""
+    """True if the preview is switched on."""
     return _state.on
 
 
@@ -121,7 +120,7 @@ def switch_on() -> None:
 
 
 def switch_off() -> None:
-    """Stop the preview, and the signal that is heard."""
+    """Stop the preview, and the signal of `hear`."""
     _state.on = False
     if _state.heard is not None:
         _state.heard.stop()
@@ -139,7 +138,7 @@ def set_volume(volume: float) -> None:
 
 
 def hear(signal: Signal) -> None:
-    """Play a signal by itself, as long as it lasts, at most `LONGEST_HEARD`; what was heard before ends. Raises AudioUnavailable."""
+    """Play a single signal, at most `LONGEST_HEARD` seconds of it; an earlier one ends. Raises AudioUnavailable."""
     aud, device = _device()
     samples = signal.sample(0, max(round(min(signal.duration, LONGEST_HEARD) * RATE), 1), RATE)
     samples[-_FADE:] *= _ENVELOPE[-min(_FADE, len(samples)) :]
@@ -156,7 +155,7 @@ def silence() -> None:
 
 
 def play(body_parts: list[str], samples: FloatArray, sample_rate: float) -> None:
-    """Play the next block, ``samples`` (listeners, n). Does nothing where the preview is off."""
+    """Play the next block, ``samples`` (listeners, n). Does nothing while the preview is off."""
     if not _state.on:
         return
     if _state.stream is None or _state.stream.sample_rate != sample_rate:
@@ -165,8 +164,8 @@ def play(body_parts: list[str], samples: FloatArray, sample_rate: float) -> None
 
 
 def stereo_mix(body_parts: list[str], samples: FloatArray) -> FloatArray:
-    """(listeners, n) as (2, n): left parts of the body on the left, right ones on the right, the rest on both, at equal power, and kept
-    within [-1, 1] where they add up."""
+    """(listeners, n) as (2, n): left parts of the body on the left, right ones on the right, the rest on both, at equal power, and limited
+    to [-1, 1]."""
     sides = [BODY_PART[part].side if part in BODY_PART else "" for part in body_parts]
     gains = np.array([{"L": (1.0, 0.0), "R": (0.0, 1.0), "": (np.sqrt(0.5), np.sqrt(0.5))}[side] for side in sides]).reshape(-1, 2)
     return np.tanh(gains.T @ samples)

@@ -1,4 +1,5 @@
-"""Redraws the panel twice a second while a device is driven or looked for: Blender does not notice changes of a device's state."""
+"""Redraws the panel twice a second while a device is driven or a search runs, because Blender does not notice changes of a device's
+state."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ _SECONDS = 0.5
 
 
 def start() -> None:
-    """Redraw the panel until no device is driven or looked for."""
+    """Redraw the panel until no device is driven and no search runs."""
     if not bpy.app.background and not bpy.app.timers.is_registered(_tick):
         bpy.app.timers.register(_tick, first_interval=0.1, persistent=True)
 

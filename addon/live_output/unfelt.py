@@ -1,4 +1,4 @@
-"""Why connected devices do not let a listener be felt."""
+"""Reasons for which connected devices do not play a listener."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from . import handlers, outputs, player
 
 
 def device_words(scene: Scene, listener: str) -> str:
-    """Whether a connected device lets the listener be felt: words where not, "" where it does, or where no device is connected."""
+    """The reason for which no connected device plays the listener; "" if one does, or if no device is connected."""
     traced = sessions.shown(scene)
     if traced is None or not outputs.running():
         return ""

@@ -1,1 +1,1 @@
-"""Operators: tag objects, add things, trace, bake, export, look at problems."""
+"""Operators that tag and add objects, trace, bake, export, and select problems."""

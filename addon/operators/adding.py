@@ -1,4 +1,4 @@
-"""Operators that add things: sources, a medium, sample scenes."""
+"""Operators that add sources, a medium or a sample scene."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class HAPTIC_OT_make_one_shot(Edit, Operator):
 
 
 def _spread_as_front(scene: Scene, medium: Object, radius: float) -> None:
-    """Have what is emitted into a medium spread from ``radius`` metres on in all directions, at the speed of sound."""
+    """Make a medium transmit with spherical spreading from ``radius`` metres on, at the speed of sound."""
     haptics = medium.haptics
     materials.spread_all_around(haptics, radius)
     material = scene.haptics.materials.items.get(haptics.material.name)
@@ -179,7 +179,7 @@ class HAPTIC_OT_add_sample(Edit, Operator):
 
 
 def _frame(context: Context, scene: Scene) -> None:
-    """Have the 3D viewports of the window look through the camera of a scene."""
+    """Show the camera view of a scene in the window's 3D viewports."""
     for area in context.window.screen.areas if context.window is not None and scene.camera is not None else ():
         if area.type == "VIEW_3D":
             view = area.spaces.active

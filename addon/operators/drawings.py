@@ -1,4 +1,4 @@
-"""Operators on the signals of sources: draw them, hear them, take them from the library and keep them there."""
+"""Operators that draw, preview, load and save the signals of sources."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class _OnSource(Edit):
 
 
 class _OnDrawing(_OnSource):
-    """Mixin: an operator on what the active source has drawn."""
+    """Mixin: an operator on the drawn signal of the active source."""
 
     @classmethod
     def poll(cls: Any, context: Context) -> bool:

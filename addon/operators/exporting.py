@@ -1,4 +1,4 @@
-"""File > Export: haptic scenes and haptic tracks; collections export the same way."""
+"""File > Export: haptic scenes and haptic tracks, also as collection exporters."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ _RANGE = {
 
 
 class RangeExport(Action, ExportHelper):
-    """Mixin: a range of frames, the objects of a collection, losses shown beforehand."""
+    """Mixin: an export of a range of frames, optionally of one collection, with its losses shown beforehand."""
 
     __annotations__ = dict(_RANGE)
     endings: Collection[str] = ()
-    """Those of the files; another one of them gives way to that of the chosen options."""
+    """File name endings; any of them is replaced by that of the chosen options."""
 
     def check(self, context: Context) -> bool:
         before: str = self.properties.filepath
@@ -57,7 +57,7 @@ class RangeExport(Action, ExportHelper):
         return ExportHelper.invoke(self, context, event)
 
     def names(self) -> Collection[str] | None:
-        """The objects to export; None: all. Raises ValueError where there is no such collection."""
+        """The objects to export; None: all. Raises ValueError if the collection does not exist."""
         if not self.collection:
             return None
         collection = bpy.data.collections.get(self.collection)
@@ -147,7 +147,7 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
         return frame_scene.written_export(export_name(self.filepath), context.scene, scene, names)
 
     def _writer(self) -> Callable[[Export, object], list[job.Report]]:
-        """A function that writes the file once all frames are captured, when this operator no longer exists."""
+        """A function that writes the file after all frames are captured, independent of this operator, which then no longer exists."""
         path, options = Path(bpy.path.abspath(self.filepath)), self._options()
 
         def write(export: Export, _: object) -> list[job.Report]:
@@ -212,7 +212,7 @@ def track_writer(name: str, folder: Path, options: dict[str, Any]) -> Callable[[
 
 
 def draw_losses(layout: UILayout, name: str, export: Export, options: dict[str, Any]) -> None:
-    """Draw what a format can't carry, or why it can't be written."""
+    """Draw the losses of a format, or why it cannot be written."""
     try:
         losses = registry.losses(name, export, options)
     except ValueError as error:
@@ -228,13 +228,13 @@ def draw_losses(layout: UILayout, name: str, export: Export, options: dict[str, 
 
 
 def written(files: Collection[Path], losses: Collection[str]) -> list[job.Report]:
-    """The report on written files and on what they can't carry."""
+    """The report on written files and their losses."""
     reports: list[job.Report] = [({"INFO"}, f"Not in {'these files' if len(files) > 1 else 'this file'}: {loss}") for loss in losses]
     return [*reports[:MOST_REPORTED], ({"INFO"}, f"Written: {shown(files)}")]
 
 
 def shown(files: Collection[Path]) -> str:
-    """The names of the first three files, and how many more there are."""
+    """The names of the first three files, and the number of further ones."""
     names = [path.name for path in files]
     return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 

@@ -1,4 +1,4 @@
-"""Operator: raise what reaches a listener until it is felt."""
+"""Operator that raises the gain of a listener until its level is felt."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 _rpt = bpy.app.translations.pgettext_rpt
 
 _ROUNDS = 4
-"""Times that the gains are raised: a limiter or a ceiling answers less than a rise asks for."""
+"""Number of iterations, needed because a limiter or a ceiling makes the level rise less than the gain."""
 _NEAR = 0.1
-"""Decibels that a margin may be short of the wanted one."""
+"""Tolerance of the margin [dB]."""
 
 
 class HAPTIC_OT_make_felt(Edit, Operator):
@@ -59,8 +59,8 @@ class HAPTIC_OT_make_felt(Edit, Operator):
 
 
 def _raise(listener: Any, traced: Traced, index: int, missing: float) -> bool:
-    """Raise the gain of a listener, and the amplitude of its strongest source where there is no more gain, by so many decibels in all.
-    False where nothing can be raised any more."""
+    """Raise the gain of a listener, and that of its strongest source when the gain is at its maximum, by ``missing`` decibels in total.
+    Returns False if neither can be raised further."""
     if not math.isfinite(missing):
         return False
     factor, result = 10 ** (missing / 20), traced.result

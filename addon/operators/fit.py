@@ -1,4 +1,4 @@
-"""Operator: fit a material and a contact to two recordings of one event."""
+"""Operator that fits a material and a contact to two recordings of one event."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class HAPTIC_OT_fit_material(Action, Operator):
 
 
 def _steps(scene: Scene, graph: HapticGraph, read: recordings.Recordings, reports: list[job.Report]) -> Iterator[None]:
-    """Average the recordings window by window, then fit: one step of undo."""
+    """Average the recordings window by window, then fit, as one undo step."""
     yield from read.steps()
     chosen = scene.haptics.materials.fit
     if chosen.object is None or chosen.source is None or chosen.listener is None:
@@ -79,7 +79,7 @@ def _steps(scene: Scene, graph: HapticGraph, read: recordings.Recordings, report
 
 
 def _set_gain(scene: Scene, contact: tuple[str, str], gain: float) -> None:
-    """Let contacts of two objects have a gain: in the rule for just these, which is added where there is none."""
+    """Set the gain of contacts of two objects in the rule for this pair, which is added if missing."""
     rules: Any = scene.haptics.transmission_table.items
     own = [r for r in rules if (r.first_kind, r.second_kind) == ("OBJECT", "OBJECT") and {r.first, r.second} == set(contact)]
     rule = own[0] if own else rules.add()

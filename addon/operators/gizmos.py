@@ -1,4 +1,4 @@
-"""Gizmos in the viewport: circles as wide as a source is strong and as a listener is large, each with a handle to be pulled."""
+"""Gizmos in the viewport: circles for the amplitude of a source and the radius of a listener, each with a handle."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Operator that makes geometry of the haptic graph."""
+"""Operator that converts the haptic graph to geometry."""
 
 from __future__ import annotations
 

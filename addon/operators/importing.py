@@ -83,7 +83,7 @@ class HAPTIC_OT_import_signal(Edit, Operator):
 
 
 def ask(operator: Any, context: Context) -> set[str]:
-    """Open the file browser, or only the options where a file was dropped."""
+    """Open the file browser, or only the options if a file was dropped."""
     manager = context.window_manager
     if operator.properties.is_property_set("filepath"):
         return manager.invoke_props_dialog(operator, title=Path(operator.filepath).name, confirm_text=operator.bl_label)

@@ -1,4 +1,4 @@
-"""The operator that makes vibration of a sound."""
+"""Operator that converts a sound to vibration."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Operators that give roles to objects and take them away."""
+"""Operators that assign and remove the haptic roles of objects."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def _add_physics(context: Context, objects: list[Object]) -> None:
     if not new:
         return
     with suspended(), context.temp_override(object=new[0], active_object=new[0], selected_objects=new[:1]):
-        bpy.ops.rigidbody.object_add()  # and the scene's Rigid Body World where there is none
+        bpy.ops.rigidbody.object_add()  # and the scene's Rigid Body World if it is missing
     world = context.scene.rigidbody_world
     assert world is not None
     for obj in progress(new):

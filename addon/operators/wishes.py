@@ -1,4 +1,4 @@
-"""Operator: choose the values of materials so that listeners feel what is wished."""
+"""Operator that chooses the values of materials so that listeners have the desired levels."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 _rpt = bpy.app.translations.pgettext_rpt
 
 _ROUNDS = 4
-"""Times that materials are changed: limiters, and frequencies between bands, answer otherwise than gains do."""
+"""Number of iterations, needed because limiters, and frequencies between band centres, make levels deviate from the predicted gains."""
 _NEAR, _MISSED = 0.1, 1.0
-"""Decibels within which a wish counts as met, and beyond which it is said that it is not."""
+"""Deviations [dB] up to which a wish counts as met, and beyond which it is reported as missed."""
 
 
 class HAPTIC_OT_design_by_wish(Edit, Operator):
@@ -62,12 +62,12 @@ class HAPTIC_OT_design_by_wish(Edit, Operator):
 
 
 def _made_of(traced: Traced, material: str) -> tuple[str, ...]:
-    """The haptic objects of a frame that are made of a material of the library."""
+    """The haptic objects of a frame with a material of the library."""
     return tuple(item.name for item in traced.result.graph.table.objects if item.material == material)
 
 
 def _change(traced: Traced, missing: dict[str, float], free: list[Any]) -> bool:
-    """Give the free materials the values that bring the levels nearer. False where none of them changes."""
+    """Set the free materials to values with nearer levels. Returns False if none changes."""
     result = traced.result
     wished = [wishes.Wish(name, rest) for name, rest in missing.items() if math.isfinite(rest)]
     bounds = [wishes.FreeMaterial(_made_of(traced, item.name), item.least_k, max(item.least_k, item.most_k)) for item in free]

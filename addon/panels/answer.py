@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def draw_progress(layout: UILayout, context: Context) -> None:
-    """That a newer frame is being traced, for how long, and how to stop it."""
+    """Draw for how long a newer frame has been traced, with a button that cancels it."""
     seconds = sessions.seconds_behind(context.scene)
     if seconds > 0 and not is_playing():
         row = layout.row(align=True)
@@ -33,7 +33,7 @@ def draw_progress(layout: UILayout, context: Context) -> None:
 
 
 def draw_answer(layout: UILayout, context: Context) -> bool:
-    """Draw what the watched listener feels. False where there is no listener."""
+    """Draw the result of the watched listener. Returns False if there is no listener."""
     scene = context.scene
     if sessions.shown(scene) is None:
         return False
@@ -68,7 +68,7 @@ def _draw_level(layout: UILayout, level: Level) -> None:
 
 
 def _draw_origin(layout: UILayout, path: ListenerPath) -> None:
-    """Draw the source that is felt most, its gain, and the objects in between."""
+    """Draw the strongest source, its gain, and the objects on its path."""
     split = layout.split(factor=0.6)
     name = path.source.name if path.source.second_object is None else path.source.object
     select_button(split, name, source_title(path.source, 0.6), icon="OUTLINER_OB_FORCE_FIELD", emboss=False)
@@ -78,7 +78,7 @@ def _draw_origin(layout: UILayout, path: ListenerPath) -> None:
 
 
 def _draw_reasons(layout: UILayout, context: Context, name: str) -> None:
-    """Draw the first reason for silence, and its cure."""
+    """Draw the first reason for silence, and its remedy."""
     why = explanation.why_silent(context.scene, name)
     if why.notice:
         draw_sentence(layout, why.notice, "INFO")

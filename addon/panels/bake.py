@@ -93,7 +93,7 @@ class HAPTIC_PT_takes(HapticsPanel, Panel):
 
 
 def _draw_differences(layout: UILayout, scene: Scene, other: str) -> None:
-    """Draw each listener's level over the whole take, and how much more or less that is than in the other."""
+    """Draw each listener's level over the whole take, and its difference from the other take."""
     latest = takes.differences(scene)
     if latest is None or not latest.is_current:
         layout.label(text="Comparing...", icon="SORTTIME")

@@ -1,4 +1,4 @@
-"""Buttons and fields that cure a reason for silence, beside the sentence that says it."""
+"""Buttons and fields that remove a reason for silence."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .texts import fitted
 
 
 def draw_cure(layout: UILayout, context: Context, reason: Message) -> None:
-    """Draw the button or field that removes the reason, where there is one."""
+    """Draw the button or field that removes the reason, if there is one."""
     draw = _CURES.get(reason.cause)
     if draw is not None:
         draw(layout, context, reason)
@@ -73,4 +73,4 @@ _CURES: Mapping[Cause, Callable[[UILayout, Context, Message], None]] = {
     Cause.NO_CONNECTION_ALLOWED: _of_scene("max_connections"),
 }
 _COMPLETE = {Cause.MUTED, Cause.ZERO_AMPLITUDE, Cause.LISTENER_GAIN, Cause.NO_SOURCE, Cause.NOT_RENDERED, Cause.PAUSE}
-"""Causes whose cure needs no selection of an object."""
+"""Causes whose remedy needs no selection of an object."""

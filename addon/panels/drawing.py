@@ -1,4 +1,4 @@
-"""Parts of several panels."""
+"""Base class and drawing functions shared by panels."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class HapticsPanel:
 
 _SHOWN_PROBLEMS = 5
 _PAGES = {"live_output": "devices", "export": "formats", "gltf": "formats", "modalities": "panels/warmth"}
-"""The page of the panels in a module, where it is not that of its name."""
+"""Documentation pages by panel module, if they differ from the module's name."""
 
 
 def poll_object(cls: type[Any], context: Context) -> bool:
@@ -38,12 +38,12 @@ def poll_object(cls: type[Any], context: Context) -> bool:
 
 
 def select_button(layout: UILayout, name: str, text: str, **look: Any) -> None:
-    """Draw a button with a text of its own that selects the object ``name``."""
+    """Draw a button with ``text`` that selects the object ``name``."""
     layout.operator("haptic.select_object", text=text, translate=False, **look).name = name
 
 
 def settings_layout(panel: Any) -> UILayout:
-    """The layout of a panel of settings: names at the left of their values, and no buttons for keyframes."""
+    """The layout of a panel of settings: labels to the left of values, without keyframe buttons."""
     layout: UILayout = panel.layout
     layout.use_property_split = True
     layout.use_property_decorate = False
@@ -58,7 +58,7 @@ def draw_properties(layout: UILayout, owner: Any, *names: str) -> None:
 
 
 def draw_carrier(layout: UILayout, obj: Object, verb: str) -> None:
-    """Draw the haptic object that a source shakes or a listener feels through, or a warning where there is none."""
+    """Draw the haptic object of a source or listener, or a warning if there is none."""
     carrier = haptic_carrier(obj)
     if carrier is None:
         warn(layout, "Not on a haptic object:", "make it haptic or parent it to one")

@@ -1,4 +1,4 @@
-"""A designer's formula in a panel, with its faults and a mark below their place."""
+"""A designer's formula in a panel, with its fault and a mark below the place."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 @lru_cache(maxsize=256)
 def _checked(source: str, kappa: float, rho: float, epsilon: float, on_contact: bool) -> Finding | None:
-    """The fault of a formula, cached as panels ask at every redraw."""
+    """The fault of a formula, cached because panels request it at every redraw."""
     return functions.check_expression(source, kappa, rho, epsilon, on_contact)
 
 
 def draw_parameters(layout: UILayout, group: Any, kappa: float, rho: float, epsilon: float, on_contact: bool = False) -> None:
-    """Draw the parameters of the chosen function; a formula over the whole width, with its fault."""
+    """Draw the parameters of the chosen function; a formula takes the whole width and shows its fault."""
     if group.function == "expression":
         row = layout.row()
         row.use_property_split = False
@@ -37,7 +37,7 @@ def draw_parameters(layout: UILayout, group: Any, kappa: float, rho: float, epsi
 
 
 def draw_finding(layout: UILayout, source: str, finding: Finding | None) -> Finding | None:
-    """Draw the fault of a formula, where there is one. Returns the fault."""
+    """Draw and return the fault of a formula, if there is one."""
     if finding is None:
         return None
     box = layout.box()
@@ -71,5 +71,5 @@ def _font_size() -> float:
 
 
 def _width(text: str) -> float:
-    """Width of a text with the spaces at its end, which a font does not count."""
+    """Width of a text including trailing spaces, which `blf` ignores."""
     return blf.dimensions(0, text + "|")[0] - blf.dimensions(0, "|")[0]

@@ -20,4 +20,4 @@ def draw_export(context: Context, layout: UILayout) -> None:
 
 
 def draw_import(context: Context, layout: UILayout) -> None:
-    """The importer has no options of ours."""
+    """Draw nothing: the add-on has no import options."""

@@ -1,4 +1,4 @@
-"""The hint at the next step from an empty scene to a vibration that is felt, with its button."""
+"""The hint for the next step from an empty scene to a vibration that is felt, with its button."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Hint:
-    """The next step in ``words``, and the operators for it: name and icon."""
+    """The next step in ``words``, and its operators with their icons."""
 
     words: str
     operators: tuple[tuple[str, str], ...] = ()
@@ -40,7 +40,7 @@ def draw_hint(layout: UILayout, context: Context) -> None:
 
 
 def next_step(scene: Scene, is_playing: bool) -> Hint | None:
-    """The next step towards a vibration that is felt, or the sounding sources while the timeline plays; None where the summary tells it."""
+    """The next step towards a vibration that is felt, or the active sources while the timeline plays; None if the summary says it."""
     if not scene.haptics.tracing:
         return Hint(iface_("Tracing is switched off"), (("haptic.toggle_tracing", "HIDE_OFF"),))
     traced = sessions.shown(scene)
@@ -60,19 +60,19 @@ def next_step(scene: Scene, is_playing: bool) -> Hint | None:
     if is_playing:
         return Hint(_playing(traced.result.sources))
     if traced.result.sources and not traced.result.gains.any():
-        return None  # the summary says why nothing arrives, and what to do
+        return None  # the summary shows the reason and the remedy
     return Hint(iface_("Press play"), (("screen.animation_play", "PLAY"),))
 
 
 def _has_sources(scene: Scene, traced: Traced) -> bool:
-    """True where something vibrates, or where bodies that move can collide."""
+    """True if there is a source, or if moving bodies can collide."""
     if traced.result.sources or traced.reading is None or traced.reading.sources:
         return True
     return scene.haptics.impacts and any(body.motion == "dynamic" for body in traced.reading.bodies)
 
 
 def _playing(sources: Sequence[Source]) -> str:
-    """The sources that sound at this moment."""
+    """The names of the active sources."""
     sounding = [source_title(source, 0.5) for source in sources if source.amplitude > 0]
     if not sounding:
         return iface_("Playing: nothing sounds at this moment")

@@ -71,7 +71,7 @@ class HAPTIC_PT_actuators(HapticsPanel, Panel):
 
 
 def _actuators_of(mapped: ActuatorMapping, row: int) -> list[str]:
-    """The actuators of a listener, with their device where there are several."""
+    """The actuators of a listener, with their device if there are several."""
     running = outputs.running()
     return [
         f"{running[key].profile.title}: {actuator.name}" if len(running) > 1 else actuator.name
@@ -141,13 +141,13 @@ def _draw_status(layout: UILayout, status: Status, frame_seconds: float, renderi
 
 
 def lag_of_picture(status: Status, frame_seconds: float, rendering_seconds: float = 0.0) -> float | None:
-    """Seconds by which touch follows the picture. A picture stands for its frame, so its middle counts: samples of the frame before it are
-    felt while it is shown, half a frame late on average. ``rendering_seconds``: by which samples lag the frame."""
+    """Seconds by which touch follows the picture. A picture is shown for a whole frame, of which the middle counts: samples of the frame
+    before it are felt while it is shown, half a frame late on average. ``rendering_seconds``: by which samples lag the frame."""
     return None if status.lag is None else status.lag + frame_seconds / 2 + rendering_seconds
 
 
 def limiter_seconds(scene: Scene) -> float:
-    """Seconds by which a limiter holds back what all listeners feel; 0 where none has one."""
+    """Delay of all listeners by a limiter [s]; 0 if none has one."""
     traced = sessions.shown(scene)
     return limiter.LOOK_AHEAD if traced is not None and any(listener.limiter for listener in traced.result.listeners) else 0.0
 

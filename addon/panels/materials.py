@@ -131,7 +131,7 @@ class HAPTIC_PT_fit(HapticsPanel, Panel):
 
 
 def _draw_fit(layout: UILayout, fit: Any) -> None:
-    """What was found last: the values, the transfer by band beside that of the model before and after, and what is not determined."""
+    """Draw the last fit: the values, the transfer by band with that of the model before and after, and undetermined parameters."""
     damping, damping_error, gain, gain_error, before, after = fit.values
     column = layout.column(align=True)
     column.label(text=fitted(fit.fitted, icon=True), icon="MATERIAL", translate=False)

@@ -1,4 +1,4 @@
-"""Panels of the modalities beside vibration, one per modality, made from its data."""
+"""Panels of the modalities other than vibration, generated from their definitions."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from ...core.modalities.propagation import Felt
 
 _ORDER = 35
-"""After the panels of objects, sources and listeners."""
+"""Position after the panels of objects, sources and listeners."""
 
 
 def _scene_panel(modality: Modality) -> type[Panel]:
-    """The panel of a modality in the scene: its switch, and what the listeners feel."""
+    """The panel of a modality in the scene: its switch, and the values at listeners."""
 
     def draw_header(self: Panel, context: Context) -> None:
         self.layout.prop(getattr(context.scene.haptics.modalities, modality.name), "enabled", text="")
@@ -54,7 +54,7 @@ def _draw_listener(layout: UILayout, felt: Felt, index: int) -> None:
 
 
 def _object_panel(modality: Modality) -> type[Panel]:
-    """The panel of a modality for the active object: how it transmits it, and whether it is a source."""
+    """The panel of a modality for the active object: its function and values, and its source."""
 
     def poll(cls: type[Panel], context: Context) -> bool:
         return context.object is not None and context.object.type != "ARMATURE"

@@ -62,7 +62,7 @@ class HAPTIC_PT_object(HapticsPanel, Panel):
         material = library_owner(context, obj)
         _draw_material(layout, context.scene, haptics.material, material)
         draw_properties(layout, material or haptics, "kappa", "rho")
-        if material is not None:  # the library's values are shared and can't be keyed
+        if material is not None:  # the library's values are shared and cannot be keyed
             layout.operator("haptic.unlink_material", text="Make Own, to Key It", icon="UNLINKED")
         layout.prop(haptics, "function")
         draw_parameters(layout, haptics, haptics.kappa, haptics.rho, context.scene.haptics.epsilon)
@@ -73,7 +73,7 @@ class HAPTIC_PT_object(HapticsPanel, Panel):
 
 
 def draw_wave_speed(layout: UILayout, haptics: Any, material: Any) -> None:
-    """A material may know its wave speed without using it; an object's own counts unless it is 0."""
+    """Draw the wave speed: a material has a switch for it, an object's own is off at 0."""
     if material is None:
         layout.prop(haptics, "wave_speed")
         return
@@ -171,7 +171,7 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
 
 
 def _crossing(context: Context, haptics: Any) -> tuple[str, float] | None:
-    """The material of the scene's library whose curve by the paper's function an object's crosses first, and at which distance [m]."""
+    """The material of the scene's library whose curve, by the paper's function, crosses the object's curve first, and the distance [m]."""
     k, least = transfer_coefficient(haptics.kappa, haptics.rho), context.scene.haptics.epsilon
     found = []
     for item in context.scene.haptics.materials.items:
@@ -182,7 +182,7 @@ def _crossing(context: Context, haptics: Any) -> tuple[str, float] | None:
 
 
 def _curve_key(haptics: HapticObjectProperties, scene: Scene) -> tuple[ModulationFunction, float, float, float] | None:
-    """The values that the curve of the active object's function depends on; None where the function is invalid."""
+    """The values that determine the active object's curve; None if its function is invalid."""
     try:
         return functions.read_function(haptics), haptics.kappa, haptics.rho, scene.haptics.epsilon
     except ValueError:

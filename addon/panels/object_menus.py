@@ -1,4 +1,4 @@
-"""Menus: Object > Haptics, where F3 finds every operator, and Add > Haptic."""
+"""Menus: Object > Haptics, through which search (F3) finds every operator, and Add > Haptic."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def others() -> list[str]:
 
 
 NEEDS_MORE = {"haptic.apply_material", "haptic.select_object", "haptic.add_source_object", "haptic.add_medium", "haptic.add_sample"}
-"""Operators that need arguments, which other menus and panels give."""
+"""Operators that need arguments from other menus and panels."""
 
 
 class HAPTIC_MT_object(Menu):

@@ -30,7 +30,7 @@ class HapticTracingPreferences(PreferenceProperties, AddonPreferences):
 
 
 def draw_shortcuts(layout: UILayout, context: Context) -> None:
-    """The add-on's shortcuts, where the user can change them."""
+    """Draw the add-on's shortcuts for editing."""
     configuration = context.window_manager.keyconfigs.user
     column = layout.column()
     column.label(text="Shortcuts")

@@ -263,7 +263,7 @@ def draw_lane_switch(self: Header, context: Context) -> None:
 
 
 def _gain_text(gains: FloatArray, index: int) -> str:
-    """The gain of a listener in whole decibels; a dash where nothing reaches it, or where it is not in the frame."""
+    """The gain of a listener in whole decibels; a dash if nothing reaches it, or if it is not in the frame."""
     gain = float(gains[index]) if index < len(gains) else 0.0
     return f"{20 * math.log10(gain):.0f}" if gain > 0 else "\N{EM DASH}"
 
@@ -282,7 +282,7 @@ def _draw_level(layout: UILayout, level: Level) -> None:
 
 
 def _draw_switches(layout: UILayout, name: str, role: str) -> None:
-    """Solo and mute of a source or listener, where it is an object of this file."""
+    """Draw solo and mute of a source or listener if it is an object of this file."""
     obj = bpy.data.objects.get(name)
     if obj is not None and getattr(obj.haptics, role).enabled:
         properties = getattr(obj.haptics, role)
@@ -291,7 +291,7 @@ def _draw_switches(layout: UILayout, name: str, role: str) -> None:
 
 
 def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
-    """The strongest sources that reach a listener."""
+    """Draw the strongest sources that reach a listener."""
     gains = sorted(((float(result.gains[s, index]), source) for s, source in enumerate(result.sources)), key=lambda g: (-g[0], g[1].name))
     felt = [(gain, source) for gain, source in gains if gain > 0]
     column = layout.box().column(align=True)
@@ -322,7 +322,7 @@ def _draw_row(layout: UILayout, name: str, values: str, margin: str) -> None:
 
 
 def _draw_pictures(layout: UILayout, context: Context) -> None:
-    """The scope and the body side by side, as in the viewport."""
+    """Draw the scope and the body side by side, as in the viewport."""
     scene, ink = context.scene, panel_picture.theme_ink(context)
     shown, scope = watched.levels_of(scene), meters.scope_of(scene)
     body = scene.haptics.meters.show_body and any(level.body_part for level in shown)

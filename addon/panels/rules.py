@@ -16,7 +16,7 @@ _FIELDS = {"OBJECT": "objects", "MATERIAL": "items"}
 
 
 class HAPTIC_UL_rules(UIList):
-    """The rules of a table, each with the two sides that it is for."""
+    """The rules of a table, each with its two sides."""
 
     def draw_item(  # type: ignore[override]  # the filter flags, which Blender passes last, may be left out
         self, context: Context, layout: UILayout, data: Any, item: Any, icon: int, active_data: Any, active_property: str, index: int = 0
@@ -30,7 +30,7 @@ class HAPTIC_UL_rules(UIList):
 
 
 def draw_table(layout: UILayout, context: Context, table: str) -> Any:
-    """Draw a table of the scene and what its active rule is for. Returns that rule, None where there is none."""
+    """Draw a table of the scene and the two sides of its active rule. Returns that rule, None if there is none."""
     rows = getattr(context.scene.haptics, table)
     row = layout.row()
     row.template_list("HAPTIC_UL_rules", table, rows, "items", rows, "active", rows=3)
@@ -55,5 +55,5 @@ def draw_table(layout: UILayout, context: Context, table: str) -> Any:
 
 
 def _problems(context: Context, table: str, index: int) -> list[str]:
-    """What a designer should mend in a row."""
+    """The faults of a row."""
     return [problem.message for problem in sessions.shown_problems(context.scene) if problem.rule == (table, index)]

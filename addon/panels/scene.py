@@ -1,4 +1,4 @@
-"""Panel "Haptic Tracing": what is felt, the next step, problems, and the settings of tracing and display."""
+"""Panel "Haptic Tracing": the summary of one listener, the next step, problems, and the settings of tracing and display."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class HAPTIC_PT_scene(HapticsPanel, Panel):
 
 
 def _draw_card(layout: UILayout) -> None:
-    """Draw what a newcomer may begin with."""
+    """Draw the entries for newcomers."""
     box = layout.box()
     box.label(text="New here? Look, try, or read", icon="HEART")
     column = box.column(align=True)
@@ -152,7 +152,7 @@ class HAPTIC_PT_contacts(HapticsPanel, Panel):
 class HAPTIC_PT_overlay(HapticsPanel, Panel):
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Overlay"
-    bl_translation_context = "Haptics"  # Blender's own word for it is that of mixing colours
+    bl_translation_context = "Haptics"  # Blender's translation of the word is that of mixing colours
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw_header(self, context: Context) -> None:

@@ -1,4 +1,4 @@
-"""Panel "Sound": what the vibration of a source is made of."""
+"""Panel "Sound": the conversion of a sound to the signal of a source."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from .thumbnails import cell
 
 _SHOWN_EMPHASES = 20
 _TRIGGERS = {"": "", "_markers": "timeline_markers", "_hit": "", "_object": "objects", "_region": "objects"}
-"""Ends of the names of properties, and what of the scene these name."""
+"""Suffixes of property names, and the collections that these properties name items of."""
 
 
 class HAPTIC_PT_signals(Panel):
@@ -123,7 +123,7 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
 
 
 def _draw_triggers(layout: UILayout, scene: Scene, obj: Object) -> None:
-    """Draw what triggers a source, each with what is wrong with it."""
+    """Draw what triggers a source, each with its faults."""
     for end, items in _TRIGGERS.items():
         name = f"trigger{end}"
         if items:
@@ -143,7 +143,7 @@ def _draw_front(layout: UILayout, context: Context, medium: Object) -> None:
 
 
 def _draw_faults(layout: UILayout, scene: Scene, obj: Object, name: str) -> None:
-    """Draw what a designer should mend about a property of the source."""
+    """Draw the faults of a property of the source."""
     for problem in sessions.shown_problems(scene):
         if (problem.object, problem.rule) == (obj.name_full, (name, 0)):
             draw_sentence(layout, problem.message, "ERROR")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ...core.scene.values import Source
 
 _WIDTH = 200.0
-"""Width of a panel's content [points] at the default width of the sidebar, and where there is none."""
+"""Width of a panel's content [points] at the default width of the sidebar, also used without a sidebar."""
 _BORDERS = 66.0
 """Width of the tabs, the scroll bar and the edges of a box [points]."""
 _ICON = 24.0
@@ -23,7 +23,7 @@ _BUTTON = 16.0  # points that a button needs beside its text
 
 
 def draw_sentence(layout: UILayout, text: str, icon: str = "NONE") -> None:
-    """Draw a sentence over as many lines as it needs."""
+    """Draw a sentence in as many lines as necessary."""
     column = layout.column(align=True)
     column.scale_y = 0.85
     for number, line in enumerate(lines(text[:1].upper() + text[1:], content_width() - (_ICON if icon != "NONE" else 0.0))):
@@ -31,13 +31,13 @@ def draw_sentence(layout: UILayout, text: str, icon: str = "NONE") -> None:
 
 
 def fitted(text: str, share: float = 1.0, icon: bool = False, button: bool = False) -> str:
-    """A text for a ``share`` of the panel's width, its middle cut out where it is longer."""
+    """A text for a ``share`` of the panel's width, shortened in the middle if it is longer."""
     width = content_width() * share - _ICON * icon - _BUTTON * button
     return shortened(text, width, _font_size(), text_width) or text
 
 
 def source_title(source: Source, share: float = 1.0) -> str:
-    """A source's name for a ``share`` of the panel's width; of an impact both objects, each cut by itself."""
+    """A source's name for a ``share`` of the panel's width; for an impact both objects, each shortened separately."""
     if source.kind is not SourceKind.TEMPORARY or source.second_object is None:
         return fitted(source.name, share, icon=True, button=True)
     first, second = (fitted(name, (share - 0.06) / 2, button=True) for name in (source.object, source.second_object))

@@ -1,4 +1,4 @@
-"""Small pictures in menus, each over the button that applies what it shows."""
+"""Thumbnails in menus, each above the button that applies its item."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def cell(flow: UILayout, name: str, pixels: Sequence[float] = ()) -> UILayout:
         picture.image_size = (math.isqrt(len(pixels) // 4),) * 2
         picture.image_pixels_float = pixels
     picture = picture or _loaded[0].load(name, str(_FOLDER / f"{name}.png"), "IMAGE")
-    tuple(picture.image_size)  # loads it now: a menu is not drawn again when it has been loaded later
+    tuple(picture.image_size)  # loads it now, because a menu is not redrawn after asynchronous loading
     column = flow.column(align=True)
     column.template_icon(icon_value=picture.icon_id, scale=_SCALE)
     return column

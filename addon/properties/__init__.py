@@ -1,1 +1,1 @@
-"""What a designer authors, as Blender properties."""
+"""Blender properties for everything that a designer authors."""

@@ -1,4 +1,4 @@
-"""The property that names the actuators of a listener: written to text and read from it."""
+"""The text form of a listener's choice of actuators."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _GAIN = re.compile(r"\d{1,10}(\.\d+)?(e-?\d{1,2})?", re.ASCII)
 
 
 def places_of(choice: str) -> list[Place] | None:
-    """The actuators of a choice, as "device/actuator" or "device/actuator*gain" separated by semicolons; None where it is automatic."""
+    """The actuators of a choice, as "device/actuator" or "device/actuator*gain" separated by semicolons; None for the automatic choice."""
     if choice == AUTOMATIC:
         return None
     places = []
@@ -28,12 +28,12 @@ def places_of(choice: str) -> list[Place] | None:
 
 
 def choice_of(places: Sequence[Place]) -> str:
-    """The choice that stands for actuators."""
+    """The text form of actuators."""
     return ";".join(map(_text, places)) or MUTED
 
 
 def toggled(choice: str, actuator: str) -> str:
-    """The choice with the actuator, as "device/actuator", added to it, or removed where it is chosen already."""
+    """The choice with the actuator, as "device/actuator", added, or removed if it was chosen."""
     device, _, name = actuator.rpartition("/")
     place = Place(device, name)
     places = places_of(choice) or []

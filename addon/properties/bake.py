@@ -1,4 +1,4 @@
-"""What a scene keeps of its bake, and what a bake writes on listeners."""
+"""Properties of a scene's bake, and those that a bake animates on listeners."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def _played_otherwise(self: PropertyGroup, context: Context) -> None:
 
 
 class HapticTake(PropertyGroup):
-    """A bake that is kept under its name."""
+    """A bake that is stored under a name."""
 
     name: StringProperty(name="Name", description="Name of the take", default="")
     track: PointerProperty(type=Text, name="Track", description="Where the haptic track is kept: a text with the track as its property")
@@ -48,7 +48,7 @@ class HapticBakeProperties(PropertyGroup):
 
 
 class HapticFeltProperties(PropertyGroup):
-    """What a bake writes on a listener."""
+    """Values that a bake animates on a listener."""
 
     intensity: number(
         "Intensity",

@@ -13,19 +13,19 @@ from ..changes.revisions import mark_changed
 
 
 def changed(self: PropertyGroup, context: Context) -> None:
-    """Mark that what is traced has changed."""
+    """Mark the traced scene as changed."""
     mark_changed()
 
 
 def view_changed(self: PropertyGroup, context: Context) -> None:
-    """Redraw the viewports: what they show has changed, not what is traced."""
+    """Redraw the viewports: their display has changed, not the traced scene."""
     redraw_viewports()
 
 
 @cache
 def edited(name: str) -> Callable[[PropertyGroup, Context], None]:
-    """The callback of the property ``name``, for which an imported file may hold a value that the property cannot: with more digits, or a
-    function with more parameters. The first edit drops that value."""
+    """The callback of the property ``name``, for which an imported file may store a value that the property cannot hold, with more digits
+    or further parameters. The first edit drops that value."""
 
     def update(self: Any, context: Context) -> None:
         self.drop_imported(name)

@@ -1,6 +1,7 @@
-"""Properties of drawn signals, which are node groups: Blender keeps the curves that it shows in panels in nodes.
+"""Properties of drawn signals, which are node groups, because Blender stores the curves of panels in nodes.
 
-So a drawn signal has a name and users, may be an asset, and is appended and linked like everything else in a file.
+
+A drawn signal therefore has a name and users, can be an asset, and can be appended and linked.
 """
 
 from __future__ import annotations
@@ -16,13 +17,13 @@ from .kinds import limited, share, switch
 AMPLITUDE, FREQUENCY = "Amplitude", "Frequency"
 """The nodes with the curves, from 0 to 1 in both directions."""
 HERTZ = (0.1, 1000.0)
-"""Frequencies that sources take."""
+"""Range of the frequencies of sources [Hz]."""
 LONGEST = 3600.0
-"""Seconds that a drawn signal may last."""
+"""Longest drawn signal [s]."""
 
 
 class HapticEmphasis(PropertyGroup):
-    """A transient of a drawn signal: a short burst at a place, with strength and sharpness."""
+    """A transient of a drawn signal: a short burst at a relative time, with strength and sharpness."""
 
     place: share("Place", "Where in the signal it begins: 0 is the beginning, 1 the end", 0.0, update=changed)
     strength: share("Strength", "Amplitude of the burst, which is added to the envelope", 1.0, update=changed)
@@ -30,7 +31,7 @@ class HapticEmphasis(PropertyGroup):
 
 
 class HapticDrawing(PropertyGroup):
-    """What a node group says as a drawn signal."""
+    """Properties of a node group that is a drawn signal."""
 
     is_signal: switch("Is Signal", "This node group is a drawn signal", options={"HIDDEN"})
     duration: limited("Duration (s)", "How long the drawn signal lasts", 1.0, (0.02, LONGEST), soft_max=10.0, update=changed)

@@ -1,4 +1,4 @@
-"""Properties of a modulation function: which one, and its parameters."""
+"""Properties of a modulation function: its kind and its parameters."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ FUNCTIONS = {
     "resilient": ("Resilient Layer", "What a mass on a spring passes on: everything up to its resonance, less and less above it"),
     "normal_force": ("Pressing Force", "(F / reference)^exponent, at most 1, with the force that presses resting objects together"),
 }
-"""Title and description of each function of the core, by its name. Files hold a choice by its place in this order."""
+"""Title and description of each function of the core, by its name. Files store a choice as its index in this order."""
 
 VIBRATION_FUNCTIONS = tuple(FUNCTIONS)[:7]
-"""Those of objects that vibration passes through."""
+"""Functions of haptic objects."""
 TRANSMISSIONS = ("impedance", "identity", "constant", "linear", "exponential", "expression", "resilient", "normal_force")
-"""Those of contacts."""
+"""Functions of contacts."""
 
 PARAMETERS = {
     "exponential": {"alpha": "alpha"},
@@ -38,14 +38,14 @@ PARAMETERS = {
     "expression": {"expression": "expression"},
     "physical": {"thickness" if name == "plate_thickness" else name: name for name in PhysicalParameters.__annotations__},
 }
-"""Which properties are the parameters of which function of an object, by their names in the core."""
+"""Parameters of the functions of objects: property by name in the core, by function."""
 
 CONTACT_PARAMETERS = {
     **PARAMETERS,
     "resilient": {"stiffness": "stiffness", "load": "load", "loss_factor": "layer_loss", "fall_off": "fall_off"},
     "normal_force": {"reference": "reference", "exponent": "exponent"},
 }
-"""The same of a contact."""
+"""The same for the functions of contacts."""
 
 
 def function_property(names: tuple[str, ...], default: str) -> EnumProperty:
@@ -60,7 +60,7 @@ def function_property(names: tuple[str, ...], default: str) -> EnumProperty:
 
 
 class FunctionParameters:
-    """Mixin: the parameters of the functions that have some."""
+    """Mixin: the parameters of all functions of objects."""
 
     alpha: number(
         "Alpha (1/m)",

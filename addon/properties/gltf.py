@@ -1,4 +1,4 @@
-"""How haptics go into glTF files."""
+"""Settings of haptics in glTF files."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .kinds import switch
 
 
 class HapticGltfProperties(PropertyGroup):
-    """What is written when the scene is exported as glTF."""
+    """The data that is written when the scene is exported as glTF."""
 
     use_extras: switch("Haptics", "Roles, haptic properties, functions and contacts, in the extras of nodes", True)
     use_material: switch("MPEG Haptic Material", "Haptic materials of meshes as an extension of ISO/IEC 23090-14")

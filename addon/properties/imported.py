@@ -1,4 +1,5 @@
-"""What an imported file says beyond the properties of an object, source, listener or scene: JSON text, see `scene_reader.imported`."""
+"""Values of an imported file that properties of an object, source, listener or scene cannot hold, as JSON text; see
+`scene_reader.imported`."""
 
 from __future__ import annotations
 
@@ -11,20 +12,20 @@ from .callbacks import changed
 
 
 class Imported:
-    """Mixin: a property group that an imported file may say more about."""
+    """Mixin: a property group with additional values of an imported file."""
 
     imported: StringProperty(
         name="Imported", description="What an imported file says beyond these properties", options={"HIDDEN"}, update=changed
     )
 
     def drop_imported(self, name: str) -> None:
-        """Drop the exact number that was imported for the property ``name``: it was edited."""
+        """Drop the exact number that was imported for the property ``name``: because it was edited."""
         drop(self, "numbers", name)
 
 
 def drop(owner: Any, *path: str) -> None:
-    """Remove a value, given by its keys, from what was imported with ``owner``. Text that is no JSON object stays as it is: the reader
-    reports it."""
+    """Remove a value, given by its keys, from the imported values of ``owner``. Text that is not a JSON object is kept; the reader reports
+    it."""
     if not owner.imported:
         return
     try:

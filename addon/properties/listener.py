@@ -30,7 +30,7 @@ BODY_PART_ITEMS = (
 
 
 def _enabled_edited(self: HapticListenerProperties, context: Context) -> None:
-    """Give a listener that is made now its limiter and its extent. Those of files in which these were off by default stay without."""
+    """Give a new listener a limiter and an extent; listeners of files in which these were off by default are not affected."""
     if self.enabled and (context.scene is None or context.scene.haptics.strategy != "as_in_the_paper"):
         if not self.is_property_set("limiter"):
             self.limiter = True
@@ -40,7 +40,7 @@ def _enabled_edited(self: HapticListenerProperties, context: Context) -> None:
 
 
 def _radius_edited(self: HapticListenerProperties, context: Context) -> None:
-    """Draw an empty that is drawn as a sphere as large as the listener."""
+    """Set the size of an empty that is displayed as a sphere to the listener's radius."""
     empty = self.id_data
     if empty.type == "EMPTY" and empty.empty_display_type == "SPHERE":
         empty.empty_display_size = self.radius
@@ -48,7 +48,7 @@ def _radius_edited(self: HapticListenerProperties, context: Context) -> None:
 
 
 class HapticListenerProperties(Imported, PropertyGroup):
-    """A haptic listener: receives signals at a place of the body."""
+    """A haptic listener, which receives signals at a point of the body."""
 
     enabled: switch("Haptic Listener", "Signals are received at this object's origin", update=_enabled_edited)
     muted: switch("Mute", "Keep the listener but let it feel nothing", options=set(), update=changed)

@@ -1,4 +1,4 @@
-"""What a designer sets for live output: per device, per listener, and for the preview. Nothing of it switches a device on."""
+"""Settings of live output: per device, per listener, and for the preview. None of them activates a device."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _volume_changed(self: HapticLiveOutputProperties, context: Context) -> None:
 
 
 class HapticDeviceProperties(PropertyGroup):
-    """How one device feels; its name is the device's key."""
+    """The adjustment of one device; its name is the device's key."""
 
     gain: limited("Gain", "Makes everything on this device stronger or weaker", 1.0, (0.0, 4.0), soft_max=2.0, update=_device_changed)
     floor: limited(
@@ -62,7 +62,7 @@ class HapticLiveOutputProperties(PropertyGroup):
 
 
 class HapticActuatorProperties(PropertyGroup):
-    """What a listener is felt through."""
+    """The choice of actuators of a listener."""
 
     actuators: StringProperty(
         name="Actuators",

@@ -1,4 +1,4 @@
-"""The values that a haptic material and an object of that material both have. Each is defined once, with its own callback and options."""
+"""Properties that haptic materials and their objects share; each user adds its own callback and options."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""The scene's library of haptic materials, and which of them an object is made of.
+"""The scene's library of haptic materials, and the materials of objects.
 
-An object keeps the values of its material itself, so that it is traced without looking anything up and stays right when it is appended to
-another file; a change in the library is written to all objects of the scene that are made of it.
+An object stores a copy of its material's values, so that it can be traced without a look-up and remains valid when it is appended to
+another file; an edit in the library is written to all objects of the scene with that material.
 """
 
 from __future__ import annotations
@@ -48,13 +48,13 @@ def holders(obj: Object) -> dict[str, Any]:
 
 
 def values_of(item: HapticMaterial) -> dict[str, Any]:
-    """The values that objects made of a material of the library have."""
+    """The shared values of a material of the library."""
     values = {name: tuple(value) if name == "band_decays" else value for name in material_values.NAMES for value in (getattr(item, name),)}
     return {**values, "wave_speed": item.wave_speed if item.use_delay else 0.0}
 
 
 def write_values(obj: Object, values: dict[str, Any]) -> None:
-    """Give an object the values of a material; what it has already is not written again."""
+    """Give an object the values of a material; equal values are not written."""
     for name, holder in holders(obj).items():
         old = getattr(holder, name)
         if (tuple(old) if name == "band_decays" else old) != values[name]:
@@ -62,7 +62,7 @@ def write_values(obj: Object, values: dict[str, Any]) -> None:
 
 
 def made_of(scene: Scene, name: str) -> Iterator[Object]:
-    """The objects of a scene that are made of a material of its library and can be edited."""
+    """The editable objects of a scene with a material of its library."""
     return (obj for obj in scene.objects if obj.haptics.material.name == name and obj.is_editable)
 
 
@@ -86,7 +86,7 @@ def _material_renamed(self: HapticMaterial, context: Context) -> None:
 
 
 def unique_name(name: str, taken: set[str]) -> str:
-    """The name, or the name with the first number that is free, as Blender numbers names."""
+    """The name, or the name with the first free number, as in Blender."""
     if name not in taken:
         return name
     stem, _, number = name.rpartition(".")
@@ -128,7 +128,7 @@ class HapticMaterial(PropertyGroup):
 
 
 def _chosen(self: HapticObjectMaterial, context: Context) -> None:
-    """A material was chosen for an object: it takes its values."""
+    """Copy the values of the chosen material to the object."""
     obj, scene = self.id_data, context.scene
     # `users_scene` looks at every object of every scene.
     is_here = any(layer.objects.get(obj.name) == obj for layer in scene.view_layers) or scene in obj.users_scene
@@ -137,7 +137,7 @@ def _chosen(self: HapticObjectMaterial, context: Context) -> None:
 
 
 class HapticObjectMaterial(PropertyGroup):
-    """What an object is made of, and the values that only materials have."""
+    """The material of an object, and the values that only materials have."""
 
     name: StringProperty(
         name="Material", description="The material of the scene's library that this object is made of", options=set(), update=_chosen
@@ -160,9 +160,9 @@ def _one(name: str, description: str, role: str) -> PointerProperty[Object]:
 
 
 class HapticFit(PropertyGroup):
-    """What Fit Material is asked, and what it found last. ``fitted``: the material or object; empty before. ``values``: its damping, times
-    that of its material, and the gain of the contact, each with its standard deviation, then the difference between model and recordings
-    before and after [dB]. ``bands``: as in `core.design.recordings.Fit`, band by band."""
+    """The settings of Fit Material and its last result. ``fitted``: the material or object, empty without a result. ``values``: its
+    damping, as a multiple of its material's, and the gain of the contact, each with its standard deviation, then the difference between
+    model and recordings before and after [dB]. ``bands``: as in `core.design.recordings.Fit`, band by band."""
 
     source_file: _recording("At Source", "WAV file recorded at the source; its channels are averaged")
     listener_file: _recording("At Listener", "WAV file recorded at the listener at the same time, begun at the same moment")
@@ -193,7 +193,7 @@ class HapticMaterialLibrary(PropertyGroup):
 
 
 def add_material(scene: Scene, name: str, values: dict[str, object]) -> HapticMaterial:
-    """A new material of the scene's library, which gets a number where its name is taken."""
+    """A new material of the scene's library, which gets a number if its name is taken."""
     library = scene.haptics.materials
     name = unique_name(name, {item.name for item in library.items})
     item = library.items.add()
@@ -206,7 +206,7 @@ def add_material(scene: Scene, name: str, values: dict[str, object]) -> HapticMa
 
 
 def own_values(obj: Object) -> dict[str, Any]:
-    """The values that an object has itself, as a material of the library holds them."""
+    """The values of an object, in the form of a material of the library."""
     values = _held(obj)
     return {**values, "use_delay": values["wave_speed"] > 0}
 

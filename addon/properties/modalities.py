@@ -1,4 +1,4 @@
-"""The properties of every modality without samples, made from its data: those of objects, of sources and of the scene."""
+"""The properties of every modality without samples, generated from its definition: those of objects, of sources and of the scene."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .function import FunctionParameters, function_property
 from .imported import drop
 
 SHOWN: tuple[Modality, ...] = tuple(modality for modality in MODALITIES.values() if not modality.sampled)
-"""The modalities beside vibration, which has properties and panels of its own."""
+"""The modalities other than vibration, which has its own properties and panels."""
 
 
 def _property(quantity: Quantity, name: str) -> Any:
-    """The property ``name`` that holds a quantity."""
+    """The property ``name`` for a quantity."""
     unit = "" if quantity.unit in ("", "m") else quantity.unit
     return FloatProperty(
         name=f"{quantity.title} ({unit})" if unit else quantity.title,
@@ -31,7 +31,7 @@ def _property(quantity: Quantity, name: str) -> Any:
 
 
 def _object_group(modality: Modality) -> type[PropertyGroup]:
-    """What an object has for a modality, and whether it is a source of it."""
+    """The properties of an object, and of a source, for a modality."""
     annotations = {
         "function": function_property(tuple(modality.functions), modality.default_function),
         **{quantity.name: _property(quantity, quantity.name) for quantity in modality.object_values},

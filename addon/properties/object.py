@@ -1,4 +1,4 @@
-"""Properties of haptic objects, and the groups of everything that an object can be."""
+"""Properties of haptic objects, and the property groups of all roles of an object."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ _OF_THE_FUNCTION = {
     "band_decays",
     *(own for parameters in PARAMETERS.values() for own in parameters.values()),
 }
-"""Properties that make an object's modulation function."""
+"""Properties that define an object's modulation function."""
 
 
 class HapticObjectProperties(Imported, FunctionParameters, PhysicalParameters, PropertyGroup):
-    """A haptic object: passes signals on."""
+    """A haptic object, which transmits signals."""
 
     enabled: switch("Haptic Object", "Vibration passes through this object", update=changed)
     kappa: material_values.kappa(update=edited("kappa"))
@@ -46,7 +46,7 @@ class HapticObjectProperties(Imported, FunctionParameters, PhysicalParameters, P
     live_output: PointerProperty(type=live_output.HapticActuatorProperties)
 
     def drop_imported(self, name: str) -> None:
-        """Drop what was imported for the property ``name``: the function where it is one of the function's properties, else its number."""
+        """Drop what was imported for the property ``name``: the function if the property belongs to it, otherwise its number."""
         if name in _OF_THE_FUNCTION:
             drop(self, "function")
         else:

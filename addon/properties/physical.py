@@ -1,4 +1,4 @@
-"""Properties of the physical propagation function: what a body is made of and how vibration travels in it."""
+"""Properties of the physical propagation function: material parameters and wave type."""
 
 from __future__ import annotations
 

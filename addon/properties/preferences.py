@@ -1,4 +1,4 @@
-"""What a user chooses once for all files."""
+"""The user's preferences for all files."""
 
 from __future__ import annotations
 
@@ -52,13 +52,13 @@ _DEFAULTS = SimpleNamespace(
 
 
 def preferences() -> Any:
-    """The user's preferences; the defaults where the package runs without being enabled as an extension."""
+    """The user's preferences; the defaults if the package runs without being enabled as an extension."""
     addon = bpy.context.preferences.addons.get(ROOT)
     return addon.preferences if addon is not None and addon.preferences is not None else _DEFAULTS
 
 
 def gain_text(gain: float) -> str:
-    """A gain (0 or more) as the user wants it written."""
+    """A gain (0 or more) in the user's number format."""
     factor = f"{gain:.2f}" if gain >= 0.1 or gain == 0 else f"{gain:.2g}"
     decibel = f"{20 * math.log10(gain):.0f} dB" if gain > 0 else "-∞ dB"
     match preferences().gain_unit:

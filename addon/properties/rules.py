@@ -1,7 +1,7 @@
 """Tables of a scene: rules for pairs of objects.
 
-A table is a property group with ``items``, whose class has `RuleScope` and what its rows say, and `TableRows`; `TABLES` names it for the
-operators that edit any of them.
+A table is a property group with `TableRows` and ``items``, whose class has `RuleScope` and the values of a row; `TABLES` lists it for the
+operators that edit tables.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def _name() -> StringProperty:
 
 
 def _curve(name: str, description: str, weak: float, low: float, high: float) -> FloatVectorProperty:
-    """A value for the weakest blows and for those of full energy."""
+    """A value for the weakest impacts and for those of full energy."""
     return FloatVectorProperty(
         name=name, description=description, size=2, default=(weak, 1.0), min=low, max=high, options=set(), update=changed
     )
@@ -68,11 +68,11 @@ SIGNAL_ITEMS = (
     ("MATERIALS", "By Material", "As the materials that meet: metal on stone rings, wood on soil thuds; plain where unknown"),
     ("PLAIN", "Plain", "A short knock of 150 Hz, whatever meets"),
 )
-"""What impacts play."""
+"""Choices of the signal of impacts."""
 
 
 class RuleScope:
-    """Mixin: between which objects a row counts."""
+    """Mixin: the pairs of objects that a row applies to."""
 
     first_kind: _kind("Between")
     first: _name()
@@ -81,13 +81,13 @@ class RuleScope:
 
 
 class TableRows:
-    """Mixin: what every table has beside its items."""
+    """Mixin: the properties of every table besides its items."""
 
     active: IntProperty(name="Active Rule", default=0, min=0, options=set())
 
 
 class HapticImpactRule(RuleScope, Imported, PropertyGroup):
-    """What counts for impacts between some objects."""
+    """The rule for impacts between some objects."""
 
     template: EnumProperty(
         name="Signal",
@@ -147,7 +147,7 @@ def _texture(key: str, name: str, words: str, default: float, span: tuple[float,
 
 
 class HapticTexture(RuleScope, Imported, PropertyGroup):
-    """What some objects play that slide or roll on each other."""
+    """The texture of some objects that slide or roll on each other."""
 
     period: _texture(
         "period",
@@ -190,13 +190,13 @@ class HapticTexture(RuleScope, Imported, PropertyGroup):
 
 
 class HapticTextureTable(TableRows, PropertyGroup):
-    """The rules of a scene for what slides or rolls."""
+    """The rules of a scene for sliding and rolling."""
 
     items: CollectionProperty(type=HapticTexture)  # type: ignore[assignment]  # in place of items() of bpy_struct
 
 
 class HapticTransmissionRule(RuleScope, ContactParameters, Imported, PropertyGroup):
-    """What contacts between some objects pass on."""
+    """The transmission function of contacts between some objects."""
 
     function: function_property(TRANSMISSIONS, "impedance")
 

@@ -1,4 +1,4 @@
-"""Properties of the sound that a source's vibration is made of."""
+"""Properties of the sound from which a source's vibration is converted."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ SHOWN = {"PITCH": ("band", "frequency"), "FIXED": ("frequency",), "DEVICE": ("de
 
 
 def sound_path(owner: bpy.types.ID, path: str) -> Path:
-    """A path that is stored with ``owner``, in full. Raises ValueError where there is no such file."""
+    """A path that is stored with ``owner``, as an absolute path. Raises ValueError if there is no such file."""
     full = Path(bpy.path.abspath(path, library=owner.library))
     if not full.is_file():
         raise ValueError(iface_("there is no file {}").format(full))
@@ -41,7 +41,7 @@ def sound_path(owner: bpy.types.ID, path: str) -> Path:
 
 
 def device_profiles() -> Mapping[str, Profile]:
-    """The profiles of devices that come with the add-on, and the user's own, by name."""
+    """The built-in and the user's device profiles, by name."""
     return profiles.load_profiles((profiles.BUILT_IN, *(folder for folder in profile_folders() if folder.is_dir())))[0]
 
 
@@ -51,11 +51,11 @@ def _edited(self: HapticSoundProperties, context: Context) -> None:
         if self.origin == "FILE" and self.filepath:
             sound_path(self.id_data, self.filepath)
     except ValueError as error:
-        self.fault = str(error)  # what else may be wrong is found when it is converted
+        self.fault = str(error)  # other faults are found during the conversion
 
 
 class HapticSoundProperties(PropertyGroup):
-    """A sound, how it becomes vibration, and that vibration."""
+    """A sound, the settings of its conversion, and the resulting vibration."""
 
     origin: EnumProperty(name="Sound", description="Where the sound comes from", items=ORIGINS, options=set(), update=_edited)
     filepath: StringProperty(

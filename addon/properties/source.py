@@ -28,7 +28,7 @@ def _name(name: str, description: str) -> StringProperty:
 
 
 class HapticSourceProperties(Imported, PropertyGroup):
-    """A haptic source: emits a signal."""
+    """A haptic source, which emits a signal."""
 
     enabled: switch("Haptic Source", "This object emits a haptic signal", update=changed)
     muted: switch("Mute", "Keep the source but silence it", update=changed)

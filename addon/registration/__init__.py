@@ -1,4 +1,4 @@
-"""Registers and unregisters what Blender has to know of: classes, handlers, menus, shortcuts and translations."""
+"""Registration with Blender: classes, handlers, menus, shortcuts and translations."""
 
 from __future__ import annotations
 

@@ -44,6 +44,6 @@ CLASSES = (
     *modalities_panels.PANELS,
     *classes_of(rules_panels, bake_panel, live_output_panels, file_menus, object_menus),
 )
-"""All of them, a panel before its subpanels."""
+"""All classes, a panel before its subpanels."""
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

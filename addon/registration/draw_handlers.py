@@ -1,5 +1,5 @@
-"""What is drawn over the 3D viewport: the haptic graph, then the meters, then labels and legend where these leave room; and the lane over
-timelines."""
+"""Draw handlers: over the 3D viewport the haptic graph, the meters, then labels and legend in the remaining room; over timelines the
+lane."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Blender's events: a frame change traces the frame, an edit traces it again, a file load drops everything.
 
-In scenes where nothing is tagged they return without loading the core.
+In scenes without haptic objects they return without loading the core.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ..scene_reader import roles
 from ..session import session, sessions
 
 _PATIENCE = 1.0
-"""Seconds that a frame waits for the trace of the one before."""
+"""Longest wait of a frame for the trace of the one before [s]."""
 
 
 @persistent
@@ -53,7 +53,7 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
 
 @persistent
 def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
-    """Trace the frame again after an edit; while the timeline plays, `frame_change_post` does it. Edits of meshes are noted in any case."""
+    """Trace the frame again after an edit; while the timeline plays, `frame_change_post` does it. Edits of meshes are always noted."""
     if depsgraph.mode != "RENDER" and is_loaded(session):
         session.geometry_changed(depsgraph)
     if is_suspended() or is_stepped(scene) or depsgraph.mode == "RENDER" or is_playing():
@@ -76,7 +76,7 @@ def file_changed(*_: Any) -> None:
 
 @persistent
 def file_loaded(*_: Any) -> None:
-    """After another file is loaded: have what it showed when it was saved traced, as soon as it is drawn."""
+    """After another file is loaded: trace its current frame as soon as it is drawn."""
     file_changed()
     _trace_soon()
 
@@ -87,7 +87,7 @@ def _trace_soon() -> None:
 
 
 def trace_opened() -> None:
-    """Begin to trace the scenes in the windows that show nothing, or show their frames of the baked tracks; waits for no trace."""
+    """Begin to trace the scenes of the windows that have no result, or show their frames of the baked tracks, without waiting."""
     for window in bpy.context.window_manager.windows:
         scene = window.scene
         is_due = sessions.shown(scene) is None and not sessions.is_behind(scene)
@@ -107,28 +107,28 @@ def saving(*_: Any) -> None:
 
 @persistent
 def cancel(*_: Any) -> None:
-    """Before an undo: what is being traced is of no use any more."""
+    """Before an undo: cancel the running trace, which becomes obsolete."""
     if is_loaded(session):
         session.cancel()
 
 
 @persistent
 def exit_pre(*_: Any) -> None:
-    """Blender ends. Where it is a module of Python, Python has ended before it and taken this module's names away."""
+    """Blender exits. If it is a module of Python, Python has ended before and cleared this module's names."""
     if cancel is not None:
         cancel()
 
 
 @persistent
 def render_pre(*_: Any) -> None:
-    """Rendering gets the processor; what was being traced is traced afterwards. Called on the thread that renders."""
+    """Cancel the running trace during a render and repeat it afterwards. Called on the render thread."""
     if is_loaded(session) and not steps_any():
         session.cancel(resume=True)
 
 
 @persistent
 def reread(*_: Any) -> None:
-    """After undo and redo any property may have another value, and any mesh another shape."""
+    """Read everything again after undo and redo, which may change any property or mesh."""
     if is_loaded(session):
         session.geometry_changed()
     mark_changed()
@@ -136,13 +136,13 @@ def reread(*_: Any) -> None:
 
 
 def _is_concerned(scene: Scene) -> bool:
-    """Whether there is anything to trace or play in a scene, or has been in any: then the session knows."""
+    """Whether a scene has haptic objects or a track, or any scene has had a session."""
     return is_loaded(session) or roles.is_any_tagged(scene) or scene.haptics.bake.track is not None
 
 
 def _is_ready(scene: Scene) -> bool:
-    """Whether a frame can be traced. While the timeline plays, the one before is waited for no longer than `_PATIENCE`, and this one left
-    out; else the one before is given up."""
+    """Whether a frame can be traced. During playback, wait up to `_PATIENCE` for the one before, then skip this one; otherwise cancel the
+    one before."""
     if not session.is_busy(scene, _PATIENCE):
         return True
     if not is_playing():
@@ -156,7 +156,7 @@ def _edited(depsgraph: Depsgraph) -> bool:
 
 
 def _show_track(scene: Scene) -> None:
-    """The choice between track and tracing was made anew."""
+    """Update the shown frame after switching between track and tracing."""
     playback.show_current(scene)
 
 
@@ -184,7 +184,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Stop listening, end what is going on, and drop everything."""
+    """Stop listening, cancel running work, and drop all state."""
     job.stop()
     if bpy.app.timers.is_registered(trace_opened):
         bpy.app.timers.unregister(trace_opened)

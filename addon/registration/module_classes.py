@@ -1,4 +1,4 @@
-"""The classes that Blender has to know of, found in the modules that define them."""
+"""Collection of the Blender classes that modules define."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import bpy
 
 
 def classes_of(*modules: ModuleType) -> tuple[type, ...]:
-    """The classes of Blender's kinds that are defined in modules, in their order there: a class stands after those that it needs."""
+    """The Blender classes defined in modules, in the order of definition, so that a class follows those that it needs."""
     return tuple(
         value
         for module in modules

@@ -14,7 +14,7 @@ CLASSES = (
     *modalities.GROUPS,
     *classes_of(drawing, sound, source, listener, object, rules, scene),
 )
-"""The property groups, each after those that it has in it."""
+"""The property groups, each after those that it contains."""
 
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
 
@@ -28,7 +28,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take them away."""
+    """Unregister them in reverse order."""
     del Scene.haptics
     del Object.haptics
     del NodeTree.haptics

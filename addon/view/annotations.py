@@ -44,7 +44,7 @@ def placed_annotations(
         scale: pixels per point.
         free: the part of the viewport that the user interface does not cover.
         occupied: rectangles within it where something else is drawn.
-        legend: the side at whose lower end the legend stands.
+        legend: the side of the legend, in the lower corner.
     """
     placed = HudBuilder(scale).build() if legend == "NONE" else _placed_legend(data, free, scale, measure, occupied, legend == "LEFT")
     if not data.labels:
@@ -55,7 +55,7 @@ def placed_annotations(
 
 
 def label_text(label: Label) -> str:
-    """The gain of a label as text: "−12.4 dB"; in words where there is none."""
+    """The gain of a label as text: "−12.4 dB"; in words if it is 0."""
     if label.gain > 0:
         return decibel_text(label.gain)
     return iface_("not reached") if label.is_listener else iface_("silent")
@@ -107,7 +107,7 @@ def _along_paths(lines: Lines) -> FloatArray:
 
 
 def _placed_legend(data: RenderData, free: Rectangle, scale: float, measure: Measure, occupied: Sequence[Rectangle], at_left: bool) -> Hud:
-    """The legend in its corner, above what occupies that corner; a small one, or none, where there is no room."""
+    """The legend in its corner, above occupied rectangles; a small one, or none, if there is not enough room."""
     shapes = tuple(shape for shape in NAMES if (data.points.shape == shape).any())
     names = tuple(iface_(name) for name in NAMES.values())
     margin = _MARGIN * scale
@@ -163,7 +163,7 @@ def _add_colours(builder: HudBuilder, gains: GainScale, title: str, width: float
     left, bottom, height = _LEGEND_PADDING * scale, _BAR_BOTTOM * scale, _BAR_HEIGHT * scale
     width -= 2 * left
     for part in range(parts):
-        # Each part extends under the next one, so that no seam shows.
+        # Each part extends under the next one, so that no seam is visible.
         low, high = part / parts, min((part + 2) / parts, 1.0)
         first, last = (colour_table()[round(place * (STEPS - 1))] for place in (low, high))
         builder.plate((left + low * width, bottom), (left + high * width, bottom + height), (*first, 1), 0.0, (*last, 1))

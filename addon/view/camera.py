@@ -7,7 +7,7 @@ from mathutils import Matrix
 
 
 def camera_view(scene: Scene, size: tuple[int, int]) -> tuple[Matrix, Matrix]:
-    """World to camera, and camera to clip space, of the scene's camera as it stands now, for a picture of ``size`` pixels."""
+    """World to camera, and camera to clip space, of the scene's current camera, for a picture of ``size`` pixels."""
     view_layer = scene.view_layers[0]
     view_layer.update()
     assert scene.camera is not None

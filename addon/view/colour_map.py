@@ -54,7 +54,7 @@ class GainScale:
 
     @classmethod
     def of_threshold(cls, threshold: float) -> GainScale:
-        """From the threshold of propagation to 0 dB; 60 dB where there is no threshold, at least 10 dB."""
+        """From the threshold of propagation to 0 dB; 60 dB without a threshold, at least 10 dB."""
         return cls(min(-10.0, max(-120.0, round(20 * math.log10(threshold), 3))) if threshold > 0 else -60.0)
 
     def place(self, gain: FloatArray) -> FloatArray:

@@ -26,10 +26,10 @@ def mode_gains(mode: Mode, traced: Traced, choice: None = None, before: FloatArr
 
 
 _GAINS: dict[Mode, Derived[None, FloatArray]] = {mode: Derived(partial(mode_gains, mode)) for mode in Mode}
-"""One computation per mode, so that the worker can trace in between."""
+"""One computation per mode, so that the worker can trace between them."""
 
 
 def compared(scene: Scene) -> dict[Mode, Latest[FloatArray]]:
-    """The gains of `mode_gains` computed so far, without waiting; the others follow."""
+    """The results of `mode_gains` that are complete, without waiting."""
     found = {mode: derived.latest(scene, None) for mode, derived in _GAINS.items()}
     return {mode: latest for mode, latest in found.items() if latest is not None}

@@ -1,4 +1,4 @@
-"""Why a listener of the scene feels nothing: the core's reasons, and those that depend on Blender."""
+"""Why a listener of the scene feels nothing: the core's reasons, and those specific to Blender."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .levels import felt_samples
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """``notice``: a sentence about the scene, "" for none. ``reasons``: the core's; () where the listener feels something.
+    """``notice``: a sentence about the scene, "" for none. ``reasons``: the core's; () if the listener feels something.
     ``is_current``: False while the reasons for the shown frame are computed."""
 
     notice: str = ""

@@ -1,4 +1,4 @@
-"""The gain over distance as a picture in the panel."""
+"""Plot of the gain over distance in the panel."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ _LENGTHS = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """``gains`` (n,) at ``distances`` (n,) [m], from 0 to ``length``. ``bands`` (3, n): those at 30, 100 and 300 Hz, or None where the
-    function treats all frequencies alike."""
+    """``gains`` (n,) at ``distances`` (n,) [m], from 0 to ``length``. ``bands`` (3, n): those at 30, 100 and 300 Hz, or None if the
+    function does not depend on frequency."""
 
     length: float
     distances: FloatArray
@@ -40,9 +40,9 @@ class Curve:
 
 
 def gain_curve(function: ModulationFunction, kappa: float, rho: float, epsilon: float, count: int = 128) -> Curve:
-    """The curve over a round distance in which the gain becomes faint, 100 metres at most.
+    """The curve up to a round distance at which the gain reaches `_FAINT`, at most 100 metres.
 
-    Raises ValueError where an expression gives no gain.
+    Raises ValueError if an expression gives no valid gain.
     """
     probe = np.array([0.0, *_LENGTHS])
     gains = function.gain(probe, kappa, rho, epsilon)
@@ -107,7 +107,7 @@ def _draw(pixels: Pixels, columns: IntArray, heights: FloatArray, colour: Colour
 
 
 def latest_curve(key: tuple[ModulationFunction, float, float, float]) -> Latest[Curve | None] | None:
-    """The curve of (function, κ, ρ, ε), without waiting; its value is None where the function gives no gain."""
+    """The curve of (function, κ, ρ, ε), without waiting; its value is None if the function gives no valid gain."""
 
     def compute(before: Curve | None) -> Curve | None:
         try:

@@ -29,7 +29,7 @@ _FRONT = 4.0  # distance of the nearest part of a graph in front, in near clippi
 
 
 def graph_in_collection(scene: Scene, result: FrameResult, thickness: float, *, in_front: bool, labels: bool) -> tuple[Object, Collection]:
-    """Make geometry of the graph of ``result`` as it is drawn now, in the scene's collection for it, which is emptied first.
+    """Convert the drawn graph of ``result`` to geometry in the scene's collection for it, which is emptied first.
 
     Args:
         scene: The scene that was traced.
@@ -62,7 +62,7 @@ def graph_in_collection(scene: Scene, result: FrameResult, thickness: float, *, 
 
 
 def _emptied_collection(scene: Scene) -> Collection:
-    """The scene's collection for the graph, without what was in it."""
+    """The scene's collection for the graph, emptied."""
     collection = next((child for child in scene.collection.children_recursive if child.get(_MARK)), None)
     if collection is None:
         collection = bpy.data.collections.new(NAME)
@@ -180,7 +180,7 @@ _MIXED = {"colour": ("Attribute", (-660, 60), _COLOUR), "clear": ("BsdfTranspare
 
 
 def graph_material() -> Material:
-    """A material that emits the colours of the mesh, darker towards the edges for a round look in any light. Back faces are not drawn."""
+    """A material that emits the colours of the mesh, darker towards the edges, which looks round in any light. Back faces are not drawn."""
     strength = ("Math", (-660, -140), {"operation": "MULTIPLY_ADD"})
     more = {"strength": strength, "facing": ("LayerWeight", (-880, -140), {}), "side": ("NewGeometry", (-440, 240), {})}
     links = [("facing", "Facing", "strength", 0), ("strength", 0, "emission", "Strength"), ("colour", "Color", "emission", "Color")]
@@ -203,7 +203,7 @@ def text_material() -> Material:
 def _material(
     name: str, nodes: Mapping[str, Any], links: Sequence[Any], values: Mapping[Any, float] = MappingProxyType({}), blended: bool = False
 ) -> Material:
-    """The material ``name``; where there is none, of ``nodes`` by name, ``links`` (from, output, to, input) and ``values`` of inputs."""
+    """The material ``name``; if missing, created from ``nodes`` by name, ``links`` (from, output, to, input) and ``values`` of inputs."""
     material = bpy.data.materials.get(name)
     if material is not None:
         return material

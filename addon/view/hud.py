@@ -34,7 +34,7 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Hud:
-    """What is drawn over a viewport: ``lines`` and ``points`` in pixels (z = 0, sizes in points) and ``texts``; ``bounds``: the plates."""
+    """Elements drawn over a viewport: ``lines`` and ``points`` in pixels (z = 0, sizes in points) and ``texts``; ``bounds``: the plates."""
 
     lines: Lines
     points: Points
@@ -43,7 +43,7 @@ class Hud:
 
     @property
     def is_empty(self) -> bool:
-        """True where nothing is drawn."""
+        """True if nothing is drawn."""
         return not len(self.lines.width)
 
     def moved(self, right: float, up: float) -> Hud:
@@ -78,14 +78,14 @@ class HudBuilder:
         self._bounds: list[Rectangle] = []
 
     def panel(self, low: Sequence[float], high: Sequence[float], radius: float) -> None:
-        """A plate under other elements; its area counts as covered."""
+        """Add a plate under other elements; its area counts as covered."""
         self.plate(low, high, PLATE, radius)
         self._bounds.append((float(low[0]), float(low[1]), float(high[0]), float(high[1])))
 
     def plate(
         self, low: Sequence[float], high: Sequence[float], colour: Sequence[float], radius: float, right: Sequence[float] | None = None
     ) -> None:
-        """A rectangle; ``radius`` of its corners in points; ``right``: the colour at the right end where it differs."""
+        """A rectangle; ``radius`` of its corners in points; ``right``: the colour at the right end if it differs."""
         self._strokes.append((*low, 0, *high, 0, *colour, *(colour if right is None else right), 2 * radius, Shape.PLATE))
 
     def line(self, start: Sequence[float], end: Sequence[float], colour: Sequence[float], width: float) -> None:

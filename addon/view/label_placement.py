@@ -41,11 +41,11 @@ def place_labels(
     occupied: FloatArray,
     paths: FloatArray,
 ) -> FloatArray:
-    """Lower left corners (n, 2) of labels of ``extent`` (n, 2) beside ``anchor`` (n, 2), NaN where there is no room.
+    """Lower left corners (n, 2) of labels of ``extent`` (n, 2) beside ``anchor`` (n, 2), NaN without room.
 
-    Labels stay within ``room`` (left, bottom, right, top), keep ``clearance`` (n,) from their place and stay off the rectangles
-    ``occupied`` (m, 4: left, bottom, right, top). They are placed in their order: near their anchor, on the side that covers the fewest of
-    the pixels ``paths`` (k, 2), by default the right.
+    Labels stay within ``room`` (left, bottom, right, top), keep ``clearance`` (n,) from their anchor and avoid the rectangles ``occupied``
+    (m, 4: left, bottom, right, top). They are placed in their order: near their anchor, on the side that covers the fewest of the pixels
+    ``paths`` (k, 2), by default the right.
     """
     corner = np.full_like(anchor, np.nan)
     if not len(anchor):
@@ -77,7 +77,7 @@ def place_labels(
 
 
 def _free(low: FloatArray, high: FloatArray, room: tuple[float, float, float, float], occupied: FloatArray) -> BoolArray:
-    """Which rectangles lie inside ``room`` and off ``occupied`` (m, 4)."""
+    """Whether each rectangle lies inside ``room`` and outside ``occupied`` (m, 4)."""
     (x0, y0), (x1, y1) = np.moveaxis(low, 2, 0), np.moveaxis(high, 2, 0)
     result = (x0 >= room[0]) & (y0 >= room[1]) & (x1 <= room[2]) & (y1 <= room[3])
     left, bottom, right, top = occupied.T
@@ -88,7 +88,7 @@ def _free(low: FloatArray, high: FloatArray, room: tuple[float, float, float, fl
 
 
 def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray) -> BoolArray:
-    """Which rectangles are nearer to the anchor of another label than to their own."""
+    """Whether each rectangle is nearer to the anchor of another label than to its own."""
     (x0, y0), (x1, y1), (x, y) = np.moveaxis(low, 2, 0)[..., None], np.moveaxis(high, 2, 0)[..., None], anchor.T
     squared = np.maximum(np.maximum(x0 - x, x - x1), 0) ** 2
     squared += np.maximum(np.maximum(y0 - y, y - y1), 0) ** 2

@@ -1,4 +1,4 @@
-"""The timeline of touch, a lane over Dope Sheet and Timeline: what each listener feels in every frame that was baked or played."""
+"""The timeline of touch, a lane over Dope Sheet and Timeline with the waveform of each listener in all frames that were baked or played."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ from .watched import watched
 
 _BOTTOM = 22.0  # points that Blender's scroll bar and markers take
 _MOST_BYTES = 1 << 27
-"""Largest size of the samples of frames that were played: as many as 14 minutes of ten listeners have."""
+"""Largest size of the stored samples of played frames: 14 minutes of ten listeners."""
 _WAVE_COLOUR, _THRESHOLD_COLOUR = (*SCOPE_COLOUR[:3], 0.9), (*SOURCE_COLOUR.tolist(), 0.8)
 
 
 @dataclass(frozen=True, slots=True)
 class _Range:
-    """The frames of a scene, and what they were traced with; another has other waves."""
+    """The frame range of a scene and the settings of its trace, which together identify stored waves."""
 
     scene: int  # session id
     first: int
@@ -66,7 +66,7 @@ _shown: dict[int, _Shown] = {}  # by the region's address
 
 
 def _keep(traced: sessions.Traced, frames: _Range, before: int | None) -> int:
-    """On the worker: keep what was rendered of a frame. Returns the number of the frame that was kept last."""
+    """Computed on the worker: store the samples of a frame. Returns the number of the last stored frame."""
     result = traced.result
     if traced.reading is None or result.block is None or not result.listeners:
         return 0 if before is None else before
@@ -142,8 +142,8 @@ def _lane(key: Any, sources: tuple[Waves, ...], chosen: str, frames: tuple[float
     """The lane on the GPU.
 
     Args:
-        sources: where a frame is known to several, the first is drawn.
-        chosen: the listener that has a row in any case.
+        sources: the first that contains a frame is drawn.
+        chosen: the listener that always has a row.
         frames: at the left and right edges of the region.
     """
     listeners = tuple(dict.fromkeys(name for waves in sources for name in waves.listeners))
@@ -180,7 +180,7 @@ def _uploaded(strip: Drawn) -> GPUBatch:
 
 
 def forget() -> None:
-    """Free the waves that were played, and all that is cached between redraws."""
+    """Free the waves of played frames, and everything cached between redraws."""
     _played.clear()
     _shown.clear()
 

@@ -29,7 +29,7 @@ _SILENCE = 0.5  # half the thickness of a wave at least [pixels]
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """The row of a listener: where its middle is, and half of its height [pixels]."""
+    """The row of a listener: its middle and half of its height [pixels]."""
 
     listener: str
     middle: float
@@ -37,8 +37,8 @@ class Row:
 
 
 def rows_of(listeners: Sequence[str], first: str, height: float, bottom: float, scale: float) -> tuple[Row, ...]:
-    """The rows, from the top down to ``bottom``, of a region of ``height`` pixels. Where not all have room, ``first`` and
-    those before; none where not even two have."""
+    """The rows, from the top down to ``bottom``, of a region of ``height`` pixels. If not all fit, ``first`` and those before it; none if
+    not even two fit."""
     room = min(_SHARE * (height - bottom), height - bottom - _RULER * scale)
     count = min(len(listeners), int(room / (_LEAST_ROW * scale)))
     if count < min(len(listeners), 2):
@@ -52,7 +52,7 @@ def rows_of(listeners: Sequence[str], first: str, height: float, bottom: float, 
 
 
 def plates(rows: Sequence[Row], width: float, scale: float) -> Hud:
-    """What is under the waves: a plate and the line of silence per row."""
+    """The background of the waves: a plate and the line of silence per row."""
     builder = HudBuilder(scale)
     for row in rows:
         builder.plate((0, row.middle - row.half), (width, row.middle + row.half), _BACKGROUND, 0.0)
@@ -60,7 +60,7 @@ def plates(rows: Sequence[Row], width: float, scale: float) -> Hud:
 
 
 def names(rows: Sequence[Row], hidden: int, scale: float, measure: Measure) -> Hud:
-    """The names of the listeners, at the left, and how many have no room."""
+    """The names of the listeners, at the left, and the number of hidden ones."""
     builder, size = HudBuilder(scale), SMALL_TEXT * scale
     for row in rows:
         text = shortened(row.listener, _NAME_WIDTH * scale, size, measure)
@@ -74,8 +74,8 @@ def names(rows: Sequence[Row], hidden: int, scale: float, measure: Measure) -> H
 
 
 def wave_strip(rows: Sequence[Row], x: FloatArray, parts: Columns, numbers: Sequence[int]) -> Drawn:
-    """The waves of the listeners ``numbers`` as a strip of triangles (v, 2) [pixels], the columns at ``x`` (c,): where nothing is known
-    it has no thickness, where there is silence a pixel's."""
+    """The waves of the listeners ``numbers`` as a strip of triangles (v, 2) [pixels], the columns at ``x`` (c,): its thickness is 0 without
+    data and one pixel for silence."""
     middle, half = _places(rows)
     low, high = (_heights().take(values[list(numbers)].view(np.uint16)) * half for values in (parts.low, parts.high))
     low[:, 1:], high[:, 1:] = np.minimum(low[:, 1:], high[:, :-1]), np.maximum(high[:, 1:], low[:, :-1])  # one line, however steep
@@ -93,7 +93,7 @@ def threshold_strip(rows: Sequence[Row], x: FloatArray, parts: Columns, numbers:
 
 
 def impacts(rows: Sequence[Row], waves: Waves, numbers: Sequence[int], edges: FloatArray, known: BoolArray, scale: float) -> Points:
-    """The impacts in the columns between ``edges`` (c + 1,) [frames] that are ``known``, larger and lighter the stronger they are felt."""
+    """The impacts in the columns between ``edges`` (c + 1,) [frames] that are ``known``, larger and lighter for higher amplitudes."""
     began, gains = waves.impacts
     x = (began - edges[0]) / (edges[1] - edges[0])
     is_shown = (x >= 0) & (x < len(known))
@@ -131,7 +131,7 @@ def _strip(x: FloatArray, low: FloatArray, high: FloatArray) -> Drawn:
 
 @cache
 def _heights() -> Drawn:
-    """The height in a row, -1 to 1, of every sample by its 16 bits: decibels from `FLOOR` in the middle to full scale at the edges."""
+    """The height in a row, -1 to 1, for every 16-bit sample value: decibels from `FLOOR` in the middle to full scale at the edges."""
     values = np.arange(1 << 16, dtype=np.uint16).view(np.int16).astype(np.float64) / FULL_SCALE
     with np.errstate(divide="ignore"):
         level = 20 * np.log10(np.abs(values))

@@ -1,4 +1,4 @@
-"""Layout over a viewport: the part that the user interface leaves free, and the corner of the meters."""
+"""Layout over a viewport: the part that the user interface does not cover, and the corner of the meters."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def free_rectangle(context: Context) -> Rectangle:
 
 
 def redo_panels(context: Context) -> tuple[Rectangle, ...]:
-    """The panel Adjust Last Operation, in pixels of the viewport; () where it is not shown: it is a pixel wide then, or lies at 0, 0."""
+    """The panel Adjust Last Operation, in pixels of the viewport; () if it is hidden: it is then a pixel wide, or lies at 0, 0."""
     region = context.region
     found = (other for other in context.area.regions if other.type == "HUD" and other.width > 1 and (other.x or other.y))
     places = ((float(r.x - region.x), float(r.y - region.y), float(r.width), float(r.height)) for r in found)
@@ -48,8 +48,8 @@ def is_main_view(context: Context) -> bool:
 
 
 def corner_room(context: Context, corner: str, width: float, scale: float, margin: float) -> Rectangle:
-    """The part of the viewport that is left for something of ``width`` pixels in a ``corner``: ``margin`` pixels from the edges of the free
-    part, and off Blender's own text, its navigation gizmo and the panel Adjust Last Operation.
+    """The free part of the viewport for an element of ``width`` pixels in a ``corner``: ``margin`` pixels from the edges of the uncovered
+    part, without Blender's own text, its navigation gizmo and the panel Adjust Last Operation.
     """
     vertical, horizontal = corner.split("_")
     space, free = context.space_data, free_rectangle(context)

@@ -1,7 +1,7 @@
-"""The strength that each listener feels, as numbers and texts: level, peak and margin.
+"""Level, peak and margin of each listener, as numbers and texts.
 
-The *level* is the RMS of what is played at a listener in decibels of full scale. The *margin* is how far it lies above the threshold of
-feeling. The *gain* belongs to a path.
+The *level* is the RMS of a listener's output in decibels of full scale. The *margin* is the level relative to the threshold of feeling. The
+*gain* is a property of a path.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ PEAK_SECONDS, LEVEL_SECONDS = 0.1, 0.25
 class Level:
     """The strength at a listener in decibels, minus infinity for silence.
 
-    ``peak`` and ``rms``: of full scale. ``margin``: above the threshold of feeling. ``threshold``: the RMS level at which a vibration of
-    this kind would just be felt, None for silence.
+    ``peak`` and ``rms``: of full scale. ``margin``: above the threshold of feeling. ``threshold``: the RMS level of this vibration at the
+    threshold of feeling, None for silence.
     """
 
     listener: str
@@ -47,7 +47,7 @@ class Level:
 
     @property
     def is_silent(self) -> bool:
-        """True where nothing is played."""
+        """True for silence."""
         return self.rms == -math.inf
 
     @property
@@ -101,10 +101,10 @@ def levels(result: FrameResult, samples: FloatArray, peak_seconds: float = PEAK_
 
 
 def shown_levels(traced: Traced, is_playing: bool, before: tuple[Level, ...] | None = None) -> tuple[Level, ...]:
-    """The levels of a frame: while the timeline plays those of the last quarter second, on a still those of the frame as if it lasted.
+    """The levels of a frame: during playback those of the last quarter second, otherwise those of the frame in the steady state.
 
-    So a frame reads the same however the timeline came to it. Playback of less than a quarter second counts as a still; a baked track has
-    samples only.
+    The level of a still frame therefore does not depend on earlier frames. Playback of less than a quarter second counts as a still frame;
+    a baked track has only samples.
     """
     if _shows_still(traced, is_playing):
         return levels(traced.result, still_samples(traced.result, LEVEL_SECONDS), LEVEL_SECONDS)

@@ -1,4 +1,4 @@
-"""Which sources the watched listener feels and which are hidden, computed while the panel shows it."""
+"""Felt and masked sources of the watched listener, computed while the panel is visible."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .watched import watched
 
 
 def _felt(traced: Traced, listener: str, before: FeltSources | None = None) -> FeltSources | None:
-    """Computed on the worker; None where the listener was none in that frame."""
+    """Computed on the worker; None if the frame does not have that listener."""
     result = traced.result
     names = [item.name for item in result.listeners]
     return felt_sources(shown_sounding(result), names.index(listener), result.sample_rate) if listener in names else None
@@ -21,6 +21,6 @@ _FELT: Derived[str, FeltSources | None] = Derived(_felt)
 
 
 def felt_at_watched(scene: Scene) -> Latest[FeltSources | None] | None:
-    """Who is felt by the watched listener, as computed so far, without waiting."""
+    """The last result for the watched listener, without waiting."""
     listener = watched(scene)
     return _FELT.latest(scene, listener) if listener else None

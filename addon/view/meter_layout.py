@@ -50,7 +50,7 @@ class Scope:
 
 
 def colour_of(level: Level) -> Colour:
-    """Colour by RMS level, grey where nothing is felt."""
+    """Colour by RMS level, grey if it is not felt."""
     if not level.is_felt:
         return _NOT_FELT
     return (*colour_table()[round(level.place * (len(colour_table()) - 1))].tolist(), 1.0)
@@ -58,7 +58,7 @@ def colour_of(level: Level) -> Colour:
 
 @dataclass(frozen=True, slots=True)
 class _Columns:
-    """Widths in points of names, bars, levels and margins; ``margin`` is 0 where there is no room for it."""
+    """Widths in points of names, bars, levels and margins; ``margin`` is 0 if there is no room for it."""
 
     name: float
     bar: float
@@ -71,7 +71,7 @@ class _Columns:
 
     @classmethod
     def within(cls, across: float, names: float) -> _Columns | None:
-        """Columns in ``across`` points where the longest name takes ``names``; None where there is too little room. Margins are left out
+        """Columns in ``across`` points if the longest name takes ``names``; None if there is not enough room. Margins are left out
         first, then names are shortened, then bars become narrow.
         """
         name = min(names + 8.0, NAME_WIDTH)
@@ -113,7 +113,7 @@ def meter_hud(
     """The meters, their lower left corner at the origin, within ``room`` [pixels]. ``scale``: pixels per point. ``spots``: the
     actuators that the body shows.
 
-    Where room is short these are left out: the margins, the body, the scope, then listeners, finally everything.
+    If there is not enough room, these are left out in order: margins, body, scope, listeners, everything.
     """
     names = max((measure(text, TEXT_SIZE * scale) for text in (title, *(level.listener for level in levels))), default=0.0) / scale
     layout = _layout(levels, scope, (room[0] / scale, room[1] / scale), names, body)
@@ -142,7 +142,7 @@ def meter_hud(
 
 
 def _layout(levels: Sequence[Level], scope: Scope | None, room: tuple[float, float], names: float, body: bool) -> _Layout | None:
-    """What has ``room`` [points] where the longest name takes ``names``; None where not even two listeners have."""
+    """The elements that fit into ``room`` [points] if the longest name takes ``names``; None if not even two listeners fit."""
     columns = _Columns.within(room[0] - 2 * PADDING, names)
     rows = min(int((room[1] - 2 * PADDING) / ROW) - 1, MOST_ROWS)
     if columns is None or not levels or rows < min(len(levels), 2):
@@ -168,7 +168,7 @@ def _strongest(levels: Sequence[Level], most: int) -> tuple[Level, ...]:
 
 
 def _add_heads(builder: HudBuilder, corner: tuple[float, float], title: str, columns: _Columns, measure: Measure) -> None:
-    """Add the title, the scale of the bars, and the heads of the columns."""
+    """Add the title, the scale of the bars, and the column headings."""
     scale, size = builder.scale, SMALL_TEXT * builder.scale
     x, base = corner[0], corner[1] - 12 * scale
     builder.text(shortened(title, (columns.name - 6) * scale, TEXT_SIZE * scale, measure), (x, base), INK)
@@ -258,7 +258,7 @@ def _add_body(
     spots: Sequence[Spot],
     measure: Measure,
 ) -> None:
-    """Two figures of ``height`` points, from the front and from behind; parts with a listener light up, actuators as far as they play."""
+    """Two figures of ``height`` points, from the front and from behind; parts with a listener and actuators light up by their level."""
     scale, size = builder.scale, SMALL_TEXT * builder.scale
     unit = height / HEIGHT * scale
     x, y = corner

@@ -47,7 +47,7 @@ _redo_panels: dict[int, tuple[tuple[int, ...], ...]] = {}  # places of the panel
 
 
 def scope_of(scene: Scene) -> Scope | None:
-    """The last second of the watched listener; None where there is none, or where the scope is switched off."""
+    """The last second of the watched listener; None if there is none, or if the scope is switched off."""
     traced, name = sessions.shown(scene), watched(scene)
     if traced is None or not scene.haptics.meters.show_scope or not name:
         return None
@@ -91,7 +91,7 @@ def draw_redo_panel() -> None:
 
 
 def _refresh_panels(context: Context) -> None:
-    """Redraw sidebar and lanes while the timeline plays, which Blender does not, at a rate that can be read."""
+    """Redraw sidebar and lanes during playback, which Blender does not do, at a readable rate."""
     if context.screen is None or not context.screen.is_animation_playing:
         return
     now = time.perf_counter()

@@ -53,7 +53,7 @@ class GraphShapes:
 
     @classmethod
     def of(cls, result: FrameResult, settings: Settings, options: Options, before: GraphShapes | None = None) -> GraphShapes:
-        """The shapes of ``result``, or ``before`` where nothing visible has changed: the tracer reuses an unchanged graph and its gains."""
+        """The shapes of ``result``, or ``before`` if nothing visible has changed: the tracer reuses an unchanged graph and its gains."""
         if before is not None and (before.settings, before.options) == (settings, options) and _look_alike(before.result, result):
             return before
         data = render_data(result, settings, options)
@@ -86,7 +86,7 @@ _SHAPES: Derived[Options, GraphShapes] = Derived(_shapes, every_frame=True)
 
 
 def drawing_of(scene: Scene) -> Drawing | None:
-    """The last complete graph, without waiting; None where there is none."""
+    """The last complete graph, without waiting; None if there is none."""
     traced = sessions.shown(scene)
     latest = None if traced is None else _SHAPES.latest(scene, options_of(scene, traced.result))
     if latest is None:
@@ -127,7 +127,7 @@ def draw_graph(
 
 
 def depth_bias(projection: Any) -> tuple[float, float]:
-    """Depth bias towards the viewer, so that surfaces do not hide what lies on them: 1 % of the distance in perspective,
+    """Depth bias towards the viewer, so that surfaces do not hide elements on them: 1 % of the distance in perspective,
     2 cm in an orthographic view."""
     orthographic = projection[3][3] == 1.0
     return (0.0, 0.02 * abs(projection[2][2])) if orthographic else (0.01, 0.0)

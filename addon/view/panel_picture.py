@@ -30,7 +30,7 @@ class Picture:
         disabled.subscribe(self.forget)
 
     def icon(self, key: Hashable, draw: Callable[[], Pixels]) -> int:
-        """The identifier of the icon with the last picture; where ``key`` has changed, ``draw`` makes a new one."""
+        """The identifier of the icon with the last picture; if ``key`` has changed, ``draw`` makes a new one."""
         if self._previews is None:
             self._previews = previews.new()
             self._previews.new("picture").image_size = (SIZE, SIZE)

@@ -26,8 +26,8 @@ class Hop:
 
 @dataclass(frozen=True, slots=True)
 class ListenerPath:
-    """How a source reaches a listener. ``gain``: of all paths together, the source's amplitude included; ``amplitude``: the source's, in
-    decibels; ``hops``: of the best path, () in the modes without paths."""
+    """The path from a source to a listener. ``gain``: that of all paths together, including the source's amplitude; ``amplitude``: the
+    source's, in decibels; ``hops``: of the best path, () in the modes without paths."""
 
     listener: str
     source: Source
@@ -37,7 +37,7 @@ class ListenerPath:
 
     @property
     def best_gain(self) -> float:
-        """Gain [dB] of the best path, the source's amplitude included."""
+        """Gain [dB] of the best path, including the source's amplitude."""
         return self.amplitude - sum(hop.loss for hop in self.hops)
 
 
@@ -50,7 +50,7 @@ class _Question:
 
 
 def listener_path(traced: Traced, question: _Question, before: ListenerPath | None = None) -> ListenerPath | None:
-    """Computed on the worker: how the watched source, or the strongest one, reaches the listener; None where none does."""
+    """Computed on the worker: the path from the watched source, or the strongest one, to the listener; None if there is none."""
     result = traced.result
     names = [listener.name for listener in result.listeners]
     if question.listener not in names:
@@ -74,6 +74,6 @@ _PATH: Derived[_Question, ListenerPath | None] = Derived(listener_path, every_fr
 
 
 def path_of(scene: Scene) -> Latest[ListenerPath | None] | None:
-    """The path to the watched listener, from the active object where that is a source; without waiting."""
+    """The path to the watched listener, from the active object if that is a source; without waiting."""
     listener = watched(scene)
     return _PATH.latest(scene, _Question(listener, active_name())) if listener else None

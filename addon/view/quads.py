@@ -1,7 +1,7 @@
 """Lines and points as quads that the shader turns to the viewer, in one vertex array.
 
-Every line or point is four vertices, each with all its attributes and the corner that it stands for. A point is a line without length, so
-that lines of any width, points of any shape and their order take a single draw call.
+Every line or point is four vertices, each with all attributes and its corner. A point is a line of length 0, so that lines of any width,
+points of any shape and their order take a single draw call.
 """
 
 from __future__ import annotations

@@ -53,13 +53,13 @@ SILENT = 0.8
 UNSELECTED = 0.35
 """Opacity of elements unrelated to the selection."""
 PARTED = 0.05
-"""Metres between its two nodes from which on an impact is drawn on both objects."""
+"""Distance of the two nodes from which on an impact is drawn on both objects [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """Drawing options. ``sources`` and ``listeners``: selected names; where both are empty nothing is dimmed.
-    ``highlight``: a listener, and the object whose part of the best paths to it stands out."""
+    """Drawing options. ``sources`` and ``listeners``: selected names; if both are empty, nothing is dimmed. ``highlight``: a listener, and
+    the object whose part of the best paths to it is highlighted."""
 
     show_intra: bool = True
     show_best_paths: bool = True
@@ -94,7 +94,7 @@ class Lines:
 @dataclass(frozen=True, slots=True)
 class Label:
     """A name at a place, and in ``colour`` (3,) the gain of a listener or the amplitude of a source. ``clearance`` [pixels] around the
-    place is kept free. Labels of higher ``priority`` are placed first."""
+    position is kept free. Labels of higher ``priority`` are placed first."""
 
     name: str
     gain: float
@@ -107,7 +107,8 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class RenderData:
-    """One frame as drawn, from the bottom up: ``tree``, how the signal spreads; ``highlight``; ``paths``, the best ones; ``points``."""
+    """One frame as drawn, from the bottom up: ``tree``, the strongest arrival at every node; ``highlight``; ``paths``, the best ones;
+    ``points``."""
 
     tree: Lines
     highlight: Lines
@@ -207,7 +208,7 @@ def halos(lines: Lines) -> Lines:
 
 
 _LEAST = 1e-300
-"""Gain used in place of 0, whose logarithm is finite."""
+"""Smallest gain, used instead of 0 so that its logarithm is finite."""
 
 
 def path_steps(
@@ -267,7 +268,7 @@ def _points(result: FrameResult, spreading: Spread, scale: GainScale, options: O
 
 
 def _contact_points(graph: HapticGraph, spreading: Spread, scale: GainScale, shown: BoolArray) -> Points:
-    """One point per contact, midway between its two nodes, the strongest on top, smaller where there are many. Contacts whose nodes are not
+    """One point per contact, midway between its two nodes, the strongest on top, smaller if there are many. Contacts whose nodes are not
     ``shown`` (n,) are dimmed."""
     first = np.flatnonzero(graph.partner > np.arange(graph.node_count))
     second = graph.partner[first]
@@ -290,7 +291,7 @@ def _listener_points(result: FrameResult, scale: GainScale, options: Options) ->
 
 
 def _source_points(result: FrameResult, options: Options) -> Points:
-    """One point per source; of an impact one on each object where they have parted."""
+    """One point per source; for an impact one on each object if they have separated."""
     graph = result.graph
     places: list[tuple[SourceNodes, FloatArray]] = []
     for source in graph.sources:
@@ -328,7 +329,7 @@ def listener_gains(result: FrameResult, options: Options) -> FloatArray:
 
 
 def _gain_colour(scale: GainScale, gain: FloatArray) -> FloatArray:
-    """Colours (n, 3) by gain, grey where nothing arrives."""
+    """Colours (n, 3) by gain, grey for gain 0."""
     return np.where((gain > 0)[:, None], scale.colour(gain), SILENT_COLOUR)
 
 

@@ -15,7 +15,7 @@ from .render_data import Shape
 
 @cache
 def shader() -> GPUShader:
-    """Compiled at first use."""
+    """The shader, compiled at first use."""
     stage = GPUStageInterfaceInfo("haptic_quad")
     for kind, name in (("VEC2", "local"), ("VEC2", "plate"), ("VEC4", "colour_a"), ("VEC4", "colour_b"), ("VEC2", "arc_length_ab")):
         stage.smooth(kind, name)
@@ -50,7 +50,7 @@ def _no_texts() -> GPUTexture:
 
 
 def upload(quads: Quads) -> GPUBatch | None:
-    """Quads on the GPU, None where there are none."""
+    """Quads on the GPU, None if there are none."""
     if not quads.count:
         return None
     layout = GPUVertFormat()
@@ -74,7 +74,7 @@ def draw(
     texts: GPUTexture | None = None,
 ) -> None:
     """One draw call, with premultiplied opacity. ``matrix``: from the batch's space to clip space. ``size`` of the viewport [pixels].
-    ``texts``: the texture of a `TextAtlas`, where the batch has texts."""
+    ``texts``: the texture of a `TextAtlas` if the batch has texts."""
     program = shader()
     program.bind()
     program.uniform_float("matrix", matrix)

@@ -29,7 +29,7 @@ class Solid:
 
 
 def solid_graph(data: RenderData, unit: float) -> Solid:
-    """Everything that is drawn of a frame but its labels, with a dark rim. ``unit``: metres per point of the overlay."""
+    """All drawn elements of a frame except its labels, with a dark rim. ``unit``: metres per point of the overlay."""
     contacts, listeners, sources, impacts = (
         _chosen(data.points, shape) for shape in (Shape.CONTACT, Shape.LISTENER, Shape.SOURCE, Shape.IMPACT)
     )
@@ -55,13 +55,13 @@ def solid_graph(data: RenderData, unit: float) -> Solid:
 
 
 def _rim(shell: Solid) -> Solid:
-    """A dark shell turned inside out: as back faces are not drawn, only a rim shows around its content."""
+    """An inverted dark shell: because back faces are not drawn, only a rim is visible around its content."""
     colours = np.broadcast_to([*HALO_COLOUR, 1.0], shell.colours.shape)
     return Solid(shell.vertices, colours, shell.triangles[:, ::-1], shell.smooth)
 
 
 def _thinned(lines: Lines) -> Lines:
-    """Lines with their opacity turned into width."""
+    """Lines whose width is multiplied by their opacity."""
     return replace(lines, width=lines.width * lines.colour[:, :, 3].mean(axis=1))
 
 
@@ -100,7 +100,7 @@ def joined(solids: list[Solid]) -> Solid:
 
 
 def tubes(lines: Lines, unit: float) -> Solid:
-    """Lines as open tubes, without those of no length."""
+    """Lines as open tubes, without those of length 0."""
     long = (lines.position[:, 0] != lines.position[:, 1]).any(axis=1)
     position = lines.position[long].astype(np.float64)
     radius = lines.width[long] * unit / 2

@@ -1,4 +1,4 @@
-"""The vibration that was made of a sound and the sound, one over the other, as a picture in the panel."""
+"""Picture in the panel of a sound over its vibration."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _picture = Picture()
 def picture(waves: str, colour: Colour, ink: Colour) -> Pixels:
     """Both waves around the middle of the picture, over its width: the vibration in ``colour``, the sound in ``ink`` over it.
 
-    waves: as many values of the sound as of the vibration, one byte each in hexadecimals; empty where they are not.
+    waves: equally many values of the sound and of the vibration, one byte each in hexadecimal, or empty.
     """
     pixels = blank()
     try:

@@ -23,7 +23,7 @@ _ABOVE, _BELOW = 1.0, 0.35  # of the size, over and under the baseline
 
 @dataclass(slots=True)
 class TextAtlas:
-    """Texts by their words and size. ``generation``: how often it was cleared; batches of another generation are invalid."""
+    """Texts by their words and size. ``generation``: number of times it was cleared; batches of another generation are invalid."""
 
     generation: int = 0
     _texture: Any = None
@@ -38,7 +38,7 @@ class TextAtlas:
         return self._texture
 
     def lines(self, texts: Sequence[Text]) -> Lines:
-        """Texts as shapes for the shader; those that are not in the texture yet are drawn into it. It is emptied first where it is full."""
+        """Texts as shapes for the shader; missing ones are drawn into the texture, which is cleared first if it is full."""
         if not self._add(texts):
             self.clear()
             self._add(texts)
@@ -80,7 +80,7 @@ class TextAtlas:
         return self._surface
 
     def _add(self, texts: Iterable[Text]) -> bool:
-        """Draw the texts that are missing. False where they do not all fit."""
+        """Draw missing texts. Returns False if they do not all fit."""
         missing = dict.fromkeys((text.words, text.size) for text in texts if (text.words, text.size) not in self._cells)
         if not missing:
             return True

@@ -11,13 +11,13 @@ from .levels import LEVELS, Level
 
 
 def levels_of(scene: Scene) -> tuple[Level, ...]:
-    """The levels of the last complete frame; () where there are none yet."""
+    """The levels of the last complete frame; () if there are none yet."""
     latest = LEVELS.latest(scene, is_playing())
     return () if latest is None else latest.value
 
 
 def watched(scene: Scene) -> str:
-    """The watched listener: the active object, else the last active listener, else the one that feels the most; "" for none."""
+    """The watched listener: the active object, else the last active listener, else the one with the highest level; "" for none."""
     traced, own = sessions.shown(scene), sessions.known(scene)
     if traced is None or own is None:
         return ""
@@ -32,6 +32,6 @@ def watched(scene: Scene) -> str:
 
 
 def active_name() -> str:
-    """The full name of the active object, "" where there is none."""
+    """The full name of the active object, "" for none."""
     active = bpy.context.view_layer.objects.active
     return "" if active is None else active.name_full

@@ -1,4 +1,4 @@
-"""All that an export may write, in one value."""
+"""The data of an export."""
 
 from __future__ import annotations
 
@@ -15,10 +15,9 @@ from .tracks.listener_tracks import Tracks
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Export:
-    """A scene with what was recorded and rendered of it.
+    """A scene with its recording and its rendered tracks.
 
-    Files are named after ``name``; ``date`` is in ISO 8601. ``unknown``: JSON pointers of keys of the file's newer version that were not
-    read.
+    Files are named after ``name``; ``date`` is in ISO 8601. ``unknown``: JSON pointers of keys of a newer version that were not read.
     """
 
     name: str
@@ -32,13 +31,13 @@ class Export:
     unknown: tuple[str, ...] = ()
 
     def need_tracks(self) -> Tracks:
-        """The rendered tracks. Raises ValueError where there are none."""
+        """The rendered tracks. Raises ValueError if there are none."""
         if self.tracks is None or not self.tracks.listeners:
             raise ValueError("tracks: this format carries what listeners feel, and there is no listener")
         return self.tracks
 
     def need_scene(self) -> HapticScene:
-        """The scene. Raises ValueError where there is none."""
+        """The scene. Raises ValueError if there is none."""
         if self.scene is None:
             raise ValueError("scene: this format carries the scene, and there is none")
         return self.scene

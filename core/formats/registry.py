@@ -29,7 +29,7 @@ from .tracks.vibration_file import VibrationFile
 class Written:
     """Result of writing: ``files`` in the order of writing, ``losses`` one sentence each, the measured ones last.
 
-    ``fidelity``: what was measured, None where nothing was rendered or all is silent.
+    ``fidelity``: the measured losses, None without tracks or for silence.
     """
 
     files: tuple[Path, ...]
@@ -38,11 +38,11 @@ class Written:
 
 
 Consent = Callable[[Written], bool]
-"""Asked with what would be written, before a file is replaced by one that keeps little of the vibration."""
+"""Called before a file is replaced by one that keeps little of the vibration; returns whether to write."""
 
 
 def losses(name: str, export: Export, chosen: Mapping[str, Value] = MappingProxyType({})) -> tuple[str, ...]:
-    """What a format does not carry of an export, one sentence each. Raises ValueError if it can't be written at all."""
+    """The losses of an export in a format, one sentence each. Raises ValueError if it cannot be written."""
     form = named(name)
     return cast(tuple[str, ...], _module(form).loss(export, complete(form.options, chosen)))
 
@@ -55,10 +55,10 @@ def write(
     consent: Consent | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Written:
-    """Write an export into an existing folder, and measure what the files keep of it.
+    """Write an export into an existing folder, and measure the losses of the files.
 
-    Without consent, where that is asked for, nothing is written and there are no files in the result. ``progress`` is called with the share
-    that is measured; where it raises an error, nothing is written. Raises ValueError for invalid options or contents, and OSError.
+    If consent is requested and refused, nothing is written, and the result has no files. ``progress`` is called with the measured share; if
+    it raises an error, nothing is written. Raises ValueError for invalid options or contents, and OSError.
     """
     form = named(name)
     module, values = _module(form), complete(form.options, chosen)
@@ -86,7 +86,7 @@ def read(path: str | Path) -> VibrationFile:
         return cast(VibrationFile, _module(named(READERS[path.suffix.lower()])).read(path))
     except FormatError:
         raise
-    except ValueError as error:  # a vibration that no signal may have
+    except ValueError as error:  # a vibration beyond the limits of signals
         raise FormatError(path, "/", str(error)) from None
 
 

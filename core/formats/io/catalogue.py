@@ -1,4 +1,4 @@
-"""The formats by name, with all that menus and command lines offer of them. The modules that write and read them are not imported here."""
+"""The formats by name, with the descriptions for menus and command lines. Does not import the modules that write and read them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...scene import references
 from .options import Option
 
 MAX_SAMPLE_RATE = 192_000
-"""Hertz, of tracks."""
+"""Largest sample rate of tracks [Hz]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,5 +44,5 @@ READERS: Mapping[str, str] = MappingProxyType(
 
 
 def named(name: str) -> Format:
-    """A format by its name. Raises ValueError that lists the names."""
+    """A format by its name. Raises ValueError, which lists the names, for any other."""
     return references.named(name, FORMATS, "format")

@@ -16,12 +16,12 @@ def json_pointer(parts: Iterable[str | int]) -> str:
 
 
 def _shortened(text: str, most: int) -> str:
-    """At most ``most`` characters of a text that may hold names of the file's own, the beginning and the end."""
+    """Beginning and end of a text, which may contain names from the file, at most ``most`` characters together."""
     return text if len(text) <= most else f"{text[: most // 2]} … {text[3 - most // 2 :]}"
 
 
 class FormatError(ValueError):
-    """``FILE: /json/pointer: reason``, without the pointer where it is the whole document; long names in either are shortened.
+    """``FILE: /json/pointer: reason``, without the pointer if it is the whole document; long names in either are shortened.
 
     ``pointer`` is a JSON pointer, or a place such as ``byte 12`` in a file that is not JSON.
     """

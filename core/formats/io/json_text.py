@@ -1,4 +1,4 @@
-"""Writing JSON: compact text, and small documents that people read."""
+"""Writing JSON: compact text, and small indented documents."""
 
 from __future__ import annotations
 

@@ -97,7 +97,7 @@ def _validator(schema: str) -> Callable[[Any], Any]:
 
 
 def _with_inlined_leaves(definition: dict[str, Any]) -> dict[str, Any]:
-    """The schema with the definitions of numbers, texts and arrays of these in place of references to them.
+    """The schema with the definitions of numbers, texts and arrays of these instead of references to them.
 
     The validator calls a function and formats a name for every reference, which is most of its time.
     """
@@ -118,7 +118,7 @@ def _with_inlined_leaves(definition: dict[str, Any]) -> dict[str, Any]:
 
 
 def _readings(value: Any, name: str, parts: Place) -> Iterator[tuple[Place, Any]]:
-    """Every place that the validator's name ``.objects[0].kappa`` may mean, since keys may contain dots, with the value there."""
+    """Every place that the validator's name ``.objects[0].kappa`` may denote, because keys may contain dots, with its value."""
     if not name:
         yield parts, value
     elif isinstance(value, list) and name.startswith("["):
@@ -131,7 +131,7 @@ def _readings(value: Any, name: str, parts: Place) -> Iterator[tuple[Place, Any]
 
 
 def _reason(error: Any) -> tuple[str | None, str]:
-    """The key that is wrong, None for the value itself, and the reason."""
+    """The faulty key, None for the value itself, and the reason."""
     rule, limit, value = error.rule, error.rule_definition, error.value
     match rule:
         case "required":

@@ -1,4 +1,4 @@
-"""Writing several files in one step: into a hidden folder beside their place, then moved there."""
+"""Writing several files in one step: into a hidden folder beside the target, then moved there."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class Staging:
         self.folder, self._target = folder, target
 
     def targets(self, files: Iterable[Path]) -> list[Path]:
-        """The places that the files will have."""
+        """The final paths of the files."""
         return [self._target / path.relative_to(self.folder) for path in files]
 
     def commit(self, files: Iterable[Path]) -> None:
-        """Move the files to their places, in this order; each replaces a file that is there."""
+        """Move the files to their places, in this order; each replaces an existing file."""
         for path in files:
             target = self._target / path.relative_to(self.folder)
             target.parent.mkdir(parents=True, exist_ok=True)
@@ -37,7 +37,7 @@ class Staging:
 def staging(target: Path) -> Iterator[Staging]:
     """A folder for files on the way to ``target``, an existing folder; what was not committed is removed at the end.
 
-    What a killed process left there is removed as well. Raises OSError.
+    Remains of a killed process are removed as well. Raises OSError.
     """
     remove_abandoned(target)
     folder = target / f".{secrets.token_hex(8)}.part"

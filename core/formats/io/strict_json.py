@@ -65,7 +65,7 @@ def _read_up_to(file: BinaryIO | gzip.GzipFile, most: int) -> bytes:
 
 
 def read_json_beside(path: Path, max_bytes: int = MAX_BYTES) -> Any:
-    """The document in a file that a reader looks for by itself; anything but a regular file counts as absent.
+    """The document in a side-car file; anything but a regular file counts as absent.
 
     Raises FormatError, FileNotFoundError or OSError.
     """

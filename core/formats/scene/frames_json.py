@@ -1,4 +1,4 @@
-"""The frames of a haptic scene file: what changes over time."""
+"""The frames of a haptic scene file, which contain changes over time."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from .values_json import item_to_dict, read_contact, read_function, read_listene
 
 
 def frame_to_dict(frame: RecordedFrame) -> dict[str, Any]:
-    """The JSON object of a frame, without what did not change."""
+    """The JSON object of a frame, without unchanged values."""
     changes = {key.name: getattr(frame, key.name) for key in fields(frame) if key.name != "number"}
     return {"frame": frame.number, **{key: _form(value) for key, value in changes.items() if value}}
 
 
 def _form(value: Any) -> Any:
-    """What changed, as JSON: by name, or a list of items, pairs or names."""
+    """A change as JSON: by name, or a list of items, pairs or names."""
     match value:
         case Poses():
             return dict(value)
@@ -108,7 +108,7 @@ class _FrameReader:
         return replace(frame, poses={**poses, **frame.poses} if frame.poses else poses)
 
     def _remove(self, form: Mapping[str, Any], place: Place) -> None:
-        """Forget objects with what is on them, and listeners."""
+        """Remove objects with the sources and listeners on them, and listeners."""
         for kind, known in (("object", self.objects), ("listener", self.listeners)):
             for i, name in enumerate(form.get(f"removed_{kind}s", ())):
                 require_known(name, known, kind, (*place, f"removed_{kind}s", i))

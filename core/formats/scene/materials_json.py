@@ -1,6 +1,6 @@
 """The library of haptic materials in a scene file.
 
-Objects name theirs in ``material`` and have their own copy of its values.
+Objects refer to their material in ``material`` and have a copy of its values.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The modalities of a haptic scene file beside vibration, such as warmth."""
+"""The modalities of a haptic scene file other than vibration, such as warmth."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ from .recording import RecordedFrame
 FEWEST = 8
 """Minimum number of consecutive frames of a motion; shorter ones are written in the frames."""
 MANY = 20_000
-"""Number of poses from which a recording has motions; fewer are written in the frames, where people can read them."""
+"""Number of poses from which a recording has motions; fewer are written in the frames, where they are readable."""
 MOST = 4_500_000
 """Maximum number of poses that are read."""
 

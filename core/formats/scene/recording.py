@@ -27,7 +27,7 @@ Item = TypeVar("Item")
 Value = TypeVar("Value")
 
 DIGITS = 13
-"""Decimals of recorded values that gains depend on, so that a recording plays as it was traced to 12 digits."""
+"""Decimals of recorded values that gains depend on, so that a recording reproduces the gains to 12 digits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +37,8 @@ class RecordedFrame:
     poses: by object, position x, y, z and rotation w, x, y, z. properties: (kappa, rho) by object. functions: propagation function by
     object. amplitudes and source_positions: by source; a source of two objects has a position on each. listener_positions and gains: by
     listener. contacts: all contacts of every pair of objects whose contacts changed. parted: pairs that no longer touch. sources: those
-    that begin, or begin anew (`Source.rubs`); a temporary source ends when its signal has ended. removed_objects, removed_listeners: names
-    of those that are there no longer, with all that is on them. objects, listeners: those that appear, after the removals.
+    that begin, or begin again (`Source.rubs`); a temporary source ends when its signal has ended. removed_objects, removed_listeners: names
+    of those that disappear, with all sources and listeners on them. objects, listeners: those that appear, after the removals.
     """
 
     number: int
@@ -67,7 +67,7 @@ class Recording:
     frames: tuple[RecordedFrame, ...]
 
     def with_all(self, scene: HapticScene) -> HapticScene:
-        """The scene with every object and listener that appears, as it is when it first does."""
+        """The scene with every object and listener that appears, in its first state."""
         objects = {item.name: item for frame in reversed(self.frames) for item in reversed(frame.objects)}
         listeners = {item.name: item for frame in reversed(self.frames) for item in reversed(frame.listeners)}
         return replace(
@@ -77,7 +77,7 @@ class Recording:
         )
 
     def time_of(self, frame: int) -> float:
-        """Seconds."""
+        """The time of a frame [s]."""
         return (frame - self.frame_start) / self.frame_rate
 
 
@@ -87,8 +87,8 @@ def pair_of(contact: Contact) -> Pair:
 
 
 def states(scene: HapticScene, recording: Recording, late: Callable[[], Mapping[str, float]] = dict) -> Iterator[tuple[int, HapticScene]]:
-    """Every frame number from the first to the last recorded, with the scene in it: its sounding sources and its contacts. ``late``: by how
-    many seconds a source is felt later, by its name."""
+    """Every frame number from the first to the last recorded, with the scene in it: its active sources and its contacts. ``late``: delay of
+    a source at the listeners [s], by name."""
     state = _State(scene)
     frames = iter(recording.frames)
     change = next(frames, None)
@@ -103,7 +103,7 @@ def states(scene: HapticScene, recording: Recording, late: Callable[[], Mapping[
 
 
 def without_rubbing(scene: HapticScene, recording: Recording | None) -> tuple[HapticScene, Recording | None]:
-    """The same without the sources of what slides or rolls, which the rules of the scene make again."""
+    """The same without the sources of sliding and rolling, which the rules of the scene create again."""
     begun = [item for frame in recording.frames for item in frame.sources] if recording is not None else []
     names = {item.name for item in (*scene.sources, *begun) if item.rubs}
     if recording is not None and names:
@@ -133,7 +133,7 @@ def _by_pair(contacts: Sequence[Contact]) -> dict[Pair, tuple[Contact, ...]]:
 
 
 class _State:
-    """A scene while it changes: what there is, by name, and the contacts by pairs of objects."""
+    """The current state of a changing scene: its items by name, and the contacts by pairs of objects."""
 
     def __init__(self, scene: HapticScene) -> None:
         self._scene = scene
@@ -143,7 +143,7 @@ class _State:
         self._contacts = _by_pair(scene.contacts)
 
     def scene(self) -> HapticScene:
-        """The scene as it stands."""
+        """The current scene."""
         return replace(
             self._scene,
             objects=tuple(self._objects.values()),
@@ -158,7 +158,7 @@ class _State:
             del self._sources[name]
 
     def apply(self, change: RecordedFrame) -> None:
-        """Go on to the next recorded frame."""
+        """Apply the changes of the next recorded frame."""
         for pair in change.parted:
             self._contacts.pop(pair, None)
         self._remove(change)
@@ -184,7 +184,7 @@ class _State:
         self._contacts.update(_by_pair(change.contacts))
 
     def _remove(self, change: RecordedFrame) -> None:
-        """Remove objects with all that is on them, and listeners."""
+        """Remove objects with all sources and listeners on them, and listeners."""
         for name in change.removed_listeners:
             self._listeners.pop(name, None)
         gone = set(change.removed_objects)
@@ -224,8 +224,8 @@ def frame_of(scene: HapticScene, number: int, time: float, detect: bool) -> Fram
 class SceneRecorder:
     """Records the changes of a scene frame by frame.
 
-    A persistent source that disappears while its object stays gets the amplitude 0 until it is back. What made a source with triggers play
-    is written as the times at which it did.
+    A persistent source that disappears while its object stays gets the amplitude 0 until it is back. The triggers of a source are written
+    as the times at which it played.
     """
 
     def __init__(self, frame_rate: float, frame_start: int, settings: Settings | None = None) -> None:
@@ -296,7 +296,7 @@ class SceneRecorder:
         return (Trigger(TriggerKind.TIMES, onsets, strengths if min(strengths) < 1 else (), by if any(by) else ()),)
 
     def _removed_objects(self, objects: Sequence[HapticObject]) -> tuple[str, ...]:
-        """The names of objects that are gone; the sources on them are forgotten, so that they begin anew."""
+        """The names of objects that have disappeared; the sources on them are removed, so that they can begin again."""
         gone = self._objects.keys() - {item.name for item in objects}
         for name in [name for name, item in self._sources.items() if gone and is_on(item, gone)]:
             del self._sources[name]
@@ -305,7 +305,7 @@ class SceneRecorder:
     def _changed_objects(
         self, objects: Sequence[HapticObject]
     ) -> tuple[Mapping[str, PoseRow], dict[str, tuple[float, float]], dict[str, ModulationFunction]]:
-        """Poses, (kappa, rho) and functions of the objects that there were before."""
+        """Poses, (kappa, rho) and functions of the objects that existed before."""
         before, self._objects = self._objects, {item.name: (item, None if item.pose is None else _pose_row(item.pose)) for item in objects}
         rows = _changed(self._objects, before, lambda known: known[1])
         poses = Poses.of({name: row for name, row in rows.items() if row is not None})
@@ -339,14 +339,14 @@ class SceneRecorder:
         return tuple(new), (dict(sorted(amplitudes.items())), positions)
 
     def _changed_listeners(self, listeners: Sequence[Listener]) -> tuple[dict[str, Vector], dict[str, float]]:
-        """Positions and gains of the listeners that there were before."""
+        """Positions and gains of the listeners that existed before."""
         before, self._listeners = self._listeners, {item.name: _placed(item) for item in listeners}
         positions = _changed(self._listeners, before, lambda item: item.position)
         return positions, _changed(self._listeners, before, lambda item: item.gain)
 
 
 def _changed(now: Mapping[str, Item], before: Mapping[str, Item], value: Callable[[Item], Value]) -> dict[str, Value]:
-    """A value by name, of what was there before and had another one."""
+    """The changed values of items that existed before, by name."""
     values = {name: value(item) for name, item in now.items() if name in before}
     return {name: known for name, known in values.items() if known != value(before[name])}
 

@@ -1,4 +1,4 @@
-"""Haptic scene JSON 1.1: reading and writing `HapticScene`; older versions are migrated, newer ones read as far as they are known."""
+"""Haptic scene JSON 1.1: reading and writing `HapticScene`; older versions are migrated, unknown keys of newer ones are ignored."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _FORMERLY = {
     "impact_energy": "energy",
     "refractory_time": "refractory",
 }
-"""Rules by the keys that they had in ``extras.blender``, where only Blender read them."""
+"""Rules by their former keys in ``extras.blender``, which only Blender read."""
 
 
 def _is_valid(rule: str, value: Any) -> bool:
@@ -62,7 +62,7 @@ def _is_valid(rule: str, value: Any) -> bool:
 
 
 def _with_rules(document: dict[str, Any]) -> dict[str, Any]:
-    """A document with the rules that Blender used to write into its extras, as far as they are valid."""
+    """A document with the valid ones of the rules that earlier versions wrote into its extras."""
     extras = document.get("extras")
     known = extras.get("blender") if isinstance(extras, dict) else None
     if "rules" in document or not isinstance(extras, dict) or not isinstance(known, dict):
@@ -73,7 +73,7 @@ def _with_rules(document: dict[str, Any]) -> dict[str, Any]:
 
 
 MIGRATIONS: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {"1.0": _from_1_0}
-"""By version: the function that makes a document of a later version (it sets ``version``)."""
+"""By version, the function that converts a document to a later version (it sets ``version``)."""
 
 
 def read_scene(path: str | Path) -> HapticScene:

@@ -37,7 +37,7 @@ def read_function(
 
 
 def _members(form: Mapping[str, Any], place: Place, **readers: Callable[[Any, Place], Any]) -> dict[str, Any]:
-    """The members of ``form``; each that has a reader is what that makes of it."""
+    """The members of ``form``, converted by their readers if they have one."""
     return {key: readers[key](value, (*place, key)) if key in readers else value for key, value in form.items()}
 
 
@@ -56,7 +56,7 @@ _read_transmission = partial(read_function, functions=TRANSMISSIONS)
 def read_object(form: Mapping[str, Any], place: Place) -> HapticObject:
     """An object with its function, pose and shape."""
     arguments = _members(form, place, propagation=read_function, pose=_read_pose, shape=_read_shape)
-    if "material" not in form and isinstance(form.get("extras", {}).get("material"), str):  # where it was written at first
+    if "material" not in form and isinstance(form.get("extras", {}).get("material"), str):  # where version 1.0 wrote it
         arguments["extras"] = dict(form["extras"])
         arguments["material"] = arguments["extras"].pop("material")
     return read_value(HapticObject, arguments, place)
@@ -80,7 +80,7 @@ def read_source(form: Mapping[str, Any], place: Place) -> Source:
 
 
 def read_triggers(forms: Sequence[Mapping[str, Any]], place: Place) -> tuple[Trigger, ...]:
-    """What makes a source play once."""
+    """The triggers of a source."""
     return tuple(read_value(Trigger, _members(form, (*place, k), pose=_read_pose), (*place, k)) for k, form in enumerate(forms))
 
 
@@ -93,7 +93,7 @@ def read_rules(form: Mapping[str, Any], place: Place) -> ContactSettings:
 
 
 def read_table(forms: Sequence[Mapping[str, Any]], place: Place, read: Callable[[Mapping[str, Any], Place], T]) -> RuleTable[T]:
-    """A table of rules; ``read`` makes what a row does from the keys beside ``between``, which has none, one or both sides."""
+    """A table of rules; ``read`` makes the value of a row from its keys other than ``between``, which has none, one or both sides."""
     rows = []
     for i, form in enumerate(forms):
         sides = [read_value(Side, side, (*place, i, "between", k)) for k, side in enumerate(form.get("between", []))]

@@ -1,1 +1,1 @@
-"""Tracks: what listeners feel, in the formats of players and SDKs."""
+"""Tracks: the signals of listeners in the formats of players and SDKs."""

@@ -1,7 +1,7 @@
 """AHAP (Apple Core Haptics): a pattern per listener, and another one of its impacts, since curves change every event of their pattern.
 
-Both are played together: the continuous pattern has the power that the transients leave. Intensity and sharpness are the square roots of
-amplitude and of the frequency's place between 65 and 300 Hz.
+Both are played together: the continuous pattern has the power that the transients leave. Intensity is the square root of the amplitude,
+sharpness that of the frequency's relative position between 65 and 300 Hz.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Reading AHAP (Apple Core Haptics) as Apple's loader does: what is unknown or missing is ignored or has its default.
+"""Reading AHAP (Apple Core Haptics) as Apple's loader does: unknown keys are ignored, missing ones have their defaults.
 
 An event's amplitude is the square of its intensity times the value of the intensity curves, its frequency goes from 65 to 300 Hz with the
 square of sharpness plus the value of the sharpness curves. Curves are interpolated before these laws. ``AttackTime``, ``DecayTime`` and
@@ -51,7 +51,7 @@ def read(path: Path) -> VibrationFile:
 
 
 def carriers_of(pattern: list[Any], losses: dict[str, None]) -> tuple[Carrier, ...]:
-    """The oscillations of a pattern; what is ignored is added to ``losses``."""
+    """The oscillations of a pattern; ignored entries are added to ``losses``."""
     controls = {name: _control(pattern, name, default) for name, default in zip(_CONTROLS, (1.0, 0.0), strict=True)}
     carriers = []
     for place, kind, body in _entries(pattern):

@@ -175,7 +175,7 @@ def _sum(carriers: Iterable[Carrier], first: int, last: int, rate: float) -> Flo
 
 
 def compare_carriers(original: Row, listener: int, carriers: Iterable[Carrier], measured: Comparison) -> None:
-    """Compare the samples of a listener with all that is played instead."""
+    """Compare the samples of a listener with the carriers that are played instead."""
     player = Player(original, listener, measured)
     player.add(carriers)
     player.play_until(math.inf)
@@ -193,11 +193,11 @@ class Player:
         self._done = 0
 
     def add(self, carriers: Iterable[Carrier]) -> None:
-        """More carriers."""
+        """Add carriers."""
         self._carriers.extend(carriers)
 
     def play_until(self, time: float) -> None:
-        """Compare all samples before ``time`` (seconds); carriers that end before it are forgotten."""
+        """Compare all samples before ``time`` (seconds); carriers that end before it are dropped."""
         count, thinning = self._original.count, self._measured.thinning
         rate = self._original.sample_rate / thinning
         last = count if math.isinf(time) else min(math.floor(time * rate) * thinning, count)

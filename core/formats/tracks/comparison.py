@@ -1,4 +1,4 @@
-"""Measured difference between tracks and what a format plays of them: by band, in level and at onsets."""
+"""Measured differences between tracks and their decoded form in a format: by band, in level and at onsets."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ WINDOW = 1.0
 ENVELOPE_RATE = 1000
 """Rate of the envelopes (hertz)."""
 FARTHEST_LAG = 50
-"""Largest shift of an onset that is looked for (milliseconds)."""
+"""Largest detectable shift of an onset (milliseconds)."""
 MOST_ONSETS = 100
 """Onsets of a listener that are compared."""
 LONGEST_ENVELOPE = 1000
 """Length of the envelopes that are kept (seconds)."""
 
 LOWEST_RATE = 2500
-"""Rate at least of what is played instead (hertz)."""
+"""Least sample rate of the decoded signal (hertz)."""
 
 LOST_LIMIT = 0.25
 """Share of the power that may be lost before replacing a file needs consent."""
@@ -44,7 +44,7 @@ _SILENT = 1e-12
 
 
 class Kind(enum.Enum):
-    """What of a vibration a format keeps."""
+    """The aspect of a vibration that a format keeps."""
 
     SAMPLES = "samples"  # every sample, rounded: only the error and the level are measured
     WAVE = "wave"  # the samples themselves: their difference is an error
@@ -54,7 +54,7 @@ class Kind(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class Measures:
-    """What a format keeps, and the frequencies (hertz) that it addresses."""
+    """The kind of data that a format keeps, and its range of frequencies (hertz)."""
 
     kind: Kind
     low: float = 0.0
@@ -63,7 +63,7 @@ class Measures:
 
 @dataclass(frozen=True, slots=True)
 class Fidelity:
-    """What a format keeps of the vibrations of all listeners.
+    """The measured losses of a format over all listeners.
 
     low, high: the frequencies (hertz) that it addresses. beyond: share of the power outside of them. lost: share of all power that is not
     reproduced, None unless waves are kept; ``lost_within``: of the power between ``low`` and ``high``. band_levels: (low, high, change of
@@ -85,13 +85,13 @@ class Fidelity:
 
     @property
     def is_poor(self) -> bool:
-        """Whether more is lost than anybody should overwrite a file with unasked."""
+        """Whether the losses are so large that overwriting a file needs consent."""
         lost = self.beyond if self.lost is None else self.lost
         return lost > LOST_LIMIT or abs(self.level) > LEVEL_LIMIT or (self.onset or 0.0) > ONSET_LIMIT
 
 
 def sentences(fidelity: Fidelity | None) -> Iterator[str]:
-    """What was measured, in words."""
+    """The measurements as sentences."""
     if fidelity is None:
         return
     span = f"{fidelity.low:g} to {fidelity.high:g} Hz"
@@ -115,11 +115,11 @@ def _percent(share: float) -> str:
 
 
 class Comparison:
-    """Gathers the measures while a format is written.
+    """Collects the measures while a format is written.
 
-    ``add`` is called for each listener with consecutive pieces of the samples and of what the format plays instead: samples, or
-    amplitudes for `Kind.LEVEL`. ``thinning``: of the latter every so-manyth is enough, since no format but those that keep samples has
-    frequencies above 1000 Hz. ``progress``: called after each piece with the share that is written; what it raises ends the writing.
+    ``add`` is called for each listener with consecutive pieces of the samples and of the decoded signal: samples, or amplitudes for
+    `Kind.LEVEL`. ``thinning``: decimation factor of the decoded signal, because only formats that keep samples have frequencies above 1000
+    Hz. ``progress``: called after each piece with the share that is written; its exceptions end the writing.
     """
 
     def __init__(self, tracks: Tracks, measures: Measures, progress: Callable[[float], None] | None = None) -> None:
@@ -130,14 +130,14 @@ class Comparison:
         self._listeners = [_Listener(track.name, track.impacts[:, 0], self._rate, self.thinning, self.kind) for track in tracks.listeners]
 
     def add(self, listener: int, original: FloatArray, decoded: FloatArray) -> None:
-        """The next samples of a listener, shape (n,), and what is played instead, shape (ceil(n / thinning),)."""
+        """Add the next samples of a listener, shape (n,), and the decoded signal, shape (ceil(n / thinning),)."""
         self._listeners[listener].add(original, decoded)
         self._count += len(original)
         if self._progress is not None:
             self._progress(min(self._count / self._total, 1.0))
 
     def result(self) -> Fidelity | None:
-        """The measures of all that was added; None for silence."""
+        """The measures of all added samples; None for silence."""
         if self.kind is Kind.SAMPLES:
             return self._of_samples()
         parts = [part.finished() for part in self._listeners]
@@ -219,7 +219,7 @@ class _Listener:
         self._transform()
 
     def finished(self) -> FloatArray:
-        """Power of the original, of what is played, and of the error, by frequency, shape (3, bins)."""
+        """Power of the original, of the decoded signal, and of the error, by frequency, shape (3, bins)."""
         size = len(self._shape)
         self._pending = [np.pad(part, (0, size // step)) for part, step in zip(self._pending, (1, self._thinning), strict=True)]
         self._transform()
@@ -236,7 +236,7 @@ class _Listener:
             if self._kind is Kind.LEVEL:
                 decoded[1] = step * math.sqrt(float(np.dot(thin, thin)) * size / (4 * step))
             else:
-                # The spectrum of every so-manyth sample is that of all of them up to half of its rate.
+                # The spectrum of the decimated signal equals that of the full one up to half of its rate.
                 decoded[: size // (2 * step)] = step * np.fft.rfft(thin)[:-1]
             for row, spectrum in enumerate((original, decoded, original - decoded)):
                 self._sums[row] += spectrum.real**2 + spectrum.imag**2
@@ -244,7 +244,7 @@ class _Listener:
             self._pending = [self._pending[0][count * hop :], self._pending[1][count * hop // step :]]
 
     def lags(self) -> list[float]:
-        """Shifts of onsets (milliseconds), positive where they come late."""
+        """Shifts of onsets (milliseconds), positive for late ones."""
         original, decoded = (envelope.values() for envelope in self._envelopes)
         onsets = self._impacts * ENVELOPE_RATE if len(self._impacts) else _onsets(original)
         lags = []

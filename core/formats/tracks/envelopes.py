@@ -16,7 +16,7 @@ from .fitting import Fit, fit_bands
 from .listener_tracks import CHUNK, Row
 
 WHOLE = Band(5, 700, 2.5, 90, 1600)
-"""The frequencies that skin feels as one band."""
+"""The tactile frequencies as one band."""
 SETTLING = 0.05
 """Time (seconds) in which a carrier that directly follows another one gets into phase."""
 SHORTEST_STEP = 0.0125
@@ -119,8 +119,8 @@ def _cleaned(keys: Sequence[FloatArray], tolerance: float) -> tuple[FloatArray, 
 def coarse_envelope(row: Row, step: float) -> tuple[FloatArray, FloatArray]:
     """Amplitude and frequency (hertz) every ``step`` seconds: of the sine with the same power and the same power of first differences.
 
-    Each value covers its step and the step before, so that quick blows merge; none covers the step after, so that nothing comes early.
-    The first difference of a sine of frequency f has 4 sin²(π f / rate) times its power.
+    Each value covers its step and the step before, so that impacts in quick succession merge; none covers the step after, so that nothing
+    is early. The first difference of a sine of frequency f has 4 sin²(π f / rate) times its power.
     """
     return smoothed(*powers(row, step), row.sample_rate)
 

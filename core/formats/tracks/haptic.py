@@ -1,7 +1,7 @@
 """``.haptic`` 1.0 (Meta Haptics Studio): one file per listener, with the actuator configuration (ACF) that its numbers refer to.
 
-Players make the oscillation themselves from an amplitude and a frequency, so that breakpoints follow these, not the wave: about as many as
-published files have. With ``points`` 0 they follow the wave.
+Players synthesise the oscillation from an amplitude and a frequency, so breakpoints follow these, not the wave; their density is that of
+published files. With ``points`` 0 they follow the wave.
 """
 
 from __future__ import annotations
@@ -159,7 +159,7 @@ def read(path: Path) -> VibrationFile:
 
 
 def _without_unplayed_parts(document: Any) -> Any:
-    """Remove the metadata and complete the version number, so that their faults don't matter; the metadata."""
+    """Remove the metadata and complete the version number, so that their faults do not matter; returns the metadata."""
     if not isinstance(document, dict):
         return None
     if isinstance(version := document.get("version"), dict):
@@ -183,7 +183,7 @@ def _clip_slight_excess(document: Any) -> bool:
 
 
 def _carriers(envelopes: Mapping[str, Any], low: float, high: float, path: str | Path) -> tuple[Carrier, ...]:
-    """The oscillation of the envelopes, and what emphases add to it. Raises FormatError for times that decrease."""
+    """The oscillation of the envelopes, and the carriers of emphases. Raises FormatError for times that decrease."""
     place = "/signals/continuous/envelopes"
     times, amplitudes = _points(path, envelopes["amplitude"], f"{place}/amplitude", "amplitude")
     if times[-1] <= 0:

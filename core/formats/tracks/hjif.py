@@ -33,7 +33,7 @@ CHANNELS_OF_LEVEL_1 = 127
 HIGHEST = 1000
 """Highest frequency key (hertz)."""
 EDGES = (5, 40, 80, 160, 320, 640, 860)
-"""Edges of the bands (hertz). With that of the transients they are as many as level 1 allows a channel."""
+"""Edges of the bands (hertz). With the transient band, they are the number that level 1 allows per channel."""
 _PIECE = 2**20
 
 _DEVICES = {
@@ -153,7 +153,7 @@ class _Bands:
         self._files.close()
 
     def fit(self, original: Row, listener: int, transients: FloatArray, measured: Comparison) -> None:
-        """Fit the signal; what is written is compared with the ``original`` on the way."""
+        """Fit the signal; the written carriers are compared with the ``original``."""
         narrow = bands_for(self._row, EDGES)
         player = Player(original, listener, measured)
         player.add(transient_carrier(time, strength) for time, strength in transients.tolist())

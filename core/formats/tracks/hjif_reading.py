@@ -24,7 +24,7 @@ from .wavelet import WaveletBand
 _PIECES = 16
 """Linear pieces of a cubic curve between two keys: an error below 0.3 % of the step between them."""
 LONGEST = 1e5
-"""Longest duration (seconds) that is taken from a channel's number of samples."""
+"""Longest duration (seconds) derived from a channel's number of samples."""
 
 _WAVES = {"Sine": ("sine", 1), "Square": ("square", 1), "Triangle": ("triangle", 1), "SawToothUp": ("saw", 1), "SawToothDown": ("saw", -1)}
 
@@ -73,7 +73,7 @@ class _ChannelReader:
         return Channel(form["description"], duration, tuple(carriers), samples, rate, _body_part(form))
 
     def _effects(self, band: Mapping[str, Any], place: str) -> Iterator[Mapping[str, Any]]:
-        """The basis effects of a band, with those of the library in place of references."""
+        """The basis effects of a band, with references to the library resolved."""
         for e, form in enumerate(band["effects"]):
             effect = form
             if form["effect_type"] == "Reference":
@@ -154,9 +154,9 @@ def _keys(keyframes: Sequence[Keyframe], name: str, tick: float) -> tuple[FloatA
 
 
 def _played(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Keys with ascending times that give what the reference software plays if times decrease.
+    """Keys with ascending times that reproduce the reference software's result if times decrease.
 
-    It looks for the first key in the list at or after the moment, and draws the line to it from the key before it in the list.
+    It searches for the first key in the list at or after a time, and interpolates from the key before it in the list.
     """
     if (np.diff(times) >= 0).all():
         return times, values

@@ -42,7 +42,7 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
 def _channels(listeners: tuple[ListenerTrack, ...]) -> Iterator[bytes]:
     for listener in listeners:
         part = body_part_of(listener)
-        # The gain is little-endian, unlike everything else: so the reference software reads it.
+        # The gain is little-endian, unlike everything else, because the reference software reads it so.
         yield _text(listener.name, 32) + struct.pack("<f", 1.0) + struct.pack(">I", 0 if part is None else part.mpeg_mask)
 
 

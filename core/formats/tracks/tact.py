@@ -26,7 +26,7 @@ INTERVAL = 20
 
 
 def motors(tracks: Tracks) -> dict[str, dict[int, list[int]]]:
-    """For each position and motor index, the numbers of the listeners that it stands for."""
+    """For each position and motor index, the numbers of the listeners that it represents."""
     layouts = {position: places for layout in DEVICES.values() for position, places in layout.items()}
     result: dict[str, dict[int, list[int]]] = {}
     for number, listener in enumerate(tracks.listeners):

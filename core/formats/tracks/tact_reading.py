@@ -19,7 +19,7 @@ from .carrier import Carrier
 from .vibration_file import Channel, VibrationFile
 
 FREQUENCY = 100.0
-"""Frequency of the vibrations (hertz): the format has strengths alone."""
+"""Frequency of the vibrations (hertz): the format has only strengths."""
 STEP = 10
 """Step of the strengths that are read (milliseconds)."""
 LONGEST = 3_600_000
@@ -69,7 +69,7 @@ def read(path: Path) -> VibrationFile:
 
 
 def _convert_numbers(document: Any) -> None:
-    """Make numbers of the texts that older files have in their points."""
+    """Convert the texts in the points of older files to numbers."""
     try:
         modes = [mode for track in document["project"]["tracks"] for effect in track["effects"] for mode in effect["modes"].values()]
         for point in (point for mode in modes for key in _LISTS for feedback in mode[key]["feedback"] for point in feedback["pointList"]):
@@ -82,9 +82,9 @@ def _convert_numbers(document: Any) -> None:
 
 
 class _Player:
-    """Enters an effect into a table of strengths (motors, steps): of several strengths at a time the highest counts.
+    """Enters an effect into a table of strengths (motors, steps): of simultaneous strengths the highest counts.
 
-    start and length of the effect in milliseconds. ``steps``: how many steps were entered.
+    start and length of the effect in milliseconds. ``steps``: number of steps entered.
     """
 
     def __init__(self, table: FloatArray, places: Sequence[tuple[float, float]], start: float, length: float) -> None:

@@ -1,4 +1,4 @@
-"""What the formats of rendered tracks have in common: file names, clipping and losses."""
+"""Functions shared by the formats of rendered tracks: file names, clipping and losses."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ EDITOR = "Haptic Tracing"
 
 
 class TrackExport(Protocol):
-    """An export as the formats of tracks see it. ``date`` is in ISO 8601."""
+    """The part of an export that formats of tracks use. ``date`` is in ISO 8601."""
 
     @property
     def name(self) -> str: ...
@@ -46,7 +46,7 @@ def scene_file(name: str, folder: Path, form: str) -> Path:
 
 
 def common_losses(tracks: Tracks, *, body: bool) -> Iterator[str]:
-    """What every format of tracks leaves out. ``body``: the format addresses parts of the body."""
+    """The losses common to all formats of tracks. ``body``: the format addresses parts of the body."""
     yield "the scene itself: objects, contacts, sources and functions"
     clipped = tracks.clipped()
     if clipped:

@@ -14,7 +14,7 @@ from .listener_tracks import ListenerTrack, Tracks, sorted_impacts, strengths
 
 
 class Heard(Protocol):
-    """What is recorded of a `FrameResult`."""
+    """The part of a `FrameResult` that is recorded."""
 
     @property
     def number(self) -> int: ...

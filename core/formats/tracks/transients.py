@@ -16,7 +16,7 @@ TRANSIENT_CYCLES = 2
 LEAST_STRENGTH = 0.01
 """Minimum strength; weaker impacts stay in the continuous vibration."""
 LEAST_SHARE = 0.3
-"""Minimum strength of a transient relative to its impact's, whatever their similarity, since devices render it as a click."""
+"""Minimum strength of a transient relative to its impact's, however similar they are, because devices render it as a click."""
 
 
 def without_transients(row: Row, impacts: FloatArray, time_step: float) -> tuple[Row, FloatArray]:

@@ -26,7 +26,7 @@ class Channel:
     """One vibration of a file: the sum of ``carriers`` and of ``samples`` (n,) at ``sample_rate`` (hertz), from time 0.
 
     ``duration`` in seconds. ``samples`` may be any sequence whose slices are arrays. ``body_part`` is empty if the file does not give it.
-    Raises ValueError for what no signal may have.
+    Raises ValueError for values beyond the limits of signals.
     """
 
     name: str
@@ -77,9 +77,9 @@ class Channel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VibrationFile:
-    """The vibrations of a file; ``losses``: what of it was not read, one sentence each.
+    """The vibrations of a file; ``losses``: ignored content, one sentence each.
 
-    ``stored``: the samples of all channels (n_channels, n) where the file has such a table; it may be read in pieces.
+    ``stored``: the samples of all channels (n_channels, n) if the file has such a table; it may be read in pieces.
     """
 
     channels: tuple[Channel, ...]

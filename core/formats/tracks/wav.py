@@ -30,7 +30,7 @@ _CODES = {"pcm16": 1, "float32": 3}
 _BYTES = {"pcm16": 2, "float32": 4}
 FULL_SCALE = {"pcm16": 32768.0, "float32": 1.0}
 MAX_SAMPLE = MAX_PEAK / 4
-"""Magnitude of the samples that are read: more than that may overflow when they are interpolated."""
+"""Largest magnitude of samples that are read; larger ones may overflow in interpolation."""
 MAX_RIFF = 2**32 - 1
 
 
@@ -133,7 +133,7 @@ def encoded(tracks: Tracks, encoding: str) -> Iterator[NDArray[Any]]:
 
 
 def compare_encoded(tracks: Tracks, encoding: str, measured: Comparison | None) -> None:
-    """Measure what encoding the samples loses."""
+    """Measure the losses of encoding the samples."""
     if measured is None:
         return
     for (_, block), coded in zip(tracks.blocks(), encoded(tracks, encoding), strict=True):
@@ -142,7 +142,7 @@ def compare_encoded(tracks: Tracks, encoding: str, measured: Comparison | None) 
 
 
 class StoredSamples:
-    """The samples (channels, n) of a WAV file, read when they are asked for: ``[channel]``, ``[channel, first:last]``, ``[:, first:last]``.
+    """The samples (channels, n) of a WAV file, read on demand: ``[channel]``, ``[channel, first:last]``, ``[:, first:last]``.
 
     Raises ValueError if the file is broken or has samples beyond ``MAX_SAMPLE``, and OSError.
     """

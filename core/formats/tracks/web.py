@@ -1,4 +1,4 @@
-"""A web page that plays the tracks by itself: body map, waves, sound, and a pad by the Gamepad API. It loads nothing."""
+"""A self-contained web page that plays the tracks: body map, waveforms, sound, and a gamepad by the Gamepad API."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from .listener_tracks import Tracks
 from .track_export import TrackExport, common_losses, scene_file
 
 RATE = 2000
-"""Samples a second at most: 150 s of ten listeners stay below 5 MB."""
+"""Largest sample rate [Hz], with which 150 s of ten listeners take less than 5 MB."""
 HIGHEST = 900.0
-"""Hertz that are left at this rate."""
+"""Highest frequency at this rate [Hz]."""
 _STEPS = 127
 _LAW = 255.0
 
@@ -39,7 +39,7 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def keeps(options: Mapping[str, Any]) -> Measures:
-    """What the page keeps of the waves."""
+    """What the page keeps."""
     return Measures(Kind.WAVE, 0.0, HIGHEST)
 
 
@@ -57,7 +57,7 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
             for listener, samples in zip(tracks.listeners, packed, strict=True)
         ],
     }
-    # Names come from strangers: no "<" can end the element that holds them.
+    # Names are untrusted: without "<" they cannot end the element that contains them.
     text = json.dumps(document, ensure_ascii=True, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
     parts = {"@TITLE@": html.escape(export.name), "@DATA@": text}
     page = Path(__file__).with_name("player.html").read_text("utf-8")
@@ -75,13 +75,14 @@ def _packed(tracks: Tracks, number: int, rate: int, measured: Comparison | None)
 
 
 def encoded(samples: FloatArray) -> NDArray[np.uint8]:
-    """Samples within ±1 as bytes: 128 is 0, steps grow with the logarithm of 1 + 255 |x| (the µ-law of ITU-T G.711, not in its pieces)."""
+    """Samples within ±1 as bytes: 128 is 0, steps grow with the logarithm of 1 + 255 |x| (the µ-law of ITU-T G.711, without its
+    segments)."""
     cut = np.clip(samples, -1.0, 1.0)
     codes: NDArray[np.uint8] = np.rint(128 + _STEPS * np.sign(cut) * np.log1p(_LAW * np.abs(cut)) / np.log1p(_LAW)).astype(np.uint8)
     return codes
 
 
 def decoded(codes: NDArray[np.uint8]) -> FloatArray:
-    """The samples that the page makes of bytes."""
+    """Decode bytes to samples, as the page does."""
     steps = (codes.astype(np.float64) - 128) / _STEPS
     return np.asarray(np.sign(steps) * np.expm1(np.abs(steps) * np.log1p(_LAW)) / _LAW)

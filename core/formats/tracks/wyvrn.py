@@ -1,4 +1,4 @@
-"""The folder that WYVRN's players load: a configuration and a ``.haps`` clip (version 5) per listener, all played by one event."""
+"""WYVRN: a folder for its players with a configuration and a ``.haps`` clip (version 5) per listener, all played by one event."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def _notes(carriers: Sequence[Carrier]) -> list[str]:
 
 
 def from_zero_phase(carrier: Carrier) -> Carrier | None:
-    """The carrier from its first beginning of a cycle on, since notes have no phase; None if there is none."""
+    """The carrier from the beginning of its first whole cycle on, because notes have no phase; None if there is none."""
     missing = (-carrier.phase / (2 * math.pi)) % 1.0
     if missing < 1e-6:
         return carrier
