@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import BoolArray, FloatArray, IntArray
 from .body_patches import PairPatches
 from .box_axes import axis_normals, best_axes
-from .boxes import BoxContacts, box_contacts, corner_contacts
+from .boxes import BoxContacts, box_contacts
 from .cores import CoreTable, Kind
 from .frames import COLUMN, product, relative, turned, turned_back
 
@@ -38,9 +38,9 @@ def _contacts(boxes: Boxes, limit: FloatArray) -> BoxContacts:
     found = []
     for k in range(parts):
         part = slice(count * k // parts, count * (k + 1) // parts)
-        placed = boxes.rotation[..., part], boxes.offset[:, part], boxes.half_a[:, part], boxes.half_b[:, part]
-        found.append(box_contacts(*placed, limit[part]))
-        corner_contacts(found[-1], *placed)
+        found.append(
+            box_contacts(boxes.rotation[..., part], boxes.offset[:, part], boxes.half_a[:, part], boxes.half_b[:, part], limit[part])
+        )
     if parts == 1:
         return found[0]
     return BoxContacts(*(np.concatenate([getattr(part, f.name) for part in found], axis=-1) for f in fields(BoxContacts)))

@@ -1,18 +1,19 @@
 """Contacts of pairs of boxes, thousands at a time: separating axes, then the common area of the two facing faces.
 
 Arrays have the pairs along their last axis, and everything is in the frame of the first box. The face of the best axis is the rectangle
-|u| <= p, |v| <= q; the other box's face is a parallelogram over it.
+|u| <= p, |v| <= q; the other box's face is a parallelogram over it. Sums are in a fixed order, so that results do not depend on which
+pairs are computed together.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
 from .box_axes import AFTER, FIRST_EDGE_AXIS, NEXT, best_axes, edge_points
-from .frames import COLUMN, pick
+from .frames import dot, pick, turned, turned_back
 from .manifold import PATCH_GAP, patch_gap
 from .parallelogram import overlap
 
@@ -28,17 +29,39 @@ _LEAST_WEIGHT = 1e-3
 _SLIVER = 0.005
 """Metres of width below which the centre of a patch moves smoothly to the mean of the nearest corners."""
 
-_OF_EDGES = 100
-"""Added to the number of a face whose patch is sought although two edges are nearest."""
+# Rows of what is known of two boxes: rotation (9 of them), offset, offset of the first as the second sees it, half extents, 0 and 1.
+_OFFSET, _BACK, _HALF_A, _HALF_B, _ZERO, _ONE, _ROWS = 9, 12, 15, 18, 21, 22, 23
 
-_TURNS = np.stack([NEXT, AFTER, np.arange(3)])
-_SIGNS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]).T  # corners of a box
+
+def _arrangement(axis: int, facing: int) -> list[int]:
+    """The rows of two boxes arranged for a face: ``axis`` 0-2 of the first box, 3-5 of the second, under the other box's axis ``facing``.
+
+    The other's directions (2 along its face, then ``facing``) and its place, as the face sees them, the face's normal last; half extents of
+    the face's box and of the other; the face's directions and its box's place in the frame of the first.
+    """
+    k = axis % 3
+    own, other = (int(NEXT[k]), int(AFTER[k]), k), (int(NEXT[facing]), int(AFTER[facing]), facing)
+    if axis < 3:
+        seen = [3 * m + n for n in other for m in own] + [_OFFSET + m for m in own]
+        halves = [_HALF_A + m for m in own] + [_HALF_B + n for n in other]
+        return seen + halves + [_ONE if m == c else _ZERO for m in own for c in range(3)] + 3 * [_ZERO]
+    seen = [3 * n + m for n in other for m in own] + [_BACK + m for m in own]
+    halves = [_HALF_B + m for m in own] + [_HALF_A + n for n in other]
+    return seen + halves + [3 * c + m for m in own for c in range(3)] + [_OFFSET + c for c in range(3)]
+
+
+_ARRANGED = np.array([_arrangement(axis, facing) for axis in range(6) for facing in range(3)]).T.copy()
+_ACROSS = np.array([[3 * k + n for n in range(3)] for k in range(3)] + [[3 * n + k for n in range(3)] for k in range(3)]).T.copy()
+"""Rows of the other's three directions along each normal of a face."""
+
+_OUTWARD = np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0])
+_CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]).T[:, :, None]
 
 
 @dataclass(frozen=True, slots=True)
 class BoxContacts:
     """Per pair: signed ``distance`` (p,), ``normal`` (3, p) from first to second, ``centre`` (3, p) of the patch midway between the
-    surfaces, ``area`` (p,), and ``exact`` (p,): False where the distance is only a lower bound and the rest is undefined."""
+    surfaces, ``area`` (p,), and ``exact`` (p,): False where the nearest points are a corner and any point of the other box."""
 
     distance: FloatArray
     normal: FloatArray
@@ -51,183 +74,197 @@ def box_contacts(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, h
     """Contacts of boxes: rotation (3, 3, p) and centre (3, p) of the second in the frame of the first, half extents (3, p) > 0. Beyond
     ``limit`` (p,) only a lower bound on the distance is given."""
     best = best_axes(rotation, offset, half_a, half_b)
-    count = len(best.distance)
-    result = BoxContacts(best.distance, np.zeros((3, count)), np.zeros((3, count)), np.zeros(count), best.distance > limit)
+    near = np.flatnonzero(best.distance <= limit)
+    count = len(limit)
+    if len(near) == count > 0:
+        return _near_contacts(best.distance, best.axis, rotation, offset, half_a, half_b)
+    result = BoxContacts(best.distance, np.zeros((3, count)), np.zeros((3, count)), np.zeros(count), np.ones(count, dtype=np.bool_))
     result.normal[2] = 1.0
-    axis = best.axis
-    # Each centre is ``lying`` where the faces overlap, moved by ``share`` of the way to the mean of the nearest corners.
-    lying, share = result.centre.copy(), np.zeros(count)
-    near = best.distance <= limit
-    edges = np.flatnonzero(near & (axis >= FIRST_EDGE_AXIS))
-    if len(edges):
-        boxes = _rows(edges, rotation, offset, half_a, half_b)
-        normal = _edges(result, edges, axis[edges], *boxes)
-        lying[:, edges], share[edges] = result.centre[:, edges], 1.0
-        # Where the faces that the edges belong to are nearly parallel, the patch is theirs.
-        alignment = np.abs(np.concatenate([normal, np.einsum("ijp,ip->jp", boxes[0], normal)]))
-        face = alignment.argmax(axis=0)
-        axis[edges] = np.where(pick(alignment, face) > _FACING, face + _OF_EDGES, FIRST_EDGE_AXIS)
-    faces = np.flatnonzero(near & (axis != FIRST_EDGE_AXIS))
-    if len(faces):
-        _faces(result, lying, share, faces, axis[faces], *_rows(faces, rotation, offset, half_a, half_b))
-    narrow = np.flatnonzero(share > 0)
-    if len(narrow):
-        found = result.normal.take(narrow, axis=1), result.centre.take(narrow, axis=1), result.distance[narrow]
-        mean = _mean_of_nearest(*found, *_rows(narrow, rotation, offset, half_a, half_b))
-        lying[:, narrow] += share[narrow] * (mean - lying[:, narrow])
-    return BoxContacts(result.distance, result.normal, lying, result.area, result.exact)
+    if len(near):
+        found = _near_contacts(best.distance[near], best.axis[near], *_rows(near, rotation, offset, half_a, half_b))
+        for field in fields(BoxContacts):
+            getattr(result, field.name)[..., near] = getattr(found, field.name)
+    return result
 
 
 def _rows(
     rows: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Some of the pairs."""
-    if len(rows) == offset.shape[1]:
-        return rotation, offset, half_a, half_b
     return rotation.take(rows, axis=2), offset.take(rows, axis=1), half_a.take(rows, axis=1), half_b.take(rows, axis=1)
 
 
+def _near_contacts(
+    distance: FloatArray, axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
+) -> BoxContacts:
+    """Contacts of boxes with their ``distance`` along their best ``axis``, which is overwritten."""
+    edges = np.flatnonzero(axis >= FIRST_EDGE_AXIS)
+    boxes = rotation, offset, half_a, half_b
+    if len(edges):
+        crossing = _rows(edges, *boxes)
+        points = edge_points(axis[edges], *crossing)
+        # Where the faces that the edges belong to are nearly parallel, the patch is theirs.
+        alignment = np.abs(np.concatenate([points.normal, turned_back(crossing[0], points.normal)]))
+        axis[edges] = face = alignment.argmax(axis=0)
+        aligned = pick(alignment, face) > _FACING
+    found, thin = _faces(distance, axis, edges, *boxes)
+    # Each centre is moved by ``share`` of the way from where the faces overlap to the mean of the nearest corners.
+    share, lying = thin * found.exact, found.centre
+    if len(edges):
+        patched = aligned & (found.area[edges] > 0)
+        found.exact[edges] = points.within | (found.distance[edges] <= 0)
+        share[edges] = np.where(patched, thin[edges], 1.0)
+        found.area[edges] *= patched
+        found.normal[:, edges] = points.normal
+        middle = (points.first + points.second) / 2
+        lying = found.centre.copy()
+        found.centre[:, edges] = middle
+        lying[:, edges] = np.where(patched, lying[:, edges], middle)
+    lying = _with_nearest_corners(found, lying, share, *boxes)
+    return BoxContacts(found.distance, found.normal, lying, found.area, found.exact)
+
+
 def _faces(
-    result: BoxContacts,
-    lying: FloatArray,
-    share: FloatArray,
-    rows: IntArray,
+    distance: FloatArray,
     axis: IntArray,
+    edges: IntArray,
     rotation: FloatArray,
     offset: FloatArray,
     half_a: FloatArray,
     half_b: FloatArray,
-) -> None:
-    """Contacts of the pairs with the ``axis`` of a face; where edges are nearest, their patch alone. ``face`` is the box that the face
-    belongs to, ``other`` the box over it."""
-    by_edges = axis >= _OF_EDGES
-    axis = np.where(by_edges, axis - _OF_EDGES, axis)
-    of_a = axis < 3
-    turn = np.where(of_a, rotation, rotation.transpose(1, 0, 2)).reshape(9, -1)
-    shift = np.where(of_a, offset, -np.einsum("ijp,ip->jp", rotation, offset))
-    face, other = np.where(of_a, half_a, half_b), np.where(of_a, half_b, half_a)
-    # Both boxes with their axes permuted so that the third ones face each other.
-    k = np.where(of_a, axis, axis - 3)
-    i = _TURNS[:, k]
-    j = _TURNS[:, np.abs(pick(turn, 3 * k + COLUMN)).argmax(axis=0)]
-    turn = pick(turn, 3 * i[:, None] + j)
-    shift, face, other = pick(shift, i), pick(face, i), pick(other, j)
-    side = np.where(shift[2] < 0, -1.0, 1.0)
-    down = np.where(turn[2, 2] * side < 0, other[2], -other[2])
-    # The other's face in units of the rectangle: centre and half edges, each as (u, v, height above the face).
-    unit = np.stack([1.0 / face[0], 1.0 / face[1], side])
-    centre = (shift + turn[:, 2] * down) * unit
+) -> tuple[BoxContacts, FloatArray]:
+    """Contacts of faces, of the first box where ``axis`` < 3, and the parts (p,) by which each is a sliver; where ``edges`` are nearest,
+    their distance is left as it is."""
+    count = len(axis)
+    number = np.arange(count)
+    rows = np.empty((_ROWS, count))
+    np.concatenate([rotation.reshape(9, -1), offset, 0.0 - turned_back(rotation, offset), half_a, half_b], out=rows[:_ZERO])
+    rows[_ZERO], rows[_ONE] = 0.0, 1.0
+    flat = rows.reshape(-1)
+    facing = np.abs(flat.take(_ACROSS.take(axis, axis=1) * count + number)).argmax(axis=0)
+    arranged = flat.take(_ARRANGED.take(3 * axis + facing, axis=1) * count + number)
+    seen, halves, ways = arranged[:12].reshape(4, 3, -1), arranged[12:18].reshape(2, 3, -1), arranged[18:27].reshape(3, 3, -1)
+    face, other = halves
+    slope = np.hypot(seen[2, 0], seen[2, 1]) / np.maximum(np.abs(seen[2, 2]), 1e-9)
+    side = np.copysign(1.0, seen[3, 2])
+    # The other's face in units of the rectangle, each point as (u, v, height above the face).
+    seen[:3] *= other[:, None]
+    seen[:, :2] /= face[:2]
+    seen[:, 2] *= side
+    centre = seen[3] - seen[2] * np.copysign(1.0, seen[2, 2])
     centre[2] -= face[2]
-    slope = np.hypot(turn[0, 2], turn[1, 2]) / np.maximum(np.abs(turn[2, 2]), 1e-9)
-    within = patch_gap(slope)
-    area, u, v, lowest, found = overlap(centre, turn[:, 0] * other[0] * unit, turn[:, 1] * other[1] * unit, within)
-    area = area * face[0] * face[1]
-    distance = result.distance[rows]
+    area, place, lowest, found = overlap(centre, seen[:2], patch_gap(slope))
+    area *= face[0] * face[1]
     lifted = lowest - distance
-    apart = distance > 0
-    exact = found & (~apart | (lifted <= _CERTAIN))
-    distance = np.where(apart & exact & (lifted > 0) & ~by_edges, distance + lifted, distance)
-    local = np.stack([u * face[0], v * face[1], side * (face[2] + distance / 2)])
-    count = len(rows)
-    middle = np.empty((3, count))
-    middle.reshape(-1)[i * count + np.arange(count)] = local
-    normal = np.where(k == COLUMN, np.where(of_a, side, -side), 0.0)
-    # Where the face is the second box's, from its frame to that of the first.
-    back = np.flatnonzero(~of_a)
-    if len(back):
-        turn_back = rotation.take(back, axis=2)
-        middle[:, back] = np.einsum("ijp,jp->ip", turn_back, middle[:, back]) + offset[:, back]
-        normal[:, back] = np.einsum("ijp,jp->ip", turn_back, normal[:, back])
+    exact = found & ((lifted <= _CERTAIN) | (distance <= 0))
+    lift = np.maximum(lifted, 0.0) * (exact & (distance > 0))
+    lift[edges] = 0.0
+    distance = distance + lift
+    height = side * (face[2] + distance / 2)
+    middle = ways[0] * (place[0] * face[0]) + ways[1] * (place[1] * face[1]) + ways[2] * height + arranged[27:]
+    normal = ways[2] * (side * _OUTWARD.take(axis))
     # The centre of a sliver would jump as the bodies tremble.
-    length = np.minimum(np.maximum(face[0], face[1]), np.maximum(other[0], other[1]))
-    thin = np.where(exact | by_edges, np.square(np.clip(1.0 - area / (2 * _SLIVER * length), 0.0, 1.0)), 0.0)
-    if by_edges.any():
-        patched = np.flatnonzero(by_edges & (area > 0))
-        over = rows[patched]
-        lying[:, over], share[over], result.area[over] = middle[:, patched], thin[patched], area[patched]
-        own = np.flatnonzero(~by_edges)
-        rows, distance, normal, middle, area = rows[own], distance[own], normal[:, own], middle[:, own], area[own]
-        exact, thin = exact[own], thin[own]
-    result.distance[rows], result.area[rows], result.exact[rows], share[rows] = distance, area, exact, thin
-    result.normal[:, rows] = normal
-    result.centre[:, rows] = lying[:, rows] = middle
-
-
-def _edges(
-    result: BoxContacts, rows: IntArray, axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
-) -> FloatArray:
-    """Pairs whose best axis is that of two edges: the nearest points of the two. Returns the normals."""
-    points = edge_points(axis, rotation, offset, half_a, half_b)
-    result.normal[:, rows], result.centre[:, rows] = points.normal, (points.first + points.second) / 2
-    result.exact[rows] = points.within | (result.distance[rows] <= 0)
-    return points.normal
+    length = np.maximum(halves[:, 0], halves[:, 1])
+    thin = np.square(np.maximum(1.0 - area / (2 * _SLIVER * np.minimum(length[0], length[1])), 0.0))
+    return BoxContacts(distance, normal, middle, area, exact), thin
 
 
 def _nearness(excess: FloatArray) -> FloatArray:
     """Weights of points that are ``excess`` metres further apart than the nearest ones: 1 at 0, 0 from ``PATCH_GAP`` on."""
-    return np.square(np.clip(1.0 - excess / PATCH_GAP, 0.0, 1.0))
+    return np.square(np.minimum(np.maximum(1.0 - excess / PATCH_GAP, 0.0), 1.0))
 
 
 @dataclass(frozen=True, slots=True)
 class _Corners:
-    """The 16 corners of two boxes, those of the second first: ``distance`` (16, p) to the other box, points ``middle`` (3, 16, p) midway to
-    it, and vectors ``way`` (3, 16, p) from the first box to the second."""
+    """The corners of two boxes, those of the second first: ``place`` (2, 3, 8, p), each in the frame of the other box, the way ``across``
+    from there to the nearest point of the other box, and its length ``distance`` (2, 8, p). ``half`` (2, 3, p): of the other boxes."""
 
+    rotation: FloatArray
+    offset: FloatArray
+    half: FloatArray
+    place: FloatArray
+    across: FloatArray
     distance: FloatArray
-    middle: FloatArray
-    way: FloatArray
+
+    @classmethod
+    def of(cls, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> _Corners:
+        """The corners of all pairs."""
+        ways = np.stack([rotation.transpose(1, 0, 2) * half_b[:, None], rotation * half_a[:, None]])
+        place = np.stack([offset, -turned_back(rotation, offset)])[:, :, None] + _CORNERS[0] * ways[:, 0, :, None]
+        place += _CORNERS[1] * ways[:, 1, :, None]
+        place += _CORNERS[2] * ways[:, 2, :, None]
+        half = np.stack([half_a, half_b])
+        across = np.minimum(np.maximum(place, -half[:, :, None]), half[:, :, None])
+        across -= place
+        squared = across * across
+        return cls(rotation, offset, half, place, across, np.sqrt(squared[:, 0] + squared[:, 1] + squared[:, 2]))
+
+    def depth(self, normal: FloatArray) -> FloatArray:
+        """How far (2, 8, p) the corners are outside the other boxes along the ``normal`` (3, p)."""
+        outward = np.stack([normal, -turned_back(self.rotation, normal)])
+        height, extent = outward[:, :, None] * self.place, np.abs(outward) * self.half
+        height[:, 0] += height[:, 1]
+        height[:, 0] += height[:, 2]
+        return np.asarray(height[:, 0] - (extent[:, 0] + extent[:, 1] + extent[:, 2])[:, None])
+
+    def middles(self, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Sum (3, p) of the points midway to the other boxes by their ``weight`` (2, 8, p), and of the weights (p,)."""
+        terms = np.empty((2, 4, *weight.shape[1:]))
+        np.multiply(self.across, 0.5, out=terms[:, :3])
+        terms[:, :3] += self.place
+        terms[:, :3] *= weight[:, None]
+        terms[:, 3] = weight
+        of_b, of_a = _added(terms)
+        return of_b[:3] + (turned(self.rotation, of_a[:3]) + self.offset * of_a[3]), of_b[3] + of_a[3]
+
+    def ways(self, weight: FloatArray) -> FloatArray:
+        """Sum (3, p) of the ways from the first box to the second by their ``weight`` (2, 8, p)."""
+        of_b, of_a = _added(self.across * weight[:, None])
+        return np.asarray(turned(self.rotation, of_a) - of_b)
 
 
-def _corners(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> _Corners:
-    of_b = offset[:, None] + np.einsum("ijp,jkp->ikp", rotation, _SIGNS[..., None] * half_b[:, None])
-    on_a = np.clip(of_b, -half_a[:, None], half_a[:, None])
-    of_a = _SIGNS[..., None] * half_a[:, None]
-    local = np.einsum("ijp,ikp->jkp", rotation, of_a - offset[:, None])
-    on_b = offset[:, None] + np.einsum("ijp,jkp->ikp", rotation, np.clip(local, -half_b[:, None], half_b[:, None]))
-    first, second = np.concatenate([on_a, of_a], axis=1), np.concatenate([of_b, on_b], axis=1)
-    way = second - first
-    return _Corners(np.sqrt(np.einsum("ikp,ikp->kp", way, way)), (first + second) / 2, way)
+def _added(terms: FloatArray) -> FloatArray:
+    """Sums (..., p) of the eight in each (..., 8, p)."""
+    terms = terms[..., :4, :] + terms[..., 4:, :]
+    terms = terms[..., :2, :] + terms[..., 2:, :]
+    return np.asarray(terms[..., 0, :] + terms[..., 1, :])
 
 
-def _mean_of_nearest(
-    normal: FloatArray,
-    middle: FloatArray,
-    least: FloatArray,
+def _with_nearest_corners(
+    found: BoxContacts,
+    centre: FloatArray,
+    share: FloatArray,
     rotation: FloatArray,
     offset: FloatArray,
     half_a: FloatArray,
     half_b: FloatArray,
 ) -> FloatArray:
-    """Weighted mean (3, p) of the corners whose distance to the other box, or depth in it along ``normal``, is nearly the ``least``, moved
-    into the plane of ``middle``, which has a small weight of its own."""
-    corners = _corners(rotation, offset, half_a, half_b)
-    top = np.einsum("ip,ip->p", np.abs(normal), half_a)
-    bottom = np.einsum("ip,ip->p", normal, offset) - np.einsum("ip,ip->p", np.abs(np.einsum("ijp,ip->jp", rotation, normal)), half_b)
-    height = np.einsum("ip,ikp->kp", normal, corners.middle + corners.way / 2)
-    other = np.einsum("ip,ikp->kp", normal, corners.middle - corners.way / 2)
-    depth = np.concatenate([height[:8] - top, bottom - other[8:]])
-    beside = np.clip(1.0 - corners.distance / PATCH_GAP, 0.0, 1.0)  # 0 for corners that are past the other box
-    distance = corners.distance + np.minimum(depth, 0.0) * beside
-    weight = _nearness(distance - least)
-    mean = (_LEAST_WEIGHT * middle + np.einsum("kp,ikp->ip", weight, corners.middle)) / (_LEAST_WEIGHT + weight.sum(axis=0))
-    return np.asarray(mean + normal * np.einsum("ip,ip->p", normal, middle - mean))
+    """The ``centre`` (3, p), moved by ``share`` (p,) of the way to the mean of the corners whose distance to the other box, or depth in it
+    along the normal, is nearly the least; this mean lies in the plane of the centre ``found``, which has a small weight of its own.
 
-
-def corner_contacts(result: BoxContacts, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> None:
-    """Complete the contacts that are not exact: boxes apart whose nearest points are a corner of one and any point of the other.
-
-    Parallel edges that face each other are equally near all along; the centre is the mean of all the corners that are as near.
+    Completes the contacts that are not exact: boxes apart whose nearest points are a corner of one and any point of the other. Parallel
+    edges that face each other are equally near all along; the centre is the mean of all the corners that are as near.
     """
-    rows = np.flatnonzero(~result.exact)
+    rows = np.flatnonzero((share > 0) | ~found.exact)
     if len(rows) == 0:
-        return
-    corners = _corners(*_rows(rows, rotation, offset, half_a, half_b))
-    distance = corners.distance.min(axis=0)
-    weight = _nearness(corners.distance - distance)
-    normal = np.einsum("kp,ikp->ip", weight / np.maximum(corners.distance, 1e-12), corners.way)
-    length = np.sqrt(np.einsum("ip,ip->p", normal, normal))
-    apart = length > 0
-    result.distance[rows] = distance
-    result.normal[:, rows] = np.where(apart, normal / np.where(apart, length, 1.0), result.normal[:, rows])
-    result.centre[:, rows] = np.einsum("kp,ikp->ip", weight, corners.middle) / weight.sum(axis=0)
-    result.area[rows] = 0.0
+        return centre
+    corners = _Corners.of(*_rows(rows, rotation, offset, half_a, half_b))
+    least, normal, middle = found.distance[rows], found.normal.take(rows, axis=1), found.centre.take(rows, axis=1)
+    exact, part = found.exact[rows], share[rows]
+    if not exact.all():
+        least = np.where(exact, least, corners.distance.min(axis=(0, 1)))
+        way = corners.ways(_nearness(corners.distance - least) / np.maximum(corners.distance, 1e-12))
+        length = np.sqrt(dot(way, way))
+        normal = np.where(exact | (length == 0), normal, way / np.where(length > 0, length, 1.0))
+        part = np.where(exact, part, 1.0)
+        found.distance[rows], found.normal[:, rows] = least, normal
+        found.area[rows] *= exact
+    beside = np.maximum(1.0 - corners.distance / PATCH_GAP, 0.0)  # 0 for corners that are past the other box
+    depth = np.minimum(corners.depth(normal), 0.0) * (beside * exact)
+    total, weight = corners.middles(_nearness(corners.distance + depth - least))
+    own = _LEAST_WEIGHT * exact
+    mean = (own * middle + total) / (own + weight)
+    mean += normal * (dot(normal, middle - mean) * exact)
+    lying = centre.take(rows, axis=1)
+    centre[:, rows] = lying + part * (mean - lying)
+    return centre

@@ -1,4 +1,7 @@
-"""Vectors, rotations and poses of many pairs at a time, the pairs along the last axis of every array."""
+"""Vectors, rotations and poses of many pairs at a time, the pairs along the last axis of every array.
+
+Sums are in a fixed order, so that results do not depend on which pairs are computed together, as those of `einsum` and `matmul` do.
+"""
 
 from __future__ import annotations
 
@@ -11,28 +14,34 @@ COLUMN = np.arange(3)[:, None]
 
 
 def dot(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Dot products (..., n) of vectors (3, ..., n)."""
-    return np.asarray(np.einsum("i...,i...->...", a, b))
+    """Dot products (..., n) of vectors (2, ..., n) or (3, ..., n)."""
+    terms = a * b
+    return np.asarray(terms[0] + terms[1] if len(terms) == 2 else terms[0] + terms[1] + terms[2])
 
 
 def turned(rotation: FloatArray, vector: FloatArray) -> FloatArray:
     """``rotation @ vector`` of rotations (3, 3, n) and vectors (3, n) or (3, k, n)."""
-    return np.asarray(np.einsum("ijn,j...n->i...n", rotation, vector))
+    if vector.ndim > 2:
+        rotation = rotation[:, :, None]
+    result = rotation[:, 0] * vector[0]
+    result += rotation[:, 1] * vector[1]
+    result += rotation[:, 2] * vector[2]
+    return np.asarray(result)
 
 
 def turned_back(rotation: FloatArray, vector: FloatArray) -> FloatArray:
     """``rotation.T @ vector`` of rotations (3, 3, n) and vectors (3, n) or (3, k, n)."""
-    return np.asarray(np.einsum("jin,j...n->i...n", rotation, vector))
+    return turned(rotation.transpose(1, 0, 2), vector)
 
 
 def product(a: FloatArray, b: FloatArray) -> FloatArray:
     """Products of matrices (3, 3, n)."""
-    return np.asarray(np.einsum("ijn,jkn->ikn", a, b))
+    return turned(a, b)
 
 
 def relative(a: FloatArray, b: FloatArray) -> FloatArray:
     """Rotations (3, 3, n) of ``b`` in the frames of ``a``."""
-    return np.asarray(np.einsum("kin,kjn->ijn", a, b))
+    return turned_back(a, b)
 
 
 def relative_pose(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
