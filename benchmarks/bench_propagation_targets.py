@@ -117,7 +117,7 @@ def _ladder_by_transfer(family: Family) -> float:
     graph = family.graph()
 
     def gain(a: int, b: int) -> float:
-        return float(graph.intra_gain(int(graph.node_object[a]), a, np.array([b]))[0])
+        return float(graph.table.gain(int(graph.node_object[a]), graph.node_distances(np.array([a]), np.array([b])))[0])
 
     columns = len(graph.table.names) // 2
     across: dict[tuple[int, int], int] = {}

@@ -106,7 +106,8 @@ def enumerate_paths(family: Family, max_connections: int | None, threshold: floa
     for node in range(graph.node_count):
         index = int(graph.node_object[node])
         nodes = graph.nodes_of(index)
-        gains = graph.intra_gain(index, node, np.arange(nodes.start, nodes.stop)).tolist()
+        others = np.arange(nodes.start, nodes.stop)
+        gains = graph.table.gain(index, graph.node_distances(np.full(len(others), node), others)).tolist()
         inside.append([(other, gain) for other, gain in zip(range(nodes.start, nodes.stop), gains, strict=True) if other != node])
     partner, contact = graph.partner.tolist(), graph.contact.tolist()
     through = [graph.transmission[number] if number >= 0 else 0.0 for number in contact]

@@ -291,10 +291,6 @@ class HapticGraph:
         apart = _lengths(*(places.take(a, axis=1) - places.take(b, axis=1)))
         return apart if self.reach is None else np.maximum(apart - (self.reach[a] + self.reach[b]), 0.0)
 
-    def intra_gain(self, index: int, node: int, others: IntArray) -> FloatArray:
-        """Gains of the intra-connections from ``node`` to other nodes of object ``index``."""
-        return self.table.gain(index, self.node_distances(np.full(len(others), node), others))
-
     def to_networkx(self) -> networkx.Graph:
         """The explicit graph, every intra-connection an edge: for small scenes and for tests.
 
@@ -313,10 +309,10 @@ class HapticGraph:
             )
         for index in range(len(self.table.names)):
             nodes = self.nodes_of(index)
-            for node in range(nodes.start, nodes.stop):
-                others = np.arange(node + 1, nodes.stop)
-                for other, gain in zip(others.tolist(), self.intra_gain(index, node, others).tolist(), strict=True):
-                    graph.add_edge(node, other, connection="intra", gain=gain)
+            a, b = (side + nodes.start for side in np.triu_indices(nodes.stop - nodes.start, 1))
+            gains = self.table.gain(index, self.node_distances(a, b))
+            for node, other, gain in zip(a.tolist(), b.tolist(), gains.tolist(), strict=True):
+                graph.add_edge(node, other, connection="intra", gain=gain)
         for node, (partner, contact) in enumerate(zip(self.partner.tolist(), self.contact.tolist(), strict=True)):
             if node < partner:
                 graph.add_edge(node, partner, connection="inter", gain=float(self.transmission[contact]), share=float(self.share[contact]))
