@@ -48,13 +48,13 @@ def test_frames_of_the_track_are_those_that_were_traced(shaken):
         result = storage.track_of(shaken).result(expected.number)
         assert result.time == pytest.approx(expected.time, abs=1e-12)
         assert [s.name for s in result.sources] == [s.name for s in expected.sources]
-        assert result.gains == pytest.approx(expected.gains, abs=1e-6)
+        np.testing.assert_allclose(result.gains, expected.gains, rtol=0, atol=1e-6)
         for again, listener in zip(result.listeners, expected.listeners, strict=True):
             assert again.position == pytest.approx(listener.position, abs=1e-6)
         assert (result.block is None) == (expected.block is None)
         if expected.block is not None:
             assert result.first_sample == expected.first_sample
-            assert result.block == pytest.approx(expected.block, abs=1 / FULL_SCALE)
+            np.testing.assert_allclose(result.block, expected.block, rtol=0, atol=1 / FULL_SCALE)
             assert np.abs(result.block[0]).max() == pytest.approx(np.abs(expected.block[0]).max(), abs=1 / FULL_SCALE)
 
 
@@ -157,8 +157,8 @@ def test_sound_strip_plays_with_the_frames_it_was_baked_from(shaken):
     channels, rate = channels_of(strip.sound.packed_file.data)
     track = storage.track_of(shaken)
     assert rate == track.sample_rate
-    assert channels[:, 0] == pytest.approx(track.listener_samples(0), abs=1e-4)  # left foot
-    assert channels[:, 1] == pytest.approx(track.listener_samples(1), abs=1e-4)  # right hand
+    np.testing.assert_allclose(channels[:, 0], track.listener_samples(0), rtol=0, atol=1e-4)  # left foot
+    np.testing.assert_allclose(channels[:, 1], track.listener_samples(1), rtol=0, atol=1e-4)  # right hand
 
 
 def test_the_middle_of_the_body_is_on_both_sides_and_nothing_clips(shaken, tmp_path):
@@ -268,9 +268,13 @@ def test_meters_know_the_last_second_wherever_the_track_is_entered(shaken):
     history = session.of(shaken).history
     foot = history.listeners.index("foot")
     assert history.all().shape[1] == track.sample_rate
-    assert history.all()[foot] == pytest.approx(track.listener_samples(0)[: track.offsets[50]][-track.sample_rate :])
+    np.testing.assert_allclose(
+        history.all()[foot], track.listener_samples(0)[: track.offsets[50]][-track.sample_rate :], rtol=1e-6, atol=1e-12
+    )
     shaken.frame_set(51)
-    assert history.all()[foot] == pytest.approx(track.listener_samples(0)[: track.offsets[51]][-track.sample_rate :])
+    np.testing.assert_allclose(
+        history.all()[foot], track.listener_samples(0)[: track.offsets[51]][-track.sample_rate :], rtol=1e-6, atol=1e-12
+    )
 
 
 def test_after_undo_the_current_frame_of_the_track_is_shown_again(shaken):

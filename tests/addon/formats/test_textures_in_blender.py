@@ -171,7 +171,7 @@ def test_the_core_plays_the_exported_file_as_blender_plays_the_scene(scene, crat
     for ours, theirs in zip(play(scene, LAST), traced(export.scene, export.recording), strict=True):
         assert ours.number == theirs.number
         if ours.number > 1:
-            assert theirs.block == pytest.approx(ours.block, rel=1e-12, abs=1e-12)
+            np.testing.assert_allclose(theirs.block, ours.block, rtol=0, atol=1e-12)
             if ours.number in range(10, 60):
                 assert theirs.block.any()
 

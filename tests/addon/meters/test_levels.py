@@ -50,7 +50,7 @@ def test_history_is_the_last_second():
     assert np.array_equal(hand[-320:], result.block[0])
     assert not eye.any()
     wave = 0.5 * math.exp(-0.2) * np.sin(2 * math.pi * 100 * (result.time - 1 + np.arange(8000) / RATE))
-    assert hand == pytest.approx(wave, abs=1e-9)
+    np.testing.assert_allclose(hand, wave, rtol=0, atol=1e-9)
 
 
 def test_a_jump_begins_anew():

@@ -55,7 +55,9 @@ def test_tubes_run_along_their_lines(bridge):
     outward = a - np.repeat(rings.mean(axis=(1, 2)), 2 * sides, axis=0)
     assert (np.einsum("ij,ij->i", outward, np.cross(b - a, c - a)) > 0).all()
     radius = np.linalg.norm(rings - rings.mean(axis=2, keepdims=True), axis=3)
-    assert radius == pytest.approx(np.broadcast_to((data.paths.width[long] * 0.005)[:, None, None], radius.shape), rel=1e-5)
+    np.testing.assert_allclose(
+        radius, np.broadcast_to((data.paths.width[long] * 0.005)[:, None, None], radius.shape), rtol=1e-5, atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -10,16 +10,6 @@ from haptic_tracing.core.scene.body import PAPER_LISTENERS
 from haptic_tracing.sample_scenes import SAMPLES, build_sample
 
 FRAMES = 4
-DESCRIBED = {}
-"""Samples as they were built first."""
-
-
-def fresh(name):
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    with suspended():
-        scene = build_sample(name)
-    DESCRIBED.setdefault(name, described(scene))
-    return scene
 
 
 def described(scene):
@@ -48,9 +38,9 @@ def described(scene):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
-def test_first_frames_are_traced_without_a_problem_and_built_again_it_plays_beside_the_first(name):
+def test_first_frames_are_traced_without_a_problem_and_built_again_it_plays_beside_the_first(build, name):
     """Names get a number in a file that has them already; nothing of the first sample may become part of the second."""
-    scene = fresh(name)
+    scene = build(name)
     for frame in range(scene.frame_start, scene.frame_start + FRAMES):
         scene.frame_set(frame)
         result = session.result_of(scene)
@@ -71,9 +61,11 @@ def test_first_frames_are_traced_without_a_problem_and_built_again_it_plays_besi
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
-def test_built_twice_is_identical_and_has_what_tracing_and_a_picture_need(name):
-    first = DESCRIBED[name] if name in DESCRIBED else described(fresh(name))
-    scene = fresh(name)
+def test_built_twice_is_identical_and_has_what_tracing_and_a_picture_need(build, name):
+    first = described(build(name))
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with suspended():
+        scene = build_sample(name)
     assert described(scene) == first
     names = [row[0] for row in first]
     assert len(set(names)) == len(names)

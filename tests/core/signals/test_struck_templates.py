@@ -18,7 +18,7 @@ def sampled(template, seconds=1.0):
 @pytest.mark.parametrize("pitch", [0.25, 0.5, 1.3, 4.0])
 def test_pitch_moves_frequency_and_decay_together(pitch):
     expected = DecayingSine(200.0 * pitch, 0.05 / pitch, 0.8)
-    assert sampled(Struck(RING, pitch)) == pytest.approx(sampled(expected), abs=1e-12)
+    np.testing.assert_allclose(sampled(Struck(RING, pitch)), sampled(expected), rtol=0, atol=1e-12)
     assert Struck(RING, pitch).duration == pytest.approx(expected.duration)
 
 
@@ -40,14 +40,15 @@ def test_decay_is_an_envelope_by_the_decay_time(template, pitch, decay):
     envelope = np.exp(-times * (1.0 / decay - 1.0) * pitch / decay_time(template))
     found = sampled(Struck(template, pitch, decay))
     sounding = times < Struck(template, pitch, decay).duration
-    assert found[sounding] == pytest.approx((sampled(Struck(template, pitch)) * envelope)[sounding], rel=2e-3, abs=1e-3)
+    wanted = (sampled(Struck(template, pitch)) * envelope)[sounding]
+    assert (np.abs(found[sounding] - wanted) <= np.maximum(2e-3 * np.abs(wanted), 1e-3)).all()
     assert np.abs(sampled(Struck(template, pitch))[~sounding] * envelope[~sounding]).max(initial=0.0) <= 1.1e-4 * template.peak
 
 
 def test_a_pure_ring_decays_in_its_part_of_the_time():
     """The centre in time of the energy of a ring of many periods is half its time constant."""
     ring = DecayingSine(300.0, 0.1)
-    assert sampled(Struck(ring, decay=0.4)) == pytest.approx(sampled(DecayingSine(300.0, 0.04)), abs=2e-3)
+    np.testing.assert_allclose(sampled(Struck(ring, decay=0.4)), sampled(DecayingSine(300.0, 0.04)), rtol=0, atol=2e-3)
 
 
 @pytest.mark.parametrize("brightness", [0.0, 0.3, 0.8])
@@ -58,7 +59,7 @@ def test_brightness_is_a_shelf_of_first_order(brightness):
     hertz = np.fft.rfftfreq(2000, 1 / RATE)
     heard = hertz < 600.0
     _, expected = signal.freqs([brightness / CORNER, 1.0], [1.0 / CORNER, 1.0], hertz[heard])
-    assert np.abs(after[heard] / before[heard]) == pytest.approx(np.abs(expected), abs=0.02)
+    np.testing.assert_allclose(np.abs(after[heard] / before[heard]), np.abs(expected), rtol=0, atol=0.02)
 
 
 def test_what_is_not_changed_stays_to_the_last_bit():
