@@ -8,19 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import bpy
 from bpy.types import Object, Scene
 
 from ...core.devices.mapping import Place, map_listeners
-from ...core.devices.profiles import BUILT_IN, Profile, load_profiles
 from ...core.formats.scene.devices_json import ActuatorMapping, DeviceMapping
 from ...core.scene.values import Listener
-from ..blender.extension import profile_folders
 from ..blender.single_precision import shortest
 from ..properties.actuators import AUTOMATIC, MUTED, choice_of, places_of
+from ..properties.sound import device_profiles
 from ..scene_reader.imported import imported_device, text_of
 
 ADJUSTED = ("gain", "floor", "curve", "ceiling", "offset")
@@ -105,13 +103,8 @@ def profile_name(device: str) -> str:
     return max(fitting, key=len, default=device)
 
 
-def _profiles() -> Mapping[str, Profile]:
-    return _loaded(profile_folders())
-
-
-@cache
-def _loaded(folders: tuple[Path, ...]) -> Mapping[str, Profile]:
-    return load_profiles((BUILT_IN, *(folder for folder in folders if folder.is_dir())))[0]
+_profiles = cache(device_profiles)
+"""The profiles as they were when they were asked for first."""
 
 
 def _choice(obj: Object | None) -> str:

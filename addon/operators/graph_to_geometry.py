@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from bpy.app.translations import pgettext_rpt as _rpt
-from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Context, Operator
 
 from ..blender.polling import Edit, Refused, poll_object_mode
+from ..properties.kinds import number, switch
 from ..session import session, sessions
 from ..view import graph_mesh
 
@@ -16,15 +16,11 @@ class HAPTIC_OT_graph_to_geometry(Edit, Operator):
 
     bl_label = "Graph to Geometry"
 
-    in_front: BoolProperty(
-        name="In Front",
-        description="Bring the graph close to the camera, so that objects do not hide it. It looks right from where the camera is now",
-        default=True,
+    in_front: switch(
+        "In Front", "Bring the graph close to the camera, so that objects do not hide it. It looks right from where the camera is now", True
     )
-    thickness: FloatProperty(
-        name="Thickness", description="How thick lines and symbols are", default=1.0, min=0.01, soft_min=0.2, soft_max=5.0
-    )
-    labels: BoolProperty(name="Labels", description="Add names and gains, and the legend where there is a camera", default=True)
+    thickness: number("Thickness", "How thick lines and symbols are", 1.0, (0.01, 5.0), soft_min=0.2)
+    labels: switch("Labels", "Add names and gains, and the legend where there is a camera", True)
 
     @classmethod
     def poll(cls, context: Context) -> bool:

@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, IntProperty, StringProperty
+from bpy.props import IntProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import READERS
 from ..blender.polling import SOLID_TYPES, Edit, poll_active, poll_object_mode
 from ..io import scene_builder, vibration_signal
+from ..properties.kinds import switch
 from ..scene_reader import imported
 from ..scene_reader.roles import haptic_carrier
 from .exporting import MOST_REPORTED
@@ -28,9 +29,7 @@ class HAPTIC_OT_import_scene(Edit, Operator):
 
     filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
     filter_glob: StringProperty(default="*.json;*.json.gz", options={"HIDDEN"})
-    use_settings: BoolProperty(
-        name="Settings", description="Take over the settings of the file, its frame rate and its frames", default=True
-    )
+    use_settings: switch("Settings", "Take over the settings of the file, its frame rate and its frames", True)
 
     poll = classmethod(poll_object_mode)
 
@@ -55,7 +54,7 @@ class HAPTIC_OT_import_signal(Edit, Operator):
     filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
     filter_glob: StringProperty(default=";".join(f"*{suffix}" for suffix in READERS), options={"HIDDEN"})
     channel: IntProperty(name="Channel", description="Which one of the file's vibrations", default=1, min=1, soft_max=32)
-    loop: BoolProperty(name="Loop", description="Play it again and again; otherwise once, at the scene's beginning", default=True)
+    loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning", True)
 
     poll = classmethod(poll_active)
 

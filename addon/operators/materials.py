@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from bpy.app.translations import pgettext_rpt as _rpt
-from bpy.props import BoolProperty, EnumProperty, StringProperty
+from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Operator
 
 from ...core.scene.materials import MATERIALS
 from ..authoring import materials as library
 from ..blender.polling import SOLID_TYPES, Edit, poll_active, poll_object_mode, poll_selected
 from ..blender.progress import progress
+from ..properties.kinds import switch
 from ..properties.materials import TARGET_ITEMS, add_material, made_of, own_values
 
 PRESET_ITEMS = tuple((material.name, material.title, "") for material in MATERIALS.values())
@@ -84,9 +85,7 @@ class HAPTIC_OT_physical_materials(Edit, Operator):
 
     bl_label = "Physical Materials"
 
-    in_a_building: BoolProperty(
-        name="In a Building", description="Walls and floors in place, whose joints and edges take 2 dB per metre", default=False
-    )
+    in_a_building: switch("In a Building", "Walls and floors in place, whose joints and edges take 2 dB per metre")
 
     poll = classmethod(poll_object_mode)
 

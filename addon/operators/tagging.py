@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty
+from bpy.props import EnumProperty
 from bpy.types import Context, Object, Operator, Scene
 
 from ..authoring import materials
@@ -13,6 +13,7 @@ from ..authoring.signals import signal_for
 from ..blender.polling import SOLID_TYPES, UNDO, Edit, editable, linked_message, poll_active, poll_selected
 from ..blender.progress import progress
 from ..changes.suspension import suspended
+from ..properties.kinds import switch
 from ..scene_reader.roles import haptic_carrier
 
 _rpt = bpy.app.translations.pgettext_rpt
@@ -32,14 +33,8 @@ class HAPTIC_OT_make_objects(Edit, Operator):
     bl_label = "Make Haptic"
     bl_options = {*UNDO, "PRESET"}
 
-    guess: BoolProperty(
-        name="Guess Materials", description="Choose materials by the objects' names, shapes and masses, where these tell them", default=True
-    )
-    physics: BoolProperty(
-        name="Add Physics",
-        description="Let the objects fall and collide: what is wide and flat carries the others, everything else falls",
-        default=False,
-    )
+    guess: switch("Guess Materials", "Choose materials by the objects' names, shapes and masses, where these tell them", True)
+    physics: switch("Add Physics", "Let the objects fall and collide: what is wide and flat carries the others, everything else falls")
 
     poll = classmethod(poll_selected)
 

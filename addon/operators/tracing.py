@@ -1,13 +1,21 @@
-"""Operators that trace."""
+"""Operators that trace, and that switch between the haptic modes."""
 
 from __future__ import annotations
 
+from typing import Any
+
 from bpy.app.translations import pgettext_rpt as _rpt
+from bpy.app.translations import pgettext_tip as tip_
+from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
+from ..bake import playback
 from ..blender.polling import Action, Edit, Refused
 from ..changes.redraw import redraw_viewports
+from ..properties.scene import MODE_ITEMS
 from ..session import session, sessions, worker
+
+_ITEMS = (*MODE_ITEMS, ("NEXT", "Next", "The one after the current: HT, SD, MD, MN, HT"))
 
 
 class HAPTIC_OT_trace_frame(Action, Operator):
@@ -49,4 +57,29 @@ class HAPTIC_OT_cancel_tracing(Action, Operator):
 
     def apply(self, context: Context) -> None:
         session.give_up()
+        redraw_viewports()
+
+
+class HAPTIC_OT_set_mode(Edit, Operator):
+    """Render the scene in another way, to compare: through touching objects, at the nearest listener, by distance, or without fading"""
+
+    bl_label = "Set Haptic Mode"
+
+    mode: EnumProperty(name="Mode", description="The rendering", items=_ITEMS, default="NEXT")
+
+    @classmethod
+    def description(cls, context: Context, properties: Any) -> str:
+        """The tooltip of a button: what its mode does."""
+        return next(f"{tip_(title)}: {tip_(words)}" for name, title, words in _ITEMS if name == properties.mode)
+
+    def apply(self, context: Context) -> None:
+        haptics = context.scene.haptics
+        if playback.plays(context.scene):
+            haptics.bake.use_track = False
+            self.report({"INFO"}, "Play Baked Track is off now: another mode has to be traced")
+        modes = [name for name, *_ in MODE_ITEMS]
+        following = modes[(modes.index(haptics.mode) + 1) % len(modes)]
+        haptics.mode = following if self.mode == "NEXT" else self.mode
+        if not haptics.tracing:  # else the edit is traced
+            session.begin(context.scene, context.evaluated_depsgraph_get())
         redraw_viewports()

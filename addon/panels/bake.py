@@ -12,7 +12,7 @@ from ..bake import playback, storage, takes
 from ..blender import job
 from ..blender.text import wrapped
 from ..view import levels
-from .drawing import HapticsPanel, draw_pair, settings_layout
+from .drawing import ClosedPanel, HapticsPanel, draw_pair, settings_layout
 from .texts import fitted
 
 if TYPE_CHECKING:
@@ -22,10 +22,9 @@ if TYPE_CHECKING:
 _MOST_TAKES = 20
 
 
-class HAPTIC_PT_bake(HapticsPanel, Panel):
+class HAPTIC_PT_bake(ClosedPanel, Panel):
     bl_label = "Bake"
     bl_order = 50
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)

@@ -27,6 +27,12 @@ class HapticsPanel:
         self.layout.operator("wm.url_open", text="", icon="HELP", emboss=False).url = page_url(_PAGES.get(module, f"panels/{module}"))
 
 
+class ClosedPanel(HapticsPanel):
+    """Mixin: such a panel, closed at first."""
+
+    bl_options: Any = {"DEFAULT_CLOSED"}
+
+
 _SHOWN_PROBLEMS = 5
 _PAGES = {"live_output": "devices", "export": "formats", "gltf": "formats", "modalities": "panels/warmth"}
 """Documentation pages by panel module, if they differ from the module's name."""

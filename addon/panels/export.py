@@ -5,13 +5,12 @@ from __future__ import annotations
 from bpy.types import Context, Panel
 
 from ..blender import job
-from .drawing import HapticsPanel
+from .drawing import ClosedPanel
 
 
-class HAPTIC_PT_export(HapticsPanel, Panel):
+class HAPTIC_PT_export(ClosedPanel, Panel):
     bl_label = "Export"
     bl_order = 90
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         layout = self.layout

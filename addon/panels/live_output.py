@@ -14,7 +14,7 @@ from ..live_output import handlers, outputs, player, preview
 from ..properties.preferences import preferences
 from ..session import sessions
 from ..translations.sentences import sentence
-from .drawing import HapticsPanel, draw_pair
+from .drawing import ClosedPanel, HapticsPanel, draw_pair
 
 if TYPE_CHECKING:
     from ...core.devices.mapping import ActuatorMapping
@@ -25,10 +25,9 @@ EARLIEST = -0.015
 _BLOCKED = 0.25
 
 
-class HAPTIC_PT_live_output(HapticsPanel, Panel):
+class HAPTIC_PT_live_output(ClosedPanel, Panel):
     bl_label = "Live Output"
     bl_order = 50
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         layout = self.layout

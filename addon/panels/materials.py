@@ -12,7 +12,7 @@ from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.materials import MATERIALS
 from ..blender import job
 from ..view import levels, watched
-from .drawing import HapticsPanel, draw_pair, settings_layout
+from .drawing import ClosedPanel, draw_pair, settings_layout
 from .texts import draw_sentence, fitted
 from .thumbnails import cell
 
@@ -45,11 +45,10 @@ class HAPTIC_MT_materials(Menu):
             properties.preset, properties.target = name, target
 
 
-class HAPTIC_PT_materials(HapticsPanel, Panel):
+class HAPTIC_PT_materials(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Materials"
     bl_order = 1
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         layout = self.layout
@@ -75,10 +74,9 @@ class HAPTIC_PT_materials(HapticsPanel, Panel):
         bodies.operator("haptic.set_bodies", text="As in the Paper").function = "haptic_tracing"
 
 
-class HAPTIC_PT_wishes(HapticsPanel, Panel):
+class HAPTIC_PT_wishes(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_materials"
     bl_label = "Design by Wish"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         layout = self.layout
@@ -108,11 +106,10 @@ class HAPTIC_PT_wishes(HapticsPanel, Panel):
         layout.operator("haptic.design_by_wish", icon="SHADERFX")
 
 
-class HAPTIC_PT_fit(HapticsPanel, Panel):
+class HAPTIC_PT_fit(ClosedPanel, Panel):
     bl_idname = "HAPTIC_PT_fit"
     bl_parent_id = "HAPTIC_PT_materials"
     bl_label = "Fit Material"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)

@@ -9,7 +9,7 @@ from bpy.types import Context, Panel, UILayout
 from ...core.modalities import Modality
 from ..properties.modalities import SHOWN
 from ..session import sessions
-from .drawing import HapticsPanel, draw_carrier, draw_properties
+from .drawing import ClosedPanel, draw_carrier, draw_properties
 from .formula import draw_parameters
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def _object_panel(modality: Modality) -> type[Panel]:
 
 def _panel(modality: Modality, part: str, values: dict[str, object]) -> type[Panel]:
     name = f"HAPTIC_PT_{modality.name}_{part}"
-    return type(name, (HapticsPanel, Panel), {"bl_idname": name, "bl_options": {"DEFAULT_CLOSED"}, "__module__": __name__, **values})
+    return type(name, (ClosedPanel, Panel), {"bl_idname": name, "__module__": __name__, **values})
 
 
 PANELS = tuple(panel(modality) for modality in SHOWN for panel in (_scene_panel, _object_panel))

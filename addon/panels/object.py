@@ -15,7 +15,7 @@ from ...core.scene.coefficients import transfer_coefficient
 from ..properties.preferences import gain_text, preferences
 from ..scene_reader import functions
 from ..view import gain_plot, panel_picture
-from .drawing import HapticsPanel, draw_pair, draw_properties, poll_object, warn
+from .drawing import ClosedPanel, HapticsPanel, draw_pair, draw_properties, poll_object, warn
 from .formula import draw_parameters
 from .texts import draw_sentence
 
@@ -189,10 +189,9 @@ def _curve_key(haptics: HapticObjectProperties, scene: Scene) -> tuple[Modulatio
         return None
 
 
-class HAPTIC_PT_bands(HapticsPanel, Panel):
+class HAPTIC_PT_bands(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_object"
     bl_label = "Frequency Bands"
-    bl_options = {"DEFAULT_CLOSED"}
 
     poll = classmethod(_poll_haptic)
 

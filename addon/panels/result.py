@@ -19,7 +19,7 @@ from ..session import sessions
 from ..translations.sentences import sentence
 from ..view import comparison, explanation, levels, masking, meter_layout, meter_pictures, meters, panel_picture, paths, watched
 from .cures import draw_cure
-from .drawing import HapticsPanel, draw_pair, select_button
+from .drawing import ClosedPanel, HapticsPanel, draw_pair, select_button
 from .texts import draw_sentence, fitted, source_title
 
 if TYPE_CHECKING:
@@ -101,11 +101,10 @@ class HAPTIC_PT_silence(HapticsPanel, Panel):
             draw_cure(box, context, reason)
 
 
-class HAPTIC_PT_felt(HapticsPanel, Panel):
+class HAPTIC_PT_felt(ClosedPanel, Panel):
     bl_idname = "HAPTIC_PT_felt"
     bl_parent_id = "HAPTIC_PT_result"
     bl_label = "Who Is Felt"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         layout = self.layout
@@ -174,10 +173,9 @@ def _columns(layout: UILayout) -> tuple[UILayout, UILayout, UILayout]:
     return rest, *ends
 
 
-class HAPTIC_PT_meters(HapticsPanel, Panel):
+class HAPTIC_PT_meters(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_result"
     bl_label = "Meters"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw_header(self, context: Context) -> None:
         self.layout.prop(context.scene.haptics.meters, "show", text="")
@@ -204,10 +202,9 @@ class HAPTIC_PT_meters(HapticsPanel, Panel):
             _draw_row(column, level.listener, level.peak_and_level(), level.margin_text())
 
 
-class HAPTIC_PT_comparison(HapticsPanel, Panel):
+class HAPTIC_PT_comparison(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_result"
     bl_label = "Compare Modes"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         layout = self.layout
@@ -235,10 +232,9 @@ class HAPTIC_PT_comparison(HapticsPanel, Panel):
             layout.label(text="Comparing...", icon="SORTTIME")
 
 
-class HAPTIC_PT_statistics(HapticsPanel, Panel):
+class HAPTIC_PT_statistics(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_result"
     bl_label = "Statistics"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         layout = self.layout

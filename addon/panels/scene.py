@@ -8,7 +8,7 @@ from ..blender.documentation import page_url
 from ..scene_reader import roles
 from ..session import sessions
 from .answer import draw_answer, draw_progress
-from .drawing import HapticsPanel, draw_problems, draw_properties, settings_layout
+from .drawing import ClosedPanel, HapticsPanel, draw_problems, draw_properties, settings_layout
 from .formula import draw_parameters
 from .hints import draw_hint
 from .rules import draw_table
@@ -50,10 +50,9 @@ def _draw_card(layout: UILayout) -> None:
     column.operator("wm.url_open", text="Documentation", icon="HELP").url = page_url("index")
 
 
-class HAPTIC_PT_propagation(HapticsPanel, Panel):
+class HAPTIC_PT_propagation(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Propagation"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
@@ -68,10 +67,9 @@ class HAPTIC_PT_propagation(HapticsPanel, Panel):
         draw_properties(layout, haptics, "threshold", "max_connections", "epsilon")
 
 
-class HAPTIC_PT_impacts(HapticsPanel, Panel):
+class HAPTIC_PT_impacts(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Impacts"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw_header(self, context: Context) -> None:
         self.layout.prop(context.scene.haptics, "impacts", text="")
@@ -84,11 +82,10 @@ class HAPTIC_PT_impacts(HapticsPanel, Panel):
         draw_properties(layout, haptics, "minimum_energy", "maximum_energy", "impact_energy", "refractory_time")
 
 
-class HAPTIC_PT_impact_table(HapticsPanel, Panel):
+class HAPTIC_PT_impact_table(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_impacts"
     bl_label = "Rules"
     bl_description = "What impacts between some objects need and play, in place of what is said above; the most specific rule counts"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
@@ -115,12 +112,11 @@ class HAPTIC_PT_impact_table(HapticsPanel, Panel):
             column.prop(rule, "seed")
 
 
-class HAPTIC_PT_textures(HapticsPanel, Panel):
+class HAPTIC_PT_textures(ClosedPanel, Panel):
     bl_idname = "HAPTIC_PT_textures"
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Sliding and Rolling"
     bl_description = "What objects play that slide or roll on each other: nothing where no rule fits, the most specific rule counts"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
@@ -133,11 +129,10 @@ class HAPTIC_PT_textures(HapticsPanel, Panel):
             draw_properties(layout, rule, *names)
 
 
-class HAPTIC_PT_contacts(HapticsPanel, Panel):
+class HAPTIC_PT_contacts(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Contacts"
     bl_description = "What contacts between some objects pass on; everything where no rule fits, the most specific rule counts"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
@@ -149,11 +144,10 @@ class HAPTIC_PT_contacts(HapticsPanel, Panel):
             draw_parameters(layout, rule, 0.0, 1.0, haptics.epsilon, on_contact=True)
 
 
-class HAPTIC_PT_overlay(HapticsPanel, Panel):
+class HAPTIC_PT_overlay(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Overlay"
     bl_translation_context = "Haptics"  # Blender's translation of the word is that of mixing colours
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw_header(self, context: Context) -> None:
         self.layout.prop(context.scene.haptics, "show_overlay", text="")

@@ -49,15 +49,20 @@ def holders(obj: Object) -> dict[str, Any]:
 
 def values_of(item: HapticMaterial) -> dict[str, Any]:
     """The shared values of a material of the library."""
-    values = {name: tuple(value) if name == "band_decays" else value for name in material_values.NAMES for value in (getattr(item, name),)}
+    values = {name: _value(item, name) for name in material_values.NAMES}
     return {**values, "wave_speed": item.wave_speed if item.use_delay else 0.0}
+
+
+def _value(holder: Any, name: str) -> Any:
+    """A shared value as an object or a material of the library holds it."""
+    value = getattr(holder, name)
+    return tuple(value) if name == "band_decays" else value
 
 
 def write_values(obj: Object, values: dict[str, Any]) -> None:
     """Give an object the values of a material; equal values are not written."""
     for name, holder in holders(obj).items():
-        old = getattr(holder, name)
-        if (tuple(old) if name == "band_decays" else old) != values[name]:
+        if _value(holder, name) != values[name]:
             setattr(holder, name, values[name])
 
 
@@ -207,13 +212,5 @@ def add_material(scene: Scene, name: str, values: dict[str, object]) -> HapticMa
 
 def own_values(obj: Object) -> dict[str, Any]:
     """The values of an object, in the form of a material of the library."""
-    values = _held(obj)
+    values = {name: _value(holder, name) for name, holder in holders(obj).items()}
     return {**values, "use_delay": values["wave_speed"] > 0}
-
-
-def _held(obj: Object) -> dict[str, Any]:
-    return {
-        name: tuple(value) if name == "band_decays" else value
-        for name, holder in holders(obj).items()
-        for value in (getattr(holder, name),)
-    }

@@ -42,7 +42,7 @@ def sound_path(owner: bpy.types.ID, path: str) -> Path:
 
 def device_profiles() -> Mapping[str, Profile]:
     """The built-in and the user's device profiles, by name."""
-    return profiles.load_profiles((profiles.BUILT_IN, *(folder for folder in profile_folders() if folder.is_dir())))[0]
+    return profiles.load_profiles((profiles.BUILT_IN, *profile_folders()))[0]
 
 
 def _edited(self: HapticSoundProperties, context: Context) -> None:

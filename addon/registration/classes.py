@@ -9,22 +9,18 @@ from ..operators import (
     adding,
     bake,
     body_kit,
-    drawings,
+    design,
     exporting,
-    felt,
-    fit,
     gizmos,
     graph_to_geometry,
     importing,
     live_output,
     materials,
-    modes,
     rules,
     selection,
-    sound,
+    signals,
     tagging,
     tracing,
-    wishes,
 )
 from ..panels import bake as bake_panel
 from ..panels import export, file_menus, listener, object, object_menus, preferences, result, scene, source
@@ -36,9 +32,9 @@ from ..panels import sound as sound_panels
 from .module_classes import classes_of
 
 CLASSES = (
-    *classes_of(preferences, job, tagging, adding, tracing, selection, modes, felt, gizmos, materials, wishes, fit, body_kit, rules, sound),
+    *classes_of(preferences, job, tagging, adding, tracing, selection, design, gizmos, materials, body_kit, rules),
     *classes_of(
-        bake, exporting, importing, drawings, graph_to_geometry, live_output, scene, object, source, sound_panels, listener, result, export
+        bake, exporting, importing, signals, graph_to_geometry, live_output, scene, object, source, sound_panels, listener, result, export
     ),
     *classes_of(materials_panels),
     *modalities_panels.PANELS,

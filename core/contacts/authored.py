@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arrays import BoolArray
+from ..arrays import BoolArray, IntArray
 from ..scene.functions import ModulationFunction
 from ..scene.values import Contact
 from .contact_set import ContactSet
@@ -64,6 +64,6 @@ class AuthoredContacts:
         )
 
 
-def rows_of(contacts: ContactSet, chosen: BoolArray) -> ContactSet:
-    """The contacts that are ``chosen`` (n,)."""
+def rows_of(contacts: ContactSet, chosen: BoolArray | IntArray) -> ContactSet:
+    """The contacts that are ``chosen``, (n,) or by their numbers."""
     return replace(contacts, **{key: getattr(contacts, key)[chosen] for key in ARRAYS})

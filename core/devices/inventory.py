@@ -52,7 +52,7 @@ def look(folders: Iterable[Path] = (), *, with_sound_cards: bool = False, with_p
 
     folders: those with the user's device profiles.
     """
-    profiles, problems = load_profiles((BUILT_IN, *(folder for folder in folders if folder.is_dir())))
+    profiles, problems = load_profiles((BUILT_IN, *folders))
     gamepads: list[Connected] = []
     looks: list[Callable[[], Sequence[Found]]] = [
         partial(_hid_devices, tuple(profiles.values()), gamepads),

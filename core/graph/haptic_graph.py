@@ -490,18 +490,7 @@ def _canonical(contacts: ContactSet) -> ContactSet:
         flat = positions.reshape(len(pairs), 6)
         values = (contacts.depth, contacts.weight, contacts.share, contacts.area)
         order = np.lexsort((function, *normal.T, *values, *flat.T[::-1], key))
-    return ContactSet(
-        pairs=pairs[order],
-        positions=positions[order],
-        normal=normal[order],
-        depth=contacts.depth[order],
-        distance=contacts.distance[order],
-        area=contacts.area[order],
-        share=contacts.share[order],
-        weight=contacts.weight[order],
-        transmission=contacts.transmission[order],
-        transmissions=contacts.transmissions,
-    )
+    return rows_of(replace(contacts, pairs=pairs, positions=positions, normal=normal), order)
 
 
 def _keys(pairs: IntArray) -> IntArray:

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.operators import fit
+from haptic_tracing.addon.operators import design
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.core.design.recordings import read_recordings
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
@@ -105,7 +105,9 @@ def test_what_is_wrong_is_said(scene, asked, tmp_path):
         bpy.ops.haptic.fit_material()
     asked.object = bpy.data.objects["Floor"]
     session.trace(scene, bpy.context.evaluated_depsgraph_get(), live=True)
-    steps = fit._steps(scene, sessions.shown(scene).result.graph, read_recordings(Path(asked.source_file), Path(asked.listener_file)), [])
+    steps = design._steps(
+        scene, sessions.shown(scene).result.graph, read_recordings(Path(asked.source_file), Path(asked.listener_file)), []
+    )
     next(steps)
     bpy.data.objects.remove(asked.object)
     with pytest.raises(ValueError, match="an object first"):

@@ -1,4 +1,4 @@
-"""Operators that draw, preview, load and save the signals of sources."""
+"""Operators that draw, convert, preview, load and save the signals of sources."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ import bpy
 from bpy.props import FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
+from ..blender import job
 from ..blender.polling import Edit, poll_active
-from ..io import drawings, signal_library
+from ..io import drawings, signal_library, sound_source
 from ..live_output import preview
 from ..scene_reader import imported
 
@@ -89,6 +90,21 @@ class HAPTIC_OT_edit_emphasis(_OnDrawing, Operator):
         else:
             last = emphases[-1].place if emphases else 0.4
             emphases.add().place = last + 0.1
+
+
+class HAPTIC_OT_convert_sound(_OnSource, Operator):
+    """Make vibration of the sound; it is kept with this file, so convert again after changing the sound or these settings"""
+
+    bl_label = "Convert Sound"
+
+    def apply(self, context: Context) -> set[str]:
+        try:
+            work = sound_source.Conversion(context.scene, context.object)
+        except (OSError, ValueError) as error:
+            context.object.haptics.source.sound.fault = str(error)
+            raise
+        written = [({"INFO"}, _rpt("Sound converted"))]
+        return job.run(self, context, job.Job("Converting", work.step_count, work.steps(), lambda running: written, "Convert Sound"))
 
 
 class HAPTIC_OT_hear_signal(_OnSource, Operator):
