@@ -22,6 +22,8 @@ recording_layout = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(recording_layout)
 
 RATE = 16000
+CONTENT_START, LEFT_HANDLE = ("content_start", "left_handle") if bpy.app.version >= (5, 2, 0) else ("frame_start", "frame_final_start")
+"""Properties of a strip: the frame at which its sound begins, and the first one at which it is heard."""
 
 
 def drawn(panel):
@@ -169,13 +171,13 @@ def test_a_strip_plays_at_its_time_in_the_scene(scene, convert, tmp_path, is_pac
         (tmp_path / "click.wav").unlink()
     convert(origin="SEQUENCER", strip="clap")
     assert first_touch(scene) == pytest.approx(1.0 + 0.5, abs=0.010)
-    strip.content_start = 6  # 0.2 s before the scene's first frame
+    setattr(strip, CONTENT_START, 6)  # 0.2 s before the scene's first frame
     convert()
     assert first_touch(scene) == pytest.approx(0.5 - 0.2, abs=0.010)
-    strip.content_start = 11
-    strip.left_handle = 16
+    setattr(strip, CONTENT_START, 11)
+    setattr(strip, LEFT_HANDLE, 16)
     other = compatibility.strips_of(editor).new_sound("late", write_wav(tmp_path / "late.wav", click_at(0.1)), 2, 11)
-    other.left_handle = 18  # its click is cut away
+    setattr(other, LEFT_HANDLE, 18)  # its click is cut away
     convert(strip="")
     assert first_touch(scene) == pytest.approx(0.5, abs=0.010)
 
