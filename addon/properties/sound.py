@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, PointerProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty, PointerProperty, StringProperty
 from bpy.types import Context, Object, PropertyGroup
 
 from ...core.devices import profiles
 from ..blender.extension import profile_folders
 from .callbacks import changed
+from .kinds import limited, share, switch
 
 if TYPE_CHECKING:
     from ...core.devices.profiles import Profile
@@ -54,6 +55,10 @@ def _edited(self: HapticSoundProperties, context: Context) -> None:
         self.fault = str(error)  # other faults are found during the conversion
 
 
+def _setting(name: str, description: str, default: float, span: tuple[float, float], **more: Any) -> FloatProperty:
+    return limited(name, description, default, span, options=set(), update=_edited, **more)
+
+
 class HapticSoundProperties(PropertyGroup):
     """A sound, the settings of its conversion, and the resulting vibration."""
 
@@ -65,20 +70,13 @@ class HapticSoundProperties(PropertyGroup):
         type=Object, name="Speaker", description="It plays the sound", poll=lambda self, obj: obj.type == "SPEAKER", update=_edited
     )
     strip: StringProperty(name="Strip", description="One sound strip; empty for all that are not muted", options=set(), update=_edited)
-    loop: BoolProperty(
-        name="Loop",
-        description="Play it again and again; otherwise once, at the scene's beginning",
-        default=True,
-        options=set(),
-        update=_edited,
-    )
+    loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning", True, options=set(), update=_edited)
     carrier: EnumProperty(
         name="Carrier", description="What vibrates as strongly as the sound is loud", items=CARRIERS, options=set(), update=_edited
     )
-    frequency: FloatProperty(
-        name="Frequency (Hz)", description="Of the carrier, in hertz; where it follows the pitch, that of sounds without one",
-        default=160.0, min=10.0, max=1000.0, options=set(), update=_edited,
-    )  # fmt: skip
+    frequency: _setting(
+        "Frequency (Hz)", "Of the carrier, in hertz; where it follows the pitch, that of sounds without one", 160.0, (10.0, 1000.0)
+    )
     device: StringProperty(
         name="Device", description="The profile of the device", default="dualsense", options=set(), update=_edited,
         search=lambda self, context, text: sorted(device_profiles()),
@@ -87,23 +85,17 @@ class HapticSoundProperties(PropertyGroup):
         name="Band (Hz)", description="Lowest and highest frequency of the carrier, in hertz; other pitches are brought into it by octaves",
         size=2, default=(40.0, 400.0), min=10.0, max=1000.0, options=set(), update=_edited,
     )  # fmt: skip
-    gate: FloatProperty(
-        name="Gate (dB)", description="What is quieter, in decibels below full scale, makes no vibration",
-        default=-40.0, min=-100.0, max=0.0, options=set(), update=_edited,
-    )  # fmt: skip
-    gain: FloatProperty(
-        name="Gain", description="Makes the vibration of the sound stronger or weaker",
-        default=1.0, min=0.0, max=100.0, soft_max=10.0, options=set(), update=_edited,
-    )  # fmt: skip
-    release: FloatProperty(
-        name="Release (s)", description="How long vibration goes on after the sound: so many seconds later it is 37% as strong",
-        default=0.03, min=0.001, max=2.0, precision=3, options=set(), update=_edited,
-    )  # fmt: skip
-    bursts: FloatProperty(
-        name="Onsets", description="Strength of the short burst where something begins in the sound",
-        default=1.0, min=0.0, max=1.0, subtype="FACTOR", options=set(), update=_edited,
-    )  # fmt: skip
+    gate: _setting("Gate (dB)", "What is quieter, in decibels below full scale, makes no vibration", -40.0, (-100.0, 0.0))
+    gain: _setting("Gain", "Makes the vibration of the sound stronger or weaker", 1.0, (0.0, 100.0), soft_max=10.0)
+    release: _setting(
+        "Release (s)",
+        "How long vibration goes on after the sound: so many seconds later it is 37% as strong",
+        0.03,
+        (0.001, 2.0),
+        precision=3,
+    )
+    bursts: share("Onsets", "Strength of the short burst where something begins in the sound", 1.0, options=set(), update=_edited)
     kept: StringProperty(name="Vibration", description="What was made of the sound", options={"HIDDEN"}, update=changed)
     waves: StringProperty(name="Waves", description="The sound and its vibration as the panel draws them", options={"HIDDEN"})
-    is_edited: BoolProperty(name="Edited", description="These settings have changed since the conversion", options={"HIDDEN"})
+    is_edited: switch("Edited", "These settings have changed since the conversion", options={"HIDDEN"})
     fault: StringProperty(name="Fault", description="What is wrong with the sound", options={"HIDDEN"})

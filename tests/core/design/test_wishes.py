@@ -5,8 +5,7 @@ from __future__ import annotations
 import mpmath
 import numpy as np
 import pytest
-from haptic_tracing.core.design.log_levels import log_levels, with_changed_k
-from haptic_tracing.core.design.wishes import DECIBELS, FreeMaterial, Wish, fulfil
+from haptic_tracing.core.design.wishes import DECIBELS, FreeMaterial, Wish, fulfil, log_levels, with_changed_k
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.scene.bands import BAND_COUNT
 from haptic_tracing.core.scene.coefficients import coefficients_of, transfer_coefficient
