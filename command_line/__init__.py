@@ -1,7 +1,7 @@
 """The console program ``haptic-tracing``.
 
-Each subcommand is a module with ``run(args) -> int``. Only the one that is asked for is imported; the arguments of all are described in
-`arguments`, so that asking for help loads nothing heavy.
+Each subcommand is a module with ``run(args) -> int``. Only the requested one is imported; `arguments` describes the arguments of all of
+them, so that help loads nothing else.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ INTERRUPTED = 130
 
 
 class _OneLineParser(argparse.ArgumentParser):
-    """A parser that explains wrong arguments in one line."""
+    """A parser that reports invalid arguments in one line."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(BAD_INPUT, f"{self.prog}: {one_line(message)} (see {self.prog} --help)\n")
@@ -32,13 +32,13 @@ def one_line(text: str) -> str:
 
 
 def say(lines: Iterable[str]) -> None:
-    """Print warnings on stderr, a line each."""
+    """Print warnings on stderr, one line each."""
     for line in lines:
         print(one_line(line), file=sys.stderr)
 
 
 def warn_of_unknown(file: object, unknown: Sequence[str]) -> None:
-    """Say which keys of a newer version were not read."""
+    """Warn about ignored keys of a newer version."""
     if unknown:
         say([f"{file}: of a newer version; not read: {', '.join(unknown)}"])
 
@@ -53,7 +53,7 @@ def build_parser() -> argparse.ArgumentParser:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Import the subcommand and run it. Raises ValueError where it needs Blender and there is none."""
+    """Import the subcommand and run it. Raises ValueError if it needs Blender and there is none."""
     try:
         module = import_module(f".{args.command}", __name__)
     except ModuleNotFoundError as error:
@@ -74,7 +74,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else 0
     except BrokenPipeError:
-        # The reader of the output has gone: the interpreter would complain when it closes stdout.
+        # The reader of the output has exited: the interpreter would report an error when it closes stdout.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except KeyboardInterrupt:

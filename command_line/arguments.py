@@ -1,4 +1,4 @@
-"""The arguments of every subcommand. Describing them imports nothing of what the commands need."""
+"""The arguments of every subcommand. Imports none of the commands' modules."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""``haptic-tracing bake FILE.blend``: plays a Blender file, physics included, and writes what is felt, in the formats of other programs."""
+"""``haptic-tracing bake FILE.blend``: plays a Blender file with its physics and writes the listeners' tracks in the formats of other
+programs."""
 
 from __future__ import annotations
 
@@ -22,7 +23,7 @@ from .trace import open_file, start_blender
 
 
 def run(args: argparse.Namespace) -> int:
-    """Open the file, play it once in each mode, write, say what the formats can't carry. Exit code 0."""
+    """Open the file, play it once in each mode, write the tracks, and print their losses. Returns exit code 0."""
     formats = chosen_formats(args.to)
     options = chosen_options(args.options, formats)
     modes = _chosen_modes(args.modes)
@@ -47,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _chosen_modes(text: str) -> list[str]:
-    """The modes in ``text``, each once; [] for the file's own."""
+    """The modes in ``text``, without duplicates; [] for the file's own."""
     modes = list(dict.fromkeys(text.split(","))) if text else []
     for mode in modes:
         if mode not in list(Mode):
@@ -56,7 +57,7 @@ def _chosen_modes(text: str) -> list[str]:
 
 
 def _bake(scene: Scene, name: str, frames: tuple[int, int], recorded: bool) -> Export:
-    """What is felt in a range in the scene's mode; ``recorded``: and the scene itself. Says why a listener feels nothing."""
+    """The tracks of a range in the scene's mode; ``recorded``: with the scene itself. Prints why a listener feels nothing."""
     work, own = Capture(scene, *frames, recorded, felt=True), session.of(scene)
     result, settings = None, None
     with tqdm(total=work.frames, desc=name, unit="frame") as bar:

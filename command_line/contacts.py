@@ -12,7 +12,7 @@ from . import warn_of_unknown
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print ``{"contacts": [...]}`` in the form of the scene file, each contact with its signed ``distance`` in metres."""
+    """Print ``{"contacts": [...]}`` in the format of the scene file, each contact with its signed ``distance`` in metres."""
     document, unknown = current_document(read_json(args.scene), args.scene)
     warn_of_unknown(args.scene, unknown)
     scene = scene_of(document, args.scene)

@@ -1,4 +1,4 @@
-"""``haptic-tracing convert IN OUT``: a vibration, or a haptic scene, from one format to another, told by the endings."""
+"""``haptic-tracing convert IN OUT``: a vibration, or a haptic scene, from one format to another, by file name endings."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from . import warn_of_unknown
 from .export import chosen_options, may_replace, print_written
 
 SAMPLE_RATE = 8000
-"""Hertz, of the tracks of a file without samples."""
+"""Sample rate of the tracks of a file without samples [Hz]."""
 
 
 def run(args: argparse.Namespace) -> int:
-    """Read, write, print. Exit code 0."""
+    """Read, write, print. Returns exit code 0."""
     folder = args.target.parent
     if is_scene(args.source):
         if not is_scene(args.target):

@@ -1,4 +1,4 @@
-"""``haptic-tracing devices``: what is connected, a test sweep, and reports as bytes."""
+"""``haptic-tracing devices``: lists connected devices, plays a test sweep, and prints encoded reports."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from ..core.devices.report import Report, Transport
 
 _RATE = 8000
 _FRAME = 0.02
-# From the lowest that a hand feels as vibration to the end of what most actuators play, at an amplitude that disturbs nobody.
+# From the lowest frequency that a hand feels as vibration to the upper limit of most actuators, at a moderate amplitude.
 _LOWEST_HZ, _HIGHEST_HZ, _AMPLITUDE = 30.0, 400.0, 0.6
 _LOOK_FOR = 3.0
 
 
 def run(args: argparse.Namespace) -> int:
-    """List the devices, or do the action that is asked for."""
+    """List the devices, or run the requested action."""
     if args.action == "test":
         return run_test(args)
     return run_encode(args) if args.action == "encode" else run_list(args)
@@ -39,9 +39,9 @@ def run_encode(args: argparse.Namespace) -> int:
 def rumble_report(name: str, left: float, right: float, transport: Transport | None = None, sequence: int = 0) -> Report:
     """The report that drives a device's classic pair of motors.
 
-    left, right: amplitudes in [0, 1]; left is the low-frequency motor where the two differ.
-    transport: None is the device's default. sequence: 0..15, for reports that are numbered.
-    Raises ValueError that names what is wrong.
+    left, right: amplitudes in [0, 1]; left is the low-frequency motor if the two differ.
+    transport: None is the device's default. sequence: 0..15, for numbered reports.
+    Raises ValueError with the reason.
     """
     chosen = family(name)
     if not isinstance(chosen, RumbleFamily):
@@ -54,7 +54,7 @@ def rumble_report(name: str, left: float, right: float, transport: Transport | N
 
 
 def run_list(args: argparse.Namespace) -> int:
-    """Print a line for each connected device, then what keeps some of them from being used."""
+    """Print a line for each connected device, then why any cannot be used."""
     profiles = _profiles(args)
     devices = connected(hid_module())
     if not devices:
@@ -73,7 +73,7 @@ def run_list(args: argparse.Namespace) -> int:
 
 
 def run_test(args: argparse.Namespace) -> int:
-    """Play a sweep and say what was written."""
+    """Play a sweep and print the reports written."""
     profiles = _profiles(args)
     if args.name not in profiles:
         raise ValueError(f"device {args.name!r} is unknown: use one of {', '.join(profiles)}")
@@ -94,7 +94,7 @@ def run_test(args: argparse.Namespace) -> int:
 
 
 def _profiles(args: argparse.Namespace) -> dict[str, Profile]:
-    """The built-in profiles and the user's; a broken file is named on stderr and does not keep the others from being used."""
+    """The built-in profiles and the user's; an invalid file is named on stderr and skipped."""
     if args.profiles is not None and not args.profiles.is_dir():
         raise ValueError(f"{args.profiles}: is not a folder")
     profiles, problems = load_profiles([BUILT_IN] if args.profiles is None else [BUILT_IN, args.profiles])
@@ -113,13 +113,13 @@ def _wait_until_open(output: DeviceOutput) -> None:
 
 
 def _play_sweep(output: DeviceOutput, seconds: float) -> None:
-    """A logarithmic sweep on one actuator after the other, in blocks at the pace of time."""
+    """A logarithmic sweep on one actuator after the other, in blocks in real time."""
     actuators = len(output.profile.actuators)
     frames = round(seconds / _FRAME)
     growth = math.log(_HIGHEST_HZ / _LOWEST_HZ)
     start = time.perf_counter()
     for frame in range(frames):
-        # Each actuator has its share of the time, and hears the whole sweep in it.
+        # Each actuator plays the whole sweep in its share of the time.
         share = frame * actuators / frames
         times = frame * _FRAME + np.arange(round(_FRAME * _RATE)) / _RATE
         part = np.clip(times * actuators / seconds - int(share), 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""``haptic-tracing export SCENE.json --to FORMATS --out FOLDER``: what the listeners of a haptic scene feel, in the formats of other
+"""``haptic-tracing export SCENE.json --to FORMATS --out FOLDER``: the listeners' tracks of a haptic scene in the formats of other
 programs."""
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ from .picture import check_matplotlib, write_picture
 from .silence import silent_listeners
 
 STILL_RATE = 30
-"""Frames a second in which a scene without frames is traced."""
+"""Frame rate at which a scene without frames is traced."""
 LONGEST = 3600.0
 """Seconds."""
 
 
 def run(args: argparse.Namespace) -> int:
-    """Read, render what is not in the file, write, print. Exit code 0."""
+    """Read, render missing tracks, write, print. Returns exit code 0."""
     names = chosen_formats(args.to)
     chosen = chosen_options(args.options, names)
     if not 0 < args.seconds <= LONGEST:
@@ -58,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def may_replace(written: registry.Written) -> bool:
-    """Ask on the terminal whether files are replaced by ones that keep little of the vibration; yes where there is no terminal."""
+    """Ask on the terminal whether files are replaced by ones that keep little of the vibration; True without a terminal."""
     if not sys.stdin.isatty():
         return True
     names = ", ".join(path.name for path in written.files[:3])
@@ -77,7 +77,7 @@ def chosen_formats(text: str) -> list[str]:
 
 
 def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str, Value]]:
-    """The options of each format from ``format.option=value``. Raises ValueError that names what is unknown or out of range."""
+    """The options of each format from ``format.option=value``. Raises ValueError for unknown names and values out of range."""
     chosen: dict[str, dict[str, Value]] = {name: {} for name in names}
     known = {name: {option.name: option for option in named(name).options} for name in names}
     for setting in settings:
@@ -94,13 +94,13 @@ def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str,
 
 
 def print_written(written: dict[str, Any]) -> None:
-    """One JSON object: the files, and what they can't carry."""
+    """Print one JSON object with the files and their losses."""
     files = [str(path) for result in written.values() for path in result.files]
     print(json.dumps({"files": files, "losses": {name: result.losses for name, result in written.items()}}, ensure_ascii=False, indent=1))
 
 
 def _rendered(export: Export, seconds: float, sample_rate: int) -> Tracks:
-    """What is felt. Says why a listener feels nothing."""
+    """The rendered tracks. Prints why a listener feels nothing."""
     scene, recorder, last = export.need_scene(), TrackRecorder(), None
     recording = export.recording
     for last in _still(scene, seconds, sample_rate) if recording is None else traced(scene, recording, sample_rate):

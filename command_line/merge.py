@@ -1,4 +1,4 @@
-"""``haptic-tracing merge PARTS --out FOLDER``: the parts of a bake as one, the same to the bit as the bake in one go."""
+"""``haptic-tracing merge PARTS --out FOLDER``: merges the parts of a bake, with bit-identical results to a bake without parts."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _SAME = {
 
 @dataclass(frozen=True, slots=True)
 class _Rendered:
-    """A rendered frame, as `TrackRecorder` takes it."""
+    """A rendered frame in the form that `TrackRecorder` needs."""
 
     number: int
     sources: tuple[Source, ...]
@@ -64,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _bakes(paths: Sequence[Path]) -> dict[str, list[Part]]:
-    """The parts of each bake, in order. Raises ValueError that names all that are damaged, stale or missing."""
+    """The parts of each bake, in order. Raises ValueError, which names all damaged, stale or missing ones."""
     bakes: dict[str, dict[int, tuple[Path, Part]]] = defaultdict(dict)
     problems = []
     for path in _files(paths):
@@ -82,7 +82,7 @@ def _bakes(paths: Sequence[Path]) -> dict[str, list[Part]]:
 
 
 def _files(paths: Sequence[Path]) -> Iterator[Path]:
-    """The files, and those in folders."""
+    """The given files, and those in given folders."""
     for path in paths:
         if not path.is_dir():
             yield path
@@ -94,7 +94,7 @@ def _files(paths: Sequence[Path]) -> Iterator[Path]:
 
 
 def _problems(named: dict[int, tuple[Path, Part]]) -> Iterator[str]:
-    """What is wrong with the parts of one bake."""
+    """The problems of the parts of one bake."""
     first_path, first = next(iter(named.values()))
     origin = first.origin
     yield from (f"{path}: of {words} than {first_path}" for path, part in named.values() for words in _differences(part.origin, origin))
@@ -114,7 +114,7 @@ def _differences(one: Origin, other: Origin) -> Iterable[str]:
 
 
 def _tracks(parts: Sequence[Part]) -> Tracks:
-    """What is felt in all frames."""
+    """The tracks of all frames."""
     rate, recorder, before, first = parts[0].sample_rate, TrackRecorder(), None, parts[0].origin.frames[0]
     mixdown = Mixdown(sample_rate=rate)
     for frame in (frame for part in parts for frame in part.frames):

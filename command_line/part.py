@@ -1,4 +1,4 @@
-"""``haptic-tracing bake FILE.blend --part K/N``: the K-th of N parts of a bake, which `merge` adds up."""
+"""``haptic-tracing bake FILE.blend --part K/N``: the K-th of N parts of a bake for `merge`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .part_file import HeardFrame, Origin, Part, checksum_of, programs, read_par
 
 
 def write_part_of(scene: Scene, args: argparse.Namespace, name: str, frames: tuple[int, int]) -> None:
-    """Bake one part of what is felt in ``frames`` in the scene's mode, unless it is there already."""
+    """Bake one part of ``frames`` in the scene's mode, unless it exists already."""
     number, parts = args.part
     if parts > frames[1] - frames[0] + 1:
         raise ValueError(f"--part: {parts} parts of {frames[1] - frames[0] + 1} frames: there must be a frame in each")

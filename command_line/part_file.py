@@ -1,4 +1,5 @@
-"""Parts of a bake as files: what the frames of a range found, from which `merge` renders the same samples as one bake in one go.
+"""Parts of a bake as files: the active sources and gains of a range of frames, from which `merge` renders the same samples as a bake
+without parts.
 
 An ``.npz`` archive without pickled objects: ``header``, JSON in UTF-8, and arrays.
 """
@@ -28,7 +29,7 @@ from ..core.render.frame_result import FrameResult
 from ..core.scene.values import Listener, Source
 
 MAX_BYTES = 2 * 2**30
-"""Of the arrays of a part in memory."""
+"""Largest size of a part's arrays in memory."""
 
 _VERSION = 1
 _NOWHERE = (0.0, 0.0, 0.0)
@@ -36,8 +37,8 @@ _NOWHERE = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """What a part was baked of. Parts of one bake have the same: ``frames`` of the whole, ``blend``: SHA-256 of the file, ``programs``:
-    the versions that computed it."""
+    """Identification of a bake, the same in all its parts. ``frames``: the whole range, ``blend``: SHA-256 of the file, ``programs``: the
+    versions that computed it."""
 
     name: str
     file: str
@@ -55,14 +56,14 @@ class Origin:
         return first + count * (number - 1) // self.parts, first + count * number // self.parts - 1
 
     def title(self, number: int) -> str:
-        """A part in words."""
+        """Description of a part."""
         first, last = self.range_of(number)
         return f"part {number} of {self.parts} of {self.name} (frames {first} to {last})"
 
 
 @dataclass(frozen=True, slots=True)
 class HeardFrame:
-    """What is rendered of a traced frame, without places and contacts."""
+    """The data of a traced frame that rendering needs, without positions and contacts."""
 
     number: int
     time: float
@@ -72,15 +73,15 @@ class HeardFrame:
 
     @classmethod
     def of(cls, result: FrameResult) -> HeardFrame:
-        """Of a traced frame."""
+        """The data of a traced frame."""
         return cls(result.number, result.time, result.sources, result.listeners, result.propagation)
 
 
 @dataclass(frozen=True, slots=True)
 class Part:
     """Part ``number`` of a bake. ``before``, ``after``: checksums of the tracer before its first frame ("" in the first part) and after
-    its last one: it continues the part whose ``after`` is its ``before``. The first part also has the frames before its own that the bake
-    was traced from: what still sounds of them is rendered in its own."""
+    its last one: a part continues the part whose ``after`` equals its ``before``. The first part also has the frames traced before its own,
+    whose signals may continue into it."""
 
     origin: Origin
     number: int
@@ -102,7 +103,7 @@ def programs() -> str:
 
 
 def write_part(part: Part, path: Path) -> None:
-    """Write a part, whole or not at all."""
+    """Write a part atomically."""
     table = _Table()
     arrays = table.arrays(part.frames)
     header = {
@@ -120,7 +121,7 @@ def write_part(part: Part, path: Path) -> None:
 
 
 def read_part(path: Path) -> Part:
-    """Read a part. Raises FormatError where it is damaged or no part at all, and OSError."""
+    """Read a part. Raises FormatError if it is damaged or not a part, and OSError."""
     try:
         with zipfile.ZipFile(path) as archive:
             if sum(entry.file_size for entry in archive.infolist()) > MAX_BYTES:
@@ -137,7 +138,7 @@ def read_part(path: Path) -> Part:
 
 
 def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
-    """An array whose size is what the archive holds; its checksum is compared."""
+    """Read an array after checking its size and its checksum."""
     with archive.open(entry) as file:
         np.lib.format.read_magic(file)
         shape, _, dtype = np.lib.format.read_array_header_1_0(file)
@@ -148,7 +149,7 @@ def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
 
 
 class _Table:
-    """The different sources and listeners of frames: each is kept once, its place left out, its amplitude per frame."""
+    """The distinct sources and listeners of frames, each stored once without its position, with one amplitude per frame."""
 
     def __init__(self) -> None:
         self.sources: list[Source] = []
@@ -212,6 +213,6 @@ def _part(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Part
 
 
 def _propagation(gain: FloatArray, band_gain: FloatArray | None, delay: FloatArray | None) -> Propagation:
-    """What rendering asks for."""
+    """The propagation result in the form that rendering needs."""
     none = np.zeros(gain.shape, dtype=np.int64)
     return Propagation(gain, np.zeros(gain.shape), none, none.astype(np.bool_), {}, (), band_gain, delay)

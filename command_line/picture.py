@@ -1,4 +1,4 @@
-"""Pictures of exports: what was rendered beside what the written files say, as waves, spectra and their difference."""
+"""Pictures of exports: waveforms and spectra of the rendered signal, of the decoded files, and of their difference."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from ..core.formats.io.catalogue import READERS
 from ..core.formats.tracks.listener_tracks import Tracks
 
 COLUMNS = 1500
-"""Of a wave; each shows the least and the largest sample of its time."""
+"""Columns of a waveform, each with the least and the largest sample of its time."""
 SHOWN_HERTZ = 1000.0
 WINDOW = 4096
 
 
 def check_matplotlib() -> None:
-    """Raise ValueError where pictures can't be drawn."""
+    """Raise ValueError if matplotlib is missing."""
     if importlib.util.find_spec("matplotlib") is None:
         raise ValueError("--picture: matplotlib is not installed (pip install 'haptic-tracing[report]')")
 
 
 def write_picture(name: str, tracks: Tracks, files: Sequence[Path], folder: Path, stem: str) -> Path | None:
-    """Write ``<stem>.<name>.png``; None for a format that is not read back, or not by listener."""
+    """Write ``<stem>.<name>.png``; None for a format that cannot be decoded, or not by listener."""
     readable = [path for path in files if READERS.get(path.suffix) == name and ".transients." not in path.name]
     channels = [channel for path in readable for channel in registry.read(path).channels]
     if not channels or len(channels) != len(tracks.listeners):
@@ -77,7 +77,7 @@ def _wave(axis: Any, samples: FloatArray, rate: int, label: str, colour: str) ->
 
 
 def _spectrum(samples: FloatArray, rate: int) -> tuple[FloatArray, FloatArray]:
-    """Hertz, and the mean power of Hann windows in decibels."""
+    """Frequencies [Hz], and the mean power of Hann windows in decibels."""
     padded = np.pad(samples, (0, -len(samples) % WINDOW)).reshape(-1, WINDOW)
     power = (np.abs(np.fft.rfft(padded * np.hanning(WINDOW), axis=1)) ** 2).mean(axis=0) / WINDOW**2
     return np.asarray(np.fft.rfftfreq(WINDOW, 1 / rate), dtype=np.float64), np.asarray(10 * np.log10(np.maximum(power, 1e-14)))

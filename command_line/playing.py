@@ -1,4 +1,4 @@
-"""What playing a frame range of a Blender file gives: the samples of all listeners, the impacts and the time that it took."""
+"""Playing a range of frames of a Blender file: the samples of all listeners, the impacts and the run times."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ from ..core.scene.values import Source
 
 @dataclass(frozen=True, slots=True)
 class ImpactFelt:
-    """A temporary source at the frame where it began: its gains at the listeners, amplitude included, and the objects of its best paths."""
+    """A temporary source at the frame where it began: its gains at the listeners, including its amplitude, and the objects of its best
+    paths."""
 
     source: Source
     gains: FloatArray
@@ -30,8 +31,8 @@ class ImpactFelt:
 
 @dataclass(frozen=True, slots=True)
 class Played:
-    """What playing a frame range gave. ``samples`` (l, n) of ``listeners``; ``start`` [s] of the first sample; per frame (f,) Blender's own
-    and the tracer's milliseconds."""
+    """The result of playing a range of frames. ``samples`` (l, n) of ``listeners``; ``start`` [s] of the first sample; per frame (f,)
+    Blender's own and the tracer's milliseconds."""
 
     listeners: tuple[str, ...]
     body_parts: tuple[str, ...]
@@ -43,7 +44,7 @@ class Played:
     tracing_milliseconds: FloatArray
     last: FrameResult
     last_reading: Reading
-    liveliest: FrameResult  # the frame of the strongest impact; the last one where there was none
+    liveliest: FrameResult  # the frame of the strongest impact; the last one without impacts
 
     def tracks(self) -> Tracks:
         """The samples with the impacts among them."""
@@ -56,7 +57,7 @@ class Played:
 
 
 def play(scene: Scene, start: int, end: int, progress: Callable[[int], None] = lambda frame: None) -> Played:
-    """What playing the frames ``start`` to ``end`` gives, see `steps`. ``progress`` is told every frame."""
+    """Play the frames ``start`` to ``end``, see `steps`. ``progress`` is called with every frame."""
     blocks: list[FloatArray] = []
     blender, tracing = [], []
     impacts: list[ImpactFelt] = []

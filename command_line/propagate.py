@@ -57,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _who_is_felt(sounding: Sounding, listener: int) -> list[dict[str, Any]]:
-    """The sources that reach a listener: margin [dB] above the threshold of feeling alone, and what hides it."""
+    """The sources that reach a listener: margin [dB] of each alone above the threshold of feeling, and its masker."""
     found = felt_sources(sounding, listener)
     return [
         {
@@ -72,20 +72,20 @@ def _who_is_felt(sounding: Sounding, listener: int) -> list[dict[str, Any]]:
 
 
 def felt_report(felt: Felt) -> dict[str, Any]:
-    """What the listeners feel of a modality beside vibration, in its unit."""
+    """The values of a modality other than vibration at the listeners, in its unit."""
     values = [{"listener": name, "value": float(value)} for name, value in zip(felt.listeners, felt.values, strict=True)]
     return {"unit": felt.modality.source_value.unit, "felt": values}
 
 
 def _with_contacts(scene: HapticScene) -> HapticScene:
-    """The scene, with contacts from shapes and poses where it lists none itself."""
+    """The scene, with contacts from shapes and poses if it lists none."""
     if scene.contacts or sum(item.shape is not None for item in scene.objects) < 2:
         return scene
     return dataclasses.replace(scene, contacts=contacts_of_scene(scene).to_contacts([item.name for item in scene.objects]))
 
 
 def _pointer(scene: HapticScene, error: NoGain) -> str:
-    """Where the function stands that gives no gain."""
+    """JSON pointer to the function that gives no valid gain."""
     if len(error.objects) == 1:
         return f"/objects/{[item.name for item in scene.objects].index(error.objects[0])}/propagation"
     pairs = [frozenset(contact.objects) for contact in scene.contacts]
@@ -93,8 +93,8 @@ def _pointer(scene: HapticScene, error: NoGain) -> str:
 
 
 def report(graph: HapticGraph, result: Propagation, strategy: Strategy, seconds: dict[str, float]) -> dict[str, Any]:
-    """The printed object: every pair present, gains with the source's amplitude; band gains (relative to the source, in the order of
-    `core.bands`), the delay of the best path [s] and (delay, gain) of the strongest paths where the scene uses them."""
+    """The printed object: all pairs with gains including the source's amplitude; band gains (relative to the source, in the order of
+    `core.scene.bands`), the delay of the best path [s] and (delay, gain) of the strongest paths if the scene uses them."""
     pairs = []
     for row, source in enumerate(graph.sources):
         for column, listener in enumerate(graph.listeners):

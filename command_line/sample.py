@@ -38,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _bake_rigid_bodies(scene: Scene) -> None:
-    """Simulate all frames of the scene that the window shows and keep the result in its cache.
+    """Simulate all frames of the window's scene and keep the result in its cache.
 
     A scene without a rigid body world is left alone.
     """

@@ -12,12 +12,12 @@ def assign(scene: Scene, setting: str) -> None:
     """Set one property.
 
     Args:
-        scene: What ``scene`` at the beginning of a path stands for; other paths begin at ``bpy.data``, such as
+        scene: The scene for paths that begin with ``scene``; other paths begin at ``bpy.data``, such as
             ``objects["Bench"].haptics.kappa``.
-        setting: ``PATH=VALUE``. A path is looked up, never run.
+        setting: ``PATH=VALUE``. A path is looked up, never executed.
 
     Raises:
-        ValueError: the path leads nowhere, the value is of another kind or out of range, or the property is animated or can't be edited.
+        ValueError: the path does not exist, the value has the wrong type or is out of range, or the property is animated or read-only.
     """
     path, equals, text = setting.partition("=")
     if not equals:

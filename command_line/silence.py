@@ -1,4 +1,4 @@
-"""Why listeners feel nothing in what was rendered, in words."""
+"""Sentences about listeners whose rendered tracks are silent."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ MOST_LISTENERS = 10
 
 
 def silent_listeners(tracks: Tracks, last: FrameResult, settings: Settings) -> list[str]:
-    """A sentence for each listener whose whole track is 0, by what is the matter in the ``last`` frame."""
+    """A sentence for each listener whose whole track is 0, with the reason in the ``last`` frame."""
     silent = [row for row, samples in enumerate(tracks.samples) if not samples.any()]
     said = []
     for row in silent[:MOST_LISTENERS]:

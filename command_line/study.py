@@ -1,4 +1,4 @@
-"""``haptic-tracing study``: the paper's ride rendered in four ways, HT, SD, MD and MN, with a report of what tells them apart."""
+"""``haptic-tracing study``: renders the paper's ride in the modes HT, SD, MD and MN, and writes a report of their differences."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _other_materials(scene: Scene, first: int, last: int) -> dict[str, Ride]:
-    """The ride by way with measured materials, and with contacts by impedance as well. The scene is left with both."""
+    """The ride by variant: with measured materials, and with contacts by impedance as well. The scene keeps both changes."""
     rides = {}
     for way in physical_scenes.WAYS[1:]:
         physical_scenes.make(scene, way)
@@ -78,7 +78,7 @@ def _write_tracks(folder: Path, ride: Ride) -> list[Path]:
 
 
 def print_checks(checks: tuple[Check, ...]) -> None:
-    """One line each."""
+    """Print one line per check."""
     signs = {True: "holds        ", False: "DOES NOT HOLD", None: "no data      "}
     for check in checks:
         print(f"{signs[check.holds]}  {check.name}: {check.measured}")

@@ -1,4 +1,4 @@
-"""``haptic-tracing trace FILE.blend``: plays a tagged Blender file and writes what its listeners feel."""
+"""``haptic-tracing trace FILE.blend``: plays a tagged Blender file and writes the listeners' tracks."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ def start_blender() -> None:
     """Begin with an empty file and enable the add-on until the program ends."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     register()
-    # With handlers or timers still there, Blender 4.2 ends with a segmentation fault and 4.5 not at all.
+    # With handlers or timers left at exit, Blender 4.2 crashes and 4.5 hangs.
     atexit.register(unregister)
 
 
 def open_file(file: str) -> Scene:
-    """Open a Blender file without running its scripts, and return its scene. Raises ValueError where it can't be opened."""
+    """Open a Blender file without running its scripts, and return its scene. Raises ValueError if it cannot be opened."""
     path = Path(file).resolve()
     if not path.is_file():
         raise ValueError(f"{file}: there is no such file")
@@ -54,7 +54,7 @@ def open_file(file: str) -> Scene:
 
 
 def trace_and_report(args: argparse.Namespace, name: str) -> int:
-    """Play the open file's scene, write haptic scene, WAV and picture into the folder, print what is felt and what it cost."""
+    """Play the open file's scene, write haptic scene, WAV and picture into the folder, print the results and the run times."""
     scene = bpy.context.scene
     start = scene.frame_start if args.start is None else args.start
     end = scene.frame_end if args.end is None else args.end
@@ -72,7 +72,7 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
     written = [args.out / f"{name}.json", args.out / f"{name}.wav"]
     last = written_export(name, scene, scene_of_result(played.last, played.last_reading, scene))
     write_export(capture.export(name) if args.whole else last, written[0])
-    read_export(written[0])  # validates what was written
+    read_export(written[0])  # validates the written file
     write_wav(played.tracks(), written[1])
     if not args.no_picture:
         written.append(args.out / f"{name}.png")
@@ -91,7 +91,7 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
 
 
 def print_gains(result: FrameResult) -> None:
-    """The table (source, listener, gain, dB, path) of a frame."""
+    """Print the table (source, listener, gain, dB, path) of a frame."""
     rows = [
         (source.name, listener.name, *_gain_cells(float(result.gains[s, i])), " > ".join(result.path_objects(s, i)))
         for s, source in enumerate(result.sources)
@@ -102,7 +102,7 @@ def print_gains(result: FrameResult) -> None:
 
 
 def print_felt(result: FrameResult) -> None:
-    """Who is felt at each listener of a frame, who is hidden and by whom."""
+    """Print the felt and the masked sources of each listener of a frame, with their maskers."""
     rows = [
         (felt.listener, item.source.name, f"{item.margin:+.0f} dB", f"hidden by {item.masker}" if item.state == "hidden" else item.state)
         for felt in (felt_sources(shown_sounding(result), i, result.sample_rate) for i in range(len(result.listeners)))
@@ -114,7 +114,7 @@ def print_felt(result: FrameResult) -> None:
 
 
 def print_impacts(impacts: Sequence[ImpactFelt], listeners: Sequence[str]) -> None:
-    """The impacts on the way, each with the listener that felt it most."""
+    """Print the impacts, each with the listener of the largest gain."""
     if not impacts:
         return
     rows = []
@@ -127,7 +127,7 @@ def print_impacts(impacts: Sequence[ImpactFelt], listeners: Sequence[str]) -> No
 
 
 def print_statistics(played: Played) -> None:
-    """Counts of the last frame, and the time per frame beside Blender's own."""
+    """Print the counts of the last frame, and the time per frame compared with Blender's own."""
     print("\nStatistics of the last frame")
     _print_table(("", ""), [(key.replace("_", " "), f"{value:g}") for key, value in played.last.statistics.items()])
     print("\nMilliseconds per frame")

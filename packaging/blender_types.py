@@ -1,11 +1,10 @@
-"""Plugin of mypy: Blender's types with this extension registered, which its stubs (fake-bpy-module) cannot know.
+"""mypy plugin that adds the registered properties of this extension to the stubs of Blender (fake-bpy-module).
 
 - A property is an annotation that holds a call, ``amplitude: FloatProperty(...)`` or that of a function declared to return one. Its type is
   that of its values.
 - Node groups, objects and scenes have `haptics`, as ``addon/registration/properties.py`` says.
-- The stubs say "or None" of most members. `NEVER_NONE` are there whenever the extension runs, the context's object where `poll` asked for
-  it.
-- What the stubs name too narrowly is any type, or text.
+- The stubs declare most members as optional. `NEVER_NONE` exist whenever the extension runs, the context's object if `poll` checks it.
+- Members with too narrow types in the stubs have any type, or that of text.
 """
 
 import ast

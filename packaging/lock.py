@@ -2,7 +2,7 @@
 
 python packaging/lock.py      resolve the newest versions that pyproject.toml allows, for each of the two Pythons, and write the files
 
-What the extension carries stays at the version in wheels.txt. NumPy is left out: each bpy wheel needs its own (see make_environment).
+Packages of the extension keep the version in wheels.txt. NumPy is left out: each bpy wheel needs its own (see make_environment).
 """
 
 import json

@@ -1,4 +1,4 @@
-"""The documentation as pages of plain HTML that the extension carries: its text, its links and its headings, without pictures."""
+"""The extension's documentation as plain HTML: text, links and headings, without pictures."""
 
 import html
 import re
@@ -15,7 +15,7 @@ h1, h2, h3 {{ margin: 0 }}</style>
 
 
 def write(docs: Path, manual: Path) -> None:
-    """Write the pages of the folder ``docs`` (Markdown) to ``manual``, in place of what was there."""
+    """Write the pages of the folder ``docs`` (Markdown) to ``manual``, replacing its content."""
     shutil.rmtree(manual, ignore_errors=True)
     for source in sorted(docs.rglob("*.md")):
         if source.stem not in LEFT_OUT:
@@ -51,5 +51,5 @@ def _contents(entries: str, folder: Path) -> str:
 
 
 def _flowing(lines: str) -> str:
-    """Join the lines of a paragraph, which the browser breaks anew."""
+    """Join the lines of a paragraph, which the browser wraps."""
     return re.sub(r"(?<=[^\n>|])\n(?=[\w(<*\[`\N{LEFT DOUBLE QUOTATION MARK}])(?!<h)", " ", lines)

@@ -39,7 +39,7 @@ def draw_picture(scene: Scene, result: FrameResult, path: str | Path, size: tupl
     """Write a PNG of ``size`` pixels: the viewport with the graph over it where the GPU can draw off-screen, else both rendered by Cycles.
     ``meters``: how much each listener feels, at the upper left.
 
-    Raises ValueError where the scene has no camera.
+    Raises ValueError if the scene has no camera.
     """
     if scene.camera is None:
         raise ValueError(f"scene {scene.name!r} has no camera to draw a picture from")
@@ -51,7 +51,7 @@ def draw_picture(scene: Scene, result: FrameResult, path: str | Path, size: tupl
 
 
 def starts_gpu() -> bool:
-    """True where things can be drawn off-screen: in a window, and from Blender 5.2 on without one where OpenGL or Vulkan is there."""
+    """True if off-screen drawing is possible: with a window, and from Blender 5.2 on without one if OpenGL or Vulkan is available."""
     if not bpy.app.background:
         return True
     # Blender asks for OpenGL 4.6 first. Mesa's software driver offers 4.5, and each refusal would print EGL_BAD_MATCH.
@@ -67,7 +67,7 @@ def starts_gpu() -> bool:
 
 @cache
 def _has_surfaceless_egl() -> bool:
-    """True where EGL works without a screen. Elsewhere Blender 5.2 crashes."""
+    """True if EGL works without a screen. Elsewhere Blender 5.2 crashes."""
     surfaceless = 0x31DD  # EGL_PLATFORM_SURFACELESS_MESA
     try:
         egl = ctypes.CDLL("libEGL.so.1")

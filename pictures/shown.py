@@ -1,4 +1,4 @@
-"""What pictures show over a scene."""
+"""Drawing options and meters of pictures."""
 
 from __future__ import annotations
 

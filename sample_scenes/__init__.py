@@ -1,4 +1,4 @@
-"""Scenes that show what haptic tracing can do, each built from nothing by a script.
+"""Sample scenes, each built by a script from an empty scene.
 
 A sample is a module with ``build(scene)``, which fills an empty scene deterministically.
 """
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 class Sample:
     """A sample scene: its name in commands, its title in menus, one sentence on what it shows.
 
-    ``objects``: how many it has, about. ``count``: how many things it has where that can be chosen, else None.
-    ``variation``: by what part its impacts differ from each other. ``about``: the parts of the body that are meant to feel it.
+    ``objects``: approximate number of objects. ``count``: default number of repeated items if that can be chosen, else None. ``variation``:
+    relative variation of its impacts. ``about``: the body parts that should feel it.
     """
 
     name: str
@@ -32,7 +32,8 @@ class Sample:
     about: tuple[str, ...] = ("ear", "hand", "middle_back", "upper_back", "upper_leg")
 
     def build(self, scene: Scene, count: int | None = None) -> None:
-        """Fill the empty ``scene``; ``count`` of its things instead of its own number. Raises ValueError where it has no such choice."""
+        """Fill the empty ``scene``; ``count``: number of repeated items instead of the default. Raises ValueError if it cannot be
+        chosen."""
         module, materials = (import_module(f".{name}", __name__) for name in (self.name, "materials"))
         if count is None:
             module.build(scene)
@@ -98,7 +99,7 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
 
 
 def build_sample(name: str, count: int | None = None) -> Scene:
-    """Build a sample in a new scene, which the window then shows. Raises ValueError that lists the known names."""
+    """Build a sample in a new scene, which the window then shows. Raises ValueError, which lists the known names, for any other."""
     import bpy
 
     if name not in SAMPLES:

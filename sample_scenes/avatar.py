@@ -28,7 +28,7 @@ HIPS = (0.33, 0.225, 0.19)
 THIGH_RADIUS, KNEE_RADIUS = 0.078, 0.055
 SHOULDER_RADIUS, ELBOW_RADIUS, WRIST_RADIUS, ANKLE_RADIUS = 0.052, 0.040, 0.028, 0.036
 FOOT_HEIGHT = 0.07
-TURNED_UP = 4.0  # gain of listeners whose devices are turned up by 12 dB, to feel what comes through a ground
+TURNED_UP = 4.0  # gain (12 dB) of listeners that must feel vibration through a ground
 HAND = (0.085, 0.155, 0.036)
 
 # Masses in kg of an adult of 75 kg, as shares of the body that anthropometry gives.
@@ -45,7 +45,7 @@ MASS = {
     "Foot": 1.1,
 }
 
-# Overlap of neighbouring parts at a joint [m], so that they surely touch.
+# Overlap of neighbouring parts at a joint [m], so that they touch reliably.
 OVERLAP = 0.004
 
 ANKLE_HEIGHT = FOOT_HEIGHT + ANKLE_RADIUS - OVERLAP - SUNK

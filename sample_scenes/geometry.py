@@ -16,7 +16,7 @@ Point = tuple[float, float, float]
 SHARP_ANGLE = math.radians(38.0)
 
 SUNK = 0.002
-"""Overlap of objects with their supports [m], so that they surely touch."""
+"""Overlap of objects with their supports [m], so that they touch reliably."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What things look like (surfaces) and how they pass vibration on (substances: presets of the library)."""
+"""Surfaces (Blender materials) and substances (presets of the haptic library) of sample scenes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FLESH = MATERIALS["flesh"]
 
 
 WEAK_BRIGHTNESS = 0.6
-"""What weak blows keep above 100 Hz: a slower blow has a longer contact."""
+"""Brightness of weak impacts above 100 Hz: a slower impact has a longer contact."""
 
 
 def tag(scene: Scene, obj: Object, substance: Substance) -> Object:
@@ -34,7 +34,7 @@ def tag(scene: Scene, obj: Object, substance: Substance) -> Object:
 
 
 def vary_impacts(scene: Scene, variation: float) -> None:
-    """Let no two blows of ``scene`` feel quite alike, and weak ones feel duller than strong ones."""
+    """Vary the impacts of ``scene``, and make weak ones duller than strong ones."""
     rule = scene.haptics.impact_table.items.add()
     rule.brightness = (WEAK_BRIGHTNESS, 1.0)
     rule.variation = variation

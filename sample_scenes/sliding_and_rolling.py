@@ -1,4 +1,4 @@
-"""Five things that move along others, one after the other: a file, a ball, a shoe, a crate and a wheelset, each felt where it is near."""
+"""Five objects that slide or roll in turn: a file, a ball, a shoe, a crate and a wheelset, each felt nearby."""
 
 from __future__ import annotations
 
@@ -205,7 +205,7 @@ def _add_wheels(scene: Scene, steel: Material) -> None:
 
 
 def _add_textures(scene: Scene) -> None:
-    """What slides and rolls here; values of the library's materials, but for those that are given.
+    """Textures of the objects, with the library's values unless given here.
 
     Rough files have 20 teeth an inch; short corrugations of rails have 25 to 80 mm. Forces are those of what is moved here, by its weight.
     """

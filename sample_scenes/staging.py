@@ -22,7 +22,7 @@ _expected: list[int] = []  # the number of objects of the sample that is being b
 
 @contextmanager
 def progress(objects: int) -> Iterator[None]:
-    """Show progress at the mouse pointer while about so many objects are placed."""
+    """Show progress at the mouse pointer while about ``objects`` objects are placed."""
     manager = bpy.context.window_manager
     manager.progress_begin(0, 1)
     _expected.append(objects)
@@ -152,7 +152,7 @@ def make_medium(obj: Object, alpha: float) -> Object:
 
 
 def spread_as_front(medium: Object, radius: float, speed: float) -> Object:
-    """Let a blast spread all around: ``radius`` / (``radius`` + distance) of it, in metres, arrives, at ``speed`` metres per second."""
+    """Make a medium transmit a blast with the gain ``radius`` / (``radius`` + distance) [m] at ``speed`` [m/s]."""
     spread_all_around(medium.haptics, radius)
     medium.haptics.wave_speed = speed
     return medium
@@ -184,11 +184,11 @@ def make_source(obj: Object, signal: str, frequency: float = 60.0, amplitude: fl
 
 
 def make_listener(obj: Object, body_part: str, radius: float, gain: float = 1.0) -> Object:
-    """A listener at the origin of ``obj``, which stands for a body part with a bounding radius in metres; ``gain``: how far its device is
-    turned up."""
+    """A listener at the origin of ``obj``, which represents a body part with a bounding radius in metres; ``gain``: that of the
+    listener."""
     listener = obj.haptics.listener
     listener.enabled = True
-    listener.limiter = False  # the paper cuts the mix off at the ceiling
+    listener.limiter = False  # the paper clips the mix at the ceiling
     listener.extent = "none"
     listener.body_part = body_part
     listener.radius = radius

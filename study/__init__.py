@@ -1,1 +1,1 @@
-"""The paper's study: the mine ride rendered in four ways, what tells them apart as numbers, and a report of it."""
+"""The paper's study: the mine ride rendered in four modes, measures of their differences, and a report."""

@@ -1,4 +1,4 @@
-"""Plays the ride in Blender once and renders it in all four modes on the way."""
+"""Plays the ride in Blender once and renders it in all four modes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class ModeRendering:
         self._time: float | None = None
 
     def of(self, result: FrameResult, settings: Settings) -> FrameResult:
-        """The frame in this mode, the rest of ``settings`` as they are. A frame that the tracer began afresh begins afresh here."""
+        """The frame in this mode, with the other ``settings`` unchanged. A reset of the tracer also resets this rendering."""
         if result.block is None:
             self._mixdown.reset()
             self._time = None
@@ -94,11 +94,11 @@ def bake_ride(
 ) -> tuple[Ride, tuple[tuple[Variation, Ride], ...]]:
     """Trace the frames ``first`` to ``last`` of the mine ride and render each in `MODES`, and in HT under each variation.
 
-    ``progress`` is called with the number of every frame. Raises ValueError where a frame can't be traced.
+    ``progress`` is called with the number of every frame. Raises ValueError if a frame cannot be traced.
     """
     scene.haptics.mode = "HT"
     if scene.rigidbody_world is not None:
-        scene.rigidbody_world.enabled = False  # everything moves by keys: there is nothing to simulate
+        scene.rigidbody_world.enabled = False  # all motion is keyframed
     renderings = {mode: ModeRendering(mode) for mode in MODES[1:]}
     recorders = {mode: _ModeRecorder() for mode in MODES}
     varied = [_Varied(variation) for variation in variations]
@@ -156,7 +156,7 @@ def draw_frames(scene: Scene, frames: Sequence[int], size: tuple[int, int] = (48
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "picture.png"
         for frame in frames:
-            # Impacts of the frames before are still felt.
+            # Impacts of earlier frames are still active.
             for step in timeline.steps(scene, max(frame - RUN_UP, scene.frame_start), frame):
                 if step.result.number == frame:
                     with suspended():
@@ -228,7 +228,7 @@ def _soundings(results: dict[Mode, FrameResult]) -> list[Sounding]:
 
 
 def _felt_gains(result: FrameResult, row: int) -> FloatArray:
-    """The gains (l,) of a source, amplitude included; those of frequency bands weighed by how much of its signal is felt in each."""
+    """The gains (l,) of a source, including its amplitude; those of frequency bands weighted by the felt share of its signal in each."""
     bands = result.propagation.band_gain
     if bands is None:
         return np.asarray(result.gains[row])

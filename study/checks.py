@@ -1,6 +1,6 @@
-"""Checks of the four renderings: by definition, that the modes do what they should, and by measurement, what differs between them.
+"""Checks of the four modes: properties that hold by definition, and measured differences.
 
-The paper gives no numbers for any of this; its results are ratings by people, which numbers can't reproduce (`FINDINGS`).
+The paper gives no numbers for any of this; its results are ratings, which cannot be computed (`FINDINGS`).
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ HT, SD, MD, MN = range(4)
 SECTION_COUNT = 6
 MATERIALS = ("Stone", "Wood", "Ribbon")
 ROUNDING = 1e-6
-"""Relative: Blender's transforms have single precision."""
+"""Relative tolerance, for Blender's transforms in single precision."""
 
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """A statement, what was measured for it in words, and whether it holds; None where the frames hold nothing to measure."""
+    """A statement, the measurement in words, and whether it holds; None if the frames contain nothing to measure."""
 
     name: str
     statement: str
@@ -39,7 +39,7 @@ class Check:
 
     @classmethod
     def without_data(cls, name: str, statement: str) -> Check:
-        """For frames in which what the statement is about does not happen."""
+        """The check for frames without the event of the statement."""
         return cls(name, statement, "not in these frames", None)
 
 
@@ -74,7 +74,7 @@ def single_actuator(ride: Ride) -> Check:
 
 
 def nearest_actuator(ride: Ride) -> Check:
-    """The one that SD drives is the nearest to the source."""
+    """SD drives the actuator nearest to the source."""
     name, statement = "SD: the nearest", "The driven actuator is the one nearest to the source."
     driven = [s for s in ride.soundings if s.gains[SD].any()]
     if not driven:
@@ -84,7 +84,7 @@ def nearest_actuator(ride: Ride) -> Check:
 
 
 def all_alike(ride: Ride) -> Check:
-    """All actuators get the same in MN."""
+    """All actuators have the same signal in MN."""
     name, statement = "MN: all alike", "All actuators are driven alike, sample by sample."
     if not ride.soundings:
         return Check.without_data(name, statement)
@@ -106,7 +106,7 @@ def distance_only(ride: Ride) -> Check:
 
 
 def wall_gains(ride: Ride) -> dict[str, FloatArray]:
-    """By wall, in the order of the ride: (4, l) the sum of what each listener feels of the impacts with it, by `MODES`."""
+    """By wall, in the order of the ride: (4, l) the sum of the gains of its impacts at each listener, by `MODES`."""
     walls: dict[str, FloatArray] = {}
     for s in ride.soundings:
         for name in s.objects if s.began else ():
@@ -116,7 +116,7 @@ def wall_gains(ride: Ride) -> dict[str, FloatArray]:
 
 
 def walls_felt(ride: Ride, mode: int) -> dict[str, list[FloatArray]]:
-    """By material: what each listener (l,) feels of each wall in a mode."""
+    """By material: gains (l,) of each wall in a mode."""
     felt: dict[str, list[FloatArray]] = {}
     for name, gains in wall_gains(ride).items():
         felt.setdefault(name.partition(" Wall ")[0], []).append(gains[mode])
@@ -124,7 +124,7 @@ def walls_felt(ride: Ride, mode: int) -> dict[str, list[FloatArray]]:
 
 
 def _difference(walls: Sequence[FloatArray]) -> float:
-    """The largest difference in decibels between gains (l,) of walls at an actuator; infinite where only some are felt there."""
+    """The largest difference in decibels between gains (l,) of walls at an actuator; infinite if only some are felt there."""
     lowest, highest = np.min(walls, axis=0), np.max(walls, axis=0)
     with np.errstate(divide="ignore"):
         return float(20 * np.log10(highest[highest > 0] / lowest[highest > 0]).max(initial=0.0))
@@ -166,7 +166,7 @@ def differs_by_material(ride: Ride) -> Check:
 
 
 def alike_by_material(ride: Ride, mode: Mode) -> Check:
-    """In MD and MN all walls are felt alike."""
+    """In MD and MN all walls have the same gains."""
     name, statement = f"{mode}: whatever the material", "All nine walls are felt alike."
     felt = walls_felt(ride, MODES.index(mode))
     if len(felt) < len(MATERIALS):
@@ -211,7 +211,7 @@ def one_leg(ride: Ride) -> Check:
 
 
 def shock_rows(ride: Ride) -> slice | None:
-    """The frames in which the shock wave is felt, None where they are not in the range."""
+    """The frames in which the shock wave is felt, None if they are not in the range."""
     hits = [s.frame for s in ride.began("Shock Front")]
     return ride.rows(min(hits), max(hits)) if hits else None
 
@@ -246,7 +246,7 @@ def no_direction(ride: Ride) -> Check:
 
 
 def wider_range(ride: Ride) -> Check:
-    """HT is richer in intensities than the other renderings that drive many actuators."""
+    """HT has a wider range and more entropy of intensity than the other modes that drive many actuators."""
     name, statement = "HT: more shades", "Of those that drive many actuators, HT has the widest range and variety of intensity."
     if len(ride.sections) < SECTION_COUNT:
         return Check.without_data(name, statement)
@@ -262,7 +262,7 @@ SectionFrames = tuple[str, str, int, int]
 
 
 def has_pattern(ride: Ride, section: SectionFrames) -> Check:
-    """Whether HT tells actuators apart in a section."""
+    """Whether HT has a spatial pattern in a section."""
     _, title, first, last = section
     name, statement = (
         f"{title}: a pattern",
@@ -280,7 +280,7 @@ def has_pattern(ride: Ride, section: SectionFrames) -> Check:
 
 
 def wider_than_distance(ride: Ride, section: SectionFrames) -> Check:
-    """Whether the levels of HT range further than those of MD in a section."""
+    """Whether the levels of HT have a wider range than those of MD in a section."""
     _, title, first, last = section
     name, statement = f"{title}: more range", "The levels of HT range further than those by distance alone."
     ranges = [dynamic_range(ride.effects(mode, first, last)) for mode in (Mode.HT, Mode.MD)]
@@ -295,7 +295,7 @@ FINDINGS = (
     ("Expressivity", "differs between the modes: Friedman, chi-square(3, 40) = 14.1, p < 0.01; HT above MN and MD, SD above MN"),
     ("Harmony, involvement", "no significant difference"),
 )
-"""What the paper found by asking people, with its numbers."""
+"""The paper's results from questionnaires, with its numbers."""
 
 LIMITS = (
     "Levels are shares of full scale. How strong they are on skin depends on the devices, which were not measured.",
@@ -308,4 +308,4 @@ LIMITS = (
     "The ride is a scene of its own with the sections that the paper describes: the paper's geometry and signals are not public.",
     "Contacts are those that the ride's own values reach: a variation that lets vibration go further may miss some.",
 )
-"""What these numbers can't say."""
+"""Limits of these numbers."""

@@ -1,4 +1,4 @@
-"""What tells one rendering from another, as numbers, from the levels (f, l) of frames at listeners."""
+"""Measures of a rendering from the levels (f, l) of frames at listeners."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from ..core.scene.bands import BAND_COUNT, BAND_EDGES
 from ..core.signals import Signal
 
 ACTIVE = 0.01
-"""An actuator counts as active where its drive exceeds this share of full scale (-40 dB)."""
+"""Least drive of an active actuator, relative to full scale (-40 dB)."""
 CLASS_WIDTH = DIFFERENCE_THRESHOLDS[1]
 """Decibels within which two levels count as the same intensity."""
 
 WINDOW = 0.25
-"""Seconds over which skin sums up, as in the meters."""
+"""Integration time of the skin [s], as in the meters."""
 LOWEST, HIGHEST = 5.0, 1000.0
-"""Hertz that skin feels."""
+"""Range of tactile frequencies [Hz]."""
 _RATE = 8000.0
 
 
 def active_count(peak: FloatArray) -> IntArray:
-    """How many actuators are active in each frame (f,)."""
+    """Number of active actuators in each frame (f,)."""
     return np.asarray((peak > ACTIVE).sum(axis=1), dtype=np.int64)
 
 
 def spatial_spread(rms: FloatArray, positions: FloatArray) -> FloatArray:
-    """How far over the body the vibration reaches, per frame (f,): root of the mean square distance in metres of the ``positions`` (l, 3)
-    from their centre, weighed by level; 0 where one actuator is alone or none is active."""
+    """Spatial spread of the vibration per frame (f,): root of the mean square distance in metres of the ``positions`` (l, 3)
+    from their centre, weighted by level; 0 if at most one actuator is active."""
     total = rms.sum(axis=1)
     weight = rms / np.where(total > 0, total, 1.0)[:, None]
     centre = weight @ positions
@@ -42,7 +42,7 @@ def spatial_spread(rms: FloatArray, positions: FloatArray) -> FloatArray:
 
 
 def balance(rms: FloatArray, listeners: Sequence[str]) -> FloatArray:
-    """Left to right per frame (f,): -1 where only listeners of the left feel something, 1 for the right, 0 where both feel the same."""
+    """Left-right balance per frame (f,): -1 if only listeners of the left feel something, 1 for the right, 0 if both are equal."""
     left = rms[:, [name.endswith(".L") for name in listeners]].sum(axis=1)
     right = rms[:, [name.endswith(".R") for name in listeners]].sum(axis=1)
     total = left + right
@@ -59,15 +59,15 @@ def dynamic_range(levels: FloatArray) -> float:
 
 
 def variety(levels: FloatArray) -> float:
-    """How many bits it takes to say which intensity an active actuator has: the entropy of ``levels`` (e, l) in classes of
+    """Entropy of the intensity of active actuators in bits: that of ``levels`` (e, l) in classes of
     `CLASS_WIDTH`."""
     active = levels[levels > ACTIVE]
     return _entropy(np.floor(20 * np.log10(active) / CLASS_WIDTH)) if len(active) else 0.0
 
 
 def patterns(levels: FloatArray) -> float:
-    """How many bits it takes to say which actuators an effect drives and how strongly beside the strongest: the entropy of rows of
-    ``levels`` (e, l) in classes of `CLASS_WIDTH`; 0 where all effects are alike but for their strength."""
+    """Entropy of the spatial patterns of effects, relative to their strongest actuator, in bits: that of rows of
+    ``levels`` (e, l) in classes of `CLASS_WIDTH`; 0 if all effects differ only in strength."""
     felt = levels[(levels > ACTIVE).any(axis=1)]
     if not len(felt):
         return 0.0
@@ -84,7 +84,7 @@ def _entropy(classes: FloatArray) -> float:
 
 @lru_cache(maxsize=256)
 def felt_shares(signal: Signal) -> FloatArray:
-    """The shares (6,) of the frequency bands in what is felt of the first second of a signal."""
+    """The shares (6,) of the frequency bands in the felt energy of the first second of a signal."""
     samples = signal.sample(0, round(_RATE), _RATE)
     if math.isinf(signal.duration):
         samples = samples * np.hanning(len(samples))
@@ -97,7 +97,7 @@ def felt_shares(signal: Signal) -> FloatArray:
 
 
 def highest_sensation(samples: NDArray[np.floating], sample_rate: float) -> FloatArray:
-    """How far each listener's ``samples`` (l, n) rise above the threshold of feeling at most, in decibels (l,), in windows of `WINDOW`."""
+    """The largest sensation level (l,) [dB] of each listener's ``samples`` (l, n) in windows of `WINDOW`."""
     width = round(WINDOW * sample_rate)
     ends = range(min(width, samples.shape[1]), samples.shape[1] + 1, max(width // 8, 1))
     found = [sensation_level(np.asarray(samples[:, max(end - width, 0) : end], dtype=np.float64), sample_rate) for end in ends]

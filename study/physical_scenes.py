@@ -31,7 +31,7 @@ BODIES: dict[str, tuple[float, float, float] | Posture] = {
     "parts hold a tool": standing(Hand(Vector((0.3, -0.45, 1.0)), Vector((0.0, -1.0, 0.0)))),
     "parts sit on what shakes": seated(0.45, 0.1),
 }
-"""What a new body is and does: a block of so many metres, or the posture of a mannequin."""
+"""Cases of new bodies: the size of a block [m], or the posture of a mannequin."""
 SHAKERS = {
     "one mesh holds a tool": (0.289, 0, 0.84),
     "parts hold a tool": (0.3, -0.45, 0.851),
@@ -65,7 +65,7 @@ def levels(module: str, frame: int) -> tuple[list[str], np.ndarray]:
 
 
 def make(scene: Scene, way: str) -> None:
-    """Bring a sample from the way before to this one of `WAYS`."""
+    """Change a sample from the previous one of `WAYS` to this one."""
     if way == WAYS[1]:
         library.make_physical([obj for obj in scene.objects if obj.haptics.enabled and not obj.haptics.medium], False)
     elif way == WAYS[2]:

@@ -77,7 +77,7 @@ def _section(ride: Ride, name: str, first: int, last: int) -> bytes:
         axis.set_yticks(range(len(labels)), labels, fontsize=7)
         axis.set_title(f"{mode}  {TITLES[mode]}", loc="left", fontsize=9, color=COLOURS[mode], fontweight="bold")
     figure.colorbar(image, ax=axes[:4], label="peak [dB of full scale]", pad=0.01, fraction=0.03)
-    # Lines that lie on each other are told apart by their widths.
+    # Coincident lines differ in width.
     for width, mode in zip((1.2, 1.6, 2.4, 3.6), MODES, strict=True):
         rendition = ride.renditions[mode]
         style = {"color": COLOURS[mode], "linewidth": width, "label": str(mode), "zorder": 5 - width}
@@ -125,7 +125,7 @@ def _spectrograms(ride: Ride) -> bytes:
 
 
 def _pooled(power: Any, columns: int = 1000) -> Any:
-    """No more columns than the picture has pixels, each the strongest of those it stands for, so that no short impact is lost."""
+    """Reduce columns to the picture's pixels by their maxima, so that no short impact is lost."""
     size = -(-power.shape[1] // columns)
     padded = np.pad(power, ((0, 0), (0, -power.shape[1] % size)), mode="edge")
     return padded.reshape(len(power), -1, size).max(axis=2)

@@ -19,7 +19,7 @@ TITLES: Mapping[Mode, str] = {
     Mode.MD: "Multiple actuators, distance",
     Mode.MN: "Multiple actuators, no attenuation",
 }
-"""The modes as the paper calls them."""
+"""The paper's names of the modes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,8 +83,7 @@ class Ride:
         return tuple(s for s in self.soundings if s.began and any(name.startswith(words) for name in s.objects))
 
     def effects(self, mode: Mode, first: int = 0, last: int = 2**31) -> FloatArray:
-        """Gains (e, l), amplitudes included, of what is felt one after the other: every impact as it begins, every other source second by
-        second."""
+        """Gains (e, l), amplitudes included, of consecutive effects: every impact at its beginning, every other source once per second."""
         each = round(self.frame_rate)
         number = MODES.index(mode)
         rows = [s.gains[number] for s in self.soundings if first <= s.frame <= last and (s.began or (s.persists and s.frame % each == 0))]

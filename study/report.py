@@ -1,4 +1,4 @@
-"""The report: one HTML file that needs nothing beside it."""
+"""The report as a self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -86,8 +86,8 @@ def write_report(
     varied: Sequence[tuple[Variation, Ride]] = (),
     rides: Mapping[str, Ride] = NONE,
 ) -> None:
-    """Write the report. ``figures``: title, caption and PNG; ``pictures``: PNG by frame; ``notes``: what is missing, and why; ``varied``:
-    the ride under variations; ``rides``: with other materials, by way."""
+    """Write the report. ``figures``: title, caption and PNG; ``pictures``: PNG by frame; ``notes``: missing parts and the reasons;
+    ``varied``: the ride under variations; ``rides``: with other materials, by way."""
     body = [
         "<h1>The study's ride, rendered in four ways</h1>",
         f"<p>Frames {ride.frames[0]} to {ride.frames[-1]} of the mine ride ({len(ride.frames) / ride.frame_rate:.1f} s). "
@@ -134,7 +134,7 @@ def _pairs_table(heads: tuple[str, str], rows: Sequence[tuple[str, str]]) -> str
 
 
 def _materials(rides: Mapping[str, Ride]) -> list[str]:
-    """The ride by what its objects are made of: the checks, the walls and what is felt, way by way."""
+    """The ride with different materials: checks, walls and levels of each variant."""
     heads = "".join(f"<th>{escape(WAYS[way])}" for way in rides)
     sign = {True: "<td>", False: "<td class=fails>does not hold: ", None: "<td>"}
     columns = [measured_checks(ride) for ride in rides.values()]

@@ -1,6 +1,6 @@
-"""What becomes of the checks by measurement when a value that was tuned for the ride is another one, or the strategy is.
+"""Sensitivity of the measured checks to material values and to the strategy.
 
-Contacts, impacts and sources stay what they are; only gains and levels of haptic tracing are computed again.
+Contacts, impacts and sources are unchanged; only gains and levels of haptic tracing are recomputed.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def variations() -> tuple[Variation, ...]:
 
 
 _LEAST = 0.01
-"""Part of the source that a path must keep in a sum over all paths: the wind, the cart and the bridge have too many below."""
+"""Threshold of a path's gain in a sum over all paths: the wind, the cart and the bridge have too many paths below it."""
 
 
 class VariedGraph:

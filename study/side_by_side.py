@@ -1,7 +1,7 @@
 """The ride with the paper's function, with measured materials, and with these and contacts by impedance, side by side.
 
-No material is tuned: objects have the library's values, blows the templates of what they strike. What is said of the ride is a measurement,
-whether it turns out as the paper describes or not.
+No material is tuned: objects have the library's values, and impacts the templates of their materials. All statements are measurements,
+whether or not they agree with the paper.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ TITLES: Mapping[str, str] = {
     "physical": "measured materials",
     "physical, impedance": "measured materials, contacts by impedance",
 }
-"""The ways of `physical_scenes.WAYS` in words."""
+"""Titles of `physical_scenes.WAYS`."""
 
 _LIMB = (0.15, 0.15, 0.45)
 _RATE = 8000.0
 
 
 def sensations(ride: Ride) -> list[tuple[str, FloatArray]]:
-    """By section: its title, and how far what HT plays rises above the threshold of feeling at each listener (l,) in decibels at most."""
+    """By section: its title, and the largest sensation level (l,) [dB] of each listener in HT."""
     tracks = ride.renditions[MODES[HT]].tracks
     found = []
     for _, title, first, last in ride.sections:
@@ -51,7 +51,7 @@ def walls_apart(ride: Ride) -> list[tuple[str, FloatArray]]:
 
 
 def wall_verdict(difference: FloatArray) -> str:
-    """At how many listeners (l,) everybody feels a ``difference`` in decibels, at how many nobody."""
+    """Number of listeners (l,) at which everybody feels a ``difference`` in decibels, and at which nobody does."""
     lowest, highest = DIFFERENCE_THRESHOLDS
     size = np.abs(difference[~np.isnan(difference)])
     largest = f"{size.max():.1f} dB at most" if len(size) else "silent"
@@ -59,13 +59,13 @@ def wall_verdict(difference: FloatArray) -> str:
 
 
 def felt_verdict(levels: FloatArray) -> str:
-    """How far above the threshold the strongest of the ``levels`` (l,) in decibels lies, and how many are felt."""
+    """The strongest of the sensation levels (l,) [dB], and the number that are felt."""
     strongest = float(np.max(levels))
     return f"{strongest:+.1f} dB; {int((levels > 0).sum())} of {len(levels)} felt" if math.isfinite(strongest) else "silent"
 
 
 def reasons() -> Iterator[str]:
-    """What takes how much, computed from the same values as the ride."""
+    """The losses of materials and contacts, computed from the values of the ride."""
     losses = ", ".join(f"{name} {20 * math.log10(MATERIALS[name].k):.1f}" for name in ("stone", "steel", "hardwood", "flesh"))
     yield (
         f"The paper's function takes a part of the signal in every body, whatever its size ({losses} dB, and more with distance). From a "
@@ -94,14 +94,14 @@ _BLOWS = (("stone", "stone"), ("wood", "flesh"), ("stone", "flesh"), ("ribbon", 
 
 def _full_blow(first: str, second: str) -> float:
     samples = np.zeros(round(_RATE / 4))
-    # The window of the measure fades its ends: the blow is in the middle.
+    # The window fades its ends, so the impact is in the middle.
     blow = impact_template(first, second).sample(0, len(samples) // 2, _RATE)
     samples[len(samples) // 4 : len(samples) // 4 + len(blow)] = blow
     return float(sensation_level(samples, _RATE))
 
 
 def numbers(rides: Mapping[str, Ride]) -> dict[str, Any]:
-    """All of it as JSON: minus infinity and what is undefined as None."""
+    """All results as JSON, with None for minus infinity and undefined values."""
     return {
         way: {
             "above_threshold": {title: _listed(levels) for title, levels in sensations(ride)},

@@ -1,7 +1,7 @@
-"""Holds the model against published measurements and printed answers: what agrees, what is missed, and what the model can't say.
+"""Comparison of the model with published measurements and printed solutions.
 
-Levels are amplitudes in decibels relative to the first place of a series. Where a number was fitted, the places that were fitted are not
-judged. Sources that could not be read in full are named as such in the page's text.
+Levels are amplitudes in decibels relative to the first place of a series. Places used for a fit are not judged. The page marks sources that
+could not be read in full.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from ..core.scene.values import Contact, HapticObject, HapticScene, Listener, Se
 
 NEPER = 20 / math.log(10)
 CLOSE = 3.0
-"""Decibels within which a model of ground is asked to be."""
+"""Largest accepted error of a ground model [dB]."""
 
 BUILDING = (1.0, 3.0)
 """Decibels per metre measured along walls and floors in place."""
@@ -50,10 +50,10 @@ class Series:
 
     Attributes:
         name, source, conditions: in words.
-        kind: what the comparison is worth: fit, validation, printed, definition, chosen.
+        kind: significance of the comparison: fit, validation, printed, definition, chosen.
         unit: of the figures.
-        limit: largest error of a judged figure, relative where ``unit`` is ``relative``; None where there is nothing to be right or wrong.
-        remark: why it is missed, or what it says.
+        limit: largest error of a judged figure, relative where ``unit`` is ``relative``; None without a criterion.
+    remark: reason of a deviation, or interpretation.
     """
 
     name: str
@@ -88,7 +88,7 @@ def all_series() -> Iterator[Series]:
 
 
 def fitted(function: Physical, distance: Sequence[float], level: Sequence[float], used: Sequence[bool]) -> Physical:
-    """``function`` with the one absorption [1/m] that suits the ``used`` levels [dB] best; linear least squares."""
+    """``function`` with the absorption [1/m] fitted to the ``used`` levels [dB] by linear least squares."""
     d, y, chosen = np.array(distance), np.array(level), np.array(used)
     beyond = (d - d[0])[chosen]
     excess = (NEPER * np.log(function.spreading(d) / function.spreading(d[:1])) - y)[chosen]
@@ -291,7 +291,7 @@ def energy() -> Iterator[Series]:
 
 
 def _own_ratio() -> float:
-    """Level [dB] of the second of two touching objects that damp nothing, by the energy balance."""
+    """Level [dB] of the second of two touching lossless objects, by the energy balance."""
     objects = tuple(HapticObject(name, 0.0, 1.0, Constant(gain_value=1.0)) for name in ("a", "b"))
     scene = HapticScene(
         objects, (Contact(("a", "b"), ((0, 0, 0), (0, 0, 0))),), (Source("s", "a"),), (Listener("1", "a"), Listener("2", "b"))
@@ -326,10 +326,10 @@ def materials() -> Iterator[Series]:
 HAND_ARM = (("hand", 0.10), ("forearm", 0.25), ("upper_arm", 0.30))
 LEG = (("foot", 0.10), ("lower_leg", 0.40), ("upper_leg", 0.40))
 TRUNK = (("chest", 0.75),)
-"""Parts on a way along the body, from where it is shaken, and metres in each."""
+"""Parts on a path along the body from the excitation, and the distance in each [m]."""
 
 HANDLE = (("wrist", 1, 100.0, -10.0), ("wrist", 1, 250.0, -25.0), ("elbow", 2, 100.0, -14.0), ("shoulder", 3, 50.0, -20.0))
-"""Joint, number of parts up to it, frequency [Hz], level [dB]; of elbow and shoulder only a highest level is known."""
+"""Joint, number of parts up to it, frequency [Hz], level [dB]; for elbow and shoulder only upper limits are known."""
 
 HEAD = (*HAND_ARM, ("head", 0.35))
 HANDLE_TO_HEAD = tuple((f, -20.0 - 15.0 * max(math.log2(f / 20), 0.0)) for f in (16.0, 31.5, 63.0, 125.0, 200.0))
@@ -349,13 +349,13 @@ RESONANCES = (
 
 
 def body_level(parts: Sequence[tuple[str, float]], frequency: float) -> float:
-    """Level [dB] at the end of a way along parts of a body."""
+    """Level [dB] at the end of a path along parts of a body."""
     alpha = [physical("flesh", (0.1, 0.1, 0.3), part=part).material_damping(frequency) for part, _ in parts]
     return -NEPER * sum(a * length for a, (_, length) in zip(alpha, parts, strict=True))
 
 
 def skin_level(frequency: float, distance: float) -> float:
-    """Level [dB] on skin at so many metres from a small actuator."""
+    """Level [dB] on skin at ``distance`` metres from a small actuator."""
     skin = physical("flesh", (0.3, 0.1, 0.003))
     return NEPER * (math.log(float(skin.spreading(np.array(distance)))) - skin.material_damping(frequency) * distance)
 

@@ -29,7 +29,7 @@ UNMODELLED = (
         "an energy balance describes averages over many modes, and a path has no resonance",
     ),
 )
-"""What was published, its figures, and why the model has none."""
+"""Published effects, their figures, and why the model has none."""
 
 INTRODUCTION = """# Validation: the model beside what was measured
 
@@ -158,8 +158,8 @@ _RANGES = {"wrist, as recalled": 0, "elbow": 1, "head and trunk, as recalled": 3
 
 
 def body_picture() -> str:
-    """What arrives at parts of a body over frequency: the model as lines; published levels as dots, those that are highest levels with a
-    line downwards; published resonances as bars on top."""
+    """Levels at parts of a body over frequency: the model as lines; published levels as dots, upper limits with a line downwards; published
+    resonances as bars on top."""
 
     def x(frequency: float) -> float:
         return LEFT + (WIDTH - LEFT - RIGHT) * math.log(frequency / LOW) / math.log(HIGH / LOW)

@@ -1,5 +1,5 @@
-"""``haptic-tracing sweep STUDY.toml``: many variants of scenes traced side by side, on this machine or on a Dask cluster; ``sweep plot``:
-pictures and answers from the table that it writes."""
+"""``haptic-tracing sweep STUDY.toml``: traces many variants of scenes in parallel, on this machine or on a Dask cluster; ``sweep plot``
+draws and queries the resulting table."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _needing(name: str) -> Any:
-    """A module of this package. Raises ValueError that says what to install where it can't be imported."""
+    """A module of this package. Raises ValueError with the package to install if it cannot be imported."""
     try:
         return import_module(f".{name}", __name__)
     except ModuleNotFoundError as error:
@@ -66,7 +66,7 @@ def _sweep(args: argparse.Namespace, path: Path) -> int:
 
 
 def _make_folders(folder: Path, variants: int, tracks: float) -> None:
-    """The folders of results. Raises ValueError where the disk has no room for them, and OSError."""
+    """The folders of results. Raises ValueError if the disk has not enough space, and OSError."""
     for name in ("results", "tracks"):
         (folder / name).mkdir(parents=True, exist_ok=True)
     needed, free = _RESULT_BYTES * variants + tracks, shutil.disk_usage(folder).free
@@ -75,7 +75,7 @@ def _make_folders(folder: Path, variants: int, tracks: float) -> None:
 
 
 _RESULT_BYTES = 16_384
-"""Of a result and its rows in the table."""
+"""Size of a result and its rows in the table."""
 
 
 def _is_done(folder: Path, key: str, tracks: bool) -> bool:

@@ -1,4 +1,4 @@
-"""A study against its scenes, before anything is traced."""
+"""Check of a study against its scenes before tracing."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from .task import frames_of, vary
 
 
 def check(study: Study) -> float:
-    """Give every scene every value once. Returns the bytes of the tracks of all variants.
+    """Set every value once in every scene. Returns the size of the tracks of all variants in bytes.
 
-    Raises ValueError that names the scene and what it has not, or what is out of range.
+    Raises ValueError with the scene and the missing item, or the value that is out of range.
     """
     start_blender()
     size = 0.0
@@ -31,7 +31,7 @@ def check(study: Study) -> float:
 
 
 BYTES_PER_SECOND = 4 * 8000
-"""Of a listener's track."""
+"""Data rate of a listener's track."""
 
 
 def _check_values(scene: Scene, study: Study) -> None:

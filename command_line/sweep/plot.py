@@ -1,5 +1,5 @@
-"""``haptic-tracing sweep plot TABLE.parquet``: level per listener over a parameter, run time against error, and what is
-nearest to wished levels."""
+"""``haptic-tracing sweep plot TABLE.parquet``: level per listener over a parameter, run time against error, and the settings nearest to
+desired levels."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Row = Mapping[str, Any]
 
 
 def run(args: argparse.Namespace, path: Path) -> int:
-    """Draw both pictures of a table, and print what is nearest to the wished levels. Exit code 0."""
+    """Draw both pictures of a table, and print the settings nearest to the desired levels. Exit code 0."""
     table = read_table(path)
     rows = table.to_pylist()
     wished, varied = wishes.parsed(args.wish, rows), _differing(rows, varied_columns(table))
@@ -47,7 +47,7 @@ def run(args: argparse.Namespace, path: Path) -> int:
 
 
 def _first_number(table: pa.Table) -> str | None:
-    """The first varied parameter that is a number and has more than one value; None where there is none."""
+    """The first varied parameter that is a number and has more than one value; None if there is none."""
     names = (name for name in varied_columns(table) if pa.types.is_integer(table[name].type) or pa.types.is_floating(table[name].type))
     return next((name for name in names if len(table[name].unique()) > 1), None)
 
@@ -71,7 +71,7 @@ def _levels(rows: Sequence[Row], over: str) -> Any:
 
 
 def by_variant(rows: Sequence[Row]) -> list[Row]:
-    """One row per variant that has bounds of its errors: that of the listener with the greatest."""
+    """One row per variant with error bounds: that of the listener with the largest bound."""
     worst: dict[str, Row] = {}
     unbounded = {row["key"] for row in rows if row["error_bound"] is None}
     for row in rows:
@@ -82,7 +82,7 @@ def by_variant(rows: Sequence[Row]) -> list[Row]:
 
 
 def pareto(rows: Sequence[Row]) -> list[Row]:
-    """The variants of which none is both faster and more exact, the fastest first."""
+    """The Pareto-optimal variants in run time and error bound, the fastest first."""
     best, found = math.inf, []
     for row in sorted(by_variant(rows), key=lambda row: (row["milliseconds"], row["error_bound"])):
         if row["error_bound"] < best:
@@ -92,7 +92,7 @@ def pareto(rows: Sequence[Row]) -> list[Row]:
 
 
 def _time_against_error(rows: Sequence[Row]) -> Any:
-    """All variants, and those that are the fastest for their error with their numbers."""
+    """Plot of all variants, with numbers at the Pareto-optimal ones."""
     figure, axes = plt.subplots(figsize=(8, 5), layout="constrained")
     every, best = by_variant(rows), pareto(rows)
     axes.plot([row["milliseconds"] for row in every], [row["error_bound"] for row in every], "o", color="lightgray")
@@ -118,7 +118,7 @@ def _print_answer(rows: Sequence[Row], wished: Mapping[str, float], varied: Sequ
 
 
 def _differing(rows: Sequence[Row], varied: Sequence[str]) -> list[str]:
-    """What has several values."""
+    """The parameters with several values."""
     return [name for name in varied if len({row[name] for row in rows}) > 1]
 
 

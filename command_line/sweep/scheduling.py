@@ -1,4 +1,4 @@
-"""Tasks on Dask: a few at a time, each in a process of its own on a worker, results as files."""
+"""Tasks on Dask: a few at a time, each in its own process on a worker, with results as files."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from distributed.scheduler import KilledWorker
 from ..part_file import programs
 
 _AHEAD = 4
-"""Tasks that the scheduler knows of per worker: its memory does not grow with the study."""
+"""Tasks per worker that the scheduler holds, so that its memory does not grow with the study."""
 
 _SECONDS = 5
-"""For a scheduler to answer."""
+"""Time-out of a scheduler [s]."""
 
 
 @contextmanager
 def connected(on: str, workers: int) -> Iterator[Client]:
-    """A client of a scheduler's address, or of as many ``workers`` on this machine. Raises ValueError where nobody answers or works, or
-    where a worker has other versions."""
+    """A client of the scheduler at an address, or of ``workers`` processes on this machine. Raises ValueError if there is no answer or no
+    worker, or if a worker has other versions."""
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     with contextlib.ExitStack() as stack:
         address: Any = on
@@ -51,8 +51,8 @@ def connected(on: str, workers: int) -> Iterator[Client]:
 
 
 def run_all(on: str, workers: int, tasks: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
-    """Have all tasks worked on; yields the key of each that is done, and why it failed, or "". What a worker that dies was working on is
-    given to another one. See `connected`."""
+    """Run all tasks; yields the key of each completed one with the reason of its failure, or "". The task of a worker that dies goes to
+    another one. See `connected`."""
     rest = iter(tasks)
     with connected(on, min(workers, len(tasks))) as client:
 
@@ -74,7 +74,7 @@ def run_all(on: str, workers: int, tasks: Sequence[Mapping[str, Any]]) -> Iterat
 
 
 def work(task: Mapping[str, Any]) -> str:
-    """On a worker: one task in a process of its own. Returns why it failed, or ""."""
+    """Run one task in its own process; called on a worker. Returns the reason of its failure, or ""."""
     command = [sys.executable, "-m", "haptic_tracing.command_line.sweep.task"]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdin is not None and process.stderr is not None

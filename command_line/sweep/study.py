@@ -1,4 +1,4 @@
-"""A study: which variants of which scenes are traced. A TOML file, see docs/scale.md."""
+"""A study: a TOML file that defines the variants of scenes to be traced, see docs/scale.md."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ class Variant:
     materials: Mapping[str, str]
 
     def key(self, programs: str) -> str:
-        """The name of its result: a checksum of all that decides it, which the file's place does not."""
+        """The name of its result: a checksum of everything that determines it, without the path of the file."""
         inputs = {**asdict(self), "scene": Path(self.scene).name, "programs": programs}
         return hashlib.sha256(json.dumps(inputs, sort_keys=True).encode()).hexdigest()[:32]
 
     def parameters(self) -> dict[str, Value]:
-        """Everything that is varied, by the names that the table's columns have."""
+        """The varied parameters by the names of the table's columns."""
         fixed: dict[str, Value] = {"scene": Path(self.scene).stem}
         fixed |= {} if self.mode is None else {"mode": self.mode}
         fixed |= {} if self.seed is None else {"seed": self.seed}
@@ -61,7 +61,7 @@ class Study:
 
     @property
     def count(self) -> int:
-        """How many variants."""
+        """Number of variants."""
         count = len(self.scenes) * max(len(self.modes), 1) * max(len(self.seeds), 1)
         for values in (*self.settings.values(), *self.materials.values()):
             count *= len(values)
@@ -150,6 +150,6 @@ def _table(form: Mapping[str, Any], name: str) -> dict[str, list[Any]]:
 
 
 def _drawn(seed: int, path: str, least: float, greatest: float) -> float:
-    """A value between the ends, evenly spread over seeds: of SHA-256, the same on every machine."""
+    """A uniformly distributed value between the ends, from SHA-256 of seed and path, the same on every machine."""
     share = int.from_bytes(hashlib.sha256(f"{seed} {path}".encode()).digest()[:8]) / 2**64
     return least + (greatest - least) * share

@@ -15,7 +15,7 @@ from ...core.formats.io.atomic import atomic_file
 from .study import Value, Variant
 
 _ROWS = 10_000
-"""Variants that are in memory at once."""
+"""Number of variants in memory at once."""
 
 _RESULT = {
     "frames": pa.int64(),
@@ -31,10 +31,10 @@ _RESULT = {
 
 
 def write_table(path: Path, folder: Path, keyed: Sequence[tuple[str, Variant]]) -> None:
-    """Write the results that are in ``folder`` of variants, in this order.
+    """Write the results of variants in ``folder``, in the given order.
 
-    Columns: ``key``, what is varied, ``level`` in dB of the RMS (0 dB: a constant 1; none where nothing is felt), ``peak``, ``gains`` (mean
-    over the frames, by persistent source, amplitude included), ``error_bound``, and ``milliseconds`` of tracing a frame.
+    Columns: ``key``, the varied parameters, ``level`` in dB of the RMS (0 dB: a constant 1; null if nothing is felt), ``peak``, ``gains``
+    (mean over the frames, by persistent source, including the amplitude), ``error_bound``, and ``milliseconds`` of tracing a frame.
     """
     varied: dict[str, pa.DataType] = {}
     for _, variant in keyed:
@@ -48,7 +48,7 @@ def write_table(path: Path, folder: Path, keyed: Sequence[tuple[str, Variant]]) 
 
 
 def read_table(path: Path) -> pa.Table:
-    """Read a table. Raises ValueError where it is none of a sweep, and OSError."""
+    """Read a table. Raises ValueError if it is not the table of a sweep, and OSError."""
     if not path.is_file():
         raise ValueError(f"{path}: there is no such file")
     try:
@@ -62,7 +62,7 @@ def read_table(path: Path) -> pa.Table:
 
 
 def varied_columns(table: pa.Table) -> list[str]:
-    """The names of what is varied."""
+    """The names of the varied parameters."""
     return [name for name in table.column_names if name != "key" and name not in _RESULT]
 
 

@@ -1,6 +1,7 @@
-"""One variant of a study, traced in a process of its own: ``python -m haptic_tracing.command_line.sweep.task``.
+"""One variant of a study, traced in its own process: ``python -m haptic_tracing.command_line.sweep.task``.
 
-The task is one line of JSON on standard input, which stays open: when it closes, whoever asked has died, and this process ends as well.
+The task is one line of JSON on standard input, which stays open: when it closes, the parent process has died, and this process ends as
+well.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from ..trace import open_file, start_blender
 
 
 def main() -> int:
-    """Trace the task on standard input. Exit code 0; 2 with the reason on stderr where it can't be traced."""
+    """Trace the task on standard input. Exit code 0; 2 with the reason on stderr if it cannot be traced."""
     task = json.loads(sys.stdin.readline())
     threading.Thread(target=_end_with_the_asker, daemon=True).start()
     try:
@@ -52,7 +53,8 @@ def _end_with_the_asker() -> None:
 
 
 def vary(scene: Scene, variant: Mapping[str, Any]) -> None:
-    """Give the open scene the mode, materials and settings of a variant. Raises ValueError that names what can't be set."""
+    """Apply the mode, materials and settings of a variant to the open scene. Raises ValueError, which names the value that cannot be
+    set."""
     if variant["mode"] is not None:
         scene.haptics.mode = variant["mode"]
     for name, material in variant["materials"].items():
@@ -74,7 +76,7 @@ def frames_of(scene: Scene, variant: Mapping[str, Any]) -> tuple[int, int]:
 
 
 def _trace(task: Mapping[str, Any]) -> None:
-    """Trace a variant; write its tracks where wished, then its result."""
+    """Trace a variant; write its tracks if requested, then its result."""
     variant, folder, key = task["variant"], Path(task["folder"]), task["key"]
     if checksum_of(Path(variant["scene"])) != variant["blend"]:
         raise ValueError(f"{variant['scene']}: has changed since the study began")

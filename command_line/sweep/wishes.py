@@ -1,4 +1,4 @@
-"""Which settings bring wished levels to listeners: the nearest variant of a table, and what lies between the variants."""
+"""Settings for desired levels: the nearest variant of a table, and an interpolation between variants."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Between:
 
 
 def parsed(texts: Sequence[str], rows: Sequence[Row]) -> dict[str, float]:
-    """Levels in dB by listener. Raises ValueError for what is not LISTENER=LEVEL of a listener in the table."""
+    """Levels in dB by listener. Raises ValueError unless each text is LISTENER=LEVEL with a listener of the table."""
     known, wishes = sorted({row["listener"] for row in rows}), {}
     for text in texts:
         name, _, level = text.rpartition("=")
@@ -41,7 +41,7 @@ def parsed(texts: Sequence[str], rows: Sequence[Row]) -> dict[str, float]:
 
 
 def felt_variants(rows: Sequence[Row], wishes: Mapping[str, float]) -> Variants:
-    """The rows by listener of every variant in which all wished listeners feel something. Raises ValueError where there is none."""
+    """The rows by listener of every variant in which all listeners with a wish feel something. Raises ValueError if there is none."""
     variants: dict[str, dict[str, Row]] = defaultdict(dict)
     for row in rows:
         if row["listener"] in wishes and row["level"] is not None:
@@ -53,13 +53,13 @@ def felt_variants(rows: Sequence[Row], wishes: Mapping[str, float]) -> Variants:
 
 
 def nearest(variants: Variants, wishes: Mapping[str, float]) -> Mapping[str, Row]:
-    """The variant whose levels differ least from the wishes, in squares of dB."""
+    """The variant whose levels differ least from the wishes, by the sum of squares in dB."""
     return min(variants, key=lambda variant: sum((variant[name]["level"] - level) ** 2 for name, level in wishes.items()))
 
 
 def between(variants: Variants, wishes: Mapping[str, float], varied: Sequence[str]) -> Between | None:
-    """The numbers within their ranges that come nearest to the wishes, all else as in the nearest variant, by levels fitted linearly to
-    the variants that differ in numbers only; None where these are too few for a fit."""
+    """The numbers within their ranges that are nearest to the wishes, all else as in the nearest variant, from a linear fit to the variants
+    that differ only in numbers; None if these are too few for a fit."""
     best = _any_row(nearest(variants, wishes))
     numbers = [name for name in varied if name != "seed" and type(best[name]) in (int, float)]
     rest = [name for name in varied if name != "seed" and name not in numbers]

@@ -14,9 +14,9 @@ from .haptic_graph import HapticGraph
 def contact_patches(graph: HapticGraph) -> IntArray:
     """Patch number of each contact (c,).
 
-    Contacts of one pair of objects with a share below 1 are points of one patch. A path crosses a patch once, by one of its points: then a
-    patch weighs the same however many points it is refined to. Crossed like separate contacts, its points would add paths that go in by one
-    point and out by another, and refining a patch would add to the sum.
+    Contacts of one pair of objects with a share below 1 are points of one patch. A path crosses a patch once, by one of its points: so the
+    weight of a patch does not depend on its number of points. If points were separate contacts, there would be additional paths in through
+    one point and out through another, and refining a patch would increase the sum.
     """
     patch = np.arange(graph.contact_count)
     first_nodes = np.flatnonzero(graph.partner > np.arange(graph.node_count))
@@ -33,8 +33,8 @@ class MergedPatches:
     """A graph whose patches are one contact each, at the share-weighted centre of their points.
 
     Attributes:
-        graph: the graph with merged patches; the given graph itself where no patch has several points.
-        node: (m,) of each of its nodes: the node of the given graph that stands for it, for a patch that of its largest point.
+        graph: the graph with merged patches; the given graph itself if no patch has several points.
+        node: (m,) of each of its nodes: the node of the given graph that it represents, for a patch that of its largest point.
         merged: (n,) of each node of the given graph: its node in ``graph``.
     """
 
@@ -114,11 +114,11 @@ class _PatchMeans:
         of_patch[self._patch[order[first]]] = order[first]
         self.largest: IntArray = of_patch[self._patch]
         self.single = np.bincount(self._patch, minlength=count)[self._patch] == 1
-        share = np.maximum(graph.share, np.finfo(np.float64).tiny)  # points without a share have a centre, too
+        share = np.maximum(graph.share, np.finfo(np.float64).tiny)  # points with share 0 also have a centre
         self._weight = share / np.bincount(self._patch, weights=share, minlength=count)[self._patch]
 
     def of(self, values: FloatArray) -> FloatArray:
-        """The mean of ``values`` (c, ...) over the patch of each contact; unchanged where the patch has one point."""
+        """The mean of ``values`` (c, ...) over the patch of each contact; unchanged if the patch has one point."""
         columns = values.reshape(len(values), -1)
         count = len(values)
         means = [np.bincount(self._patch, weights=self._weight * column, minlength=count)[self._patch] for column in columns.T]

@@ -1,4 +1,4 @@
-"""The haptic graph with gains by distance alone, whatever the objects are made of: the graph of mode SD."""
+"""The haptic graph of mode SD, whose gains depend on distance only."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Upper bounds on gains, by which contact detection leaves out what no signal can reach."""
+"""Upper bounds on gains, with which contact detection skips objects that no signal can reach."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def signal_gain_bound(
         positions: (k, 3) places of the sources [m, world].
         settings: mode, strategy and threshold.
         transmissions: functions that contacts may have; without any, the identity.
-        impacts: whether impacts of the frame make sources, too.
+        impacts: whether impacts of the frame make sources.
     """
     if settings.mode not in (Mode.HT, Mode.SD):
         bodies, positions, impacts = bodies[:0], positions[:0], False

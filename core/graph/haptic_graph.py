@@ -1,7 +1,7 @@
 """The haptic graph: nodes as arrays sorted by object, inter-connections stored, intra-connections implied by the object.
 
-All nodes of one object are connected to each other, so storing those connections would take the square of their number; here an object's
-nodes are one slice, and the gain between any two of them is its propagation function at their distance.
+All nodes of one object are connected to each other, so the number of connections is quadratic in theirs and connections are not stored. An
+object's nodes are one slice, and the gain between two of them is its propagation function at their distance.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class NodeKind(IntEnum):
 
 
 class NoGain(ValueError):
-    """A designer's expression gives no gain where it is needed; ``objects`` names the object, or the two of the contact, that it is of."""
+    """Error for an expression without a valid gain; ``objects``: the name of its object, or those of the contact's two objects."""
 
     def __init__(self, message: str, objects: tuple[str, ...]) -> None:
         super().__init__(message)
@@ -50,15 +50,15 @@ class NoGain(ValueError):
 class ObjectTable:
     """The propagation functions of all objects as arrays, in the order of their sorted names.
 
-    The gain of an object over d metres is ``factor * exp(-decay * d) * (1 + min(d, extent) / reference) ** -exponent``. So the cost
-    ``-log(gain)`` is a constant plus a concave function of distance that begins at 0: the constant and a metric.
+    The gain of an object over d metres is ``factor * exp(-decay * d) * (1 + min(d, extent) / reference) ** -exponent``. The cost
+    ``-log(gain)`` is therefore a constant plus a metric, a concave function of distance that is 0 at distance 0.
 
     Attributes:
         factor, decay: (n,); NaN for the objects in ``special``.
-        loss: (n,) ``-log(factor)``, precise also for a factor close to 1.
-        spreading: (3, n) exponent, reference and extent [m]; None where all exponents are 0.
+        loss: (n,) ``-log(factor)``, accurate also for a factor close to 1.
+        spreading: (3, n) exponent, reference and extent [m]; None if all exponents are 0.
         special: numbers of the objects whose function has another form.
-        band_gains: (n, bands), or None where no object uses them.
+        band_gains: (n, bands), or None if no object uses them.
         band_decays: (n, bands) [1/m], or None.
         slowness: (n,) [s/m], or None.
         properties: (3, n) kappa, rho and impedance, which transmission functions may depend on.
@@ -83,7 +83,8 @@ class ObjectTable:
         object.__setattr__(self, "_index", {name: i for i, name in enumerate(self.names)})
 
     def in_band(self, band: int) -> ObjectTable:
-        """The table whose plain gains are those of a frequency band, itself where they are; functions of another form keep theirs."""
+        """The table whose plain gains are those of a frequency band; functions of another form keep theirs. Returns itself if nothing
+        differs."""
         if band not in self._in_bands:
             loss, decay = self.loss, self.decay
             with np.errstate(divide="ignore"):
@@ -125,8 +126,8 @@ class ObjectTable:
         return self._index
 
     def gain(self, index: int, distance: FloatArray) -> FloatArray:
-        """Gains of object ``index`` over ``distance`` (metres, any shape). Raises NoGain where its expression gives none, and ValueError
-        for a distance that is negative or not finite."""
+        """Gains of object ``index`` over ``distance`` (metres, any shape). Raises NoGain if its expression gives none, and ValueError for a
+        distance that is negative or not finite."""
         if not np.all((distance >= 0) & (distance < math.inf)):
             raise ValueError("distance: must be finite and at least 0 m")
         if index not in self.special:
@@ -176,7 +177,7 @@ class ObjectTable:
 def _spectrum_arrays(
     functions: Sequence[ModulationFunction], band_decays: Sequence[tuple[float, ...]]
 ) -> tuple[FloatArray | None, FloatArray | None, FloatArray | None]:
-    """Band gains (n, bands), band decays (n, bands) and slowness (n,) of functions; each None where none of them uses it."""
+    """Band gains (n, bands), band decays (n, bands) and slowness (n,) of functions; each None if none of them uses it."""
     gains = decays = slowness = None
     spectra, band_gains = [f.spectrum for f in functions], [f.band_gains() for f in functions]
     if any(band_gains):
@@ -190,8 +191,8 @@ def _spectrum_arrays(
 
 @dataclass(frozen=True, slots=True)
 class SourceNodes:
-    """A source in the graph: one node, or one on each side of the contact for an impact. ``band``: in which it is strong, see
-    `core.scene.spectra.leading_band`; 0 where the graph has no bands."""
+    """A source in the graph: one node, or one on each side of the contact for an impact. ``band``: its lowest strong band, see
+    `core.scene.spectra.leading_band`; 0 if the graph has no bands."""
 
     name: str
     nodes: tuple[int, ...]
@@ -212,19 +213,18 @@ class HapticGraph:
         node_position: (n, 3) [m, world].
         partner: (n,) the node at the other end of its inter-connection, or -1.
         contact: (n,) number of its contact, or -1.
-        transmission: (c,) gain of each inter-connection, the contact's weight included.
-        transmission_loss: (c,) ``-log`` of that.
-        weight: (c,) the contact's weight: 1, falling to 0 where the objects part.
-        share: (c,) part of its patch; weighs sums over paths, not the best path.
+        transmission: (c,) gain of each inter-connection, including the contact's weight.
+        transmission_loss: (c,) ``-log(transmission)``.
+        weight: (c,) the contact's weight: 1, falling to 0 as the objects separate.
+        share: (c,) fraction of its patch; a weight in sums over paths, but not in the best path.
         contact_band_gains: (c, bands), or None.
         contact_delay: (c,) [s], or None.
         sources, listeners: by name, with their nodes.
         listener_nodes: (l,) node of each listener.
-        frames: where the objects lie.
-        forces: (c,) that press the contacts together [N], NaN where that can't be known, 0 of those whose function does not ask; None where
-            none does.
-        reach: (n,) radius [m] about a listener's node within which distances to it are 0, 0 about other nodes; None where all are 0.
-        points: the nodes over which each listener takes the mean, its own first; None where none does.
+        frames: centres and axes of the objects.
+        forces: (c,) normal forces of the contacts [N], NaN if unknown, 0 for contacts whose function does not use it; None if no function
+        does. reach: (n,) radius [m] about a listener's node within which distances to it are 0, 0 for other nodes; None if all are 0.
+        points: the nodes over which each listener takes the mean, its own first; None if no listener does.
     """
 
     table: ObjectTable
@@ -258,12 +258,12 @@ class HapticGraph:
 
     @property
     def uses_bands(self) -> bool:
-        """True where any function has band gains or band decays."""
+        """True if any function has band gains or band decays."""
         return self.table.band_gains is not None or self.table.band_decays is not None or self.contact_band_gains is not None
 
     @property
     def uses_delays(self) -> bool:
-        """True where any function has a wave speed."""
+        """True if any function has a wave speed."""
         return self.table.slowness is not None or self.contact_delay is not None
 
     def in_band(self, band: int) -> HapticGraph:
@@ -320,8 +320,8 @@ class HapticGraph:
 
 
 def distances(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Euclidean distances over the last axis, of length 3. Right also for 1e200 m and 1e-200 m, whose squares overflow or vanish. Element
-    by element: the distance of two points does not depend on what else is computed with them, nor on their order."""
+    """Euclidean distances over the last axis, of length 3. Accurate also for 1e200 m and 1e-200 m, whose squares overflow or underflow. The
+    distance of two points depends neither on the other elements nor on their order."""
     return _lengths(a[..., 0] - b[..., 0], a[..., 1] - b[..., 1], a[..., 2] - b[..., 2])
 
 
@@ -346,11 +346,11 @@ def build_graph(
     gravity: Vector = (0.0, 0.0, -9.81),
 ) -> HapticGraph:
     """The haptic graph of one frame. ``contacts`` and ``frames`` number objects as ``table`` does; frames may be unknown. ``gravity``
-    [m/s^2] presses resting contacts together, where a function asks how much.
+    [m/s^2] determines the forces of resting contacts if a function uses them.
 
     Nodes are put into a canonical order (object, kind, contact by objects and position), so that the result does not depend on the order
     in which contacts were found. Raises ValueError that names the argument for an object that is not in the table, a contact of an object
-    with itself or a number that is not finite, and the objects where a transmission expression gives no gain.
+    with itself or a number that is not finite, and the objects if a transmission expression gives no valid gain.
     """
     index = table.index()
     _check(table, index, contacts, sources, listeners)
@@ -416,7 +416,7 @@ def _reach(listeners: Sequence[Listener], nodes: IntArray, count: int) -> FloatA
 
 
 def _points(listeners: Sequence[Listener], nodes: Sequence[int]) -> tuple[tuple[int, ...], ...] | None:
-    """``points`` of a graph from the ``nodes`` of the listeners, those of their other points behind."""
+    """``points`` of a graph from the ``nodes`` of the listeners, their further points at the end."""
     sizes = [len(points_in(listener)) for listener in listeners]
     if not any(sizes):
         return None
@@ -425,7 +425,7 @@ def _points(listeners: Sequence[Listener], nodes: Sequence[int]) -> tuple[tuple[
 
 
 def _source_nodes(sources: Sequence[Source], numbers: Sequence[int], nodes: Sequence[int], in_bands: bool) -> tuple[SourceNodes, ...]:
-    """The sources with their ``nodes``, of which the first belong to the sources of these ``numbers``, and with their bands."""
+    """The sources with their ``nodes``, the first of which belong to the sources ``numbers``, and with their bands."""
     of_source: list[list[int]] = [[] for _ in sources]
     for number, node in zip(numbers, nodes, strict=False):
         of_source[number].append(node)
@@ -434,7 +434,7 @@ def _source_nodes(sources: Sequence[Source], numbers: Sequence[int], nodes: Sequ
 
 
 def _inter_connections(rank: IntArray, count: int) -> tuple[IntArray, IntArray]:
-    """Partner and contact of each node (n,), -1 where it has none; ``rank`` (n,): number of each node, those of the contacts first."""
+    """Partner and contact of each node (n,), -1 if it has none; ``rank`` (n,): number of each node, those of the contacts first."""
     partner, contact = np.full((2, len(rank)), -1, dtype=np.int64)
     first, second = rank[:count], rank[count : 2 * count]
     partner[first], partner[second] = second, first
@@ -475,7 +475,7 @@ def _check(
 
 
 def _canonical(contacts: ContactSet) -> ContactSet:
-    """Each pair's smaller object first, contacts sorted by objects, then by position and everything else that tells them apart."""
+    """Each pair's smaller object first, contacts sorted by objects, then by position and all other fields."""
     swapped = contacts.pairs[:, 0] > contacts.pairs[:, 1]
     if not swapped.any() and _ascending(contacts.pairs):
         return contacts
@@ -505,7 +505,7 @@ def _ascending(pairs: IntArray) -> bool:
 
 
 def _forces(table: ObjectTable, contacts: ContactSet, frames: ObjectFrames, gravity: Vector) -> FloatArray | None:
-    """Pressing forces of the contacts, where a function asks for them. What lies in a medium is not carried by it."""
+    """Forces of the contacts, None if no function uses them. A medium carries no weight."""
     asks = np.array([function.uses_force for function in contacts.transmissions])[contacts.transmission]
     if not asks.any():
         return None
@@ -519,8 +519,8 @@ def _forces(table: ObjectTable, contacts: ContactSet, frames: ObjectFrames, grav
 def _transmissions(
     table: ObjectTable, contacts: ContactSet, forces: FloatArray | None
 ) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
-    """Gain, loss, band gains and delay of each inter-connection, weights of the contacts included. A function of kappa and rho sees the
-    mean of the two objects; ``angle`` is the contact normal's angle to the vertical."""
+    """Gain, loss, band gains and delay of each inter-connection, including the weights of the contacts. A function of kappa and rho uses
+    the mean of the two objects; ``angle`` is the contact normal's angle to the vertical."""
     gains, losses, band_gains, delay = _function_gains(table, contacts, forces)
     if np.any(contacts.weight < 1):
         with np.errstate(divide="ignore"):
@@ -531,7 +531,7 @@ def _transmissions(
 def _function_gains(
     table: ObjectTable, contacts: ContactSet, forces: FloatArray | None
 ) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
-    """The same of the transmission functions alone."""
+    """The same values of the transmission functions, without weights."""
     gains = np.ones(len(contacts), dtype=np.float64)
     losses = np.zeros(len(contacts), dtype=np.float64)
     if all(function.name == "identity" and function.spectrum.is_plain for function in contacts.transmissions):
@@ -544,7 +544,7 @@ def _function_gains(
         gains[chosen] = _transmission_gains(table, contacts, function, chosen, distance[chosen], forces)
         with np.errstate(divide="ignore"):
             losses[chosen] = -np.log(gains[chosen])
-        if function.name in ("constant", "exponential", "resilient"):  # whose logarithm is known better than that of a rounded gain
+        if function.name in ("constant", "exponential", "resilient"):  # their logarithm is more accurate than that of a rounded gain
             _, decay = function.log_linear(0.0, 0.0, table.epsilon) or (0.0, 0.0)
             losses[chosen] = function.loss(0.0, 0.0, table.epsilon) + decay * distance[chosen]
     bands, decays, slowness = _spectrum_arrays(contacts.transmissions, [f.spectrum.band_decays for f in contacts.transmissions])

@@ -12,11 +12,11 @@ _CORNERS = np.array([vector for a in (-1, 1) for b in (-_GOLDEN, _GOLDEN) for ve
 _CORNERS *= (5 / 7) ** 0.5 / np.linalg.norm(_CORNERS[0])
 
 WEIGHTS: FloatArray = np.array([4 / 25, *[7 / 100] * 12])
-"""Of the middle and the twelve points about it: with them the mean over a ball is exact for polynomials up to degree 5."""
+"""Weights of the centre and the twelve points around it; the weighted mean over a ball is exact for polynomials up to degree 5."""
 
 
 def points_in(listener: Listener) -> list[Vector]:
-    """The points besides the middle over which a listener takes the mean: corners of an icosahedron in the axes of the world."""
+    """The points other than the centre over which a listener takes the mean: corners of an icosahedron in world axes."""
     if listener.extent is not Extent.MEAN_POWER or listener.radius == 0:
         return []
     places = np.array(listener.position) + listener.radius * _CORNERS

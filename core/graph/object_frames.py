@@ -1,4 +1,4 @@
-"""Where objects lie: the middle and the axes of their bounding boxes, from their shapes and poses."""
+"""Frames of reference of objects: centres and axes of their bounding boxes, from shapes and poses."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..scene.values import HapticObject, Pose
 
 @dataclass(frozen=True, slots=True)
 class ObjectFrames:
-    """``centre`` (n, 3) of each object's bounding box [m, world], NaN where the object has no shape; ``axes`` (n, 3, 3): the object's own
+    """``centre`` (n, 3) of each object's bounding box [m, world], NaN for an object without a shape; ``axes`` (n, 3, 3): the object's own
     axes as columns."""
 
     centre: FloatArray
@@ -24,7 +24,7 @@ class ObjectFrames:
     @classmethod
     @lru_cache(maxsize=4)
     def unknown(cls, count: int) -> ObjectFrames:
-        """No shapes: the axes are those of the world."""
+        """Frames of objects without shapes, with the axes of the world."""
         centre, axes = np.full((count, 3), np.nan), np.tile(np.eye(3), (count, 1, 1))
         centre.setflags(write=False)
         axes.setflags(write=False)

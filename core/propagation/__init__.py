@@ -10,7 +10,7 @@ __all__ = ["Propagation", "objects_on", "propagate"]
 
 
 def objects_on(graph: HapticGraph, nodes: tuple[int, ...]) -> tuple[str, ...]:
-    """Names of the objects that a path of nodes goes through, in order; the same object twice in a row once."""
+    """Names of the objects along a path of nodes, in order, without consecutive duplicates."""
     names: list[str] = []
     for node in nodes:
         name = graph.table.names[graph.node_object[node]]

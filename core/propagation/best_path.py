@@ -21,21 +21,21 @@ Pair = tuple[int, int]
 Path = tuple[int, ...]
 
 COSTS_AT_ONCE = 1 << 22
-"""Most pairs of a root and a node whose costs are held at a time, a bound on memory."""
+"""Most pairs of a root and a node whose costs are in memory at a time."""
 
 EXPANSION = 32
 """Work of one partial path of this search, in the states that a budget counts."""
 
 HOPS_UNLIMITED = 64
-"""Most contacts on the walks that are searched by hops where gains exceed 1 and nothing limits the connections."""
+"""Most contacts on hop-constrained walks if gains exceed 1 and connections are not limited."""
 
 
 @dataclass(slots=True)
 class BestPaths:
     """Per pair (row of the source, column of the listener): the nodes of its best path, and its cost ``-log(gain)``. Pairs without a path
-    are left out. ``bands`` (p, bands): gains of these paths in each band, in their order and relative to that; None where none is used.
-    ``bound`` holds, where it is not certain that the path is the best, a cost that no path falls below. ``visited`` nodes of the graph,
-    the most for any one source or listener; ``relaxed`` connections looked at, and ``searched`` partial paths."""
+    are left out. ``bands`` (p, bands): gains of these paths in each band, in their order and relative to the plain gain; None without
+    bands. ``bound``: a lower bound on the cost for pairs whose path may not be the best. ``visited``: largest number of nodes reached from
+    one source or listener; ``relaxed``: number of connections evaluated; ``searched``: number of partial paths."""
 
     nodes: dict[Pair, Path] = field(default_factory=dict)
     cost: dict[Pair, float] = field(default_factory=dict)
@@ -52,7 +52,7 @@ def most_connections(settings: Settings) -> int | None:
 
 
 def crossings_of(max_connections: int | None) -> float:
-    """Contacts that a path may cross: a path over k contacts has 2 k + 1 connections. -1 where not even one connection is allowed."""
+    """Contacts that a path may cross: a path over k contacts has 2 k + 1 connections. -1 if not even one connection is allowed."""
     return math.inf if max_connections is None else (max_connections - 1) // 2
 
 
@@ -72,10 +72,10 @@ def best_paths(
     known: Mapping[int, tuple[ShortestPaths, int]],
     bands: Mapping[int, int],
 ) -> BestPaths:
-    """The best path of each of ``pairs`` (p, 2). ``budget`` bounds the search that is needed where shortest-path trees are not enough, per
-    source. ``amplified``: some gain exceeds 1. ``known``: trees that are known already, and the row in them, by row of the source.
-    ``bands``: the frequency band by whose gains a source's paths are chosen; the plain gain where it has none, and where nothing meets the
-    threshold by that band. Costs are those of the plain gains."""
+    """The best path of each of ``pairs`` (p, 2). ``budget`` bounds, per source, the search for pairs that shortest-path trees do not solve.
+    ``amplified``: some gain exceeds 1. ``known``: available trees and the row in them, by row of the source. ``bands``: the frequency band
+    by whose gains a source's paths are chosen; the plain gain without a band, and if no path in that band meets the threshold. Costs are
+    those of the plain gains."""
     result = BestPaths()
     result.visited = max((trees.visited() for trees, _ in known.values()), default=0)
     crossings = crossings_of(max_connections)
@@ -102,7 +102,7 @@ def best_paths(
         hangs_on = clusters(graph)[graph.node_object]
         ends = np.array([(*graph.sources[row].nodes[:1], *graph.sources[row].nodes[-1:], graph.listener_nodes[k]) for row, k in missing]).T
         missing = [pair for pair, way in zip(missing, (hangs_on[ends[:2]] == hangs_on[ends[2]]).any(axis=0).tolist(), strict=True) if way]
-    if missing:  # lower frequencies, in which the source is weak, may still arrive
+    if missing:  # bands in which the source is weak may still arrive
         plain = best_paths(graph, np.array(missing), max_connections, threshold, budget, amplified, {}, {})
         result.nodes |= plain.nodes
         result.cost |= plain.cost
@@ -114,7 +114,7 @@ def best_paths(
 
 
 def _judge(graph: HapticGraph, result: BestPaths) -> None:
-    """Costs of all paths by the plain gains, and their gains in bands; bounds stay as far below the costs as they were."""
+    """Compute the costs of all paths by the plain gains, and their gains in bands; bounds keep their distance from the costs."""
     along = PathConnections(graph, result.nodes.values())
     costs = dict(zip(result.nodes, along.costs(), strict=True))
     for pair in result.bound.keys() & result.nodes.keys():
@@ -132,7 +132,7 @@ def _accept(graph: HapticGraph, candidates: dict[Pair, Path], limit: float, resu
 
 @dataclass(slots=True)
 class _Walks:
-    """Cheapest walks by pair, as far as they meet the threshold; ``views``: the graph by row of the source."""
+    """Cheapest walks by pair that meet the threshold; ``views``: the graph by row of the source."""
 
     graph: HapticGraph
     views: Mapping[int, HapticGraph]
@@ -158,7 +158,7 @@ class _Walks:
 def _unconstrained_paths(
     walks: _Walks, pairs: IntArray, known: Mapping[int, tuple[ShortestPaths, int]], result: BestPaths
 ) -> dict[Pair, Path]:
-    """Cheapest walks by trees, those that are ``known`` or found here."""
+    """Cheapest walks from shortest-path trees, ``known`` ones or new ones."""
     graph, views = walks.graph, walks.views
     for number, (trees, tree) in known.items():
         mine = pairs[pairs[:, 0] == number]
@@ -187,7 +187,7 @@ class _Trees:
         views, roots, targets: of each tree.
         tree: (p,) number of each pair's tree.
         ends: (2, p) nodes of which the nearer one is the end of the pair's walk in it.
-        backwards: (p,) whether it leads from the listener.
+        backwards: (p,) whether the tree starts at the listener.
     """
 
     def __init__(self, graph: HapticGraph, views: Mapping[int, HapticGraph], pairs: IntArray) -> None:
@@ -222,7 +222,8 @@ class _Trees:
 def _search_row(
     graph: HapticGraph, row: int, columns: Sequence[int], crossings: float, limit: float, budget: int, amplified: bool, result: BestPaths
 ) -> None:
-    """Best paths of one source where shortest-path trees are not enough: hop-constrained walks; where such a walk is no path, a search."""
+    """Best paths of one source for pairs that shortest-path trees do not solve: hop-constrained walks, and a search if such a walk is not a
+    path."""
     roots = graph.sources[row].nodes
     most = min(crossings, graph.contact_count)
     count = int(min(most, HOPS_UNLIMITED) if amplified and crossings == math.inf else most)
@@ -271,7 +272,8 @@ def _search_pair(
 
 
 def amplification(graph: HapticGraph) -> float:
-    """Logarithm of a gain that no path exceeds: it crosses every contact at most once, and each one leads into one intra-connection."""
+    """Logarithm of an upper bound on the gain of any path, which crosses every contact at most once, each followed by one
+    intra-connection."""
     inside = np.zeros(len(graph.table.names))
     for index in range(len(inside)):
         nodes = np.arange(graph.start[index], graph.start[index + 1])
@@ -285,7 +287,8 @@ def amplification(graph: HapticGraph) -> float:
 
 
 def gain_and_error(cost: float | None, bound: float | None) -> tuple[float, float]:
-    """Gain of a path of this cost (None: no path) and how far the best one may exceed it, `LARGEST` where no number says it."""
+    """Gain of a path of this cost (None: no path) and the largest amount by which the best one may exceed it, `LARGEST` if that
+    overflows."""
     gain = 0.0 if cost is None else bounded_exp(-cost)
     if gain >= LARGEST:
         return LARGEST, LARGEST

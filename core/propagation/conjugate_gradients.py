@@ -5,8 +5,8 @@ The equations ``(Λ_i + Σ_j C_ij) E_i - Σ_j C_ij E_j = P_i`` have a symmetric 
 the smallest singular value of a matrix", Linear Algebra and its Applications 11, 1975).
 
 The iteration starts from zero with a Jacobi preconditioner (M. R. Hestenes, E. Stiefel, Journal of Research of the National Bureau of
-Standards 49, 1952). Every column is iterated on its own until it is good enough, without a library for linear algebra: its bits depend
-neither on the other columns, nor on earlier frames, nor on the number of threads.
+Standards 49, 1952). Every column is iterated separately until its error bound suffices, without BLAS: the result depends bit by bit neither
+on the other columns, nor on earlier frames, nor on the number of threads.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ ITERATIONS = 2000
 """Most iterations."""
 
 FIRST_CHECK, CHECKED = 11, 2
-"""Iterations before the error is looked at first, and between two looks."""
+"""Iterations before the first evaluation of the error, and between two evaluations."""
 
 SMALLEST = 1e-300
-"""Added to what is divided by: a column that is solved exactly then stays as it is."""
+"""Added to divisors, so that a column that is solved exactly does not change."""
 
 EPSILON = 64 * float(np.finfo(np.float64).eps)
 """Relative rounding error of one row of a product."""
@@ -33,15 +33,15 @@ EPSILON = 64 * float(np.finfo(np.float64).eps)
 
 @dataclass(frozen=True, slots=True)
 class PowerBalance:
-    """Systems of the same couplings with other values, one for each of k systems.
+    """k systems with the same sparsity of couplings and different values.
 
     Attributes:
         damping: (k, n) Λ > 0.
-        leak: (k, n) couplings to what is held at energy 0.
+        leak: (k, n) couplings to subsystems with energy 0.
         row, column: (c,) subsystems of each coupling, both directions present, sorted by row.
         coupling: (k, c) C >= 0.
         blocks: couplings (k, r, r) among all of r subsystems that follow each other, and the first of these; 0 in the diagonal.
-        diagonal: (k, n) what a subsystem loses by each unit of its energy.
+        diagonal: (k, n) power that a subsystem loses per unit of its energy.
     """
 
     damping: FloatArray
@@ -63,7 +63,7 @@ class PowerBalance:
 
 @dataclass(frozen=True, slots=True)
 class Balanced:
-    """``energy`` (k, s, n) under each of s powers, and ``doubt`` (k, s): no energy is wrong by more."""
+    """``energy`` (k, s, n) under each of s powers, and ``doubt`` (k, s): bound on the error of each energy."""
 
     energy: FloatArray
     doubt: FloatArray
@@ -72,7 +72,7 @@ class Balanced:
 def solve(balance: PowerBalance, power: FloatArray, good_enough: Callable[[FloatArray], FloatArray]) -> Balanced:
     """Energies under powers (k, s, n) >= 0.
 
-    ``good_enough`` tells from energies (k, s, n) what bound on the error (k, s) will do.
+    ``good_enough`` returns from energies (k, s, n) the accepted error (k, s).
     """
     systems, columns, count = power.shape
     matrix = _Matrix(balance, columns)
@@ -177,6 +177,6 @@ class _Matrix:
         result = np.add.reduceat(self._terms, self._firsts[: vectors.size]).reshape(vectors.shape)
         for begin, block in self._blocks:
             part = slice(begin, begin + block.shape[1])
-            for number, system in enumerate(self._kept):  # no BLAS, and one by one: the same bits for any threads and other columns
+            for number, system in enumerate(self._kept):  # no BLAS, one by one: bits independent of threads and other columns
                 result[number, part] -= np.einsum("ij,j->i", block[system], vectors[number, part])
         return np.asarray(result)

@@ -13,16 +13,16 @@ from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
 
 ROUNDING = 1e-12
-"""Relative slack of comparisons with the threshold: one that is met exactly stays met, however the product is rounded."""
+"""Relative slack of comparisons with the threshold: a gain equal to the threshold meets it despite rounding of the product."""
 
 SLACK = 1e-9
-"""Costs along a tree are rounded sums, so trees reach this far beyond a limit; the path found is judged by its exactly rounded cost."""
+"""Costs along a tree are rounded sums, so trees extend this far beyond a limit; the exactly rounded cost of the path decides."""
 
 LARGEST = 1e300
-"""Gains and sums above this are cut to this, as lower bounds."""
+"""Largest gain and sum; larger ones are clamped, as lower bounds."""
 
 PAIRS_EVALUATED = 1 << 18
-"""Most intra-connections of one object evaluated to see whether a function whose bounds allow gains above 1 has any."""
+"""Most intra-connections of one object that are evaluated to find gains above 1 if the bounds of its function allow them."""
 
 
 def bounded_exp(x: float) -> float:
@@ -65,7 +65,7 @@ def band_factors(graph: HapticGraph, index: IntArray, distance: FloatArray) -> F
 
 
 class PathConnections:
-    """The connections of several paths, one path after the other: what costs and band gains of paths are computed from."""
+    """The connections of several paths, concatenated, from which costs and band gains are computed."""
 
     def __init__(self, graph: HapticGraph, paths: Collection[tuple[int, ...]]) -> None:
         self._graph = graph
@@ -101,7 +101,7 @@ class PathConnections:
 
 
 def _exact_sum(terms: Sequence[float]) -> float:
-    """The exactly rounded sum, infinite where it is too large for a number."""
+    """The exactly rounded sum, infinite if it overflows."""
     try:
         return math.fsum(terms)
     except OverflowError:
@@ -122,7 +122,7 @@ def path_delay(graph: HapticGraph, path: tuple[int, ...]) -> float:
 
 
 def clusters(graph: HapticGraph) -> IntArray:
-    """Of each object (o,) the lowest number of those that it hangs together with by contacts."""
+    """For each object (o,) the lowest number of an object in its connected component."""
     label = np.arange(len(graph.start) - 1)
     crossed = (graph.partner >= 0).nonzero()[0]
     one, other = graph.node_object[crossed], graph.node_object[graph.partner[crossed]]
@@ -134,7 +134,7 @@ def clusters(graph: HapticGraph) -> IntArray:
 
 
 def amplifying(graph: HapticGraph) -> bool:
-    """Whether some connection of the graph has a gain above 1, by the bounds of its function or, where these are loose, by its values."""
+    """Whether some connection of the graph has a gain above 1, by the bounds of its function or, if these are loose, by its values."""
     if np.any(graph.transmission > 1) or np.any(graph.table.loss < 0):
         return True
     for index in sorted(graph.table.special):

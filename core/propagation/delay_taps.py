@@ -19,7 +19,7 @@ SEARCHED = 4096
 """Most partial paths examined for one pair."""
 
 HOPS = 64
-"""Most contacts on a path where gains exceed 1."""
+"""Most contacts on a path if gains exceed 1."""
 
 
 def delay_taps(

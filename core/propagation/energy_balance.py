@@ -6,9 +6,9 @@ limits are in ``docs/energy_balance.md``; in short, with energies E and the powe
     m_i Λ_i E_i + Σ_j C_ij (E_i - E_j) = P_i,   Λ_i = 1 / f_i(d_i)²,
     C_ij = Σ share · transmission² over the contacts of i and j, or m_i m_j f(d_ij)² Λ_i Λ_j between regions of one object,
 
-where f is the object's propagation function, d_i a typical distance between contacts of i, and m_i the part of a region that exists. The
-matrix is symmetric, strictly diagonally dominant and has no positive entry beside its diagonal: it can always be solved, energy is never
-created, and exchanging source and listener changes nothing.
+where f is the object's propagation function, d_i a typical distance between contacts of i, and m_i the mass of a region in (0, 1]. The
+matrix is symmetric, strictly diagonally dominant and has no positive off-diagonal entry: there is always a solution, energy is never
+created, and the gain is reciprocal.
 
 Source: R. H. Lyon, R. G. DeJong, *Theory and Application of Statistical Energy Analysis*, Butterworth-Heinemann 1995, chapters 2 and 3.
 """
@@ -28,16 +28,16 @@ from .connections import band_factors
 from .subsystems import subsystems
 
 HOPS = 24
-"""Contacts from a source up to which everything is assembled at first; twice as many where what lies beyond may still matter."""
+"""Distance from a source, in contacts, up to which subsystems are assembled at first; doubled while farther ones may matter."""
 
 PRECISE = 4e-3
 """Relative error allowed in the energy at a listener: 0.017 dB."""
 
 INAUDIBLE = 1e-12
-"""Error allowed in an energy at any rate, relative to the power put in: an amplitude of 1e-6, or -120 dB."""
+"""Error of an energy that is always accepted, relative to the injected power: an amplitude of 1e-6, or -120 dB."""
 
 UNDERFLOW = 1e-280
-"""Squares of gains below this are cut to this, where the gain is not 0."""
+"""Smallest square of a gain that is not 0."""
 
 TINIEST = 1e-140
 """Least bound on the error of an amplitude that is not known to be 0."""
@@ -46,7 +46,7 @@ DENSE = 40
 """Objects with at least this many regions have their couplings as a matrix."""
 
 STRAIGHTEST = 4
-"""Power of the energy that arrives by which the regions about a source or listener share it: the nearest has most of it."""
+"""Exponent of the arriving energy in the shares of the regions around a source or listener; the nearest region has the largest share."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +60,8 @@ class Energies:
 
 
 def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
-    """Amplitude gains of the wanted pairs (s, l): the square root of the energy at each listener, relative to what the source would leave
-    at its own place."""
+    """Amplitude gains of the wanted pairs (s, l): the square root of the energy at each listener, relative to the energy of the source in a
+    lossless, isolated subsystem."""
     gain, error = np.zeros(wanted.shape), np.zeros(wanted.shape)
     bands = np.zeros((*wanted.shape, BAND_COUNT)) if graph.uses_bands else None
     rows, columns = np.flatnonzero(wanted.any(axis=1)), np.flatnonzero(wanted.any(axis=0))
@@ -90,7 +90,7 @@ def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
 
 @dataclass(frozen=True, slots=True)
 class _Ends:
-    """Nodes where power is put in, or energy is felt: the number of the source or listener of each, and its part of that."""
+    """Nodes at which power is injected or energy is received, with the number of their source or listener, and their share of it."""
 
     node: list[int]
     number: IntArray
@@ -113,7 +113,7 @@ def _levels(graph: HapticGraph, here: _Ends, there: _Ends) -> tuple[FloatArray, 
 
 @dataclass(frozen=True, slots=True)
 class _Attachments:
-    """How ends belong to the subsystems of their objects.
+    """Shares of ends in the subsystems of their objects.
 
     Attributes:
         first, size: of each end: its attachments are the ``size`` from ``first`` on, in the same order for all ends on an object.
@@ -176,7 +176,7 @@ class _Assembly:
         return np.asarray(graph.share[contact] * np.minimum(gains, 1.0) ** 2)
 
     def _equations(self) -> PowerBalance:
-        """Dampings and couplings. A subsystem that lets nothing through takes up energy and has none."""
+        """Dampings and couplings. A subsystem of gain 0 absorbs energy and has the energy 0."""
         parts = self._parts
         one, other, value = self._contact_couplings()
         within, among, through, dense = self._region_couplings()
@@ -225,7 +225,7 @@ class _Assembly:
     def _region_couplings(self) -> tuple[IntArray, IntArray, FloatArray, list[tuple[int, FloatArray]]]:
         """Couplings between the regions of an object, both directions; of objects with many regions as blocks of `PowerBalance`.
 
-        A region that lets nothing through is coupled to no other of its object.
+        A region of gain 0 is not coupled to other regions of its object.
         """
         parts = self._parts
         loss = parts.mass * np.where(self._passes, self._decay, 0.0)
@@ -246,7 +246,7 @@ class _Assembly:
         return a, b, value * loss[:, a] * loss[:, b], blocks
 
     def _attached(self, nodes: list[int]) -> _Attachments:
-        """Ends at ``nodes`` and the subsystems of their objects: nearest ones, by the energy that gets there, have the largest shares."""
+        """Ends at ``nodes`` and the subsystems of their objects: the nearest ones, by arriving energy, have the largest shares."""
         graph, parts = self._graph, self._parts
         node = np.array(nodes, dtype=np.int64)
         index = graph.node_object[node]
@@ -271,7 +271,7 @@ class _Assembly:
     def solved(self) -> tuple[FloatArray, FloatArray, int] | None:
         """Energies (lanes, here, there), bounds (here, there) on the plain ones' errors, and the number of subsystems.
 
-        None where what is not assembled may still matter.
+        None if subsystems that are not assembled may matter.
         """
         here, there = self._here, self._there
         lanes, count = self._lanes, len(self._parts.mass)
@@ -303,7 +303,7 @@ class _Assembly:
         return levels(found.energy), doubt[:, None] * np.where(unknown, 1.0, reached), count
 
     def _outside(self, found: Balanced) -> FloatArray:
-        """Bounds (lanes, here) on the error that comes of what is not assembled: what flows there, over dampings of at least 1."""
+        """Bounds (lanes, here) on the error due to subsystems that are not assembled: the flow into them, with dampings of at least 1."""
         region, beyond, _, weight = self._border_part
         if len(region) == 0:
             return np.zeros(found.energy.shape[:2])
@@ -312,10 +312,10 @@ class _Assembly:
         return np.asarray(flow.max(axis=2, initial=0.0))
 
     def _straight(self) -> FloatArray:
-        """Energies (lanes, here, there) that get straight from one end to another in the same object, less what the equations take for it.
+        """Energies (lanes, here, there) on the direct way between ends in the same object, minus those that the equations assign to it.
 
-        Of the power put into a subsystem the part that has not left it yet reaches a listener by the object's function over the distance
-        between the two, instead of evenly.
+        The fraction of the injected power that has not left the subsystem reaches a listener by the object's function over their distance,
+        instead of being uniform.
         """
         graph, here, there = self._graph, self._here, self._there
         node_a, node_b = np.array(here.node, dtype=np.int64), np.array(there.node, dtype=np.int64)

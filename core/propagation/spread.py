@@ -1,7 +1,7 @@
 """How a signal spreads: the strongest arrival at every node from any of the sources, and its predecessor.
 
-A frame has too many implied intra-connections to draw them all. This forest of strongest arrivals has at most one connection per node and
-shows where the signal goes.
+The forest of strongest arrivals has at most one connection per node. The overlay draws it instead of the implied intra-connections, which
+are too many.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Spread:
     """The strongest arrival at each node.
 
     Attributes:
-        gain: (n,) largest product of gains from any source to the node times the source's amplitude; 0 where nothing arrives. A source's
+        gain: (n,) largest product of gains from any source to the node times the source's amplitude; 0 if nothing arrives. A source's
             own node has its amplitude.
         predecessor: (n,) the node before it; -1 at sources and where nothing arrives. Where no gain exceeds 1, following predecessors never
             lowers the gain.
@@ -45,7 +45,7 @@ class Spread:
 def spread(graph: HapticGraph, settings: Settings, sources: Collection[str] | None = None) -> Spread:
     """The spread from all sources of ``graph``, or from those named in ``sources``, within the two limits of ``settings``.
 
-    The graph is used as it is: a caller that shows another mode passes that mode's graph.
+    A caller for another mode must pass the graph of that mode.
     """
     patches = merge_patches(graph)
     merged = _merged_spread(patches.graph, settings, sources)
@@ -83,7 +83,7 @@ def _strongest(graph: HapticGraph, roots: list[tuple[int, ...]], settings: Setti
     across = np.full(inside.shape, math.inf)
     across[:, crossed] = before[:, over[crossed]] + graph.transmission_loss[graph.contact[crossed]]
     across[across > limit] = math.inf
-    # Of equal costs the one with fewer contacts, so that following predecessors always gets closer to the source.
+    # Ties go to fewer contacts, so that following predecessors always approaches the source.
     crosses = (across < inside) | ((across == inside) & (crossed_before[:, over] < contacts))
     cost = np.minimum(inside, across)
     came_from = np.where(np.isinf(cost), -1, np.where(crosses, over, entry))

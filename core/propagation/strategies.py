@@ -1,4 +1,4 @@
-"""Which strategy computes what, and the result of all sources put together."""
+"""Dispatch of sources to strategies, and the combined result."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from .threshold_costs import ThresholdCosts, threshold_costs
 from .walk_radius import WalkOperator, WalkRadius
 
 BUDGET = 1_000_000
-"""Default work per source (partial paths, states and transitions): about a second where all of it is needed."""
+"""Default work per source (partial paths, states and transitions): about a second if used up."""
 
 
 def strategy_of(kind: SourceKind, settings: Settings) -> Strategy:
-    """The strategy of a source of this kind: the best path in mode SD; else the chosen one, with the two automatic ones resolved."""
+    """The strategy of a source of this kind: the best path in mode SD; otherwise the chosen one, with the two automatic ones resolved."""
     if settings.mode is Mode.SD or settings.strategy is Strategy.AUTO:
         return Strategy.BEST_PATH
     if settings.strategy is Strategy.AS_IN_THE_PAPER:
@@ -46,12 +46,11 @@ def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET, soun
     Args:
         graph: the haptic graph.
         settings: mode, strategy and limits.
-        budget: work allowed where an exact result is out of reach; by count and not by time, so that the result is the same on every
-            machine.
-        sounding_only: sources of amplitude 0 are left out; their gains are 0.
+        budget: bound on the work if an exact result is infeasible; counted in operations, so that the result is the same on every machine.
+        sounding_only: leave out sources of amplitude 0; their gains are 0.
 
     Raises:
-        ValueError: the argument with its name for a negative budget, the object where an expression gives no gain.
+        ValueError: for a negative budget, or if an expression gives no valid gain, with the name of the object.
     """
     if budget < 0:
         raise ValueError(f"budget: must be 0 or more, got {budget!r}")
@@ -88,7 +87,7 @@ class _Gains:
 
 @dataclass(slots=True)
 class _Sums:
-    """What summing over paths says beside the gains. ``uncertain``: whether the budget ended too early for some sum."""
+    """Further results of sums over paths. ``uncertain``: whether the budget was insufficient for some sum."""
 
     radius: WalkRadius | None = None
     uncertain: bool = False
@@ -98,7 +97,7 @@ class _Sums:
 
 @dataclass(frozen=True, slots=True)
 class _Run:
-    """One propagation over the graph. ``wanted`` (s, l): pairs that are asked for."""
+    """One propagation over the graph. ``wanted`` (s, l): the requested pairs."""
 
     graph: HapticGraph
     settings: Settings
@@ -144,7 +143,7 @@ class _Run:
         )
 
     def _best_paths(self, patches: MergedPatches, amplified: bool, known: ThresholdCosts | None, rows: list[int]) -> BestPaths:
-        """Best paths of all wanted pairs on the graph with merged patches; the gains of those whose strategy they are."""
+        """Best paths of all wanted pairs on the graph with merged patches; sets the gains of sources with that strategy."""
         graph, gains = patches.graph, self.gains
         trees = {} if known is None else {row: (known.forward, number) for number, row in enumerate(rows)}
         by_band = graph.uses_bands and not amplified
@@ -173,7 +172,7 @@ class _Run:
         return best
 
     def _sum_over_paths(self, patches: MergedPatches, best: BestPaths, known: ThresholdCosts | None, rows: list[int]) -> _Sums:
-        """The gains of sources whose strategy is all paths."""
+        """Set the gains of sources whose strategy is all paths."""
         graph, gains, settings = self.graph, self.gains, self.settings
         sums = _Sums()
         crossings = crossings_of(most_connections(settings))
@@ -183,7 +182,7 @@ class _Run:
             gains.limited[rows], gains.error[rows] = self.wanted[rows], np.where(self.wanted[rows], math.inf, 0.0)
             return sums
         limits = PathLimits(crossings, settings.threshold, settings.tolerance, self.budget)
-        # Products may be larger or smaller than any number: then nothing bounds the sum.
+        # Products may overflow or underflow; then the sum has no bound.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             operator = WalkOperator(graph)
             sums.radius = operator.radius
@@ -205,7 +204,7 @@ class _Run:
         return sums
 
     def _balance_energy(self) -> None:
-        """The gains of sources whose strategy is the energy balance."""
+        """Set the gains of sources whose strategy is the energy balance."""
         if Strategy.ENERGY_BALANCE not in self.strategies:
             return
         chosen = np.array([strategy is Strategy.ENERGY_BALANCE for strategy in self.strategies])
@@ -238,7 +237,7 @@ class _Run:
         return tuple(warnings)
 
     def _limited_message(self, row: int, radius: WalkRadius) -> Message:
-        """That the limits set a sum from source number ``row``."""
+        """Message that the limits determine a sum from source number ``row``."""
         source = self.graph.sources[row].name
         if not radius.well_posed:
             cause = Cause.SUM_SET_BY_THRESHOLD if self.settings.threshold > 0 else Cause.SUM_SET_BY_CONNECTIONS
@@ -246,7 +245,7 @@ class _Run:
         return Message.of(Cause.SUM_TRUNCATED, source=source)
 
     def _taps(self, graph: HapticGraph, best: BestPaths, amplified: bool) -> dict[tuple[int, int], tuple[tuple[float, float], ...]]:
-        """The strongest paths of a sum over paths; else the best path with all of the gain. ``graph``: that of the best paths."""
+        """The strongest paths of a sum over paths; otherwise the best path with the whole gain. ``graph``: that of the best paths."""
         taps = {}
         crossings = crossings_of(most_connections(self.settings))
         for pair, nodes in best.nodes.items():
@@ -258,7 +257,7 @@ class _Run:
 
 
 def _unknown_force(graph: HapticGraph) -> list[Message]:
-    """That the force of a contact, which its function asks for, can't be known: of the first of these contacts."""
+    """Warning about the first contact whose function uses a force that is unknown."""
     unknown = [] if graph.forces is None else np.flatnonzero(np.isnan(graph.forces)).tolist()
     if not unknown:
         return []

@@ -1,9 +1,9 @@
 """The subsystems of an energy balance: objects, and regions of those that are larger than the length over which they damp.
 
 Regions are the points of a lattice in the object's own axes about the middle of its bounding box, spaced by the length over which its gain
-falls to 1/e. A contact belongs to the regions around it with multilinear weights that add up to 1. Near the middle, by up to half a spacing
-along each axis, these weights don't change: an object no larger than that is one subsystem. So energies are continuous functions of where
-contacts are. Only regions with a contact exist.
+falls to 1/e. A contact belongs to the regions around it with multilinear weights that add up to 1. Within half a spacing of the middle
+along each axis these weights are constant, so an object no larger than that is one subsystem. Energies are therefore continuous functions
+of the positions of contacts. Only regions with a contact exist.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ FARTHEST = 2.0**40
 """Most lattice points from the middle: contacts beyond belong to the last one."""
 
 HIGHEST = 1e140
-"""Distances above this are cut to this: their squares have to be numbers."""
+"""Largest distance, whose square is still finite."""
 
 DENSE = 64
 """Cells for each row that is numbered, up to which all cells are numbered."""
@@ -34,7 +34,7 @@ CORNERS = np.array(list(itertools.product((0, 1), repeat=3)))
 """The lattice points around a place, relative to the lowest."""
 
 LIGHTEST = 1e-100
-"""Least mass of a region: its reciprocal has to be a number."""
+"""Least mass of a region, whose reciprocal is still finite."""
 
 BISECTIONS = 60
 """Steps to the length over which a function of several terms damps."""
@@ -51,11 +51,9 @@ class Subsystems:
         of_object: (r,) object of each subsystem.
         centre: (r, 3) middle of its contacts [m].
         distance: (r,) root mean square distance between two of its contacts [m].
-        mass: (r,) in (0, 1] how much of the subsystem exists: of a region the largest part of a contact in it, relative to the object's
-            strongest contact.
-        node: (a,) contact nodes, sorted; a node is repeated for every region that it belongs to.
-        region: (a,) the subsystem.
-        weight: (a,) of that node, in (0, 1].
+        mass: (r,) in (0, 1] for a region the largest share of a contact in it, relative to the object's strongest contact. node: (a,)
+        contact nodes, sorted; a node is repeated for every region that it belongs to. region: (a,) the subsystem. weight: (a,) of that
+        node, in (0, 1].
     """
 
     of_object: IntArray

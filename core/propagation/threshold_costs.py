@@ -1,4 +1,4 @@
-"""Least costs from the sources and to the listeners up to a threshold: what a path within the threshold can pass."""
+"""Least costs from the sources and to the listeners up to a threshold."""
 
 from __future__ import annotations
 

@@ -4,12 +4,12 @@ Rows and columns of the walk operator W are contact crossings, given by the cont
 a to b is the gain of the intra-connection from a to the exit before b, times gain and share of that inter-connection; a walk does not
 return through the patch that it has just crossed. The sum over all walks is the Neumann series of W. It converges where the spectral radius
 is below 1: always in a forest, whose operator is nilpotent. Where it diverges, a sum over paths is finite only because no patch is crossed
-twice, and a limited sum is set by its limits.
+twice, and a limited sum depends on its limits.
 
 For a vector x > 0 the ratios ``(W x)_i / x_i`` enclose the spectral radius (L. Collatz, Mathematische Zeitschrift 48, 1942; H. Wielandt,
-Mathematische Zeitschrift 52, 1950); for the lower bound x may vanish outside the cycles. Power iteration brings the two together. A part of
-the contacts has no larger a radius than all of them: of objects with many contacts some that are near each other are examined first, and
-all of them only where these don't show already that sums diverge.
+Mathematische Zeitschrift 52, 1950); for the lower bound x may vanish outside the cycles. Power iteration brings the two together. The
+radius of a subset of the contacts is a lower bound: for objects with many contacts a subset of neighbouring ones is examined first, and all
+of them only if these do not already prove divergence.
 
 Where the upper bound q is below 1, the same vector bounds the rest of a Neumann series: exchanging the two sides of every contact turns W
 into its transpose, so ``W x <= q x`` gives a v with ``Wᵀ v <= q v``, and what follows after a term f <= c v sums to at most
@@ -33,10 +33,10 @@ DENSE = 24
 """Objects with at least this many contacts have their part of the operator as a dense matrix."""
 
 PAIRS = 1 << 23
-"""Most pairs of contacts inside objects; of a scene with more only an excerpt is examined."""
+"""Most pairs of contacts inside objects; of a larger scene only a subset is examined."""
 
 EXCERPTS = 128, 512
-"""Contacts of each object that are examined first, while the bounds don't say that sums diverge."""
+"""Sizes of the subsets of contacts per object that are examined before all of them."""
 
 STEPS, CHECKED = 240, 8
 """Most steps of the power iteration, and steps between two evaluations of the bounds."""
@@ -62,7 +62,7 @@ NEGLIGIBLE = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class WalkRadius:
-    """Certified bounds on the spectral radius; ``high`` is infinite where only a part of the scene was examined."""
+    """Certified bounds on the spectral radius; ``high`` is infinite if only a part of the scene was examined."""
 
     low: float
     high: float
@@ -74,7 +74,7 @@ class WalkRadius:
 
     @property
     def value(self) -> float:
-        """One number for both: the lower bound where that is 1 or more, else the upper one."""
+        """A single value: the lower bound if that is 1 or more, else the upper one."""
         return self.low if self.low >= 1 else self.high
 
 
@@ -108,7 +108,7 @@ class WalkOperator:
 
     @property
     def has_cycles(self) -> bool:
-        """Whether some patches lie on cycles: without them, any two places are connected by one path at most."""
+        """Whether some patches lie on cycles: without cycles, at most one path joins any two nodes."""
         return bool(self._cyclic.any())
 
     def _excerpt(self, most: int) -> BoolArray:

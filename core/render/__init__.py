@@ -1,1 +1,1 @@
-"""From gains to samples: voices, mixing and playback of what each listener feels."""
+"""Rendering of gains to samples: voices, mixing and playback."""

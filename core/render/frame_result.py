@@ -33,9 +33,9 @@ class FrameResult:
 
     ``objects``: names in the order that ``contacts`` and ``graph`` number them. ``sources`` (s) include the temporary ones made by
     impacts; ``gains`` (s, l) include the sources' amplitudes. ``block`` (l, n): the rendered samples of the frame's interval, the first
-    at sample number ``first_sample`` of ``sample_rate``; None where nothing was rendered. ``milliseconds`` per stage: read, broad,
-    narrow, graph, propagate, mix. ``statistics``: counts of what was done and what was skipped. ``before``: what sounded at the start of
-    the block; None where there was none before it. ``shots``: of sources with triggers, which sound as temporary ones of their names.
+    at sample number ``first_sample`` of ``sample_rate``; None if nothing was rendered. ``milliseconds`` per stage: read, broad,
+    narrow, graph, propagate, mix. ``statistics``: counts of computed and skipped work. ``before``: the state at the start of the block;
+    None for the first one. ``shots``: those of sources with triggers, which are temporary sources of their names.
     """
 
     number: int
@@ -58,8 +58,8 @@ class FrameResult:
     shots: tuple[Shot, ...] = ()
 
     def arrivals(self) -> FloatArray:
-        """Where in its bounding volume what each listener feels arrives, (l, 2): across from the wearer's left and down, each from 0 to 1,
-        of a body that faces -Y. The mean over the sources by their power; the middle where nothing arrives."""
+        """Point of arrival in the bounding volume of each listener, (l, 2): coordinates from the wearer's left and from the top, each from
+        0 to 1, of a body that faces -Y. The mean over the sources by power; the centre if nothing arrives."""
         graph, places = self.graph, np.full((len(self.listeners), 2), 0.5)
         for column, (listener, node) in enumerate(zip(self.listeners, graph.listener_nodes.tolist(), strict=True)):
             paths = [(row, self.propagation.best_path.get((row, column), ())) for row in np.flatnonzero(self.gains[:, column]).tolist()]
@@ -73,5 +73,5 @@ class FrameResult:
         return places
 
     def path_objects(self, source: int, listener: int) -> tuple[str, ...]:
-        """The objects of the best path from a source to a listener, () where there is none."""
+        """The objects of the best path from a source to a listener, () if there is none."""
         return objects_on(self.graph, self.propagation.best_path.get((source, listener), ()))

@@ -1,6 +1,6 @@
 """Gains over time: straight lines from frame to frame, smoothed where they bend.
 
-The corners of the lines would spread a tone over all frequencies. So each gain is its line convolved with a Hann window over the last
+The corners of the lines would cause broadband artefacts. Therefore each gain is its line convolved with a Hann window over the last
 `SMOOTHING` seconds: it never leaves the range of the line's values, is straight where the line has been straight for that long, and has
 two continuous derivatives. It lags behind the line by half the window: with slope b at time t and changes of slope c at the times u
 before,

@@ -102,7 +102,7 @@ class Groups:
         return groups
 
     def advance(self, frame: Frame, groups: Sequence[Group]) -> None:
-        """Go on to the next frame: keep voices, and what still fades out."""
+        """Go on to the next frame: keep voices, and streams that still fade out."""
         self._streams, self._tails, self._last = {}, [], {}
         for group in groups:
             self._last[group.streams[0].kind] = _Last(group.streams, group.gains, group.delays)
@@ -158,7 +158,7 @@ class Groups:
         if not within.all():
             key = streams[int(np.argmin(within.all(axis=1)))].key
             raise ValueError(f"delays: those of {key!r} must be from 0 to {MAX_DELAY:g}")
-        # The delay of an inaudible path means nothing: it is taken from the frame's other end.
+        # The delay of an inaudible path is arbitrary and taken from the other end of the frame.
         delays = np.where(open_at_end, delays, delays_before)
         delays_before = np.where(any_gain(start, slope, *(bend.amount for bend in bends)), delays_before, delays)
         return Group(streams, voices, gains, gains.audible(), delays_before, delays)

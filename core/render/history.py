@@ -14,7 +14,7 @@ STILL_SECONDS = 0.25
 
 
 class History:
-    """Consecutive blocks; a jump restarts them. A frame without a block is rendered as if it lasted for `STILL_SECONDS`."""
+    """Consecutive blocks; a jump restarts them. A frame without a block is rendered in the steady state for `STILL_SECONDS`."""
 
     def __init__(self) -> None:
         self.sample_rate = 0.0
@@ -39,7 +39,7 @@ class History:
         self._samples = samples[:, -round(SECONDS * result.sample_rate) :]
 
     def all(self) -> FloatArray:
-        """The last second of every listener, (l, n); fewer samples where there are fewer."""
+        """The last second of every listener, (l, n); or all samples if there are fewer."""
         return self._samples
 
 

@@ -10,17 +10,18 @@ from .mixing import saturated
 LOOK_AHEAD = 0.005
 """Look-ahead of the limiter [s], which is its latency."""
 HOLD = 0.025
-"""Seconds for which the limiter keeps its gain after a peak: half a period of 20 Hz, so that a steady tone is turned down, not bent."""
+"""Seconds for which the limiter keeps its gain after a peak: half a period of 20 Hz, so that a steady tone is attenuated without
+distortion."""
 RELEASE = 0.15
-"""Seconds in which the limiter's gain, once let go, rises by a factor e (8.7 dB)."""
+"""Time constant of the release [s], in which the gain rises by a factor e (8.7 dB)."""
 _RUN = 4096
 
 
 class Limiter:
     """A look-ahead limiter for several channels: no sample above `s_max`, a gain that changes smoothly, and no change at all below.
 
-    The gain that each sample needs is held over the look-ahead and HOLD, let go at 1/RELEASE nepers a second, and averaged over the
-    look-ahead (a Hann window): every value in the average is low enough for the sample in question, so their average is.
+    The gain that each sample needs is held over the look-ahead and HOLD, released at 1/RELEASE nepers a second, and averaged over the
+    look-ahead (a Hann window). Every value in the average is low enough for the sample, hence so is the average.
 
     s_max: shape (n_channels,), positive. Output lags input by `latency` samples.
     """
@@ -63,7 +64,7 @@ class Limiter:
         return saturated(delayed[:, :count] * gain, self._s_max)
 
     def _released(self, gain: FloatArray, before: FloatArray) -> FloatArray:
-        """Return the lower of the gain and of where any earlier one has risen to meanwhile, exponentially and at most to 1."""
+        """Return the minimum of the gain and of all earlier gains after their exponential release, at most 1."""
         age = np.arange(1, gain.shape[1] + 1) * self._rise
         lowest = np.minimum.accumulate(np.concatenate((before, gain * np.exp(-age)), axis=1), axis=1)[:, 1:]
         return np.asarray(np.minimum(lowest * np.exp(age), 1.0))

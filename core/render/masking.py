@@ -1,4 +1,4 @@
-"""Which sources a listener feels, which are hidden by others and which are too weak."""
+"""Classification of the sources of a listener: felt, masked by others, or too weak."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SECONDS = 0.25
 
 @dataclass(frozen=True, slots=True)
 class FeltSource:
-    """``margin``: decibels above the threshold of feeling by itself, ducked. ``masker``: the source that hides it, "" for none."""
+    """``margin``: sensation level of the source alone, after ducking [dB]. ``masker``: the source that masks it, "" for none."""
 
     source: Source
     margin: float
@@ -30,30 +30,30 @@ class FeltSource:
 
     @property
     def state(self) -> Literal["felt", "hidden", "weak"]:
-        """Weak is what would not be felt alone."""
+        """Weak if it would not be felt alone, hidden if it is masked."""
         return "weak" if self.margin <= 0 else "hidden" if self.masker else "felt"
 
 
 @dataclass(frozen=True, slots=True)
 class FeltSources:
-    """The sources that reach a listener: those that are felt, hidden and weak, the strongest of each first."""
+    """The sources that reach a listener: felt, masked and weak ones, the strongest of each first."""
 
     listener: str
     sources: tuple[FeltSource, ...]
 
     def counts(self) -> tuple[int, int, int]:
-        """How many are felt, hidden and weak."""
+        """Numbers of felt, masked and weak sources."""
         found = Counter(item.state for item in self.sources)
         return found["felt"], found["hidden"], found["weak"]
 
 
 def shown_sounding(result: FrameResult) -> Sounding:
-    """What sounds in a frame, from the beginning of its interval."""
+    """The active sources of a frame, from the beginning of its interval."""
     return Sounding(result.first_sample / result.sample_rate, result.sources, result.listeners, result.propagation)
 
 
 def felt_sources(sounding: Sounding, listener: int, sample_rate: float = SAMPLE_RATE) -> FeltSources:
-    """Who is felt by listener number ``listener`` as if what sounds lasted for `SECONDS`."""
+    """Classify the sources of listener number ``listener`` as if they lasted for `SECONDS`."""
     margins, maskers = hidden_by(source_samples(sounding, listener, SECONDS, sample_rate), sample_rate)
     names = [source.name for source in sounding.sources]
     found = [
@@ -66,7 +66,7 @@ def felt_sources(sounding: Sounding, listener: int, sample_rate: float = SAMPLE_
 
 
 def source_samples(sounding: Sounding, listener: int, seconds: float, sample_rate: float) -> FloatArray:
-    """What each source makes a listener feel, ducked but not mixed: samples (s, n)."""
+    """Samples (s, n) of each source at a listener, after ducking, before mixing."""
     voices = source_voices(sounding.sources, sounding.listeners, sounding.propagation)
     apart = [
         voice._replace(

@@ -20,13 +20,13 @@ _LIMITER_SECONDS = 0.5
 """Time [s] that a limiter's gain depends on, to a few percent."""
 
 DUCKS = 0.01
-"""Amplitude from which a source of higher priority turns others down in full: -40 dB of full scale."""
+"""Least amplitude at which a source of higher priority attenuates others fully: -40 dB of full scale."""
 
 
 class Mixdown:
     """Mixes and renders frame after frame. Temporary sources without a signal of their own play ``impact_signal``.
 
-    ``before``: what sounded at the start of the last block, None where that was the first one.
+    ``before``: the state at the start of the last block, None if that was the first one.
     """
 
     def __init__(self, impact_signal: Signal = DEFAULT_IMPACT, sample_rate: float = SAMPLE_RATE) -> None:
@@ -38,7 +38,7 @@ class Mixdown:
         self._skipped = False
 
     def reset(self) -> None:
-        """Drop all sounding signals."""
+        """Drop all active signals."""
         if self._renderer is not None:
             self._renderer.reset()
         self._last, self._skipped = None, False
@@ -52,7 +52,7 @@ class Mixdown:
         propagation: Propagation,
         heard: bool = True,
     ) -> FloatArray | None:
-        """The samples (l, n) from ``start`` to ``end`` [s], gains reaching those of ``propagation`` at the end; None where there is no
+        """The samples (l, n) from ``start`` to ``end`` [s], gains reaching those of ``propagation`` at the end; None without a
         start, nobody listens, or they are not ``heard``. The next ones that are go on from the gains of this end."""
         mixes = listener_mixes(listeners)
         if self._renderer is None or self._renderer.listeners != mixes:
@@ -103,9 +103,9 @@ def _mix(name: str, mixing: str, expression: str, s_max: float, limiter: bool) -
 
 
 def ducked(sources: Sequence[Source], listeners: Sequence[Listener], gain: FloatArray) -> FloatArray:
-    """Factors (s, l) by which sources are turned down where one of higher priority arrives.
+    """Gain factors (s, l) of sources while one of higher priority arrives.
 
-    Where that has a level of at least `DUCKS` at the listener it is the listener's ``ducking``, in decibels; it fades in over the 6 dB
+    If that has a level of at least `DUCKS` at the listener, the attenuation is the listener's ``ducking`` [dB]; it decreases over the 6 dB
     below.
     """
     level = gain * np.array([source.amplitude for source in sources]).reshape(-1, 1)

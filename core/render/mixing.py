@@ -25,7 +25,7 @@ MixingMethod = Literal["cumulative", "weighted", "strongest", "power"] | CustomM
 class MixingExpression:
     """A designer's formula over `MIXING_VARIABLES` as a mixing method, such as ``s_max * tanh(sum / s_max)``.
 
-    Raises ExpressionError, a ValueError, for a formula that is not accepted.
+    Raises ExpressionError, a ValueError, for a rejected formula.
     """
 
     expression: str
@@ -35,7 +35,7 @@ class MixingExpression:
         _compiled(self.expression)
 
     def __call__(self, signals: FloatArray, weights: FloatArray) -> FloatArray:
-        """Return the formula's value at every sample, shape (n,); 0 where it has no finite one."""
+        """Return the formula's value at every sample, shape (n,); 0 if that is not finite."""
         values: dict[str, float | FloatArray] = {
             "sum": cumulative(signals),
             "weighted": weighted(signals, weights),
@@ -53,7 +53,7 @@ def _compiled(expression: str) -> CompiledExpression:
 
 
 def check_mixing(expression: str, s_max: float = 1.0) -> Finding | None:
-    """Return what is wrong with a mixing formula, or None. It is tried with sums of two tones, and with silence."""
+    """Return the fault of a mixing formula, or None. It is evaluated for sums of two tones, and for silence."""
     try:
         compiled = _compiled(expression)
     except ExpressionError as error:
@@ -85,7 +85,7 @@ def weighted(signals: FloatArray, weights: FloatArray, s_max: float = math.inf) 
 def strongest(signals: FloatArray, s_max: float = math.inf) -> FloatArray:
     """Return, sample by sample, the signal of the greatest magnitude (the first of equals), kept within ±s_max; signals: (n_signals, ...).
 
-    Where another signal of the opposite sign takes over, the result jumps: made for sources of which one hides the rest.
+    The result jumps when a signal of the opposite sign becomes the strongest, so this suits sources of which one masks the rest.
     """
     if not len(signals):
         return np.zeros(signals.shape[1:])
@@ -101,8 +101,8 @@ def strongest(signals: FloatArray, s_max: float = math.inf) -> FloatArray:
 def power(signals: FloatArray, s_max: float = math.inf) -> FloatArray:
     """Return the root of the sum of squares with the sign of the sum (+ where the sum is 0), kept within ±s_max; signals: (n_signals, ...).
 
-    That is how unrelated vibrations add up in strength: never less than the strongest, never more than the sum of their magnitudes. One
-    signal alone stays as it is; where several cancel, the result changes sign at full strength.
+    Incoherent vibrations add up in power: at least the strongest, at most the sum of their magnitudes. A single signal is unchanged; where
+    several cancel, the result changes sign at full amplitude.
     """
     return saturated(np.copysign(np.sqrt(np.einsum("i...,i...->...", signals, signals)), signals.sum(axis=0) + 0.0), s_max)
 
@@ -117,7 +117,7 @@ def mixed(method: MixingMethod, signals: FloatArray, weights: FloatArray) -> Flo
 
     `strongest` and `power` take further dimensions, (n_signals, ...), at once.
 
-    Raises ValueError if a custom method returns another shape or what is not finite.
+    Raises ValueError if a custom method returns another shape or values that are not finite.
     """
     if not len(signals):
         return np.zeros(signals.shape[1:])

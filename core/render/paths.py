@@ -18,7 +18,7 @@ from .voices import Stream, sample_brief
 
 
 def paths_of(frame: Frame, group: Group) -> list[DirectPaths | DelayedPaths | SteadyPaths]:
-    """Return the paths of a group: those of steady tones by themselves where bands or delays make samples costly."""
+    """Return the paths of a group: those of steady tones separately if bands or delays make samples costly."""
     if group.delays is None and group.streams[0].row_count == 1:
         return [DirectPaths(frame, group)]
     longest = group.longest_delays().tolist()
@@ -151,7 +151,7 @@ def _travelled_between_samples(stream: Stream, times: FloatArray, factors: Float
     whole = np.floor(positions)
     place = whole.astype(np.intp) - (first + ZERO_CROSSINGS - 1)
     powers = _powers(2.0 * (positions - whole) - 1.0, polynomials.shape[2])
-    # Along a delay that stands still, samples follow each other: a slice is quicker than an index.
+    # With a constant delay samples are consecutive, and a slice is faster than an index.
     places: list[slice | IntArray] = [
         slice(path[0], path[0] + len(path)) if follows else path
         for path, follows in zip(place, (np.diff(place) == 1).all(axis=1).tolist(), strict=True)
@@ -187,7 +187,7 @@ def _gains_over_time(factors: FloatArray, curves: Sequence[FloatArray]) -> Float
 
 
 class _Scratch(threading.local):
-    """Memory for large arrays that last for a frame: allocating it anew costs more than what is computed in it."""
+    """Reused memory for large arrays of a frame, whose allocation would cost more than the computation."""
 
     room = np.empty(0)
 

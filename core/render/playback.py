@@ -1,7 +1,7 @@
 """Playback for live outputs: blocks that follow the picture while the timeline runs, short grains where it is scrubbed.
 
-Each block holds the samples of the frame that has just become visible, whatever was dropped, repeated or jumped over before it, so that
-touch never shifts against the picture. Frame by frame it is what a bake gives, sample for sample.
+Each block has the samples of the frame that has just become visible, even after dropped, repeated or skipped frames, so that touch never
+drifts from the picture. For consecutive frames it equals the bake sample by sample.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from .renderer import ListenerMix, Renderer, sample_index
 from .voices import Voice
 
 GRAIN = 0.100
-"""Duration of the grain of a frame that is scrubbed to [s]."""
+"""Duration of the grain during scrubbing [s]."""
 _GRAIN_RISE, _GRAIN_FALL = 0.005, 0.040
-# Lets a device that receives levels of 40 ms of signal come to zero within the grain's own block.
+# Allows a device with a window of 40 ms to fall to zero within the grain's block.
 _GRAIN_SILENCE = 0.060
 # A recorded block that does not continue the last one fades from its last value within this time [s].
 _SEAM = 0.008
@@ -51,7 +51,7 @@ class Playback:
         self._correctable = None
 
     def recorded(self, result: FrameResult) -> FloatArray:
-        """The samples of a frame that was read from a track, (listeners, n), joined to those before where frames lie between."""
+        """The samples of a frame that was read from a track, (listeners, n), cross-faded after skipped frames."""
         if result.block is None or result.time == self._time:
             return np.zeros((len(result.listeners), 0))
         block = result.block.copy()
@@ -64,9 +64,9 @@ class Playback:
         return block
 
     def block(self, result: FrameResult, frame_seconds: float) -> FloatArray:
-        """The samples of the frame that ends at ``result``, (listeners, n): ``frame_seconds`` long, or nothing where it was played already.
+        """The samples of the frame that ends at ``result``, (listeners, n): ``frame_seconds`` long, or empty if it was played already.
 
-        At a jump (a loop, a step back, a long gap) what sounded fades out while what sounds there fades in.
+        At a jump (a loop, a step back, a long gap) the old signal fades out while the new one fades in.
         """
         self._correctable = None
         mixes = listener_mixes(result.listeners)
@@ -79,16 +79,16 @@ class Playback:
         return self._elsewhere(mixes, result, frame_seconds) if block is None else block
 
     def ahead(self, latest: FrameResult, time: float, frame_seconds: float) -> FloatArray | None:
-        """The samples of the frame that ends at ``time`` [s], which is still being traced, with what the ``latest`` traced frame says; None
-        where that is no continuation. What has begun in a frame that comes late begins with the next block, or the next `correction`."""
+        """The samples of the frame that ends at ``time`` [s], which is still being traced, with the gains of the ``latest`` traced frame;
+        None if it is not a continuation. Sources that began in a late frame begin with the next block, or the next `correction`."""
         samples = self._continued(listener_mixes(latest.listeners), latest, time, frame_seconds)
         if samples is not None:
             self._correctable = _Correctable(latest, time - samples.shape[1] / latest.sample_rate, time)
         return samples
 
     def correction(self, result: FrameResult, elapsed: float) -> FloatArray | None:
-        """The rest of a block that went `ahead`, from ``elapsed`` seconds after its start on, (listeners, n), as ``result`` says, which has
-        been traced meanwhile; None where there is nothing to correct."""
+        """The rest of a block that went `ahead`, from ``elapsed`` seconds after its start on, (listeners, n), from ``result``, which has
+        been traced meanwhile; None if there is nothing to correct."""
         played = self._correctable
         mixes = listener_mixes(result.listeners)
         if played is None or listener_mixes(played.result.listeners) != mixes:
@@ -105,9 +105,9 @@ class Playback:
         return samples
 
     def following(self, result: FrameResult, seconds: float) -> Callable[[], FloatArray]:
-        """A function that renders the ``seconds`` after the last block, (listeners, n), if the scene stayed as ``result`` shows it.
+        """A function that renders the ``seconds`` after the last block, (listeners, n), if the scene stays as in ``result``.
 
-        It may be called later, by any thread. What it gives does not count as played: the next block is what it would be without it.
+        It may be called later, by any thread, and does not affect the next block.
         """
         if self._time is None:
             return partial(np.zeros, (len(result.listeners), 0))
@@ -120,7 +120,7 @@ class Playback:
         return render
 
     def _is_next(self, result: FrameResult, mixes: tuple[ListenerMix, ...]) -> bool:
-        """Whether the block of a result goes on from what was played last: all of the frame before it, with nothing that began late."""
+        """Whether the block of a result continues the last one: the whole frame before it was played, without late onsets."""
         if self._shown is None or self._shown.block is None or self._shown.time != self._time or self._late:
             return False
         if self._renderer is not None and not self._in_step:
@@ -135,7 +135,7 @@ class Playback:
         return self._renderer if self._renderer is not None and self._renderer.listeners == mixes else None
 
     def _continued(self, mixes: tuple[ListenerMix, ...], result: FrameResult, time: float, frame_seconds: float) -> FloatArray | None:
-        """The samples up to ``time`` where they follow what was played so far, else None."""
+        """The samples up to ``time`` if they continue the last block, else None."""
         before, begun = self._current(mixes), self._time
         if begun is None or not 0.0 < time - begun <= max(_LONGEST_STEP, 1.5 * frame_seconds) or self._renderer not in (None, before):
             return None
@@ -162,7 +162,7 @@ class Playback:
         return block
 
     def _voices(self, result: FrameResult, begun: float) -> list[Voice]:
-        """What is played of a result in a block that begins at ``begun``: what began after the last result, but before this block, begins
+        """The voices of a result in a block that begins at ``begun``: those that began after the last result, but before this block, begin
         with it."""
         voices = source_voices(result.sources, result.listeners, result.propagation)
         shown = self._shown
@@ -176,7 +176,7 @@ class Playback:
 
 @dataclass(frozen=True, slots=True)
 class _Correctable:
-    """A block from ``start`` to ``end`` [s] that went ahead of its frame's trace, with what ``result`` said."""
+    """A block from ``start`` to ``end`` [s] that was played before its frame was traced, with the gains of ``result``."""
 
     result: FrameResult
     start: float
@@ -189,7 +189,7 @@ def _moved(voices: list[Voice], late: Mapping[Hashable, float]) -> list[Voice]:
 
 
 def _are_alike(voices: list[Voice], others: list[Voice]) -> bool:
-    """Whether voices sound the same."""
+    """Whether voices have the same signals and gains."""
     return len(voices) == len(others) and all(
         (one.key, one.onset, one.amplitude, one.priority) == (other.key, other.onset, other.amplitude, other.priority)
         and np.array_equal(one.gains, other.gains)
@@ -216,7 +216,7 @@ def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> 
 
 
 def grain(result: FrameResult, frame_seconds: float) -> FloatArray:
-    """A short touch of a frame, (listeners, n), that begins and ends in silence: its last frame and what goes on from there."""
+    """A short touch of a frame, (listeners, n), that begins and ends in silence: its interval and a continuation."""
     start = result.time - frame_seconds
     renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
     voices = source_voices(result.sources, result.listeners, result.propagation)

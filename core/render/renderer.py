@@ -1,7 +1,7 @@
 """Signals times gains: one block of samples per listener, frame after frame.
 
-A signal is a function of time, so nothing of it is kept from block to block: delayed paths are evaluated at their own time, the bands'
-symmetric filters ahead of it. Only gains and delays are carried from frame to frame.
+A signal is a function of time and keeps no state between blocks: delayed paths are evaluated at their own time, the symmetric filters of
+bands ahead of it. Only gains and delays are kept from frame to frame.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from .voices import Voice
 
 SAMPLE_RATE = 8000.0
 MAX_FRAME = 60.0
-"""Seconds that a frame may last."""
+"""Longest frame [s]."""
 _SNAP = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
 class ListenerMix:
-    """How a listener mixes what reaches it.
+    """The mixing settings of a listener.
 
     s_max: the largest magnitude of a sample, > 0.
-    limiter: turn down smoothly (Limiter) instead of cutting at s_max.
+    limiter: attenuate smoothly (Limiter) instead of clipping at s_max.
     """
 
     name: str
@@ -77,7 +77,7 @@ class Renderer:
         self._next: int | None = None
 
     def reset(self) -> None:
-        """Forget what was rendered: the next frame may be anywhere in time."""
+        """Drop all state: the next frame may be at any time."""
         self._groups.reset()
         self._next = None
         if self._limiter:
@@ -106,7 +106,7 @@ class Renderer:
         return Frame(start, end, first, last, times, (times - start) / (end - start) if last > first else times)
 
     def _mix(self, groups: list[DirectPaths | DelayedPaths | SteadyPaths], count: int) -> FloatArray:
-        """Return the listeners' mixes, shape (n_listeners, count), cut at s_max where no limiter takes care of that."""
+        """Return the listeners' mixes, shape (n_listeners, count), clipped at s_max for listeners without a limiter."""
         total = np.zeros((len(self.listeners), count))
         if sum(len(listeners) for _, listeners in self._unsummed) < len(self.listeners):
             for group in groups:

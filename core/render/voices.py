@@ -1,4 +1,4 @@
-"""Voices: what a source plays, and its samples rendered ahead of the frames."""
+"""Voices: the signals of sources, and their samples rendered ahead of the frames."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from ..signals import Automation, Sampled, Signal, Sine
 from .filter_bank import bank_reach, split_bands, split_sound
 
 _CHUNK = 4096
-"""Samples of a signal are rendered in runs that begin at multiples of this: so they are the same to the last bit whatever the frames."""
+"""Samples of a signal are rendered in runs that begin at multiples of this, so that they are bit-identical for any division into frames."""
 _BRIEF = 2 * _CHUNK
 """Signals of at most so many samples are rendered whole, for the same reason."""
 
 
 class Voice(NamedTuple):
-    """What one source does at the end of a frame.
+    """The state of one source at the end of a frame.
 
     key: the source's identity from frame to frame.
     gains: shape (n_listeners,), or (n_listeners, 6) by frequency band; multiplied by `amplitude`.
@@ -40,7 +40,7 @@ class Voice(NamedTuple):
 class Stream:
     """A voice from frame to frame, with samples of its signal rendered ahead.
 
-    Ahead, because a few long runs cost less than many short ones; a sample depends on its own time alone, so they are the same.
+    Rendering ahead is cheaper in a few long runs, and changes nothing, because a sample depends only on its own time.
 
     kind: whether it has delays, and its number of bands, 1 or 6. end: when the signal is over [s]. settled: from this time on all bands
     of a steady tone are steady. tone: the signal where it is a steady tone, else None. is_brief: rendered whole, see `sample_brief`.
@@ -76,11 +76,11 @@ class Stream:
         return self.signal is voice.signal or self.signal == voice.signal
 
     def is_steady(self, time: float) -> bool:
-        """Whether what is heard from `time` on (seconds), in all bands, is one tone for ever."""
+        """Whether the signal is one constant tone in all bands from `time` [s] on."""
         return self.tone is not None and time >= self.settled
 
     def sounds(self, start: float, end: float) -> bool:
-        """Whether there is anything of the signal from start to end (seconds)."""
+        """Whether the signal is active between start and end [s]."""
         return self.onset < end and start < self.end
 
     def rows(self, first: int, last: int) -> FloatArray:
@@ -110,7 +110,7 @@ class Stream:
             return self.signal.sample(first, last - first, self.sample_rate, self.onset)[None, :]
         rate, reach = self.sample_rate, bank_reach(self.sample_rate)
         bands = split_bands(self.signal.sample(first - reach, last - first + 2 * reach, rate, self.onset), rate)
-        # Nothing may be felt before the onset, though the filters look ahead, and nothing is left after the end.
+        # The output is 0 before the onset, although the filters look ahead, and after the end.
         times = np.arange(first, last) / rate
         return bands * ((times >= self.onset) & (times < self.end))
 

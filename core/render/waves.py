@@ -1,4 +1,4 @@
-"""What listeners feel over many frames, to be drawn at any zoom: samples, and a pyramid of their minima and maxima."""
+"""Waveforms of listeners over many frames for drawing at any zoom: samples, and a pyramid of their minima and maxima."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def as_integers(samples: FloatArray) -> NDArray[np.int16]:
 @dataclass(frozen=True, slots=True)
 class Columns:
     """Parts of a wave, from left to right: the range of the samples in each, ``low`` and ``high`` (l, c) as integers, ``threshold`` (l, c)
-    the peak that the vibration would have if it were just felt [dB of full scale], nan for silence; ``known``
-    (c,): which were ever filled."""
+    the peak of this vibration at the threshold of feeling [dB of full scale], NaN for silence; ``known`` (c,): whether there are
+    samples."""
 
     low: NDArray[np.int16]
     high: NDArray[np.int16]
@@ -40,7 +40,7 @@ class Waves:
     """``samples`` (l, n), n > 0, of ``listeners``, the first at the frame ``origin``, ``per_frame`` of them a frame.
 
     ``impacts``: the frames (m,) at which they began, and the gains (m, l) with which each listener felt them. One thread writes; another
-    that reads at the same time may miss what is just being written.
+    that reads at the same time may miss the data being written.
     """
 
     def __init__(self, listeners: Sequence[str], origin: float, per_frame: float, samples: NDArray[np.int16], filled: bool) -> None:
@@ -72,8 +72,8 @@ class Waves:
             self.threshold[:, frames] = threshold_of(part, sample_rate)[:, None]
 
     def write(self, start: int, block: FloatArray, threshold: FloatArray) -> None:
-        """Keep the samples (l, n) of a frame, the first is number ``start``, and its threshold (l,), in place of what was there; what lies
-        outside is left out."""
+        """Keep the samples (l, n) of a frame, the first is number ``start``, and its threshold (l,), replacing earlier ones; samples
+        outside are dropped."""
         first, last = max(start, 0), min(start + block.shape[1], self._low[0].shape[1])
         if first >= last:
             return
@@ -117,7 +117,7 @@ class Waves:
 
 
 def threshold_of(samples: FloatArray, sample_rate: float) -> FloatArray:
-    """The peak (l,) that ``samples`` (l, n) would have if they were just felt [dB of full scale]; nan for silence."""
+    """The peak (l,) of ``samples`` (l, n) scaled to the threshold of feeling [dB of full scale]; NaN for silence."""
     with np.errstate(divide="ignore", invalid="ignore"):
         level = 20 * np.log10(np.abs(samples).max(axis=1, initial=0.0)) - sensation_level(samples, sample_rate)
     return np.where(np.isfinite(level), level, np.nan)

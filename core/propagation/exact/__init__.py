@@ -1,4 +1,4 @@
-"""Sums over all paths: exact, to a tolerance, or within limits. `sum_over_paths` is the way in."""
+"""Sums over all paths: exact, to a tolerance, or within limits. The entry point is `sum_over_paths`."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ def sum_over_paths(
     The result is exact, or an interval: a lower bound that was summed, and a bound on the rest.
 
     Args:
-        known: costs up to the threshold and the source's row in them; None where some gain exceeds 1.
-        recrossings: whether the result says where walks were not continued because they cross a patch twice.
+        known: costs up to the threshold and the source's row in them; None if some gain exceeds 1.
+        recrossings: whether the result includes the walks that were stopped because they cross a patch twice.
     """
     if limits.threshold > 0:
         return threshold_sums(graph, roots, listeners, limits, known, recrossings)

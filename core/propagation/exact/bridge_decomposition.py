@@ -1,8 +1,8 @@
 """Bridge decomposition of the contacts: a sum over paths is a product over 2-edge-connected components.
 
 Objects are the vertices and contact patches the edges of a multigraph, and a path crosses each edge at most once (it may enter an object
-again). So it crosses a *bridge* (an edge whose removal disconnects the graph) once, in one direction, and the sum over all paths factorises
-over the components between bridges. What lies beyond a bridge and holds no listener is a dead end and drops out. Inside a 2-edge-connected
+again). It crosses a *bridge* (an edge whose removal disconnects the graph) at most once, and the sum over all paths factorises
+over the components between bridges. A part beyond a bridge without a listener is a dead end and is removed. Inside a 2-edge-connected
 component every patch is on some path, by Menger's theorem.
 
 Source: R. E. Tarjan, "A note on finding the bridges of a graph", Information Processing Letters 2, 1974.
@@ -42,7 +42,7 @@ class Component:
 def decompose(graph: HapticGraph, root: int, listeners: Iterable[int]) -> Component | None:
     """The bridge tree, as the component that node ``root`` belongs to with everything beyond it that leads to a listener.
 
-    None where nothing leads to a listener. Contacts that transmit nothing and objects that let nothing through are left out.
+    None if nothing leads to a listener. Contacts and objects of gain 0 are left out.
     """
     heard: dict[int, list[int]] = {}
     for node in listeners:

@@ -30,12 +30,12 @@ def bridge_tree_sums(graph: HapticGraph, roots: Sequence[int], listeners: Sequen
 
 @dataclass(slots=True)
 class _Amplitude:
-    """What arrives at a node, as a factor times ``exp(-(cost + rest))``.
+    """The amplitude at a node, as a factor times ``exp(-(cost + rest))``.
 
     Attributes:
         value: (k, lanes) factor by the number of contacts crossed.
-        cost, rest: the exponent in two parts, since a long chain would lose digits in one.
-        excess: bound on what is missing from the factor; infinite where nothing bounds it.
+        cost, rest: the exponent in two parts, to avoid the loss of digits in a long chain.
+        excess: bound on the missing part of the factor; infinite if there is none.
     """
 
     value: FloatArray
@@ -49,7 +49,7 @@ class _Amplitude:
         return _Amplitude(self.value, total, self.rest + ((self.cost - (total - back)) + (cost - back)), self.excess)
 
     def within_range(self) -> _Amplitude:
-        """The amplitude, cut to `LARGEST` with an unbounded excess where it overflows."""
+        """The amplitude, clamped to `LARGEST` with an infinite excess if it overflows."""
         if np.all(self.value <= LARGEST):
             return self
         return _Amplitude(np.minimum(self.value, LARGEST), self.cost, self.rest, math.inf)
@@ -116,7 +116,7 @@ class _BridgeTreeSum:
         return crossed.further(float(self.graph.transmission_loss[contact]))
 
     def _through(self, component: Component, entrances: dict[int, _Amplitude], exits: Sequence[int]) -> dict[int, _Amplitude]:
-        """What arrives at the exits of a component from its entrances."""
+        """The amplitudes at the exits of a component from those at its entrances."""
         if not component.patches and len(entrances) == 1:
             ((node, amplitude),) = entrances.items()
             return {other: on for other in exits if other != node and (on := self._inside(node, other, amplitude)) is not None}
@@ -136,7 +136,7 @@ class _BridgeTreeSum:
         return arrived
 
     def _solve(self, component: Component, entrance: int, exits: Sequence[int]) -> tuple[FloatArray, FloatArray]:
-        """Sums (exits, k, lanes) over all paths inside a component from entrance to exits, and bounds (exits,) on what is missing."""
+        """Sums (exits, k, lanes) over all paths inside a component from entrance to exits, and bounds (exits,) on the missing part."""
         others = [node for node in exits if node != entrance]
         problem = ComponentSum(self.graph, component, entrance, others, self.crossings if self.limited else math.inf, self.patch)
         found, left, work = problem.solve(self.tolerance, self.budget)
@@ -147,7 +147,7 @@ class _BridgeTreeSum:
         return sums, missing
 
     def _inside(self, node: int, other: int, amplitude: _Amplitude) -> _Amplitude | None:
-        """The amplitude at ``other`` over one intra-connection; None where it transmits nothing."""
+        """The amplitude at ``other`` over one intra-connection; None if its gain is 0."""
         table = self.graph.table
         index = int(self.graph.node_object[node])
         distance = self.graph.node_distances(np.array([node]), np.array([other]))

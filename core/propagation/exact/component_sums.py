@@ -1,8 +1,8 @@
 """The sum over all paths of one 2-edge-connected component, exact or to a tolerance.
 
 Two methods compete: the Simpath programme, exact, whose time grows with the width of the component; and the search that merges partial
-paths, which finds most of the sum where paths lose gain fast and bounds the rest. Each is tried with a small part of the budget first, then
-with more, so that the result costs little more than the better method alone.
+paths, which finds most of the sum if gains fall fast along paths, and bounds the rest. Both run alternately with growing parts of the
+budget, so that the result costs little more than the better method alone.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ from .search_graph import SearchGraph, build_search_graph
 from .walk_bounds import WalkBounds
 
 STAGES = (1 / 1024, 1 / 256, 1 / 64, 1 / 16, 1 / 4, 1.0)
-"""Parts of the budget given to each method in turn, until one of them succeeds."""
+"""Fractions of the budget for each method in turn, until one of them succeeds."""
 
 NARROW = 4
 """Work allowed to a first attempt with Simpath, as a multiple of the states that its order predicts: enough for a component as narrow as a
 wall."""
 
 SLOWER = 0.4
-"""Part of the search's share given to Simpath, a unit of whose work takes longer; in the last stage it gets the whole share."""
+"""Part of the search's share given to Simpath, whose unit of work takes longer; in the last stage it gets the whole share."""
 
 EXPECTED = 60
-"""Simpath takes from 1 to 170 times as many transitions as its order predicts, measured on the benchmark's families: where this multiple is
+"""Simpath takes from 1 to 170 times as many transitions as its order predicts, measured on the benchmark's families: if this multiple is
 within the budget, it is tried before the search."""
 
 PAIRS = 1 << 22
-"""Most pairs of nodes that a search holds; of a larger component it takes the strongest part, without a bound on the rest."""
+"""Most pairs of nodes in a search; of a larger component it uses the strongest part, without a bound on the rest."""
 
 ROUNDING = 1e-11
 """Relative allowance for rounding in the bound on a sum that is not exact."""
@@ -92,7 +92,7 @@ class ComponentSum:
                     if exact is not None:
                         return exact, np.zeros(len(self.exits)), spent
                     continue
-                # A limited sum is asked for exactly; so is one that costs next to nothing.
+                # Limited sums and cheap ones are computed exactly.
                 accepted = 0.0 if self.limited and part != STAGES[-1] else tolerance
                 limits = Limits(self.crossings, 0.0, unknown, 0.0 if first else accepted, known, max(1, share // 4), share)
                 found = search(search_graph, np.ones((1, search_graph.lanes)), limits, bounds, merge=True)
@@ -187,7 +187,7 @@ def _pairs(graph: HapticGraph, nodes: IntArray) -> int:
 
 
 def _better(found: SearchResult, best: SearchResult) -> bool:
-    """Whether less is missing, or, where nothing bounds what is missing, more is found."""
+    """Whether the bound on the missing part is smaller, or, without bounds, the sum is larger."""
     if np.max(found.missing, initial=0.0) >= LARGEST:
         return bool(found.sums[..., 0].sum() > best.sums[..., 0].sum())
     return bool(found.missing.sum() <= best.missing.sum())

@@ -2,11 +2,11 @@
 
 Without a threshold, partial paths that have crossed the same patches in different orders and stand at the same entry have the same
 continuations: they are merged into one state, their gains added. (A ground with m arches has m! orders of its arches but only 2^m sets of
-them.) With a threshold each partial path keeps its own gain, because each may or may not fall below the threshold later; what can't meet
-it any more, even over the cheapest path to a listener, is not continued.
+them.) With a threshold each partial path keeps its own gain, because each may or may not fall below the threshold later; those that cannot
+reach it, even over the cheapest path to a listener, are dropped.
 
-States of little weight may be dropped: the sum over all walks onwards (`walk_sums`) bounds what is lost, so the result is an interval, the
-sum found and a bound on the rest. How much is dropped follows from the tolerance and from the number of states allowed.
+States of little weight may be dropped: the sum over all walks onwards (`walk_sums`) bounds the loss, so the result is an interval: the sum
+found and a bound on the rest. The tolerance and the allowed number of states determine how many are dropped.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Limits:
     Attributes:
         crossings: most contacts on a path.
         threshold: least gain of a path.
-        ahead: (e,) largest gain from each entry to a listener; infinite where it is not known.
+        ahead: (e,) largest gain from each entry to a listener; infinite if it is unknown.
         tolerance: relative error allowed.
         known: (l,) lower bounds on the sums.
         states: most states held at a time.
@@ -75,7 +75,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class SearchResult:
-    """What a search found.
+    """The result of a search.
 
     Attributes:
         sums: (k, l, lanes) over the paths with k contacts to each listener.
@@ -104,7 +104,7 @@ class ArcRanking:
 
     @classmethod
     def of(cls, search_graph: SearchGraph, ahead: FloatArray) -> ArcRanking | None:
-        """The ranking, or None where it is not worth its time or the gains ahead are not known."""
+        """The ranking, or None if it does not pay off or the gains ahead are unknown."""
         steps = search_graph.steps
         if len(steps.to) <= FEW or not np.all(np.isfinite(ahead)):
             return None

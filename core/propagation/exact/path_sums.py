@@ -1,4 +1,4 @@
-"""What a sum over paths is asked for, and what it returns."""
+"""Limits and results of sums over paths."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from ...scene.bands import BAND_COUNT
 
 @dataclass(frozen=True, slots=True)
 class PathLimits:
-    """Which paths count, and how well the sum has to be known.
+    """Limits of the paths, and required accuracy of the sum.
 
     Attributes:
         crossings: most contacts on a path.
         threshold: least gain of a path.
-        tolerance: relative error wanted where the exact sum takes more than the budget.
+        tolerance: relative error requested if the exact sum exceeds the budget.
         budget: most work: partial paths, states and transitions.
     """
 
@@ -31,12 +31,12 @@ class PathSums:
     """Sums of one source.
 
     Attributes:
-        gain: (l, lanes) of each listener: the plain gain, then that of each band where bands are used.
-        error: (l,) the true plain gain lies in ``[gain, gain + error]``; `LARGEST` where nothing bounds it.
-        paths: (l,) number of paths summed, -1 where they were not counted.
+        gain: (l, lanes) of each listener: the plain gain, then that of each band if bands are used.
+        error: (l,) the true plain gain lies in ``[gain, gain + error]``; `LARGEST` without a bound.
+        paths: (l,) number of paths summed, -1 if they were not counted.
         work: work done.
-        recrossings: last entries (nodes) and gains of the walks that were not continued because they cross a patch twice; None where these
-            were not asked for or are not known.
+        recrossings: last entries (nodes) and gains of the walks that were not continued because they cross a patch twice; None if not
+        requested or unknown.
     """
 
     gain: FloatArray

@@ -16,7 +16,7 @@ from ...graph.haptic_graph import HapticGraph
 from ..connections import band_factors, intra_gains
 
 OVERFLOWN = 2e300
-"""Products above this are cut to this: above `LARGEST`, and still a number."""
+"""Products are clamped to this value, which is above `LARGEST` and finite."""
 
 CHUNK = 1 << 18
 """Pairs of nodes examined in one vectorised step, a bound on memory."""
