@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
+from bpy.props import IntProperty, StringProperty
 from bpy.types import Context, Event, Operator, UILayout
 from bpy_extras.io_utils import ExportHelper
 
@@ -18,6 +18,7 @@ from ..blender import job
 from ..blender.polling import Action
 from ..blender.text import wrapped
 from ..io import capture, frame_scene
+from ..properties.kinds import choice, switch, text
 from .format_options import chosen, draw_options, option_properties
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ MOST_REPORTED = 12
 _RANGE = {
     "frame_start": IntProperty(name="Start", description="First frame", default=1),
     "frame_end": IntProperty(name="End", description="Last frame", default=250),
-    "collection": StringProperty(name="Collection", description="Only the objects of this collection", options={"HIDDEN", "SKIP_SAVE"}),
+    "collection": text("Collection", "Only the objects of this collection", options={"HIDDEN", "SKIP_SAVE"}),
 }
 
 
@@ -88,32 +89,29 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
     endings = SCENE_ENDINGS
 
     filter_glob: StringProperty(default="*.json;*.json.gz", options={"HIDDEN"})
-    frames: EnumProperty(
-        name="Frames",
-        description="What is written",
-        items=(
+    frames: choice(
+        "Frames",
+        "What is written",
+        (
             ("CURRENT", "This Frame", "The scene as it stands now"),
             ("RANGE", "Range", "The scene at the first frame, and what changes from frame to frame"),
         ),
         default="CURRENT",
     )
-    tracks: EnumProperty(
-        name="Tracks",
-        description="What the listeners feel, rendered",
-        items=(
+    tracks: choice(
+        "Tracks",
+        "What the listeners feel, rendered",
+        (
             ("none", "None", "Not written: the scene can be rendered again"),
             ("inline", "In the File", "Within the JSON"),
             ("wav", "Beside It", "As a WAV file of the same name"),
         ),
         default="none",
     )
-    encoding: EnumProperty(
-        name="Encoding",
-        description="Of the tracks",
-        items=(("pcm16", "16 Bit", ""), ("float32", "Float", "Without any loss of range")),
-        default="pcm16",
+    encoding: choice(
+        "Encoding", "Of the tracks", (("pcm16", "16 Bit", ""), ("float32", "Float", "Without any loss of range")), default="pcm16"
     )
-    compressed: BoolProperty(name="Compressed", description="Packed, as .json.gz", default=False)
+    compressed: switch("Compressed", "Packed, as .json.gz")
 
     @property
     def filename_ext(self) -> str:
@@ -137,8 +135,8 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
             self.properties.filepath += self.filename_ext
         if self.frames == "RANGE":
             return self.captured(context, True, self.tracks != "none", self._writer())
-        for kind, text in self._writer()(self._current(context), None):
-            self.report(kind, text)
+        for kind, words in self._writer()(self._current(context), None):
+            self.report(kind, words)
         return {"FINISHED"}
 
     def _current(self, context: Context) -> Export:
@@ -170,12 +168,7 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
     endings = TRACK_ENDINGS
     __annotations__ = {
         "filter_glob": StringProperty(default=";".join(f"*{ending}" for ending in TRACK_ENDINGS), options={"HIDDEN"}),
-        "format": EnumProperty(
-            name="Format",
-            description="Where it will be felt",
-            items=[(name, named(name).label, "") for name in TRACK_FORMATS],
-            default="wav",
-        ),
+        "format": choice("Format", "Where it will be felt", tuple((name, named(name).label, "") for name in TRACK_FORMATS), default="wav"),
         **option_properties(TRACK_FORMATS),
     }
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from bpy.app.translations import pgettext_rpt as _rpt
-from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Operator
 
 from ...core.scene.materials import MATERIALS
 from ..authoring import materials as library
 from ..blender.polling import SOLID_TYPES, Edit, poll_active, poll_object_mode, poll_selected
 from ..blender.progress import progress
-from ..properties.kinds import switch
+from ..properties.kinds import choice, switch, text
 from ..properties.materials import TARGET_ITEMS, add_material, made_of, own_values
 
 PRESET_ITEMS = tuple((material.name, material.title, "") for material in MATERIALS.values())
@@ -34,11 +33,9 @@ class HAPTIC_OT_apply_material(Edit, Operator):
 
     bl_label = "Apply Material"
 
-    preset: EnumProperty(name="Material", description="What the objects are made of", items=PRESET_ITEMS, default="stone")
-    name: StringProperty(
-        name="From Library", description="A material of the scene's library instead of a preset", options={"SKIP_SAVE", "HIDDEN"}
-    )
-    target: EnumProperty(name="Apply To", description="What the material is applied to", items=TARGET_ITEMS)
+    preset: choice("Material", "What the objects are made of", PRESET_ITEMS, default="stone")
+    name: text("From Library", "A material of the scene's library instead of a preset", options={"SKIP_SAVE", "HIDDEN"})
+    target: choice("Apply To", "What the material is applied to", TARGET_ITEMS)
 
     poll = classmethod(poll_selected)
 
@@ -102,10 +99,10 @@ class HAPTIC_OT_set_bodies(Edit, Operator):
 
     bl_label = "Bodies"
 
-    function: EnumProperty(
-        name="Bodies",
-        description="How objects of flesh damp vibration",
-        items=(
+    function: choice(
+        "Bodies",
+        "How objects of flesh damp vibration",
+        (
             ("physical", "Measured", "Damping grows with frequency above the resonance of each part: the default of new bodies"),
             ("haptic_tracing", "As in the Paper", "The same damping at all frequencies, by κ and ρ"),
         ),

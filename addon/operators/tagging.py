@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
-from bpy.props import EnumProperty
 from bpy.types import Context, Object, Operator, Scene
 
 from ..authoring import materials
@@ -13,7 +12,7 @@ from ..authoring.signals import signal_for
 from ..blender.polling import SOLID_TYPES, UNDO, Edit, editable, linked_message, poll_active, poll_selected
 from ..blender.progress import progress
 from ..changes.suspension import suspended
-from ..properties.kinds import switch
+from ..properties.kinds import choice, switch
 from ..scene_reader.roles import haptic_carrier
 
 _rpt = bpy.app.translations.pgettext_rpt
@@ -72,10 +71,10 @@ class HAPTIC_OT_add_source(Edit, Operator):
     bl_label = "Add Source"
     bl_options = {*UNDO, "PRESET"}
 
-    signal: EnumProperty(
-        name="Signal",
-        description="What the source emits",
-        items=(
+    signal: choice(
+        "Signal",
+        "What the source emits",
+        (
             ("AUTO", "By Name", "What a thing of this name emits: a jackhammer blows, an engine hums; a sine where the name tells nothing"),
             ("SINE", "Sine", "A pure vibration"),
             ("PULSE", "Pulse Train", "Regular blows, like those of a jackhammer"),

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from bpy.props import CollectionProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import CollectionProperty, IntProperty, PointerProperty
 from bpy.types import Context, PropertyGroup, Sound, Text
 
 from ..changes.events import track_switched
-from .kinds import number, switch
+from .kinds import number, switch, text
 
 
 def _played_otherwise(self: PropertyGroup, context: Context) -> None:
@@ -16,7 +16,7 @@ def _played_otherwise(self: PropertyGroup, context: Context) -> None:
 class HapticTake(PropertyGroup):
     """A bake that is stored under a name."""
 
-    name: StringProperty(name="Name", description="Name of the take", default="")
+    name: text("Name", "Name of the take")
     track: PointerProperty(type=Text, name="Track", description="Where the haptic track is kept: a text with the track as its property")
 
 

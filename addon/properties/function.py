@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from bpy.props import EnumProperty, StringProperty
+from bpy.props import EnumProperty
 
 from .callbacks import edited
-from .kinds import number, share
+from .kinds import choice, number, share, text
 from .physical import PhysicalParameters
 
 FUNCTIONS = {
@@ -50,10 +50,10 @@ CONTACT_PARAMETERS = {
 
 def function_property(names: tuple[str, ...], default: str) -> EnumProperty:
     """The choice of one of the functions ``names``."""
-    return EnumProperty(
-        name="Function",
-        description="How the signal fades on its way through",
-        items=tuple((name, *FUNCTIONS[name]) for name in names),
+    return choice(
+        "Function",
+        "How the signal fades on its way through",
+        tuple((name, *FUNCTIONS[name]) for name in names),
         default=default,
         update=edited("function"),
     )
@@ -72,11 +72,10 @@ class FunctionParameters:
     )
     range: number("Range", "Distance from which on nothing is felt", 10.0, (0.001, 100.0), unit="LENGTH", update=edited("range"))
     constant: share("Gain", "The gain over any distance", 0.5, update=edited("constant"))
-    expression: StringProperty(
-        name="Expression",
-        description="Formula of x (the signal), d (metres), kappa, rho, epsilon. "
-        "Functions: exp, log, sqrt, tanh, atan, sin, cos, abs, min, max, where",
-        default="x * exp(-0.2 * d)",
+    expression: text(
+        "Expression",
+        "Formula of x (the signal), d (metres), kappa, rho, epsilon. Functions: exp, log, sqrt, tanh, atan, sin, cos, abs, min, max, where",
+        "x * exp(-0.2 * d)",
         maxlen=500,
         update=edited("expression"),
     )

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from bpy.props import StringProperty
 from bpy.types import PropertyGroup
 
-from .kinds import switch
+from .kinds import switch, text
 
 
 class HapticGltfProperties(PropertyGroup):
@@ -13,6 +12,4 @@ class HapticGltfProperties(PropertyGroup):
 
     use_extras: switch("Haptics", "Roles, haptic properties, functions and contacts, in the extras of nodes", True)
     use_material: switch("MPEG Haptic Material", "Haptic materials of meshes as an extension of ISO/IEC 23090-14")
-    material_name: StringProperty(
-        name="Name", description="Of that extension: drafts of the standard differ", default="MPEG_haptic_material", maxlen=60
-    )
+    material_name: text("Name", "Of that extension: drafts of the standard differ", "MPEG_haptic_material", maxlen=60)

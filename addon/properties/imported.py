@@ -6,17 +6,14 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from bpy.props import StringProperty
-
 from .callbacks import changed
+from .kinds import text
 
 
 class Imported:
     """Mixin: a property group with additional values of an imported file."""
 
-    imported: StringProperty(
-        name="Imported", description="What an imported file says beyond these properties", options={"HIDDEN"}, update=changed
-    )
+    imported: text("Imported", "What an imported file says beyond these properties", options={"HIDDEN"}, update=changed)
 
     def drop_imported(self, name: str) -> None:
         """Drop the exact number that was imported for the property ``name``: because it was edited."""

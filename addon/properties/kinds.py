@@ -1,10 +1,10 @@
-"""Kinds of properties: switches, shares and numbers, each with its name, its tooltip and its default."""
+"""Kinds of properties: switches, choices, texts, shares and numbers, each with its name, its tooltip and its default."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from bpy.props import BoolProperty, FloatProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
 
 def switch(name: str, description: str, default: bool = False, **more: Any) -> BoolProperty:
@@ -25,3 +25,13 @@ def limited(name: str, description: str, default: float, span: tuple[float, floa
 def share(name: str, description: str, default: float, **more: Any) -> FloatProperty:
     """A part of a whole, 0 to 1."""
     return limited(name, description, default, (0.0, 1.0), subtype="FACTOR", **more)
+
+
+def choice(name: str, description: str, items: tuple[tuple[Any, ...], ...], **more: Any) -> EnumProperty:
+    """One of several items; the first unless ``more`` has a default."""
+    return EnumProperty(name=name, description=description, items=items, **more)
+
+
+def text(name: str, description: str, default: str = "", **more: Any) -> StringProperty:
+    """A text, such as a name, a path or a formula."""
+    return StringProperty(name=name, description=description, default=default, **more)

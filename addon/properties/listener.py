@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, PropertyGroup
 
 from ...core.scene.body import BODY_PARTS
 from ...core.scene.choices import MOST_DUCKING, Extent
 from .callbacks import changed, edited
 from .imported import Imported
-from .kinds import limited, number, switch
+from .kinds import choice, limited, number, switch, text
 
 MIXING_ITEMS = (
     ("cumulative", "Cumulative", "Adds all signals up and holds the sum at the ceiling"),
@@ -53,30 +52,23 @@ class HapticListenerProperties(Imported, PropertyGroup):
     enabled: switch("Haptic Listener", "Signals are received at this object's origin", update=_enabled_edited)
     muted: switch("Mute", "Keep the listener but let it feel nothing", options=set(), update=changed)
     solo: switch("Solo", "Let only listeners that are solo feel something", options=set(), update=changed)
-    body_part: EnumProperty(
-        name="Body Part",
-        description="The place on the body that this listener stands for",
-        items=BODY_PART_ITEMS,
-        default="NONE",
-        update=changed,
-    )
+    body_part: choice("Body Part", "The place on the body that this listener stands for", BODY_PART_ITEMS, default="NONE", update=changed)
     radius: number("Radius", "Radius of the listener's bounding volume", 0.05, (0.0, 0.5), unit="LENGTH", update=_radius_edited)
-    extent: EnumProperty(
-        name="Extent",
-        description="What the listener feels of its bounding volume. New listeners feel the strongest; those of earlier files are points",
-        items=EXTENT_ITEMS,
+    extent: choice(
+        "Extent",
+        "What the listener feels of its bounding volume. New listeners feel the strongest; those of earlier files are points",
+        EXTENT_ITEMS,
         default=Extent.NONE.value,
         update=changed,
     )
     use_wish: switch("Wish", "Fulfil Wishes brings this listener to the wished level", options=set())
     wish: limited("Level (dB)", "The level that this listener shall have, in decibels of full scale", -20.0, (-90.0, 0.0), options=set())
     gain: limited("Gain", "Makes this listener feel more or less; can be animated", 1.0, (0.0, 10.0), soft_max=2.0, update=edited("gain"))
-    mixing: EnumProperty(name="Mixing", description="How signals that arrive together are combined", items=MIXING_ITEMS, update=changed)
-    mixing_expression: StringProperty(
-        name="Formula",
-        description="The mix, sample by sample, of sum, weighted, strongest and power (what the other methods give) and s_max (the "
-        "ceiling)",
-        default="s_max * tanh(sum / s_max)",
+    mixing: choice("Mixing", "How signals that arrive together are combined", MIXING_ITEMS, update=changed)
+    mixing_expression: text(
+        "Formula",
+        "The mix, sample by sample, of sum, weighted, strongest and power (what the other methods give) and s_max (the ceiling)",
+        "s_max * tanh(sum / s_max)",
         maxlen=500,
         update=changed,
     )

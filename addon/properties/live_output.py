@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from bpy.props import CollectionProperty, StringProperty
+from bpy.props import CollectionProperty
 from bpy.types import Context, PropertyGroup
 
 from ..changes.events import device_adjusted, preview_volume_changed
 from ..changes.revisions import mark_actuators
-from .kinds import limited, share, switch
+from .kinds import limited, share, switch, text
 
 
 def _device_changed(self: PropertyGroup, context: Context) -> None:
@@ -47,7 +47,7 @@ class HapticDeviceProperties(PropertyGroup):
         precision=0,
         update=_device_changed,
     )
-    imported: StringProperty(name="Imported", description="What an imported file says beyond these properties", options={"HIDDEN"})
+    imported: text("Imported", "What an imported file says beyond these properties", options={"HIDDEN"})
 
 
 class HapticLiveOutputProperties(PropertyGroup):
@@ -64,8 +64,8 @@ class HapticLiveOutputProperties(PropertyGroup):
 class HapticActuatorProperties(PropertyGroup):
     """The choice of actuators of a listener."""
 
-    actuators: StringProperty(
-        name="Actuators",
-        description="Empty for those at its body part, - for none, else device/actuator or device/actuator*gain, separated by semicolons",
+    actuators: text(
+        "Actuators",
+        "Empty for those at its body part, - for none, else device/actuator or device/actuator*gain, separated by semicolons",
         update=_actuators_chosen,
     )

@@ -12,7 +12,6 @@ from typing import Any
 
 from bpy.props import (
     CollectionProperty,
-    EnumProperty,
     FloatProperty,
     FloatVectorProperty,
     IntProperty,
@@ -25,7 +24,7 @@ from ...core.scene.bands import BAND_COUNT
 from ..blender.progress import progress
 from . import material_values
 from .callbacks import edited
-from .kinds import limited, switch
+from .kinds import choice, limited, switch, text
 
 TARGET_ITEMS = (
     ("SELECTED", "Selected", "The selected objects", "RESTRICT_SELECT_OFF", 0),
@@ -106,7 +105,7 @@ def _bound(name: str, default: float) -> FloatProperty:
 class HapticMaterial(PropertyGroup):
     """A material of the scene's library."""
 
-    name: StringProperty(name="Name", description="Name of the material in this scene's library", update=_material_renamed)
+    name: text("Name", "Name of the material in this scene's library", update=_material_renamed)
     known_as: StringProperty(options={"HIDDEN"})
     kappa: material_values.kappa(options=set(), update=_material_changed)
     rho: material_values.rho(options=set(), update=_material_changed)
@@ -144,9 +143,7 @@ def _chosen(self: HapticObjectMaterial, context: Context) -> None:
 class HapticObjectMaterial(PropertyGroup):
     """The material of an object, and the values that only materials have."""
 
-    name: StringProperty(
-        name="Material", description="The material of the scene's library that this object is made of", options=set(), update=_chosen
-    )
+    name: text("Material", "The material of the scene's library that this object is made of", options=set(), update=_chosen)
     use_bands: material_values.use_bands(update=edited("use_bands"))
     band_decays: material_values.band_decays(update=edited("band_decays"))
 
@@ -156,7 +153,7 @@ class HapticObjectMaterial(PropertyGroup):
 
 
 def _recording(name: str, description: str) -> StringProperty:
-    return StringProperty(name=name, description=description, subtype="FILE_PATH", options=set())
+    return text(name, description, subtype="FILE_PATH", options=set())
 
 
 def _one(name: str, description: str, role: str) -> PointerProperty[Object]:
@@ -193,7 +190,7 @@ class HapticMaterialLibrary(PropertyGroup):
 
     items: CollectionProperty(type=HapticMaterial)  # type: ignore[assignment]  # in place of items() of bpy_struct
     active: IntProperty(name="Active Material", default=0, min=0, options=set())
-    target: EnumProperty(name="Apply To", description="What a material is applied to", items=TARGET_ITEMS, options=set())
+    target: choice("Apply To", "What a material is applied to", TARGET_ITEMS, options=set())
     fit: PointerProperty(type=HapticFit)
 
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from bpy.props import EnumProperty
 from bpy.types import PropertyGroup
 
 from .callbacks import view_changed
-from .kinds import switch
+from .kinds import choice, switch
 
 
 class HapticMetersProperties(PropertyGroup):
@@ -24,10 +23,10 @@ class HapticMetersProperties(PropertyGroup):
         True,
         update=view_changed,
     )
-    corner: EnumProperty(
-        name="Corner",
-        description="Corner of the viewport in which the meters are drawn; the legend stands on the other side",
-        items=(
+    corner: choice(
+        "Corner",
+        "Corner of the viewport in which the meters are drawn; the legend stands on the other side",
+        (
             ("BOTTOM_LEFT", "Bottom Left", ""),
             ("BOTTOM_RIGHT", "Bottom Right", ""),
             ("TOP_LEFT", "Top Left", ""),

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from bpy.props import EnumProperty
-
 from .callbacks import edited
-from .kinds import limited, number
+from .kinds import choice, limited, number
 
 WAVE_ITEMS = (
     ("rod", "Rod", "Along a rod, a string or a small body: no spreading"),
@@ -19,9 +17,7 @@ WAVE_ITEMS = (
 class PhysicalParameters:
     """Mixin: the parameters of the physical function."""
 
-    wave: EnumProperty(
-        name="Wave", description="How vibration travels in the body", items=WAVE_ITEMS, default="solid", update=edited("wave")
-    )
+    wave: choice("Wave", "How vibration travels in the body", WAVE_ITEMS, default="solid", update=edited("wave"))
     loss_factor: number(
         "Loss Factor",
         "Part of the energy that a cycle turns into heat, over 2π: steel 0.0002, wood 0.01, rubber 0.15",

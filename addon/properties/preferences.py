@@ -7,11 +7,11 @@ from types import SimpleNamespace
 from typing import Any
 
 import bpy
-from bpy.props import EnumProperty, FloatVectorProperty, StringProperty
+from bpy.props import FloatVectorProperty
 
 from ..blender.extension import ROOT
 from .callbacks import view_changed
-from .kinds import limited, switch
+from .kinds import choice, limited, switch, text
 
 GAIN_UNIT_ITEMS = (("BOTH", "Factor and Decibel", "0.50  -6 dB"), ("FACTOR", "Factor", "0.50"), ("DECIBEL", "Decibel", "-6 dB"))
 
@@ -19,7 +19,7 @@ GAIN_UNIT_ITEMS = (("BOTH", "Factor and Decibel", "0.50  -6 dB"), ("FACTOR", "Fa
 class PreferenceProperties:
     """Mixin: the properties of the add-on's preferences."""
 
-    gain_unit: EnumProperty(name="Gains", description="How panels write gains", items=GAIN_UNIT_ITEMS, default="BOTH", update=view_changed)
+    gain_unit: choice("Gains", "How panels write gains", GAIN_UNIT_ITEMS, default="BOTH", update=view_changed)
     curve_colour: FloatVectorProperty(
         name="Curve",
         description="Colour of the gain over distance in the panel",
@@ -33,9 +33,7 @@ class PreferenceProperties:
     overlay_size: limited(
         "Overlay Size", "How large nodes, lines and labels are in the viewport", 1.0, (0.5, 3.0), subtype="FACTOR", update=view_changed
     )
-    default_device: StringProperty(
-        name="Default Device", description="What Connect Device takes: a part of its name; empty for the first device that is found"
-    )
+    default_device: text("Default Device", "What Connect Device takes: a part of its name; empty for the first device that is found")
     keep_awake: switch(
         "Keep Devices Awake", "When playback ends, hold devices at zero instead of releasing them, so that they do not fall asleep"
     )

@@ -15,7 +15,7 @@ from .callbacks import changed, edited
 from .drawing import drawing_property
 from .function import TRANSMISSIONS, ContactParameters, function_property
 from .imported import Imported
-from .kinds import limited, number, share, switch
+from .kinds import choice, limited, number, share, switch, text
 
 TABLES = (
     ("impact_table", "Impacts", "What impacts between some objects need and play"),
@@ -32,11 +32,11 @@ SIDE_ITEMS = (
 
 
 def _kind(name: str) -> EnumProperty:
-    return EnumProperty(name=name, description="What this rule is for", items=SIDE_ITEMS, options=set(), update=changed)
+    return choice(name, "What this rule is for", SIDE_ITEMS, options=set(), update=changed)
 
 
 def _name() -> StringProperty:
-    return StringProperty(name="Name", description="Name of the object or material, or a pattern", options=set(), update=changed)
+    return text("Name", "Name of the object or material, or a pattern", options=set(), update=changed)
 
 
 def _curve(name: str, description: str, weak: float, low: float, high: float) -> FloatVectorProperty:
@@ -89,10 +89,10 @@ class TableRows:
 class HapticImpactRule(RuleScope, Imported, PropertyGroup):
     """The rule for impacts between some objects."""
 
-    template: EnumProperty(
-        name="Signal",
-        description="What impacts feel like",
-        items=(
+    template: choice(
+        "Signal",
+        "What impacts feel like",
+        (
             *SIGNAL_ITEMS,
             ("FILE", "File", "The first vibration in a file: .wav, .hjif, .haptic, .ahap, .haps or .tact"),
             ("KEPT", "Imported", "The signal of an imported file, kept in this one"),
@@ -101,9 +101,7 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
         options=set(),
         update=changed,
     )
-    filepath: StringProperty(
-        name="File", description="The file with the vibration that impacts play", subtype="FILE_PATH", options=set(), update=changed
-    )
+    filepath: text("File", "The file with the vibration that impacts play", subtype="FILE_PATH", options=set(), update=changed)
     drawing: drawing_property()
     use_limits: switch("Own Energies", "These collisions need other energies than others of the scene", options=set(), update=changed)
     least_energy: least_energy("least_energy", options=set())

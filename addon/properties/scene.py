@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from bpy.props import EnumProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import IntProperty, PointerProperty
 from bpy.types import PropertyGroup
 
 from . import bake, gltf, live_output, materials, meters, modalities, rules
 from .callbacks import changed, edited, view_changed
 from .imported import Imported
-from .kinds import limited, number, share, switch
+from .kinds import choice, limited, number, share, switch, text
 
 MODE_ITEMS = (
     ("HT", "Haptic Tracing", "Through touching objects, as their properties say"),
@@ -22,7 +22,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
     """How a scene is traced and shown."""
 
     tracing: switch("Trace", "Trace haptics at every frame while the timeline plays or objects move", True, update=changed)
-    mode: EnumProperty(name="Mode", description="The rendering", items=MODE_ITEMS, update=changed)
+    mode: choice("Mode", "The rendering", MODE_ITEMS, update=changed)
     localise: share(
         "Localise",
         "Blends from what touching objects carry everywhere (0) to only the listener nearest to each source (1). "
@@ -30,17 +30,17 @@ class HapticSceneProperties(Imported, PropertyGroup):
         0.0,
         update=edited("localise"),
     )
-    strategy: EnumProperty(
-        name="Strategy",
-        description="How the gain from a source to a listener is computed",
-        update=changed,
-        items=(
+    strategy: choice(
+        "Strategy",
+        "How the gain from a source to a listener is computed",
+        (
             ("auto", "Automatic", "The best path for every source, over any number of connections", 0),
             ("as_in_the_paper", "As in the Paper", "All paths for persistent sources, the best path for impacts", 4),
             ("best_path", "Best Path", "Only the path that passes on most", 1),
             ("all_paths", "All Paths", "The sum of everything that arrives", 2),
             ("energy_balance", "Energy Balance", "Steady state of the energy that flows through all contacts; for dense piles", 3),
         ),
+        update=changed,
     )
     max_connections: IntProperty(
         name="Max Connections",
@@ -82,17 +82,17 @@ class HapticSceneProperties(Imported, PropertyGroup):
         update=changed,
     )
     impacts: switch("Impacts", "Collisions make temporary sources that play the impact signal once", True, update=changed)
-    impact_signal: EnumProperty(name="Signal", description="What impacts feel like", update=changed, items=rules.SIGNAL_ITEMS)
+    impact_signal: choice("Signal", "What impacts feel like", rules.SIGNAL_ITEMS, update=changed)
     minimum_energy: rules.least_energy("minimum_energy")
     maximum_energy: rules.full_energy("maximum_energy")
-    impact_energy: EnumProperty(
-        name="Energy",
-        description="The energy that a collision is judged by",
-        update=changed,
-        items=(
+    impact_energy: choice(
+        "Energy",
+        "The energy that a collision is judged by",
+        (
             ("kinetic", "Of Both Motions", "What both objects bring along, moving as they do over the ground"),
             ("normal", "Of the Blow", "What comes together at the contact: the same however fast both travel side by side"),
         ),
+        update=changed,
     )
     refractory_time: rules.refractory("refractory_time")
     impact_table: PointerProperty(type=rules.HapticImpactTable)
@@ -114,12 +114,10 @@ class HapticSceneProperties(Imported, PropertyGroup):
     materials: PointerProperty(type=materials.HapticMaterialLibrary)
     gltf: PointerProperty(type=gltf.HapticGltfProperties)
     modalities: PointerProperty(type=modalities.HapticSceneModalities)
-    imported_contacts: StringProperty(
-        name="Imported Contacts",
-        description="The contacts of an imported file, which count while objects stand where it put them",
+    imported_contacts: text(
+        "Imported Contacts",
+        "The contacts of an imported file, which count while objects stand where it put them",
         options={"HIDDEN"},
         update=changed,
     )
-    kept_impacts: StringProperty(
-        name="Kept Impacts", description="The impacts of the frame in which the file was saved", options={"HIDDEN"}
-    )
+    kept_impacts: text("Kept Impacts", "The impacts of the frame in which the file was saved", options={"HIDDEN"})

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty, PointerProperty, StringProperty
+from bpy.props import FloatProperty, FloatVectorProperty, PointerProperty
 from bpy.types import Context, Object, PropertyGroup
 
 from ...core.devices import profiles
 from ..blender.extension import profile_folders
 from .callbacks import changed
-from .kinds import limited, share, switch
+from .kinds import choice, limited, share, switch, text
 
 if TYPE_CHECKING:
     from ...core.devices.profiles import Profile
@@ -62,25 +62,25 @@ def _setting(name: str, description: str, default: float, span: tuple[float, flo
 class HapticSoundProperties(PropertyGroup):
     """A sound, the settings of its conversion, and the resulting vibration."""
 
-    origin: EnumProperty(name="Sound", description="Where the sound comes from", items=ORIGINS, options=set(), update=_edited)
-    filepath: StringProperty(
-        name="File", description="The sound that becomes vibration", subtype="FILE_PATH", options=set(), update=_edited
-    )
+    origin: choice("Sound", "Where the sound comes from", ORIGINS, options=set(), update=_edited)
+    filepath: text("File", "The sound that becomes vibration", subtype="FILE_PATH", options=set(), update=_edited)
     speaker: PointerProperty(
         type=Object, name="Speaker", description="It plays the sound", poll=lambda self, obj: obj.type == "SPEAKER", update=_edited
     )
-    strip: StringProperty(name="Strip", description="One sound strip; empty for all that are not muted", options=set(), update=_edited)
+    strip: text("Strip", "One sound strip; empty for all that are not muted", options=set(), update=_edited)
     loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning", True, options=set(), update=_edited)
-    carrier: EnumProperty(
-        name="Carrier", description="What vibrates as strongly as the sound is loud", items=CARRIERS, options=set(), update=_edited
-    )
+    carrier: choice("Carrier", "What vibrates as strongly as the sound is loud", CARRIERS, options=set(), update=_edited)
     frequency: _setting(
         "Frequency (Hz)", "Of the carrier, in hertz; where it follows the pitch, that of sounds without one", 160.0, (10.0, 1000.0)
     )
-    device: StringProperty(
-        name="Device", description="The profile of the device", default="dualsense", options=set(), update=_edited,
+    device: text(
+        "Device",
+        "The profile of the device",
+        "dualsense",
+        options=set(),
+        update=_edited,
         search=lambda self, context, text: sorted(device_profiles()),
-    )  # fmt: skip
+    )
     band: FloatVectorProperty(
         name="Band (Hz)", description="Lowest and highest frequency of the carrier, in hertz; other pitches are brought into it by octaves",
         size=2, default=(40.0, 400.0), min=10.0, max=1000.0, options=set(), update=_edited,
@@ -95,7 +95,7 @@ class HapticSoundProperties(PropertyGroup):
         precision=3,
     )
     bursts: share("Onsets", "Strength of the short burst where something begins in the sound", 1.0, options=set(), update=_edited)
-    kept: StringProperty(name="Vibration", description="What was made of the sound", options={"HIDDEN"}, update=changed)
-    waves: StringProperty(name="Waves", description="The sound and its vibration as the panel draws them", options={"HIDDEN"})
+    kept: text("Vibration", "What was made of the sound", options={"HIDDEN"}, update=changed)
+    waves: text("Waves", "The sound and its vibration as the panel draws them", options={"HIDDEN"})
     is_edited: switch("Edited", "These settings have changed since the conversion", options={"HIDDEN"})
-    fault: StringProperty(name="Fault", description="What is wrong with the sound", options={"HIDDEN"})
+    fault: text("Fault", "What is wrong with the sound", options={"HIDDEN"})

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from bpy.props import EnumProperty, PointerProperty, StringProperty
+from bpy.props import PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 
 from .callbacks import changed, edited
 from .drawing import HERTZ, drawing_property
 from .imported import Imported
-from .kinds import limited, number, share, switch
+from .kinds import choice, limited, number, share, switch, text
 from .sound import HapticSoundProperties
 
 SIGNAL_ITEMS = (
@@ -24,7 +24,7 @@ SIGNAL_ITEMS = (
 
 
 def _name(name: str, description: str) -> StringProperty:
-    return StringProperty(name=name, description=description, options=set(), update=changed)
+    return text(name, description, options=set(), update=changed)
 
 
 class HapticSourceProperties(Imported, PropertyGroup):
@@ -34,7 +34,7 @@ class HapticSourceProperties(Imported, PropertyGroup):
     muted: switch("Mute", "Keep the source but silence it", update=changed)
     solo: switch("Solo", "Silence all sources that are not solo, and impacts", options=set(), update=changed)
     amplitude: share("Amplitude", "Strength of the emitted signal; can be animated", 1.0, update=edited("amplitude"))
-    signal: EnumProperty(name="Signal", description="What the source emits", items=SIGNAL_ITEMS, default="SINE", update=changed)
+    signal: choice("Signal", "What the source emits", SIGNAL_ITEMS, default="SINE", update=changed)
     frequency: limited(
         "Frequency (Hz)",
         "Vibrations or blows per second, in hertz; the skin feels 20 to 1000 Hz, best around 250 Hz",
@@ -46,7 +46,7 @@ class HapticSourceProperties(Imported, PropertyGroup):
     )
     drawing: drawing_property()
     envelope: share("Envelope", "Amplitude of the drawn signal where F-curves draw it instead of a curve", 1.0, update=changed)
-    filepath: StringProperty(name="WAV File", description="The recorded signal, looped", subtype="FILE_PATH", update=changed)
+    filepath: text("WAV File", "The recorded signal, looped", subtype="FILE_PATH", update=changed)
     sound: PointerProperty(type=HapticSoundProperties)
     decay: limited(
         "Decay Time (s)",
