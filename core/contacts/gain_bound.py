@@ -66,12 +66,10 @@ class GainBound:
             begin, end = self.positions.min(axis=0)[:, None], self.positions.max(axis=0)[:, None]
             away = np.maximum(np.maximum(low - end, begin - high), 0.0)
             return np.asarray(np.sqrt(np.einsum("ip,ip->p", away, away)))
-        least = np.full(low.shape[1], np.inf)
-        for start in self.positions[:, :, None]:
-            away = np.clip(start, low, high)
-            away -= start
-            np.minimum(least, np.einsum("ip,ip->p", away, away), out=least)
-        return np.asarray(np.sqrt(least))
+        starts = self.positions[:, :, None]
+        away = np.minimum(np.maximum(starts, low), high)
+        away -= starts
+        return np.asarray(np.sqrt(np.einsum("kip,kip->kp", away, away).min(axis=0)))
 
     def _reached(self, first: IntArray, second: IntArray, fading: FloatArray, limit: float) -> BoolArray:
         """Which pairs a signal reaches through others with a gain of at least ``limit``, of which ``fading`` (p,) is due to distance."""

@@ -137,7 +137,7 @@ class ImpactSources:
         if not self._sounding:
             return np.zeros(0, dtype=np.int64), np.zeros((0, 3))
         bodies = np.array([sounding.impact.objects for sounding in self._sounding], dtype=np.int64).ravel()
-        local = np.array([sounding.local for sounding in self._sounding]).reshape(-1, 3)
+        local = np.concatenate([place for sounding in self._sounding for place in sounding.local]).reshape(-1, 3)
         placed = transforms[bodies]
         return bodies, (placed[:, :3, :3] * local[:, None]).sum(axis=2) + placed[:, :3, 3]
 

@@ -67,11 +67,9 @@ def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
     rows, columns = np.flatnonzero(wanted.any(axis=1)), np.flatnonzero(wanted.any(axis=0))
     if len(rows) == 0:
         return Energies(gain, error, bands, 0)
-    sources = _Ends(
-        [node for row in rows for node in graph.sources[row].nodes],
-        np.arange(len(rows)).repeat([len(graph.sources[row].nodes) for row in rows]),
-        np.concatenate([np.full(len(graph.sources[row].nodes), 1.0 / len(graph.sources[row].nodes)) for row in rows]),
-    )
+    nodes = [graph.sources[row].nodes for row in rows.tolist()]
+    size = np.array([len(part) for part in nodes])
+    sources = _Ends([node for part in nodes for node in part], np.arange(len(rows)).repeat(size), (1.0 / size).repeat(size))
     listeners = _Ends(graph.listener_nodes[columns].tolist(), np.arange(len(columns)), np.ones(len(columns)))
     forward = len(rows) <= len(columns)  # energies are reciprocal: solved for whichever are fewer
     level, doubt, count = _levels(graph, *((sources, listeners) if forward else (listeners, sources)))
@@ -183,12 +181,12 @@ class _Assembly:
         row = np.concatenate([one, other, within])
         column = np.concatenate([other, one, among])
         coupling = np.concatenate([value, value, through], axis=1)
-        order = np.argsort(row, kind="stable")
+        order = np.argsort(row.astype(np.min_scalar_type(len(parts.mass))), kind="stable")  # short numbers are sorted in linear time
         row, column, coupling = row[order], column[order], coupling[:, order]
         count = len(parts.mass)
         self._border_part = self._border_couplings()
         region, _, value, _ = self._border_part
-        leak = _added(value, region, count)
+        leak = _added(value, region, count) if len(region) else np.zeros((self._lanes, count))
         if not self._passes.all():
             blocked = ~self._passes[:, column]
             leak += _added(np.where(blocked, coupling, 0.0), row, count)
@@ -297,7 +295,7 @@ class _Assembly:
 
         found = solve(self._balance, power, good_enough)
         outside = self._outside(found)
-        if np.any(outside > good_enough(found.energy)):
+        if len(self._border) and np.any(outside > good_enough(found.energy)):
             return None
         doubt = np.maximum(found.doubt, outside)[0]
         return levels(found.energy), doubt[:, None] * np.where(unknown, 1.0, reached), count

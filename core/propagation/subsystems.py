@@ -73,7 +73,7 @@ def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
     contact = graph.contact[nodes]
     strength = graph.share[contact] * graph.weight[contact]
     position = graph.node_position[nodes]
-    which, region, weight, of_object, divided = _attached(graph, position, strength, used, slot)
+    which, region, weight, of_object, divided = _attached(graph, position, strength, used, slot, begin)
     entity, whole = (strength[which] * weight, position[which], region), strength
     if not np.all(graph.share[contact] == 1):
         patch = contact_patches(graph)
@@ -87,7 +87,7 @@ def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
 
 
 def _attached(
-    graph: HapticGraph, position: FloatArray, strength: FloatArray, used: IntArray, slot: IntArray
+    graph: HapticGraph, position: FloatArray, strength: FloatArray, used: IntArray, slot: IntArray, begin: IntArray
 ) -> tuple[IntArray, IntArray, FloatArray, IntArray, FloatArray]:
     """How contacts at ``position`` (n, 3) on objects ``used[slot]`` belong to subsystems.
 
@@ -100,7 +100,7 @@ def _attached(
     if len(unknown):
         middle[unknown] = _centroids(position, strength, slot, count)[unknown]
     relative = np.minimum(np.maximum(position - middle[slot], -HIGHEST), HIGHEST)
-    farthest = np.maximum.reduceat(distances(relative, np.zeros(3)), runs(slot)[0])
+    farthest = np.maximum.reduceat(distances(relative, np.zeros(3)), begin)
     spacing = damping_lengths(graph.table, used, np.minimum(2 * farthest, HIGHEST))
     divided = farthest > spacing / 2
     everyone = np.arange(len(slot))
