@@ -84,33 +84,42 @@ def best_paths(
     limit = cost_limit(threshold)
     in_band = {band: graph.in_band(band) for band in set(bands.values())}
     views = {row: in_band[bands[row]] if row in bands else graph for row in np.unique(pairs[:, 0]).tolist()}
-    left: list[Pair] = []
-    if amplified:
-        left += map(tuple, pairs.tolist())
-    else:
-        result.nodes = _unconstrained_paths(_Walks(graph, views, limit), pairs, known, result)
-        judged = bool(graph.table.special)
-        if judged or crossings < graph.contact_count:
-            longest = 2 * crossings + 2
-            left += (pair for pair, path in result.nodes.items() if len(path) > longest or (judged and crosses_twice(graph, path)))
-        for pair in left:
-            del result.nodes[pair]
-    for row in sorted({row for row, _ in left}):
-        _search_row(views[row], row, [column for r, column in left if r == row], crossings, limit, budget, amplified, result)
-    missing = [pair for pair in map(tuple, pairs.tolist()) if views[pair[0]] is not graph and pair not in result.nodes] if bands else []
-    if missing:
-        hangs_on = clusters(graph)[graph.node_object]
-        ends = np.array([(*graph.sources[row].nodes[:1], *graph.sources[row].nodes[-1:], graph.listener_nodes[k]) for row, k in missing]).T
-        missing = [pair for pair, way in zip(missing, (hangs_on[ends[:2]] == hangs_on[ends[2]]).any(axis=0).tolist(), strict=True) if way]
-    if missing:  # bands in which the source is weak may still arrive
-        plain = best_paths(graph, np.array(missing), max_connections, threshold, budget, amplified, {}, {})
-        result.nodes |= plain.nodes
-        result.cost |= plain.cost
-        result.bound |= plain.bound
-        result.visited = max(result.visited, plain.visited)
-        result.relaxed, result.searched = result.relaxed + plain.relaxed, result.searched + plain.searched
+    while len(pairs):
+        left: list[Pair] = []
+        if amplified:
+            left += map(tuple, pairs.tolist())
+        else:
+            found = _unconstrained_paths(_Walks(graph, views, limit), pairs, known, result)
+            judged = bool(graph.table.special)
+            if judged or crossings < graph.contact_count:
+                longest = 2 * crossings + 2
+                left += (pair for pair, path in found.items() if len(path) > longest or (judged and crosses_twice(graph, path)))
+            for pair in left:
+                del found[pair]
+            result.nodes |= found
+        for row in sorted({row for row, _ in left}):
+            _search_row(views[row], row, [column for r, column in left if r == row], crossings, limit, budget, amplified, result)
+        # Bands in which the source is weak may still arrive.
+        pairs, views, known = _unreached(graph, pairs, views, result), dict.fromkeys(views, graph), {}
     _judge(graph, result)
     return result
+
+
+def _unreached(graph: HapticGraph, pairs: IntArray, views: Mapping[int, HapticGraph], result: BestPaths) -> IntArray:
+    """Those of ``pairs`` (p, 2) without a path by their band, though contacts join them."""
+    plain = [row for row, view in views.items() if view is graph]
+    if len(plain) == len(views):
+        return pairs[:0]
+    lacking = np.zeros((len(graph.sources), len(graph.listeners)), dtype=np.bool_)
+    lacking[tuple(pairs.T)] = True
+    lacking[tuple(np.array(list(result.nodes), dtype=np.int64).reshape(-1, 2).T)] = lacking[plain] = False
+    row, column = lacking.nonzero()
+    if len(row) == 0:
+        return pairs[:0]
+    hangs_on = clusters(graph)[graph.node_object]
+    ends = np.array([(source.nodes[0], source.nodes[-1]) for source in graph.sources]).T
+    joined = (hangs_on[ends[:, row]] == hangs_on[graph.listener_nodes[column]]).any(axis=0)
+    return np.array([row[joined], column[joined]]).T
 
 
 def _judge(graph: HapticGraph, result: BestPaths) -> None:
@@ -118,7 +127,7 @@ def _judge(graph: HapticGraph, result: BestPaths) -> None:
     along = PathConnections(graph, result.nodes.values())
     costs = dict(zip(result.nodes, along.costs(), strict=True))
     for pair in result.bound.keys() & result.nodes.keys():
-        result.bound[pair] += costs[pair] - result.cost[pair]
+        result.bound[pair] += costs[pair] - result.cost.get(pair, costs[pair])
     result.cost, result.bands = costs, along.bands() if graph.uses_bands else None
 
 
@@ -146,9 +155,8 @@ class _Walks:
         near = (cost <= self.limit + SLACK) & (cost < math.inf)
         if not near.all():
             pairs, tree, ends, cost, backwards = pairs[near], tree[near], ends[:, near], cost[near], backwards[near]
-        paths = trees.paths(self.graph, tree, ends[0], ends[-1])
         keys = list(map(tuple, pairs.tolist()))
-        self.found.update((key, path[::-1] if back else path) for key, path, back in zip(keys, paths, backwards.tolist(), strict=True))
+        self.found.update(zip(keys, trees.paths(self.graph, tree, ends[0], ends[-1], backwards), strict=True))
         for number in (cost > self.limit - SLACK).nonzero()[0].tolist():
             pair = keys[number]
             if PathConnections(self.views[pair[0]], [self.found[pair]]).costs()[0] > self.limit:

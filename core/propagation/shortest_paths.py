@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray, ranges
+from ..arrays import BoolArray, FloatArray, IntArray
 from ..graph.haptic_graph import HapticGraph
 from .connections import intra_costs
 
@@ -64,10 +64,11 @@ class ShortestPaths:
 
     def visited(self) -> int:
         """Number of nodes reached, the largest over the sets of roots."""
-        return int(np.count_nonzero(self.entry >= 0, axis=1).max(initial=0))
+        return max(map(int, map(np.count_nonzero, self.entry >= 0)), default=0)
 
-    def paths(self, graph: HapticGraph, row: IntArray, one: IntArray, other: IntArray) -> list[tuple[int, ...]]:
-        """Nodes of the shortest paths (p,) from a root of each row to the nearer of two targets; () where nothing arrives."""
+    def paths(self, graph: HapticGraph, row: IntArray, one: IntArray, other: IntArray, backwards: BoolArray) -> list[tuple[int, ...]]:
+        """Nodes of the shortest paths (p,) from a root of each row to the nearer of two targets, or ``backwards``; () where nothing
+        arrives."""
         cost, another = self.cost[row, one], self.cost[row, other]
         node = np.where((another < cost) | ((another == cost) & (other < one)), other, one)
         node[self.entry[row, node] < 0] = -1
@@ -77,6 +78,7 @@ class ShortestPaths:
             node = np.where(begin >= 0, graph.partner[begin], -1)
             steps += [begin, node]
         nodes = np.array(steps[::-1]).T
+        nodes[backwards] = nodes[backwards, ::-1]
         there = nodes >= 0
         flat, ends = nodes[there].tolist(), there.sum(axis=1).cumsum().tolist()
         return [tuple(flat[begin:end]) for begin, end in zip([0, *ends], ends, strict=False)]
@@ -111,13 +113,24 @@ class _Relaxation:
         self.special = np.isin(index, list(graph.table.special)) if graph.table.special else None
         self.node_loss = np.concatenate([np.maximum(0.0, table.loss)[index] for table in self.tables])
         self.node_decay = np.concatenate([table.decay[index] for table in self.tables])
+        self.spreading = None if graph.table.spreading is None else [values[index] for values in graph.table.spreading]
         # Per node: cost of its inter-connection; contact -1 takes the appended infinity.
         self.crossing = np.concatenate([np.maximum(0.0, np.append(one.transmission_loss, math.inf))[graph.contact] for one in views])
+        self.is_vast = bool((np.abs(graph.node_position) > 1e150).any())
         self.relaxed = 0
 
     def at(self, row: IntArray, node: IntArray) -> IntArray:
         """Where the arrays of a row's table hold a node."""
         return node if self.shift is None else node + self.shift[row]
+
+    def distances(self, begin: IntArray, other: IntArray) -> FloatArray:
+        """`HapticGraph.node_distances`, sooner; squares that vanish make no difference to a cost."""
+        if self.is_vast:
+            return self.graph.node_distances(begin, other)
+        x, y, z = (places[begin] - places[other] for places in self.graph.node_position.T)
+        distance: FloatArray = np.sqrt(x * x + y * y + z * z)
+        reach = self.graph.reach
+        return distance if reach is None else np.maximum(distance - (reach[begin] + reach[other]), 0.0)
 
     def result(self) -> ShortestPaths:
         self.arrival[self.entry < 0] = math.inf
@@ -171,18 +184,22 @@ def _relax_cheapest(work: _Relaxation, row: IntArray, node: IntArray, cost: Floa
         if len(back):
             which, other = np.arange(len(back)), work.entry[row[back], node[back]]
             batches.append(_relax(work, row[back], node[back], cost[back], base[back], which, other))
-    if not useful.all():
-        row, node, cost, base = row[useful], node[useful], cost[useful], base[useful]
+    kept = useful.nonzero()[0]
+    if len(kept) < len(row):
+        row, node, cost, base = row[kept], node[kept], cost[kept], base[kept]
     if len(row):
         size = work.others[node]
-        if size.sum() > BATCH:
+        ends = size.cumsum()
+        if ends[-1] > BATCH:
             order = np.lexsort((node, row, cost))
-            now = max(1, int(size[order].cumsum().searchsorted(BATCH, side="right")))
-            later, order = order[now:], order[:now]
+            ends = size[order].cumsum()
+            now = max(1, int(ends.searchsorted(BATCH, side="right")))
+            later, order, ends = order[now:], order[:now], ends[:now]
             batches.append((row[later], node[later], cost[later]))
             row, node, cost, base, size = row[order], node[order], cost[order], base[order], size[order]
         which = np.arange(len(row)).repeat(size)
-        other = ranges(work.first[node], size)
+        other = np.arange(ends[-1])
+        other += (work.first[node] - ends + size)[which]
         other += other >= node[which]  # all nodes of the object but the entry itself
         batches.append(_relax(work, row, node, cost, base, which, other))
     if len(batches) == 1:
@@ -201,10 +218,10 @@ def _relax(
     graph, arrivals, entries = work.graph, work.arrivals, work.entries
     work.relaxed += len(other)
     begin = node[which]
-    distance = graph.node_distances(begin, other)
+    distance = work.distances(begin, other)
     candidate = base[which] + work.node_decay[work.at(row, node)][which] * distance
-    if graph.table.spreading is not None:
-        exponent, reference, extent = graph.table.spreading.take(graph.node_object[node], axis=1).take(which, axis=1)
+    if work.spreading is not None:
+        exponent, reference, extent = (values[begin] for values in work.spreading)
         candidate += exponent * np.log1p(np.minimum(distance, extent) / reference)
     if work.special is not None:
         chosen = work.special[begin].nonzero()[0]
@@ -214,8 +231,8 @@ def _relax(
     place, candidate, begin = place[better], candidate[better], begin[better]
     # Several connections to one node: the cheapest wins, among equal ones that from the lowest entry.
     np.minimum.at(arrivals, place, candidate)
-    cheapest = candidate == arrivals[place]
-    if not cheapest.all():
+    cheapest = (candidate == arrivals[place]).nonzero()[0]
+    if len(cheapest) < len(better):
         better, place, candidate, begin = better[cheapest], place[cheapest], candidate[cheapest], begin[cheapest]
     entries[place] = begin
     first = entries[place] == begin

@@ -85,7 +85,8 @@ def _only_paths(graph: HapticGraph, listeners: Sequence[int], forward: ShortestP
     """The sums in a forest of contacts of one point each, where the best path to a listener is the only one."""
     sums = PathSums(np.zeros((len(listeners), lanes_of(graph))), np.zeros(len(listeners)), np.zeros(len(listeners), dtype=np.int64), 0)
     nodes = np.array(listeners, dtype=np.int64)
-    paths = {number: path for number, path in enumerate(forward.paths(graph, np.full(len(nodes), row), nodes, nodes)) if path}
+    rows, backwards = np.full(len(nodes), row), np.zeros(len(nodes), dtype=np.bool_)
+    paths = {number: path for number, path in enumerate(forward.paths(graph, rows, nodes, nodes, backwards)) if path}
     along = PathConnections(graph, paths.values())
     for number, cost, bands in zip(paths, along.costs(), along.bands(), strict=True):
         if cost <= limit - SLACK:
