@@ -24,6 +24,7 @@ def bench(scene):
     return scene
 
 
+@pytest.mark.slow
 def test_results_are_those_of_waiting_for_each_frame(bench):
     waited = [step.result for step in timeline.steps(bench, *FRAMES)]
     beside = list(timeline.results(bench, *FRAMES))

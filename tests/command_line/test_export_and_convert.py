@@ -125,6 +125,7 @@ def test_losses_alone_write_nothing(capsys, scene_file, tmp_path):
     assert code == 0 and set(json.loads(out)["losses"]) == {"hjif", "tact"} and not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_convert_between_every_pair_of_kinds(capsys, scene_file, tmp_path):
     run(capsys, "export", scene_file, "--to", "wav,hjif,haptic,ahap,wyvrn", "--out", tmp_path, "--seconds", "0.5")
     sources = ["bench.wav", "bench.hjif", "bench.seat.haptic", "bench.seat.ahap", "bench/bench.seat.haps"]

@@ -259,6 +259,7 @@ def test_settings_between_variants_where_levels_are_linear():
     assert wishes.between(variants[:3], wished, ["a", "b", "kind"]) is None
 
 
+@pytest.mark.slow
 def test_plot_draws_and_answers(results, tmp_path, capsys):
     assert main(["sweep", "plot", str(results), "--out", str(tmp_path), "--wish", "hand=-41"]) == 0
     said = capsys.readouterr().out

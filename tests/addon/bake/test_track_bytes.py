@@ -104,6 +104,7 @@ def test_hostile_headers_are_refused(change):
         track_from_bytes(_with_header(change))
 
 
+@pytest.mark.slow
 def test_a_small_file_that_unpacks_to_a_huge_one_is_refused():
     bomb = zlib.compress(bytes(1 << 27), 9)
     data = MAGIC + struct.pack("<II", 1, len(bomb)) + bomb

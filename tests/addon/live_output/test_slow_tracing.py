@@ -79,7 +79,6 @@ def test_gains_come_a_frame_later(felt, plug, connect, slow, uncorrected):
     handlers.animation_playback_post(felt)
 
 
-@pytest.mark.slow
 def test_a_frame_that_went_ahead_is_corrected_when_it_has_been_traced(felt, plug, connect, slow):
     plug()
     connect()

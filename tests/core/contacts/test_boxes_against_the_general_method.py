@@ -75,6 +75,7 @@ def test_a_pin_on_a_huge_floor(ratio, tilt):
         np.testing.assert_allclose(np.abs(middle[:2]), 0, atol=1e-3 if ratio > 1e9 else 1e-6)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), tilt=st.sampled_from([0.0, 1e-3, 0.05, 2.0]))
 def test_distances_against_bounded_least_squares(seed, tilt):

@@ -93,6 +93,7 @@ def test_diagonal_bricks(seed, apart):
         assert weight < 0.3 * face[2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shapes", [BRICKS, (Box(tuple(BRICK)), Sphere(0.25))], ids=["face", "ball"])
 def test_weight_falls_smoothly_to_the_tolerance(shapes):
     gaps = np.arange(-0.002, 0.01, 2e-5)
@@ -155,6 +156,7 @@ def common_section(placed_points, middle, normal):
     return SciPyHull(HalfspaceIntersection(flat, np.zeros(2)).intersections).volume
 
 
+@pytest.mark.slow
 @settings(max_examples=30, derandomize=True, deadline=None)
 @given(overlap=st.floats(0.006, 0.03), seed=st.integers(0, 10**6))
 def test_overlapping_round_hulls_have_the_area_of_their_common_section(overlap, seed):

@@ -51,6 +51,7 @@ def test_beams_on_two_supports_within_a_tenth():
     assert found.max() < 0.1
 
 
+@pytest.mark.slow
 def test_piles_within_a_quarter_in_the_median():
     """Redundant supports do not determine how they share, and Bullet's share depends on how they came to rest."""
     for kind in ("pile", "spheres"):

@@ -73,6 +73,7 @@ def test_cube_moved_inwards(depth):
     assert shrunk_hull(convex_hull(CUBE * [1, 1, 0]), 0.04) is None
 
 
+@pytest.mark.slow
 def test_many_points_are_reduced_to_extreme_ones():
     generator = np.random.default_rng(1)
     points = generator.normal(size=(200_000, 3))

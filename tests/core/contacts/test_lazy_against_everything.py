@@ -65,9 +65,8 @@ CASES = [
 ]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("settings", "special"), CASES)
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_lazy_tracing_gives_the_same(settings, special, seed):
     lazy, eager = Tracer(lazy=True), Tracer()
     impacts, fewer = 0, 0

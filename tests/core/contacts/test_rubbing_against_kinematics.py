@@ -93,6 +93,7 @@ def test_fundamental_of_what_slides_is_speed_over_period(speed, period, noise):
     assert fundamental(wave[2000:]) == pytest.approx(speed / period, abs=0.5 * RATE / EXACT_FRAMES, rel=0.1 if noise else 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("shape", "radius", "upright"), [(Sphere(RADIUS), RADIUS, None), (Cylinder(WHEEL, 0.1), WHEEL, (np.pi / 2, 0, 0))])
 def test_what_rolls_without_slipping_does_not_slide_and_has_its_speed_over_period(shape, radius, upright):
     texture = Texture(0.01, rolling=1.0, noise=0.0, full_force=1.0, full_speed=1e-3)
@@ -190,6 +191,7 @@ def test_no_clicks_where_speed_and_direction_change():
     assert np.abs(np.diff(wave, 2)).max() < 1.1 * (2 * np.pi * 80 / 8000) ** 2 * np.abs(wave).max()
 
 
+@pytest.mark.slow
 def test_a_frame_depends_on_two_blocks_of_frames_alone():
     """Along a curve, faster and slower: traced from the block before on, the same to the bit; and so is what later frames depend on."""
     frames = np.arange(72)

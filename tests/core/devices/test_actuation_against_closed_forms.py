@@ -160,6 +160,7 @@ def test_resampling_leaves_nothing_of_what_the_lower_rate_can_not_carry(frequenc
     assert np.abs(output[100:]).max() < 5e-3
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(cuts=st.lists(st.integers(0, 1500), max_size=8), rates=st.sampled_from([(8000, 3000), (3000, 8000), (44100, 8000), (8000, 8000)]))
 def test_resampling_does_not_depend_on_how_the_signal_is_cut(cuts, rates):

@@ -156,6 +156,7 @@ def test_the_watchdog_silences_the_real_device(scene):
     assert reports[-1] == VECTORS["dualsense_usb_v2_l0_r0"]
 
 
+@pytest.mark.slow
 def test_a_program_that_just_ends_leaves_the_device_silent_and_released(scene):
     answer = scene("exit", "dualsense", fakes=[DUALSENSE_USB])
     assert split(answer["captured"], 48)[-2:] == [VECTORS["dualsense_usb_v2_l0_r0"], VECTORS["dualsense_usb_release"]]

@@ -138,6 +138,7 @@ def test_ten_minutes_and_two_thousand_impacts(tmp_path):
     assert np.mean((again[part] - samples[0, part]) ** 2) < 0.05 * np.mean(samples[0, part] ** 2)
 
 
+@pytest.mark.slow
 def test_options_of_formats(study, tmp_path):
     export = Export("scene", SCENE, study)
     registry.write("hjif", export, tmp_path, {"profile": "Simple Parametric", "transients": False})

@@ -295,6 +295,7 @@ def newer(document):
     return document
 
 
+@pytest.mark.slow
 @settings(max_examples=50, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(scenes())
 def test_a_newer_version_is_read_as_far_as_it_is_known(scene):

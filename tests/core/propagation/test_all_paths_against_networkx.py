@@ -90,6 +90,7 @@ def test_gains_above_1(seed, limits):
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(SEEDS, st.sampled_from([None, 7]), st.sampled_from([0.5, 0.1, 1e-3]))
 def test_tolerance_is_kept(seed, max_connections, tolerance):

@@ -129,6 +129,7 @@ def test_energies_per_band(seed):
     assert np.all(result.band_gain[..., -1] == 0)
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None, derandomize=True)
 @given(SEEDS)
 def test_best_path_is_the_best_of_the_band_in_which_its_source_is_strong(seed):

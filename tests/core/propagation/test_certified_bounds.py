@@ -70,6 +70,7 @@ def test_any_budget_above_a_threshold(seed, budget, threshold):
     assert_interval(graph, PathLimits(math.inf, threshold, 0.0, budget), limited)
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(SEEDS, st.sampled_from([0, 3, 30]))
 def test_any_budget_for_best_paths_with_gains_above_1(seed, budget):

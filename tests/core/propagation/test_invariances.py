@@ -29,6 +29,7 @@ def several_sources(scene: HapticScene, seed: int) -> HapticScene:
     return dataclasses.replace(scene, sources=sources)
 
 
+@pytest.mark.slow
 @settings(max_examples=120, deadline=None, derandomize=True)
 @given(SEEDS, STRATEGIES, LIMITS, st.sampled_from(list(Mode)))
 def test_order_of_input_bit_by_bit(seed, strategy, limits, mode):

@@ -39,6 +39,7 @@ def test_scenes_of_any_functions_are_bounded_and_independent_of_cut_offs(strateg
     check_cut_offs(scene, strategy)
 
 
+@pytest.mark.slow
 @both
 @settings(max_examples=20, deadline=None, derandomize=True)
 @given(SEEDS)

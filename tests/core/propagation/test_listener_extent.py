@@ -55,6 +55,7 @@ def products(scene, radii, column):
     return [math.prod(gains) for _, gains in recursive_paths(form, 0, column)]
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(SEEDS)
 def test_the_largest_and_the_sum_over_all_paths_to_the_nearest_points(seed):
@@ -127,6 +128,7 @@ def test_levels_stay_bounded_and_steady(seed, strategy, extent):
     check_steady(scene, strategy, seed)
 
 
+@pytest.mark.slow
 @settings(max_examples=5, deadline=None, derandomize=True)
 @given(SEEDS)
 def test_the_way_shown_makes_the_number_also_in_large_scenes(seed):

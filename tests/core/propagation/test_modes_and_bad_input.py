@@ -201,6 +201,7 @@ def test_distances_whose_squares_are_no_numbers(strategy, far):
 TINY = (Constant(gain_value=1e-200), Exponential(alpha=1e6), Identity(), Constant(gain_value=0.6), Constant(gain_value=0.0))
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(st.integers(0, 10**6), st.sampled_from(list(Strategy)))
 def test_gains_at_the_ends_of_what_numbers_can_say(seed, strategy):

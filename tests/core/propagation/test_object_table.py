@@ -23,6 +23,7 @@ PHYSICAL = st.builds(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(st.data())
 def test_gains_and_costs_are_those_of_the_functions(data):

@@ -135,6 +135,7 @@ def test_no_path_goes_in_by_one_point_and_out_by_another(strategy):
     assert shown.gain[graph.listener_nodes[0]] == pytest.approx(math.exp(-8), rel=1e-12)
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None, derandomize=True)
 @given(SEEDS)
 def test_delay_taps_are_the_strongest_paths_with_their_shares(seed):

@@ -154,6 +154,7 @@ def test_values_at_the_ends_of_their_ranges(parts, far, near):
                 assert result.best_path == {}
 
 
+@pytest.mark.slow
 def test_10000_contacts_on_one_object():
     """A ground with 10,000 pebbles and two benches: what a pebble leads to is nothing, and what the bench receives is exact."""
     pebbles = 10_000

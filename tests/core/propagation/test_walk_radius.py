@@ -196,6 +196,7 @@ def test_in_a_forest_the_bound_is_what_the_threshold_leaves_out(threshold):
     assert causes == ({Cause.SUM_TRUNCATED} if result.limited.any() else set())
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None, derandomize=True)
 @given(SEEDS, st.sampled_from([0.0, 1e-3, 0.03]), st.sampled_from([None, 5]))
 def test_bound_of_a_well_posed_sum_is_finite_and_kept(seed, threshold, most):

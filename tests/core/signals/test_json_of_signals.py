@@ -62,7 +62,11 @@ def test_defaults_may_be_left_out() -> None:
         ({"signal": "loop", "of": {"signal": "sine"}}, "/of: a looped signal must end"),
         (nested(40), ": the signal is too complex"),
         ({"signal": "sum", "of": [{"signal": "sine"}] * 2000}, "/of/999: the signal is too complex"),
-        ({"signal": "sampled", "samples": [0] * 4_000_001}, "/samples: the signal has more than 4000000 numbers"),
+        pytest.param(
+            {"signal": "sampled", "samples": [0] * 4_000_001},
+            "/samples: the signal has more than 4000000 numbers",
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_errors_name_the_place(data: object, message: str) -> None:
