@@ -1,4 +1,4 @@
-"""Animated frequencies and envelopes as automations over the scene's time; read frame by frame, phases would jump at every frame."""
+"""Animated frequencies and envelopes as automations over the scene's time, because phases of values read frame by frame would jump."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ class AnimatedCurves:
         self._known: dict[tuple[int, str], tuple[Any, Automation]] = {}  # by session id of the object, and data path
 
     def clear(self) -> None:
-        """Drop all automations, as curves may have changed."""
+        """Drop all automations, because curves may have changed."""
         self._known.clear()
 
     def of_source(self, obj: Object, scene: Scene) -> Curves:
-        """Frequency and envelope of a source over seconds from the scene's first frame, None where no F-curve animates them."""
+        """Frequency and envelope of a source over seconds from the scene's first frame, None if no F-curve animates them."""
         return self._automation(obj, scene, FREQUENCY), self._automation(obj, scene, ENVELOPE)
 
     def _automation(self, obj: Object, scene: Scene, path: str) -> Automation | None:
@@ -49,13 +49,13 @@ class AnimatedCurves:
 
 
 def animating(obj: Object, path: str) -> Any:
-    """The F-curve with keys that animates a property of an object; None where there is none."""
+    """The F-curve with keys that animates a property of an object; None if there is none."""
     return next((c for c in fcurves_of(obj) if c.data_path == path and not c.mute and len(c.keyframe_points)), None)
 
 
 def corners(curve: Any) -> FloatArray:
-    """Frames and values, shape (n, 2), between which an F-curve is straight: its keys, and of rounded parts one every frame, `_PARTS` at
-    least; a key twice where the value jumps."""
+    """Frames and values, shape (n, 2), of a piecewise linear F-curve: its keys, and in rounded parts one point per frame, at least
+    `_PARTS`; two points at a jump."""
     found: list[tuple[float, float]] = []
     keys = list(curve.keyframe_points)
     most = max(_MOST_FRAMES // len(keys), 1)

@@ -16,14 +16,14 @@ from ...core.contacts.shapes import Compound, ConvexHull, Shape
 from ...core.scene.values import Pose
 
 LARGEST = 1e7
-"""Largest extent of an object from its origin [m]; beyond it contacts are not precise to a metre."""
+"""Largest extent of an object from its origin [m]; beyond it contacts are not accurate to a metre."""
 
 
 def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Shape:
     """The shape of ``obj`` with its world scale (3,), negative where mirrored, in the object's rotated frame.
 
-    A rigid body's own shape; else the convex hull of the evaluated mesh. Raises ValueError where there is none, or
-    where it extends further than `LARGEST`.
+    A rigid body's own shape, otherwise the convex hull of the evaluated mesh. Raises ValueError if there is none, or if it extends further
+    than `LARGEST`.
     """
     if np.any(np.abs(scale) < 1e-9):
         raise ValueError(iface_("its scale is 0: give it an extent in every direction"))
@@ -65,7 +65,7 @@ def mesh_checksum(obj: Object, depsgraph: Depsgraph) -> object:
 
 @lru_cache(maxsize=1024)
 def _hull(vertices: bytes, size: tuple[float, ...], margin: float, use_margin: bool) -> Shape:
-    """Objects of one mesh share its hull: shrinking it by the margin takes milliseconds. ``vertices``: (n, 3) as bytes."""
+    """The hull of a mesh, shared by its objects, because shrinking it by the margin takes milliseconds. ``vertices``: (n, 3) as bytes."""
     return convex_hull_shape(np.frombuffer(vertices).reshape(-1, 3), size, margin, use_margin)
 
 
@@ -128,6 +128,6 @@ def _triangles(obj: Object, depsgraph: Depsgraph, source: str) -> tuple[FloatArr
 
 
 def _bounding_box(obj: Object, depsgraph: Depsgraph) -> FloatArray:
-    """(2, 3): lowest and highest corner in local space, modifiers included."""
+    """(2, 3): lowest and highest corner in local space, including modifiers."""
     corners = np.array(obj.evaluated_get(depsgraph).bound_box, dtype=np.float64)
     return np.stack([corners.min(axis=0), corners.max(axis=0)])

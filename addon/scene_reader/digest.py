@@ -1,7 +1,6 @@
-"""Digests of a scene, to tell later what has changed since it was baked or since its impacts were found.
+"""Digests of a scene, to find changes since a bake or since the detection of impacts.
 
-A digest is plain data: the settings and the frame rate as they are, and for every object of the scene that can matter one checksum per
-aspect.
+A digest is plain data: settings and frame rate, and for every relevant object one checksum per aspect.
 """
 
 from __future__ import annotations
@@ -39,10 +38,10 @@ TEXTS = {
     "more": "and {} more",
     "range": "frames {} to {} are played, {} to {} were baked",
 }
-"""What can have changed, in words."""
+"""Sentences for the kinds of changes."""
 
 Change = tuple[Any, ...]
-"""A key of `TEXTS`, and the values for the gaps in its text."""
+"""A key of `TEXTS`, and the arguments of its text."""
 
 _VIEW = {"tracing", "show_overlay", "show_intra", "show_best_paths", "show_labels", "show_flow", "xray"}
 _NAMES = {"rna_type", "name"}
@@ -51,7 +50,7 @@ _TRANSFORM = ("location", "rotation_euler", "rotation_quaternion", "rotation_axi
 
 
 def digest_of(scene: Scene) -> Digest:
-    """The digest of a scene as it stands now; it does not depend on the current frame."""
+    """The current digest of a scene, which does not depend on the current frame."""
     haptics = scene.haptics
     settings = dict(_properties(haptics, [key for key in _plain_keys(haptics) if key not in _VIEW]))
     regions = regions_of(scene)
@@ -61,10 +60,10 @@ def digest_of(scene: Scene) -> Digest:
 
 
 def motion_of(scene: Scene) -> str:
-    """A checksum of what makes the impacts of a scene, whatever its haptic settings and the current frame.
+    """A checksum of everything that determines the impacts of a scene, independent of its haptic settings and the current frame.
 
-    That is physics, and of everything haptic and of what may move it shape, transforms, animation, rigid body, parent, constraints and
-    modifiers.
+    It covers physics, and the shape, transforms, animation, rigid body, parent, constraints and modifiers of haptic objects and of objects
+    that may move them.
     """
     regions = regions_of(scene)
     moving = [obj for obj in scene.objects if _may_hit(obj) or obj.name in regions]
@@ -72,8 +71,7 @@ def motion_of(scene: Scene) -> str:
 
 
 def changes(before: Mapping[str, Any], now: Digest) -> tuple[Change, ...]:
-    """What changed from one digest to another: a few changes, and how many more there are. ``before`` comes from a file and may hold
-    anything."""
+    """The changes between two digests: the first few, and the number of further ones. ``before`` comes from a file and may be invalid."""
     was, settings = _mapping(before.get("settings")), now["settings"]
     found: list[Change] = [
         ("setting", key.replace("_", " "), was[key], settings[key]) for key in settings if key in was and was[key] != settings[key]
@@ -100,7 +98,7 @@ def _mapping(value: Any) -> Mapping[str, Any]:
 
 
 def _matters(obj: Object) -> bool:
-    """Whether an object has a role or a rigid body, deforms others or moves: cameras, lights and scenery do not matter."""
+    """Whether an object has a role or a rigid body, deforms others or moves: cameras, lights and scenery are ignored."""
     return (
         is_tagged(obj)
         or obj.rigid_body is not None
@@ -139,7 +137,7 @@ def _roles(obj: Object, scene: Scene) -> str:
 
 
 def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
-    """The aspects beside the haptic settings; animation of data paths that begin with ``ignored`` does not count."""
+    """The aspects other than the haptic settings; animation of data paths that begin with ``ignored`` does not count."""
     paths, animation = _animation(obj, ignored)
     keys = getattr(obj.data, "shape_keys", None)
     if keys is not None:
@@ -172,7 +170,7 @@ def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
 
 
 def _settings(group: Any, animated: Iterable[str]) -> list[Any]:
-    """The plain properties of a group that no F-curve changes: the values of those would be the current frame's."""
+    """The plain properties of a group without animated ones, whose values depend on the current frame."""
     skipped = {path.rpartition(".")[2] for path in animated}
     return _properties(group, [key for key in _plain_keys(group) if key not in skipped])
 
@@ -204,7 +202,7 @@ def _shape(obj: Object) -> str:
 
 def _animation(datablock: Any, ignored: str = "haptics.felt.") -> tuple[frozenset[str], str]:
     """The data paths that are animated, and a checksum of their keys, drivers and strips. Paths that begin with ``ignored`` do not count:
-    a bake itself writes what is felt."""
+    a bake writes some itself."""
     data = datablock.animation_data
     if data is None:
         return frozenset(), ""

@@ -1,4 +1,4 @@
-"""A drawn signal, from the node group that holds it, and from the F-curves that take the place of its curves."""
+"""Drawn signals, read from node groups and from F-curves that replace their curves."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from ..properties.drawing import AMPLITUDE, FREQUENCY
 
 MOST_EMPHASES = 200
 _TABLE = 256
-"""Blender evaluates a rounded curve at so many places, and draws straight lines between them."""
+"""Number of points at which Blender evaluates a rounded curve."""
 
 
 def read_drawing(tree: Any, envelope: Automation | None = None, frequency: Automation | None = None) -> Drawing:
-    """The signal that is drawn in a node group; ``envelope`` and ``frequency``, of F-curves, count instead of its curves.
+    """The signal that is drawn in a node group; ``envelope`` and ``frequency``, from F-curves, replace its curves.
 
-    Raises ValueError where it is none, in the words of the panel.
+    Raises ValueError, with a message for the user, if it is not a drawn signal.
     """
     if tree is None:
         raise ValueError(iface_("no signal is drawn yet: press New in the panel Haptic Source"))
@@ -42,7 +42,7 @@ def read_drawing(tree: Any, envelope: Automation | None = None, frequency: Autom
 
 
 def mapping_of(tree: Any, name: str) -> Any:
-    """The curve of a drawn signal as Blender's widget has it. Raises ValueError where there is none."""
+    """The curve mapping of a drawn signal. Raises ValueError if there is none."""
     node = tree.nodes.get(name)
     if node is None or node.bl_idname != "ShaderNodeFloatCurve":
         raise ValueError(iface_("it has no curve '{}'").format(iface_(name)))
@@ -50,7 +50,7 @@ def mapping_of(tree: Any, name: str) -> Any:
 
 
 def points_of(mapping: Any) -> tuple[FloatArray, list[str]]:
-    """Places and heights of a curve's points, shape (n, 2), and how each is rounded: VECTOR (a corner), AUTO or AUTO_CLAMPED."""
+    """Coordinates of a curve's points, shape (n, 2), and the handle type of each: VECTOR (a corner), AUTO or AUTO_CLAMPED."""
     points = mapping.curves[0].points
     places = np.empty(2 * len(points), dtype=np.float32)
     points.foreach_get("location", places)
@@ -58,7 +58,7 @@ def points_of(mapping: Any) -> tuple[FloatArray, list[str]]:
 
 
 def _automation(mapping: Any, seconds: float, low: float, high: float) -> Automation:
-    """A curve over time: straight between corners wherever they are, else as Blender draws it."""
+    """A curve over time: straight between corners, otherwise sampled from Blender's curve."""
     points, kinds = points_of(mapping)
     is_round = np.array([kind != "VECTOR" for kind in kinds])
     grid = np.arange(_TABLE + 1) / _TABLE

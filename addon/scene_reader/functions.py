@@ -12,8 +12,8 @@ from .imported import imported_object
 
 
 def read_function(haptics: Any) -> ModulationFunction:
-    """The propagation function of an object's properties: the imported one until a property of it is edited, and in frames where none is
-    animated to another value. Raises ValueError."""
+    """The propagation function of an object's properties: the imported one until one of its properties is edited, and except in frames in
+    which one is animated to another value. Raises ValueError."""
     imported = imported_object(haptics.imported).function
     if imported is None:
         return function_of_properties(haptics)
@@ -24,7 +24,7 @@ def read_function(haptics: Any) -> ModulationFunction:
 
 
 def stands_for(function: ModulationFunction, imported: ModulationFunction) -> bool:
-    """Whether the ``function`` of rounded properties, without band gains, stands for the ``imported`` one."""
+    """Whether the ``function`` of rounded properties, without band gains, represents the ``imported`` one."""
     numbers = {f.name: getattr(imported, f.name) for f in fields(imported) if f.init}
     floats = {name: shortest(value) for name, value in numbers.items() if isinstance(value, float)}
     wave_speed, decays = imported.spectrum.wave_speed, imported.spectrum.band_decays
@@ -36,7 +36,7 @@ def stands_for(function: ModulationFunction, imported: ModulationFunction) -> bo
 
 
 def function_of_properties(haptics: Any) -> ModulationFunction:
-    """The propagation function that an object's properties make. Raises ValueError."""
+    """The propagation function defined by an object's properties. Raises ValueError."""
     parameters = {key: _typed(getattr(haptics, name)) for key, name in PARAMETERS.get(haptics.function, {}).items()}
     if haptics.wave_speed > 0:
         parameters["wave_speed"] = shortest(haptics.wave_speed)
@@ -46,7 +46,7 @@ def function_of_properties(haptics: Any) -> ModulationFunction:
 
 
 def read_transmission(row: Any) -> tuple[ModulationFunction, str]:
-    """The function of a rule of contacts; everything passes where it is invalid, with the reason."""
+    """The function of a rule of contacts; the identity and the reason if it is invalid."""
     parameters = {key: _typed(getattr(row, name)) for key, name in CONTACT_PARAMETERS.get(row.function, {}).items()}
     try:
         return function_from_dict({"function": row.function, **parameters}, TRANSMISSIONS), ""

@@ -1,7 +1,7 @@
-"""Values of an imported file that Blender's properties can't hold, stored as JSON beside them in the .blend.
+"""Values of an imported file that Blender's properties cannot hold, stored as JSON in the .blend.
 
-The text may come from a stranger's .blend file: `stored` checks all of it by ``stored.schema.json``, whose definitions are
-those that scene files are checked by.
+The text may come from an untrusted .blend file: `stored` validates it against ``stored.schema.json``, which uses the definitions of the
+scene file's schema.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ RULES = {
 """Numbers of `ContactSettings` by the properties of a scene that hold them."""
 
 OF_IMPACTS, LIMITS = ("bend", "variation"), ("least_energy", "full_energy", "refractory")
-"""Numbers of a rule for impacts and of its limits, which properties and the core call alike."""
+"""Numbers of a rule for impacts and of its limits, which have the same names in properties and in the core."""
 
 NEAR = 1e-5
-"""Difference in metres, or in elements of a rotation, below which an object is where the file put it: Blender rounds to single
-precision."""
+"""Difference in metres, or in elements of a rotation, below which an object counts as unmoved since the import, because Blender rounds to
+single precision."""
 
 Numbers = Mapping[str, float]
 """Numbers of the file in double precision, by property."""
@@ -50,8 +50,8 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class ImportedObject:
-    """Of a haptic object: ``function`` counts while the properties say the same as far as they can; ``emitters``: where the sources of
-    other modalities stand, by modality."""
+    """Values of a haptic object. ``function`` applies while the properties represent it; ``emitters``: positions of sources of other
+    modalities, by modality."""
 
     shape: Shape | None = None
     mass: float | None = None
@@ -66,7 +66,7 @@ class ImportedObject:
 
 @dataclass(frozen=True, slots=True)
 class ImportedSource:
-    """Of a source: ``signal`` counts where the source's signal is the imported one."""
+    """Values of a source. ``signal`` applies if the choice of the source is the imported signal."""
 
     signal: Signal | None = None
     kind: SourceKind = SourceKind.PERSISTENT
@@ -100,7 +100,7 @@ class ImportedScene:
 
 @dataclass(frozen=True, slots=True)
 class ImportedRule:
-    """Of a rule: ``signal`` counts where its signal is the imported one."""
+    """Values of a rule. ``signal`` applies if the choice of the rule is the imported signal."""
 
     signal: Signal | None = None
     numbers: Numbers = field(default_factory=dict)
@@ -116,8 +116,8 @@ class ImportedDevice:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FileContacts:
-    """Of a scene: ``contacts`` by their objects, in alphabetical order, as they are while both stand where the file put them and contacts
-    are found by ``tolerance`` and ``patch_points``; ``transmissions``: what is passed on wherever the two touch."""
+    """Contacts of a scene. ``contacts`` by their objects in alphabetical order, valid while neither has moved and the settings are
+    ``tolerance`` and ``patch_points``; ``transmissions``: functions of all contacts of the two objects."""
 
     contacts: Mapping[Pair, tuple[Contact, ...]] = field(default_factory=dict)
     transmissions: Mapping[Pair, ModulationFunction] = field(default_factory=dict)
@@ -126,13 +126,13 @@ class FileContacts:
 
 
 def text_of(**parts: Any) -> str:
-    """The text that stores ``parts``, "" where there are none."""
+    """The text that stores ``parts``, "" if there are none."""
     used = {key: value for key, value in parts.items() if value not in (None, {}, [])}
     return json.dumps(used, ensure_ascii=False, allow_nan=False, separators=(",", ":")) if used else ""
 
 
 def text_of_contacts(contacts: Iterable[Contact], later: Iterable[Contact], tolerance: float, patch_points: bool) -> str:
-    """For `file_contacts`; ``later``: those that begin on the way, for what they pass on."""
+    """The text for `file_contacts`; ``later``: contacts that begin in later frames, for their functions."""
     forms = [[item_to_dict(item) for item in items] for items in (contacts, later)]
     if not any(forms):
         return ""
@@ -140,8 +140,9 @@ def text_of_contacts(contacts: Iterable[Contact], later: Iterable[Contact], tole
 
 
 def exact(owner: Any, name: str, numbers: Numbers) -> float:
-    """A property's value as the author gave it: the imported number where there is one, else the shortest decimal of the property's single
-    precision. Editing the property removes the number; an animated property is only the number in frames where the two agree."""
+    """A property's value with the author's precision: the imported number if there is one, otherwise the shortest decimal of the
+    single-precision value. Editing the property removes the number; for an animated property it is used only in frames in which both
+    agree."""
     number = numbers.get(name)
     if number is None:
         return shortest(getattr(owner, name))
@@ -152,13 +153,13 @@ def exact(owner: Any, name: str, numbers: Numbers) -> float:
 
 
 def text_with(text: str, emitters: Mapping[str, Vector], numbers: Numbers) -> str:
-    """The text of an object with more of these."""
+    """The text of an object with further emitters and numbers."""
     form = stored(text, "object")
     return text_of(**{**form, "emitters": {**form.get("emitters", {}), **emitters}, "numbers": {**form.get("numbers", {}), **numbers}})
 
 
 def _reader(make: Callable[..., T], kind: str, kept: int) -> Callable[[str], T]:
-    """The function from a stored text to what it stores, of which ``kept`` results are kept. It raises ValueError for a damaged text."""
+    """The function from a stored text to what it stores, with a cache of ``kept`` results. It raises ValueError for a damaged text."""
     return lru_cache(maxsize=kept)(lambda text: _imported(make, text, kind))
 
 
@@ -172,7 +173,7 @@ imported_device = _reader(ImportedDevice, "device", 64)
 
 @lru_cache(maxsize=8)
 def file_contacts(text: str) -> FileContacts:
-    """Raises ValueError where the text is damaged."""
+    """The stored contacts. Raises ValueError if the text is damaged."""
     form = stored(text, "contacts")
     if not form:
         return FileContacts()
@@ -195,14 +196,14 @@ def near(kept: Vector, position: Vector) -> bool:
 
 
 def _contacts(forms: Any) -> tuple[Contact, ...]:
-    """Checked as those of a scene file are."""
+    """Contacts, validated as in a scene file."""
     names = {name for form in forms for name in form["objects"]}
     objects = [{"name": name, "kappa": 0, "rho": 0} for name in names]
     return scene_from_dict({"format": FORMAT, "version": VERSION, "objects": objects, "contacts": forms}, "imported").contacts
 
 
 def _imported(make: Callable[..., T], text: str, kind: str) -> T:
-    """What a text stores, as the dataclass ``make``; what a later version of the add-on stored besides is left out."""
+    """What a text stores, as the dataclass ``make``; keys of a later version of the add-on are ignored."""
     form = stored(text, kind)
     with _damaged():
         return make(**{key.name: _VALUES[key.name](form[key.name]) for key in fields(make) if key.name in form})  # type: ignore[arg-type]
@@ -238,7 +239,7 @@ _VALUES: Mapping[str, Callable[[Any], Any]] = {
     "profile": str,
     "triggers": lambda forms: read_triggers(forms, ()),
 }
-"""What makes a value of the stored one, by key."""
+"""Converters of stored values, by key."""
 
 
 @cache
@@ -253,7 +254,7 @@ def _validator(kind: str) -> Callable[[Any], Any]:
 
 
 def stored(text: str, kind: str) -> dict[str, Any]:
-    """The document that a property stores; an empty one for no text. Raises ValueError where it is not what is stored there."""
+    """The document that a property stores; an empty one for no text. Raises ValueError if it is invalid."""
     if not text:
         return {}
     import fastjsonschema

@@ -18,7 +18,7 @@ from .imported import NEAR, FileContacts, file_contacts, imported_scene
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Homes:
-    """Poses of bodies in a file: ``transforms`` (n, 4, 4), infinite where it has none, and their tolerance."""
+    """Poses of bodies in a file: ``transforms`` (n, 4, 4), infinite if it has none, and their tolerance."""
 
     names: tuple[str, ...]
     poses: tuple[Pose | None, ...]
@@ -62,7 +62,7 @@ class ImportedContacts:
             self._kept, self.problems = FileContacts(), (str(error),)
 
     def authored(self, homes: Homes, settled: frozenset[str], settings: ContactSettings) -> AuthoredContacts | None:
-        """The authored contacts for the tracer where the bodies ``settled`` are in their poses; the same object while nothing changes."""
+        """The authored contacts for the tracer if the bodies ``settled`` are in their poses; the same object while nothing changes."""
         kept = self._kept
         found_alike = (kept.tolerance, kept.patch_points) == (settings.tolerance, settings.patch_points)
         settled = settled if found_alike and kept.contacts else frozenset()

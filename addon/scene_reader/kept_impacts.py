@@ -1,4 +1,4 @@
-"""The impacts of a frame as they are kept in a .blend, so that it opens as it was left."""
+"""Impacts of a frame stored in a .blend, so that the file opens with its last result."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ from ...core.signals import DEFAULT_IMPACT
 from .imported import stored
 
 _MOST_CHARACTERS = 2**16
-"""Of the text; more impacts than that are not kept."""
+"""Largest size of the text; more impacts are not stored."""
 
 
 def text_of_impacts(frame: int, kept: FrameImpacts, names: Sequence[str], motion: str) -> str:
-    """The text that keeps the impacts of a frame between bodies called ``names``, made by ``motion``, for `impacts_from_text`."""
+    """The text for `impacts_from_text` with the impacts of a frame between bodies called ``names``; ``motion``: checksum of their
+    causes."""
     impacts = [
         {
             "objects": [names[body] for body in item.impact.objects],
@@ -42,8 +43,8 @@ def text_of_impacts(frame: int, kept: FrameImpacts, names: Sequence[str], motion
 
 
 def impacts_from_text(text: str, frame: int, names: Sequence[str], motion: str) -> FrameImpacts | None:
-    """The impacts that are kept of a frame; None where there are none, or where something has changed since. The text may come from a
-    stranger's file: what is no such text counts as none."""
+    """The stored impacts of a frame; None if there are none, or if anything has changed since. The text may be untrusted: an invalid one
+    counts as none."""
     if not 0 < len(text) <= _MOST_CHARACTERS:
         return None
     try:

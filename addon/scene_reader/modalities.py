@@ -16,7 +16,7 @@ from .roles import haptic_carrier
 
 
 def read_modality(modality: Modality, scene: Scene, names: set[str]) -> ModalityScene:
-    """Of the haptic objects ``names`` of a scene. Raises ValueError where what was imported is damaged."""
+    """The values of the haptic objects ``names`` of a scene. Raises ValueError if imported data is damaged."""
     values, forms, emitters = {}, {}, []
     for obj in scene.objects:
         group = getattr(obj.haptics.modalities, modality.name)
@@ -43,7 +43,7 @@ def read_modality(modality: Modality, scene: Scene, names: set[str]) -> Modality
 
 
 def numbers_of(modality: Modality, kept: ImportedObject) -> dict[str, float]:
-    """Of the numbers that are kept with an object, those of a modality's properties."""
+    """The exact numbers of a modality's properties among those stored with an object."""
     prefix = f"{modality.name}."
     return {name.removeprefix(prefix): value for name, value in kept.numbers.items() if name.startswith(prefix)}
 
@@ -53,7 +53,7 @@ def _parameter(group: Any, name: str, numbers: Mapping[str, float]) -> Any:
 
 
 def _emitter(modality: Modality, obj: Object, kept: ImportedObject, numbers: Mapping[str, float], names: set[str]) -> Emitter | None:
-    """The object as a source, where it is one that stands on one of the objects ``names``."""
+    """The object as a source if it is one on any of the objects ``names``, else None."""
     group = getattr(obj.haptics.modalities, modality.name)
     if not group.is_source:
         return None

@@ -17,7 +17,7 @@ from .signals import decaying, played_once, read_signal
 
 
 def read_object(obj: Object) -> HapticObject:
-    """The haptic object of a Blender object. Raises ValueError where its function is wrong."""
+    """The haptic object of a Blender object. Raises ValueError if its function is invalid."""
     haptics = obj.haptics
     imported = imported_object(haptics.imported)
     return HapticObject(
@@ -34,8 +34,8 @@ def read_object(obj: Object) -> HapticObject:
 
 
 def read_source(obj: Object, carrier: str, curves: Curves = (None, None), is_silenced: bool = False) -> Source:
-    """The source of a Blender object that stands on the haptic object ``carrier``, without its triggers; its position, here where a file
-    put it, is filled in per frame. ``curves``: frequency and envelope over the scene's time, where they are animated."""
+    """The source of a Blender object on the haptic object ``carrier``, without its triggers; its position, here that of an imported file,
+    is set per frame. ``curves``: frequency and envelope over the scene's time if they are animated."""
     properties = obj.haptics.source
     imported = imported_source(properties.imported)
     second = bpy.data.objects.get(imported.second_object or "")
@@ -58,7 +58,7 @@ def read_source(obj: Object, carrier: str, curves: Curves = (None, None), is_sil
 
 
 def read_listener(obj: Object, carrier: str, is_silenced: bool = False) -> Listener:
-    """The listener of a Blender object that stands on the haptic object ``carrier``; its position as that of a source."""
+    """The listener of a Blender object on the haptic object ``carrier``; its position as for a source."""
     properties = obj.haptics.listener
     imported = imported_listener(properties.imported)
     return Listener(
@@ -78,13 +78,13 @@ def read_listener(obj: Object, carrier: str, is_silenced: bool = False) -> Liste
 
 
 def read_impact_material(obj: Object) -> str | None:
-    """The impact material of an object, by the name of its haptic material; None where that is unknown."""
+    """The impact material of an object, by the name of its haptic material; None if that is unknown."""
     material = named_in(obj.haptics.material.name)
     return None if material is None else impact_material(material.name)
 
 
 def read_motion(obj: Object, imported: Motion | None) -> Motion:
-    """How an object moves: by physics, by animation, or not at all; as in the file it came from where it is no rigid body here."""
+    """How an object moves: by physics, by animation, or not at all; as in its imported file if it is not a rigid body."""
     body = obj.rigid_body
     if body is None and imported is not None:
         return imported

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """A problem that a designer should mend: the object's name ("" for the scene) and a message in the words of the panel; ``rule``: where
-    it is in a table of rules, the table's name and the number of the row."""
+    """A problem for the designer to fix: the object's name ("" for the scene) and a message for the user; ``rule``: the name of a table and
+    the number of the row for a problem in a table of rules."""
 
     object: str
     message: str

@@ -96,7 +96,7 @@ class SceneReader:
         self.solo_roles: frozenset[str] = frozenset()
 
     def forget(self) -> None:
-        """Read everything at the next call, as something authored has changed."""
+        """Read everything at the next call, because an authored value has changed."""
         self._session_ids = None
 
     def forget_shapes(self) -> None:
@@ -105,16 +105,16 @@ class SceneReader:
         self._session_ids = None
 
     def doubt_shapes(self, session_ids: Iterable[int] | None = None) -> None:
-        """Compare the geometry of these objects (None: of all) at the next call, as it may have changed."""
+        """Compare the geometry of these objects (None: of all) at the next call, because it may have changed."""
         self._doubtful.update(self._shapes if session_ids is None else session_ids)
 
     @property
     def is_empty(self) -> bool:
-        """True where the last reading found nothing tagged, and nothing has changed since."""
+        """True if the last reading found no tagged object, and nothing has changed since."""
         return self._session_ids is not None and not self._tagged
 
     def read(self, scene: Scene, depsgraph: Depsgraph, exact: bool = False) -> Reading:
-        """The scene as it stands in ``depsgraph``; ``exact``: also what has moved by less than counts otherwise."""
+        """The current scene in ``depsgraph``; ``exact``: including motions below the tolerance of rest."""
         ids = session_ids()
         raw = raw_matrices(len(ids))
         if self._marked(scene) != self._markers:
@@ -156,7 +156,7 @@ class SceneReader:
         )
 
     def _read_settings(self, scene: Scene) -> None:
-        """Read the settings where they have changed; else they stay the same objects, which collisions know again."""
+        """Read the settings if they have changed; otherwise keep the same objects, which collisions recognise by identity."""
         values = setting_values(scene)
         if values == self._values:
             return
@@ -169,7 +169,7 @@ class SceneReader:
         self._values = values
 
     def _marked(self, scene: Scene) -> tuple[tuple[str, int], ...]:
-        """The names and frames of the timeline's markers, where sources have triggers."""
+        """The names and frames of the timeline's markers, if any source has triggers."""
         triggered = any(isinstance(item, Source) and item.triggers is not None for item in self._placed)
         return tuple((marker.name, marker.frame) for marker in scene.timeline_markers) if triggered else ()
 
@@ -192,14 +192,14 @@ class SceneReader:
         if lists is not self._lists:
             rows, moved = set(), np.arange(len(lists.rows))  # everything has just been read
         else:
-            # Where simulations at rest tremble, the matrix of before stays.
+            # Keep the old matrix while a simulation at rest trembles.
             rows, moved = animated, np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= (0.0 if exact else lists.still)).all(axis=1))
         if len(moved) == len(lists.rows):
             self._raw = raw_tagged
             self._rigid, scales = rigid_transforms(raw_tagged)
         elif len(moved):
             self._raw[moved] = raw_tagged[moved]
-            self._rigid = self._rigid.copy()  # the old one belongs to the last reading
+            self._rigid = self._rigid.copy()  # the old array belongs to the last reading
             self._rigid[moved], scales = rigid_transforms(raw_tagged[moved])
         if len(moved):
             known = lists.scales[moved]
@@ -218,7 +218,7 @@ class SceneReader:
                 switched |= (tagged.object is None) != (self._tagged[row].object is None)
                 self._tagged[row] = tagged
                 changed = True
-        if switched:  # what other objects carry may now be on another one, or on none
+        if switched:  # sources and listeners may now be on another object, or on none
             for row, before in self._tagged.items():
                 self._tagged[row] = self._read_object(row, bpy.data.objects[row], depsgraph, np.array(before.scale))
         if changed:
@@ -256,7 +256,7 @@ class SceneReader:
             if carrier is None:
                 problems.append(_without_carrier(obj, role))
             elif carrier == obj and haptic_object is None:
-                continue  # the object's own problem says it
+                continue  # the object's own problem reports it
             else:
                 try:
                     silenced = is_silenced(obj, role, self.solo_roles)
@@ -275,7 +275,7 @@ class SceneReader:
         return Tagged(row, animated, deforming, tuple(scale.tolist()), haptic_object, body, home, source, listener, tuple(problems))
 
     def _is_animated_now(self, row: int, paths: tuple[str, ...] | None) -> bool:
-        """Whether animation has changed any property of the object since it was asked last."""
+        """Whether animation has changed any property of the object since the last call."""
         if paths is None:
             return True
         values = _values_at(bpy.data.objects[row], paths)
@@ -283,7 +283,8 @@ class SceneReader:
         return values != before
 
     def _scale(self, row: int, scale: FloatArray) -> FloatArray:
-        """The object's scale in the world to six digits; the known one where only rounding differs, so that what turns keeps its shape."""
+        """The object's scale in the world to six digits; the known one if only rounding differs, so that a rotating object keeps its
+        shape."""
         scale = np.array([float(f"{side:.6g}") for side in scale.tolist()])
         known = np.array(self._tagged[row].scale) if row in self._tagged else scale
         return known if np.all(np.abs(scale - known) <= 1e-5 * np.abs(known)) else scale
@@ -304,7 +305,7 @@ class SceneReader:
 
 
 def _with_regions(item: Source, row: int, scene: Scene) -> Source:
-    """The source of the object in that row of the file, its region where it stands now."""
+    """The source of the object in that row of the file, with the current pose of its region."""
     source = bpy.data.objects[row].haptics.source
     kept, place = imported_source(source.imported).triggers, region_of(source, scene)
     moved = (replace(t, **place) if t.on is TriggerKind.PASSING and t not in kept else t for t in item.triggers or ())
@@ -324,7 +325,7 @@ def edited_geometry(depsgraph: Depsgraph) -> set[int]:
 
 
 def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:
-    """The values at data paths of an object, None at one that leads nowhere."""
+    """The values at data paths of an object, None for an invalid path."""
     values = []
     for path in paths:
         try:
@@ -336,12 +337,12 @@ def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:
 
 
 def _is_as_imported(obj: Object, scale: FloatArray) -> bool:
-    """False where an author has since replaced the shape or the pose that a file gave an object."""
+    """False if an author has replaced the imported shape or pose of an object."""
     return obj.rigid_body is None and all(abs(side - 1) < 2e-5 for side in scale.tolist())
 
 
 def _without_carrier(obj: Object, role: str) -> Problem:
-    """The problem of a source or listener that is on no haptic object; the same for all on one armature."""
+    """The problem of a source or listener that is on no haptic object; a single problem for all on one armature."""
     above: Object | None = obj
     while above is not None and above.type != "ARMATURE":
         above = above.parent

@@ -15,7 +15,7 @@ from .world_transforms import pose_of
 @dataclass(frozen=True, slots=True)
 class Reading:
     """One frame of a scene. ``transforms`` (n, 4, 4) of ``objects`` are rigid: the scale is in the bodies' shapes. ``settled``: the names
-    of those that stand where an imported file put them; ``authored``: that file's contacts, None where there are none."""
+    of those that have not moved since their import; ``authored``: the imported contacts, None without any."""
 
     objects: tuple[HapticObject, ...]
     bodies: tuple[Body, ...]

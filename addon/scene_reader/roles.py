@@ -1,4 +1,4 @@
-"""The haptic roles of objects, independent of the core, as panels and handlers need them in every scene."""
+"""The haptic roles of objects, independent of the core, because panels and handlers need them in every scene."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SWITCHES = frozenset({"haptics.enabled", "haptics.source.enabled", "haptics.lis
 
 
 def is_tagged(obj: Object) -> bool:
-    """True where the object has any haptic role, or its animation switches one on and off."""
+    """True if the object has any haptic role, or if its animation switches one on and off."""
     haptics = obj.haptics
     if haptics.enabled or haptics.source.enabled or haptics.listener.enabled:
         return True
@@ -25,30 +25,30 @@ def is_tagged(obj: Object) -> bool:
 
 
 def solo_roles(objects: Iterable[Object]) -> frozenset[str]:
-    """The roles, "source" and "listener", of which some among the objects are solo."""
+    """The roles, "source" and "listener", with at least one solo object."""
     roles = ("source", "listener")
     found = {role for obj in objects for role in roles if getattr(obj.haptics, role).enabled and getattr(obj.haptics, role).solo}
     return frozenset(found)
 
 
 def is_silenced(obj: Object, role: str, solo: frozenset[str]) -> bool:
-    """Whether a source emits, or a listener feels, nothing: it is muted, or others are ``solo`` and it is not."""
+    """Whether a source or listener is muted, or not solo while others are (``solo``)."""
     properties = getattr(obj.haptics, role)
     return properties.muted or (role in solo and not properties.solo)
 
 
 def regions_of(scene: Scene) -> frozenset[str]:
-    """The names of the objects that sources have for regions."""
+    """The names of the objects used as regions of sources."""
     sources = (obj.haptics.source for obj in scene.objects)
     return frozenset(source.trigger_region for source in sources if source.enabled and source.one_shot and source.trigger_region)
 
 
 _untagged: dict[int, int] = {}
-"""The revision in which nothing was tagged, by session id of the scene."""
+"""The last revision without a tagged object, by session id of the scene."""
 
 
 def is_any_tagged(scene: Scene) -> bool:
-    """True where an object of the scene has a role. Where none has, the objects are asked again only after a change."""
+    """True if an object of the scene has a role. A negative result is cached until a change."""
     if _untagged.get(scene.session_uid) == revisions.authored():
         return False
     if any(map(is_tagged, scene.objects)):

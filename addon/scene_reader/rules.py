@@ -29,14 +29,14 @@ Does = TypeVar("Does")
 
 _ABSENT = {"OBJECT": "there is no haptic object '{}'", "MATERIAL": "nothing is made of a material '{}'"}
 TEMPLATES = {"MATERIALS": ImpactTemplates.BY_MATERIAL, "PLAIN": ImpactTemplates.PLAIN}
-"""By the choice of a scene or of a rule."""
+"""Impact templates by the choice of a scene or of a rule."""
 
 
 def read_table(
     scene: Scene, table: str, objects: Iterable[HapticObject], read: Callable[[Any], tuple[Does, str]]
 ) -> tuple[RuleTable[Does], list[Problem]]:
-    """A table of a scene of these haptic ``objects``, and what is wrong with its rows. ``read`` gives what a row does and what is wrong
-    with that, "" where nothing is."""
+    """A table of a scene of these haptic ``objects``, and the problems of its rows. ``read`` returns the value of a row and its fault, ""
+    for none."""
     known = [(item.name, item.material) for item in objects] + [("", item.name) for item in scene.haptics.materials.items]
     rows: list[Rule[Does]] = []
     problems = []
@@ -55,7 +55,7 @@ def read_table(
 
 
 def read_impact_rule(row: Any) -> tuple[ImpactRule, str]:
-    """What a row says of impacts; by material where its signal can't be played, with the reason."""
+    """The impact rule of a row; with the signal by material and the reason if its own signal cannot be played."""
     kept, template, fault = ImportedRule(), ImpactRule().template, ""
     try:
         kept = imported_rule(row.imported)
@@ -69,7 +69,7 @@ def read_impact_rule(row: Any) -> tuple[ImpactRule, str]:
 
 
 def read_texture(row: Any) -> tuple[Texture, str]:
-    """What a row says of what slides or rolls."""
+    """The texture of a row for sliding and rolling."""
     kept, fault = ImportedRule(), ""
     try:
         kept = imported_rule(row.imported)
@@ -96,7 +96,7 @@ def _template(row: Any, kept: Signal | None) -> ImpactTemplates | Signal:
 
 @lru_cache(maxsize=16)
 def _read(path: Path, changed: int, size: int) -> Signal:
-    """The first vibration in a file, as it is since it was ``changed``."""
+    """The first vibration in a file with the modification time ``changed``."""
     channels = registry.read(path).channels
     if not channels:
         raise ValueError(iface_("there is no vibration in {}").format(path.name))

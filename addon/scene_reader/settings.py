@@ -1,4 +1,4 @@
-"""How a scene is traced, from its properties."""
+"""The settings of tracing, from a scene's properties."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _HAPTICS = attrgetter(
 
 
 def setting_values(scene: Scene) -> tuple[Any, ...]:
-    """All that the settings are read from, but for the tables: where these are the same, so are the settings."""
+    """All values that determine the settings, except the tables."""
     time_scale = None if scene.rigidbody_world is None else scene.rigidbody_world.time_scale
     return *_HAPTICS(scene.haptics), *scene.gravity, scene.use_gravity, time_scale, scene.animation_data is None
 
@@ -49,7 +49,7 @@ def read_settings(scene: Scene) -> Settings:
 def read_contact_settings(
     scene: Scene, impact_table: RuleTable[ImpactRule], transmission_table: RuleTable[ModulationFunction], textures: RuleTable[Texture]
 ) -> ContactSettings:
-    """What counts as a contact and as an impact in a scene with these tables."""
+    """The settings of contacts and impacts of a scene with these tables."""
     haptics, imported = scene.haptics, _imported(scene)
     x, y, z = (shortest(g) for g in scene.gravity) if scene.use_gravity else (0.0, 0.0, 0.0)
     settings = ContactSettings(
@@ -73,5 +73,5 @@ def read_contact_settings(
 def _imported(scene: Scene) -> ImportedScene:
     try:
         return imported_scene(scene.haptics.imported)
-    except ValueError:  # the reader says it
+    except ValueError:  # the reader reports it
         return ImportedScene()

@@ -19,8 +19,8 @@ from .imported import imported_source
 
 
 def read_signal(properties: Any, frequency: Automation | None = None, envelope: Automation | None = None) -> Signal:
-    """The signal of a source's properties, at an animated ``frequency`` and with an animated ``envelope`` where there are any. Raises
-    ValueError where its file can't be read or its drawing is none."""
+    """The signal of a source's properties, with an animated ``frequency`` and ``envelope`` if there are any. Raises ValueError if its file
+    or drawing cannot be read."""
     hertz = shortest(properties.frequency) if frequency is None else frequency
     match properties.signal:
         case "SINE":
@@ -48,12 +48,12 @@ def read_signal(properties: Any, frequency: Automation | None = None, envelope: 
 
 
 def decaying(signal: Signal | None, seconds: float) -> Signal | None:
-    """A persistent source's signal with an envelope that falls to 1/e in ``seconds``, without one where that is 0."""
+    """A persistent source's signal with an envelope that falls to 1/e in ``seconds``, without one if that is 0."""
     return (signal or DEFAULT_PERSISTENT) * Decay(shortest(seconds)) if seconds >= MIN_SECONDS else signal
 
 
 def played_once(signal: Signal | None) -> Signal:
-    """Check and return the signal of a source that plays once per trigger. Raises ValueError where it is endless, too long or silent."""
+    """Check and return the signal of a source that plays once per trigger. Raises ValueError if it is endless, too long or silent."""
     if signal is None or signal.duration == math.inf:
         raise ValueError(iface_("its signal has no end: set a decay time"))
     if signal.duration > LONGEST:
@@ -64,7 +64,7 @@ def played_once(signal: Signal | None) -> Signal:
 
 
 def is_audible(item: Source | Listener, now: float, duration: float) -> bool:
-    """False for a temporary source that is not heard in the frame of ``duration`` seconds that ends ``now``."""
+    """False for a temporary source that is inactive in the frame of ``duration`` seconds that ends ``now``."""
     if not isinstance(item, Source) or item.kind is SourceKind.PERSISTENT:
         return True
     return item.onset <= now < item.onset + (item.signal or DEFAULT_IMPACT).duration + duration

@@ -1,4 +1,4 @@
-"""The tagged objects of a scene, as authored, and the lists that are made of them."""
+"""The tagged objects of a scene as authored, and lists derived from them."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class Tagged:
 
 @dataclass(frozen=True, slots=True)
 class TaggedLists:
-    """What is tagged, in the order of the rows: ``rows`` (m,) in the file and ``scales`` (m, 3) as authored; which of them are bodies, and
-    the rows in the file where sources and listeners are. ``still`` (m, 16): changes of world matrices that move no corner by more than
-    about `STILL`."""
+    """Lists of the tagged objects in the order of the rows: ``rows`` (m,) in the file and ``scales`` (m, 3) as authored; which of them are
+    bodies, and the rows in the file where sources and listeners are. ``still`` (m, 16): changes of world matrices that move no corner by
+    more than about `STILL`."""
 
     rows: IntArray
     scales: FloatArray
@@ -50,10 +50,10 @@ class TaggedLists:
 
     @classmethod
     def of(cls, by_row: dict[int, Tagged], before: TaggedLists | None = None) -> TaggedLists:
-        """What says the same as ``before`` is the same value, so that nothing that was made of it is made again."""
+        """Lists equal to those of ``before`` are the same objects, so that derived values remain valid."""
         tagged = sorted(by_row.values(), key=lambda t: t.row)
         bodies = [(k, t.object, t.body) for k, t in enumerate(tagged) if t.object is not None and t.body is not None]
-        sound = {item.name for _, item, _ in bodies}  # what stands on an object that has a problem, or is not shown, is left out with it
+        sound = {item.name for _, item, _ in bodies}  # roles on an object with a problem, or a hidden one, are left out
         places = [(t.row, item) for t in tagged for item in (t.source, t.listener) if item is not None and item.object in sound]
         objects, alone = tuple(item for _, item, _ in bodies), tuple(body for _, _, body in bodies)
         names, poses = tuple(item.name for item in objects), tuple(tagged[k].home for k, _, _ in bodies)

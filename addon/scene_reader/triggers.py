@@ -1,4 +1,4 @@
-"""What makes a source play once, from its properties."""
+"""The triggers of a source, from its properties."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from .problem import Problem
 
 PATH = "haptics.source.trigger"
 _MOST = 100_000
-"""Keyframes that are read."""
+"""Largest number of keyframes that are read."""
 
 
 def read_triggers(obj: Object, scene: Scene) -> tuple[tuple[Trigger, ...] | None, list[Problem]]:
-    """The triggers of a source, None where it needs none, and what is wrong with them, each with the property that it is about."""
+    """The triggers of a source, None if it plays without triggers, and their problems, each with its property."""
     source = obj.haptics.source
     if not source.one_shot:
         return None, []
@@ -42,13 +42,13 @@ def read_triggers(obj: Object, scene: Scene) -> tuple[tuple[Trigger, ...] | None
 
 
 def marker_frames(scene: Scene, pattern: str) -> tuple[int, ...]:
-    """The frames of the timeline markers that a pattern fits."""
+    """The frames of the timeline markers that match a pattern."""
     side = Side(object=pattern)
     return tuple(sorted(marker.frame for marker in scene.timeline_markers if side.fits(marker.name, "")))
 
 
 def region_of(source: Any, scene: Scene) -> dict[str, Any]:
-    """Pose and size of the region of a source, for its triggers as it stands now; a plane where there is none."""
+    """Pose and size of the region of a source, for its triggers in the current frame; a plane without a region."""
     region = scene.objects.get(source.trigger_region)
     if region is None:
         return {}
@@ -62,7 +62,7 @@ def region_of(source: Any, scene: Scene) -> dict[str, Any]:
 
 
 def _of_property(obj: Object, scene: Scene, faults: list[tuple[str, str]]) -> Iterator[Trigger]:
-    """Keyframes of the property where it has some, else what makes it rise: a driver, modifiers of its F-curve, the NLA."""
+    """Triggers from keyframes of the property if it has any, otherwise from its rising values by a driver, F-curve modifiers or the NLA."""
     data = obj.animation_data
     curve = next((c for c in fcurves_of(obj) if c.data_path == PATH and not c.mute), None)
     driver = next((d for d in data.drivers if d.data_path == PATH and not d.mute), None) if data is not None else None

@@ -1,1 +1,1 @@
-"""The live tracing of each scene."""
+"""Tracing sessions of scenes."""

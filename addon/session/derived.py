@@ -18,18 +18,18 @@ Choice = TypeVar("Choice", bound=Hashable)
 Value = TypeVar("Value")
 
 _SHOWN_SECONDS = 1.0
-"""A value counts as shown for so long after it was drawn."""
+"""Time after its last draw for which a value counts as shown [s]."""
 _HEARD_SECONDS = 3.0
 """Samples are rendered for so long after what is made of them was drawn, also where a frame takes more than a second."""
 _BRIEF = 0.01
-"""Computing time [s] up to which a value is computed at once, whatever else is going on."""
+"""Computing time [s] up to which a value is computed immediately, also during playback."""
 _REST = 0.3
-"""Time [s] without a new frame after which what takes longer is computed."""
+"""Time [s] without a new frame after which slower values are computed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Latest(Generic[Value]):
-    """The last value that was computed. ``is_current``: it belongs to what is shown now, and no newer one is coming."""
+    """The last computed value. ``is_current``: it belongs to the shown frame, and no newer one is pending."""
 
     value: Value
     is_current: bool
@@ -55,16 +55,16 @@ class Background(Generic[Value]):
 
     @property
     def is_brief(self) -> bool:
-        """True where computing it last took next to no time."""
+        """True if the last computation was fast."""
         return self._computed is not None and self._computed.seconds <= _BRIEF
 
     def latest(self, key: Hashable, compute: Callable[[Value | None], Value], *, may_start: bool = True) -> Latest[Value] | None:
         """The last value, without waiting; None before there is one.
 
         Args:
-            key: what the value depends on.
-            compute: makes the value of ``key`` of the one before, on the worker thread; it must not touch Blender.
-            may_start: False keeps the last value although the key is another.
+            key: the values that the result depends on.
+           compute: makes the value of ``key`` from the one before, on the worker thread; it must not access Blender.
+           may_start: False keeps the last value although the key has changed.
         """
         self.shown = time.monotonic()
         error, self._error = self._error, None
@@ -84,13 +84,13 @@ class Background(Generic[Value]):
         self._wanted = key, compute
 
     def _done(self, job: Future[None]) -> None:
-        """A job has ended: after a cancellation another has to be queued."""
+        """Called at the end of a job: queue another one after a cancellation."""
         if job.cancelled() or job.exception() is not None:
             self._is_queued = False
 
     def update(self) -> None:
-        """On the worker: compute what is wanted, unless it is there."""
-        self._is_queued = False  # what is wanted from here on is computed by another job
+        """Compute the requested value unless it exists; called on the worker."""
+        self._is_queued = False  # later requests are computed by another job
         if self._wanted is None:
             return
         (key, compute), before = self._wanted, self._computed
@@ -109,8 +109,8 @@ class Derived(Generic[Choice, Value]):
     """A value of each traced frame of a scene, computed once per frame and choice, and only while it is drawn.
 
     Args:
-        compute: makes the value of a frame, a choice of the user and the value before, on the worker thread; it must not touch Blender.
-        every_frame: compute right after each frame is traced. Else what takes long is computed once no more frames follow.
+        compute: makes the value of a frame, a choice of the user and the value before, on the worker thread; it must not access Blender.
+       every_frame: compute directly after each frame is traced. Otherwise slow values are computed when no more frames follow.
         hears: it is made of samples, so that these must be rendered while it is shown.
     """
 
@@ -122,7 +122,7 @@ class Derived(Generic[Choice, Value]):
         self.hears = hears
 
     def latest(self, scene: Scene, choice: Choice) -> Latest[Value] | None:
-        """The last value, without waiting; None before there is one, or where nothing is traced."""
+        """The last value, without waiting; None before there is one, or if nothing is traced."""
         own = sessions.known(scene)
         if own is None or own.shown is None:
             if own is not None:
@@ -136,7 +136,7 @@ class Derived(Generic[Choice, Value]):
         return background.latest(key, compute, may_start=may_start)
 
     def follow(self, own: sessions.Session) -> None:
-        """On the worker: compute the value of the frame that has just been traced, where it is shown."""
+        """Compute the value of the frame that has just been traced if it is shown; called on the worker."""
         background, traced = own.derived.get(self), own.shown
         if not self._every_frame or background is None or traced is None or time.monotonic() - background.shown > _SHOWN_SECONDS:
             return
@@ -152,7 +152,7 @@ def shows_samples(own: sessions.Session) -> bool:
 
 
 def _rests(own: sessions.Session) -> bool:
-    """True where the frame is not followed by others: the timeline stands still, and nothing has been edited for a moment."""
+    """True if no further frames follow: the timeline does not play, and there was no recent edit."""
     if is_playing():
         return False
     rested = time.monotonic() - own.begun_at

@@ -1,4 +1,4 @@
-"""What the listeners of a traced frame feel of the modalities beside vibration, through the same contacts."""
+"""Modalities other than vibration at the listeners of a traced frame, through the same contacts."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from ..scene_reader.modalities import read_modality
 
 
 def wanted_in(scene: Scene) -> list[Modality]:
-    """The modalities beside vibration that a scene has switched on. They need all contacts, wherever vibration gets to."""
+    """The enabled modalities other than vibration. They need all contacts, including those without vibration."""
     return [modality for modality in SHOWN if getattr(scene.haptics.modalities, modality.name).enabled]
 
 
 def read(scene: Scene, objects: Sequence[HapticObject]) -> tuple[tuple[ModalityScene, ...], tuple[str, ...]]:
-    """What the haptic ``objects`` are like for the modalities that are switched on, and what is wrong with that."""
+    """The values of the haptic ``objects`` for the enabled modalities, and their problems."""
     found, errors = [], []
     for modality in wanted_in(scene):
         try:
@@ -32,7 +32,7 @@ def read(scene: Scene, objects: Sequence[HapticObject]) -> tuple[tuple[ModalityS
 
 
 def felt_of(readings: Sequence[ModalityScene], result: FrameResult, settings: Settings) -> tuple[tuple[Felt, ...], tuple[str, ...]]:
-    """What the listeners of a frame feel of each modality, and what went wrong. Touches no Blender data."""
+    """The values of each modality at the listeners of a frame, and errors. Does not access Blender."""
     felt, errors = [], []
     for own in readings:
         try:

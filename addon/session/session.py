@@ -37,7 +37,7 @@ from .sessions import Session, Traced, known, problems_in
 
 @dataclass(frozen=True, slots=True)
 class _Begun:
-    """A frame that is being traced: what was read of it, and the times [ms] of reading it and of Blender's evaluation."""
+    """A frame that is being traced: its reading, and the times of reading and of Blender's evaluation [ms]."""
 
     serial: int
     reading: Reading
@@ -51,7 +51,7 @@ _serials = itertools.count(1)
 
 
 def of(scene: Scene) -> Session:
-    """The session of a scene, made at first use."""
+    """The session of a scene, created at first use."""
     session = known(scene)
     if session is None:
         session = Session(SceneReader(), Tracer(), History())
@@ -60,7 +60,7 @@ def of(scene: Scene) -> Session:
 
 
 def result_of(scene: Scene) -> FrameResult | None:
-    """The last frame of a scene whose tracing was begun; waits for it."""
+    """The result of the last frame of a scene, after waiting for its trace."""
     session = known(scene)
     if session is None:
         return None
@@ -73,7 +73,7 @@ def result_of(scene: Scene) -> FrameResult | None:
 
 
 def problems_of(scene: Scene) -> tuple[Problem, ...]:
-    """What a designer should mend."""
+    """The problems of a scene."""
     session = known(scene)
     if session is None:
         return ()
@@ -82,7 +82,7 @@ def problems_of(scene: Scene) -> tuple[Problem, ...]:
 
 
 def show(scene: Scene, result: FrameResult, samples: FloatArray) -> None:
-    """Keep a result that was read from a track instead of being traced, and the ``samples`` (l, n) that lead up to its end."""
+    """Set a result from a track, with the ``samples`` (l, n) up to its end."""
     session = of(scene)
     _finish(scene, session)
     session.result, session.frame = result, None
@@ -93,7 +93,7 @@ def show(scene: Scene, result: FrameResult, samples: FloatArray) -> None:
 
 
 def geometry_changed(depsgraph: Depsgraph | None = None) -> None:
-    """Have every scene, traced now or not, compare the meshes that an update of a depsgraph may have changed when it is read next.
+    """Make every scene compare the meshes that an update of a depsgraph may have changed at its next reading.
 
     depsgraph: that of the update; None for all meshes.
     """
@@ -104,14 +104,14 @@ def geometry_changed(depsgraph: Depsgraph | None = None) -> None:
 
 
 def clear() -> None:
-    """Cancel what is being traced, and forget every scene."""
+    """Cancel the running trace, and drop all sessions."""
     worker.shut_down()
     sessions.clear()
     revisions.mark_changed()
 
 
 def cancel(resume: bool = False) -> None:
-    """Cancel what is being traced and computed; the next frame of a scene that was being traced starts afresh. For any thread.
+    """Cancel all running traces and computations; the affected scenes restart with their next frame. Thread-safe.
 
     resume: trace the same frame again as soon as nothing renders, or its result is asked for; else no scene has a result any more.
     """
@@ -136,12 +136,12 @@ def _interrupted(session: Session, resume: bool) -> None:
 
 
 def _ended_well(begun: Future[Traced]) -> bool:
-    """Whether a frame has been traced, or could not be for a reason of its own."""
+    """Whether the trace of a frame has ended by itself, with a result or an error."""
     return begun.done() and not begun.cancelled() and not isinstance(begun.exception(), worker.Cancelled)
 
 
 def _resume_all() -> None:
-    """Trace again the frames whose tracing was cancelled to be resumed."""
+    """Trace the frames again whose traces were cancelled with ``resume``."""
     for session in sessions.every():
         _resume(session)
 
@@ -154,7 +154,7 @@ def _resume(session: Session) -> None:
 
 
 def _submit(session: Session, begun: _Begun, frame: Frame) -> None:
-    """Let the worker trace a frame, and compute what is shown of it."""
+    """Queue the trace of a frame and of its derived values on the worker."""
     session.job = begun, frame
     session.begun = worker.submit(_step, session, begun, frame)
     if session.derived:
@@ -162,7 +162,7 @@ def _submit(session: Session, begun: _Begun, frame: Frame) -> None:
 
 
 def give_up() -> None:
-    """Cancel what is being traced; what is shown stays, and the next edit or frame is traced as always."""
+    """Cancel the running trace; the shown result remains, and the next edit or frame is traced as usual."""
     shown = [(session, session.shown) for session in sessions.every()]
     cancel(resume=True)
     for session, traced in shown:
@@ -170,13 +170,13 @@ def give_up() -> None:
 
 
 def is_busy(scene: Scene, seconds: float) -> bool:
-    """Whether the frame that is being traced takes longer than ``seconds`` more, and somebody is waiting."""
+    """Whether, in an interactive session, the running trace takes longer than another ``seconds``."""
     session = known(scene)
     return worker.is_interactive() and session is not None and session.begun is not None and not worker.done_within(session.begun, seconds)
 
 
 def follow_edit(scene: Scene, depsgraph: Depsgraph) -> bool:
-    """Trace a scene again after an edit, see `begin`. Waits for a moment only; what an edit has made out of date is given up.
+    """Trace a scene again after an edit, see `begin`. Waits only briefly; an obsolete trace is cancelled.
 
     Returns whether it is traced now; else the viewports are redrawn when it is.
     """
@@ -187,20 +187,20 @@ def follow_edit(scene: Scene, depsgraph: Depsgraph) -> bool:
 
 
 def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult | None:
-    """Trace the scene as it stands now. See `begin`."""
+    """Trace the current state of the scene. See `begin`."""
     begin(scene, depsgraph, live)
     return result_of(scene)
 
 
 def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False, plays: bool = False) -> None:
-    """Read the scene as it stands now and begin to trace it. The result is None where nothing is tagged, or where a problem forbids it.
-    ``live``: for the moment only, so that contacts that no signal gets to need not be looked for, nor samples rendered while frames follow
-    each other whose samples nothing shows, ``plays`` or asks for.
+    """Read the current state of the scene and begin to trace it. The result is None without tagged objects, or if a problem prevents it.
+    ``live``: the result is only displayed, so contacts that no signal reaches can be skipped, and also samples that nothing shows,
+    ``plays`` or requests while frames follow each other.
 
     While the timeline stands, a frame keeps the impacts that stepping or playing to it made: modes, gains, materials and strategies are
-    compared on the same blow, at any frame, however it is come to. They are dropped by what makes impacts: objects added, removed, moved,
-    scaled, deformed or animated otherwise, masses and physics, and the rules of contacts and impacts (`CollisionDetector`, `motion_of`).
-    What is stepped through for a bake or an export begins anew."""
+    compared on the same impact, also after jumps. They are dropped when their causes change: objects added, removed, moved, scaled,
+    deformed or animated differently, masses and physics, and the rules of contacts and impacts (`CollisionDetector`, `motion_of`). Bakes
+    and exports start without them."""
     session = of(scene)
     session.interrupted = None
     _finish(scene, session)
@@ -240,8 +240,8 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False, plays: bool = 
 
 
 def keep_impacts(scene: Scene) -> None:
-    """Keep the impacts of the frame shown in the scene, before it is saved. A scene that was never traced, or is being traced for longer
-    than a moment, keeps what it has."""
+    """Store the impacts of the shown frame in the scene before it is saved. A scene that was never traced, or whose trace takes long, is
+    unchanged."""
     session = known(scene)
     if session is None or is_busy(scene, worker.MOMENT):
         return
@@ -255,7 +255,7 @@ def keep_impacts(scene: Scene) -> None:
 
 
 def _restore_impacts(scene: Scene, session: Session, reading: Reading) -> None:
-    """The first time that a scene is traced: take the impacts that were kept when it was saved."""
+    """At the first trace of a scene, restore the impacts that were stored when it was saved."""
     text = scene.haptics.kept_impacts
     if text and not session.is_restored:
         motion = motion_of(scene)
@@ -267,7 +267,7 @@ def _restore_impacts(scene: Scene, session: Session, reading: Reading) -> None:
 
 
 def _step(session: Session, begun: _Begun, frame: Frame) -> Traced:
-    """On the worker: trace a frame. Raises ValueError that names the object where a designer's expression gives no gain."""
+    """Trace a frame; called on the worker. Raises ValueError, which names the object, if a designer's expression gives no valid gain."""
     try:
         try:
             result = session.tracer.step(frame)
@@ -293,13 +293,13 @@ def _step(session: Session, begun: _Begun, frame: Frame) -> Traced:
 
 
 def _follow(session: Session) -> None:
-    """On the worker: compute what is shown of every frame."""
+    """Compute the derived values of every frame; called on the worker."""
     for derived in tuple(session.derived):
         derived.follow(session)
 
 
 def _finish(scene: Scene, session: Session) -> None:
-    """Wait for the frame that is being traced, and keep what it gave."""
+    """Wait for the running trace, and store its result."""
     _resume(session)
     begun, session.begun = session.begun, None
     if begun is None:
@@ -321,7 +321,7 @@ def _finish(scene: Scene, session: Session) -> None:
 
 
 def frame_of(scene: Scene, reading: Reading, continuous: bool, recall: bool = False, exact: bool = False, heard: bool = True) -> Frame:
-    """What the tracer is told of a reading."""
+    """The tracer's input for a reading."""
     return Frame(
         number=scene.frame_current,
         time=seconds_of(scene, scene.frame_current),

@@ -1,6 +1,6 @@
 """The tracing sessions of all scenes, and their last complete frames, which panels and draw callbacks read without waiting.
 
-Plain Python, keyed by the scene's session id; nothing of it is saved. Needs nothing of the core: it is asked in every scene.
+Keyed by the scene's session id; not saved. Independent of the core, because handlers use it in every scene.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Traced:
-    """A frame that was traced or read from a track, complete: all that panels and viewports show is made of it.
+    """A complete frame, traced or read from a track, from which panels and viewports derive everything they show.
 
-    ``serial`` differs between any two frames. ``samples`` (l, n): up to a second of what each listener felt, until the frame.
-    ``reading``: what it was traced from, None for a track. ``felt``: of the other modalities. ``errors``: in words of the core.
+    ``serial`` differs between any two frames. ``samples`` (l, n): the last samples of each listener, up to a second. ``reading``: the input
+    of the trace, None for a track. ``felt``: results of the other modalities. ``errors``: messages of the core.
     """
 
     serial: int
@@ -49,7 +49,7 @@ class Traced:
 
 @dataclass(slots=True)
 class Session:
-    """One scene being traced. ``begun`` is the frame whose trace nobody has waited for yet; after that ``result`` is what it gave.
+    """One scene being traced. ``begun`` is the frame whose trace has not been awaited; afterwards ``result`` is its result.
     ``previous``: the result before. ``shown``: the last complete frame, for draw callbacks; the worker sets it."""
 
     reader: SceneReader
@@ -112,28 +112,28 @@ def clear() -> None:
 
 
 def evaluation_begins() -> None:
-    """Blender begins to evaluate a frame."""
+    """Record that Blender begins to evaluate a frame."""
     _state.evaluation_began = time.perf_counter()
 
 
 def evaluation_ends() -> None:
-    """Blender has evaluated the frame: the time that took is part of the statistics of the frame that is traced now."""
+    """Record that Blender has evaluated the frame; the duration becomes part of the statistics of its trace."""
     _state.evaluation_seconds = time.perf_counter() - _state.evaluation_began if _state.evaluation_began else 0.0
 
 
 def evaluation_seconds() -> float:
-    """How long Blender took for the current frame."""
+    """Duration of Blender's evaluation of the current frame [s]."""
     return _state.evaluation_seconds
 
 
 def shown(scene: Scene) -> Traced | None:
-    """The last frame that is complete, without waiting for one that is being traced."""
+    """The last complete frame, without waiting for a running trace."""
     session = known(scene)
     return None if session is None else session.shown
 
 
 def felt_in(scene: Scene) -> tuple[Felt, ...]:
-    """What the last complete frame of a scene felt like, one value per modality beside vibration that is switched on."""
+    """The results of the last complete frame of a scene for the enabled modalities other than vibration."""
     traced = shown(scene)
     return () if traced is None else traced.felt
 
@@ -145,13 +145,13 @@ def is_behind(scene: Scene) -> bool:
 
 
 def seconds_behind(scene: Scene) -> float:
-    """For how long a newer frame than the one shown has been traced; 0 where there is none."""
+    """For how long a newer frame than the one shown has been traced; 0 if there is none."""
     session = known(scene)
     return time.monotonic() - session.begun_at if session is not None and is_behind(scene) else 0.0
 
 
 def shown_problems(scene: Scene) -> tuple[Problem, ...]:
-    """What a designer should mend, as far as it is known without waiting."""
+    """The problems of a scene that are known without waiting."""
     session = known(scene)
     if session is None:
         return ()
@@ -159,7 +159,7 @@ def shown_problems(scene: Scene) -> tuple[Problem, ...]:
 
 
 def problems_in(traced: Traced) -> tuple[Problem, ...]:
-    """What a designer should mend of a frame, in the language of the interface."""
+    """The problems of a frame, in the language of the interface."""
     read = () if traced.reading is None else traced.reading.problems
     warnings = (Problem(warning.object, sentence(warning)) for warning in traced.result.warnings)
     return (*read, *warnings, *(Problem("", error) for error in traced.errors))
@@ -167,7 +167,7 @@ def problems_in(traced: Traced) -> tuple[Problem, ...]:
 
 @contextmanager
 def drawing(scene: Scene) -> Iterator[None]:
-    """What is done inside counts as drawing the scene's results."""
+    """A context whose duration counts as drawing the scene's results."""
     started = time.perf_counter()
     try:
         yield

@@ -28,7 +28,7 @@ _MOTION_FRAMES = 5
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """A traced frame, and how long Blender took for it."""
+    """A traced frame, and the duration of Blender's evaluation."""
 
     result: FrameResult
     blender_milliseconds: float
@@ -36,12 +36,12 @@ class Step:
 
 
 def results(scene: Scene, start: int, end: int) -> Generator[FrameResult, None, None]:
-    """Trace the frames ``start`` to ``end`` in order. Each is traced while Blender evaluates the next one, in which the scene stands when
-    it comes; in the end, the scene's frame is what it was.
+    """Trace the frames ``start`` to ``end`` in order. Each is traced while Blender evaluates the next one, which is then the scene's
+    current frame; at the end, the scene's frame is restored.
 
-    A simulation that begins earlier and is not baked runs up to ``start`` first; where something may slide or roll, or sources have
-    triggers, the frames that this depends on are traced. Raises ValueError in words where a frame can't be traced, or where the listeners
-    change on the way.
+    A simulation that begins earlier and is not baked is computed up to ``start`` first; with sliding, rolling or triggers, the earlier
+    frames that they depend on are traced. Raises ValueError, with a message for the user, if a frame cannot be traced, or if the listeners
+    change.
     """
     result: FrameResult | None = None
     own = session.of(scene)
@@ -55,7 +55,7 @@ def results(scene: Scene, start: int, end: int) -> Generator[FrameResult, None, 
 
 
 def steps(scene: Scene, start: int, end: int, listeners_may_change: bool = False, looks_back: bool = True) -> Generator[Step, None, None]:
-    """The same, the scene standing in the frame that comes; where ``looks_back`` is false, nothing is traced before ``start``."""
+    """The same, with the next frame as the scene's current one; without ``looks_back``, nothing is traced before ``start``."""
     result: FrameResult | None = None
     began = time.perf_counter()
     with closing(_frames(scene, start, end, looks_back)) as frames:
@@ -68,14 +68,14 @@ def steps(scene: Scene, start: int, end: int, listeners_may_change: bool = False
 
 
 def _frames(scene: Scene, start: int, end: int, looks_back: bool = True) -> Generator[int, None, None]:
-    """Let Blender come to the frames in order, the tracing of each begun when it is given."""
+    """Step Blender through the frames in order; the trace of each has begun when it is yielded."""
     before = scene.frame_current
     try:
         first = tracing_start(scene, start) if looks_back else start
         for frame in range(_simulation_start(scene, first), first):
             with suspended():
                 scene.frame_set(frame)
-        session.of(scene).frame = None  # a fresh start, whatever was traced before
+        session.of(scene).frame = None  # independent of earlier traces
         for frame in range(first, end + 1):
             with stepped(scene):
                 scene.frame_set(frame)
@@ -103,7 +103,7 @@ def warm_start(scene: Scene, first: int) -> int:
 
 
 def _simulation_start(scene: Scene, start: int) -> int:
-    """The frame from which the simulation must run so that rigid bodies are in place at ``start``: ``start`` itself where it moves none."""
+    """The frame from which the simulation must run so that rigid bodies are in place at ``start``: ``start`` itself if it moves none."""
     world, bodies = scene.rigidbody_world, (obj.rigid_body for obj in scene.objects)
     if world is None or not world.enabled or world.point_cache.is_baked or not any(body and body.type == "ACTIVE" for body in bodies):
         return start
@@ -111,7 +111,7 @@ def _simulation_start(scene: Scene, start: int) -> int:
 
 
 def tracing_start(scene: Scene, start: int) -> int:
-    """The frame from which tracing knows all that ``start`` depends on where shots may sound, or something may slide or roll."""
+    """The first frame that must be traced for the triggers, sliding and rolling of ``start``."""
     if start <= scene.frame_start:
         return start
     shoots = any(obj.haptics.source.enabled and obj.haptics.source.one_shot for obj in scene.objects)

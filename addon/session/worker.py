@@ -1,7 +1,7 @@
-"""The worker thread, which traces frames and computes what is shown of them, and the timer that redraws when it has finished.
+"""The worker thread, which traces frames and computes derived values, and the timer that redraws afterwards.
 
-Jobs run one after the other. None of them touches Blender; the timer runs on Blender's main thread. `cancel` ends a job between two
-instructions of Python, wherever it is: so a job must own what it changes, or the owner must throw that away after a `Cancelled`.
+Jobs run in sequence and do not access Blender; the timer runs on Blender's main thread. `cancel` ends a job between any two instructions of
+Python, so a job must own the data that it changes, or the owner must discard it after a `Cancelled`.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ MOMENT = 0.1
 """Delay before the progress cursor [s]."""
 
 _PROGRESS_INTERVAL = 0.5
-"""Seconds between two redraws of the sidebars while a job goes on."""
+"""Seconds between two redraws of the sidebars while a job runs."""
 
 _INTERVAL = 0.02
-"""Seconds between two looks at the worker while it has something to do."""
+"""Polling interval of the timer while the worker is busy [s]."""
 
 SWITCH_INTERVAL = 2e-4
-"""Python's switch interval [s] while a job runs, the longest time that the worker holds the GIL. With Python's default of 5 ms the latest
-hundredth of redraws came 1.4 to 2.8 times as late while contacts were computed (benchmarks/bench_switch_interval.py)."""
+"""Python's switch interval [s] while a job runs, the longest time that the worker holds the GIL. With Python's default of 5 ms the 99th
+percentile of redraw delays was 1.4 to 2.8 times as large while contacts were computed (benchmarks/bench_switch_interval.py)."""
 
 
 class Cancelled(BaseException):
-    """The running job was cancelled. Like `SystemExit` no error, so that nothing that handles errors keeps the job from ending."""
+    """The running job was cancelled. Like `SystemExit` not an Exception, so that error handlers do not catch it."""
 
 
 @dataclass(slots=True)
@@ -84,7 +84,7 @@ def _run(job: Callable[..., Value], *arguments: object) -> Value:
         finally:
             with _state.lock:
                 _state.running = None
-                _raise_in(threading.get_ident(), None)  # a cancellation that came too late for this job is none for the next
+                _raise_in(threading.get_ident(), None)  # a late cancellation must not affect the next job
     finally:
         sys.setswitchinterval(interval)
 
@@ -95,10 +95,10 @@ def _raise_in(thread: int, exception: type[BaseException] | None) -> None:
 
 
 def cancel() -> None:
-    """Drop the queued jobs, end the running one and the thread. Returns when nothing runs any more. For any thread.
+    """Drop the queued jobs, end the running one and the thread. Returns when nothing runs. Thread-safe.
 
     Futures of dropped jobs are cancelled, that of the running job has the exception `Cancelled`. It takes as long as the longest call of
-    native code without an instruction of Python between.
+    native code.
     """
     executor, _state.executor = _state.executor, None
     if executor is None:
@@ -112,7 +112,7 @@ def cancel() -> None:
 
 
 def call_after_render(resume: Callable[[], None]) -> None:
-    """Call ``resume`` on the main thread when no rendering is going on any more, if a job was queued before. For any thread."""
+    """Call ``resume`` on the main thread after the end of rendering, if a job was queued before. Thread-safe."""
     _state.after_render = resume
 
 
@@ -126,26 +126,26 @@ def result_of(future: Future[Value]) -> Value:
     try:
         while not done_within(future, MOMENT):
             passed = time.perf_counter() - begun
-            show(passed / (1 + passed))  # how long it takes is not known
+            show(passed / (1 + passed))  # the duration is unknown
     finally:
         manager.progress_end()
     return future.result()
 
 
 def is_interactive() -> bool:
-    """Whether somebody waits for Blender; scripts in the background wait for results."""
+    """Whether Blender has a user interface; background scripts wait for results."""
     return not bpy.app.background
 
 
 def done_within(future: Future[Any], seconds: float) -> bool:
-    """Wait for a job, but no longer than so many seconds; whether it has ended."""
+    """Wait for a job for at most ``seconds``; returns whether it has ended."""
     with suppress(TimeoutError, CancelledError):
         future.exception(seconds)
     return future.done()
 
 
 def redraw_after(seconds: float) -> None:
-    """Redraw once so much time has passed."""
+    """Redraw after this time."""
     _state.redraw_at = time.monotonic() + seconds
     _start_timer()
 
@@ -170,7 +170,7 @@ def _ended(future: Future[Any]) -> None:
 
 
 def _look() -> float | None:
-    """Redraw where a job has ended. While the timeline plays Blender redraws by itself: then only once it has stopped."""
+    """Redraw if a job has ended. During playback Blender redraws by itself, so redraw only after its end."""
     if time.monotonic() >= _state.redraw_at:
         _state.owes_redraw, _state.redraw_at = True, math.inf
     if _state.after_render is not None and not bpy.app.is_job_running("RENDER"):

@@ -1,1 +1,1 @@
-"""Contacts between haptic objects: shapes and poses in, touching pairs with their patch, begin, end and impact energy out."""
+"""Contact detection: from shapes and poses of haptic objects to contact patches, their begin and end, and impacts."""

@@ -47,7 +47,7 @@ class AuthoredContacts:
         )
 
     def over(self, found: ContactSet) -> ContactSet:
-        """The contacts that are valid where detection ``found`` these."""
+        """The valid contacts, given those that detection ``found``."""
         left = rows_of(found, np.logical_not(self.settled[found.pairs].all(axis=1)))
         functions = list(left.transmissions)
         transmission = left.transmission.copy()

@@ -1,8 +1,8 @@
-"""The forces of resting contacts, estimated from what they carry.
+"""Estimated forces of resting contacts from static equilibrium.
 
 Every body that physics moves is at rest: the forces and torques of its contacts balance its weight. A contact pushes, never pulls, and its
-friction is at most a part of the force that it presses with. That leaves open how redundant supports share a load; of all possible forces
-those with the least sum of squares are taken, which symmetric supports share alike.
+friction is at most a fraction of its normal force. If supports are redundant, the solution with the least sum of squares is taken, in which
+symmetric supports have equal loads.
 """
 
 from __future__ import annotations
@@ -16,14 +16,13 @@ from ..least_squares import bounded_least_squares
 from .contact_set import ContactSet
 
 MOST_BODIES = 150
-"""Bodies that hang together by contacts, above which their forces are not estimated: time grows with the cube of their number."""
+"""Largest group of bodies connected by contacts whose forces are estimated, because time grows with the cube of their number."""
 
 UNBALANCED = 0.05
-"""Part of a body's weight that its contacts may leave uncarried; where more is left it does not rest on them."""
+"""Largest fraction of a body's weight that its contacts may leave unbalanced; above it, the body does not rest on them."""
 
 _FRICTIONS = (0.25, 0.5)
-"""The most that friction is of what presses: between two bodies of Blender's default friction, whose product counts, and, where that leaves
-a body uncarried, between rougher ones."""
+"""Friction coefficients: the product of two bodies' default friction in Blender, and a larger one if that leaves a body unbalanced."""
 _ROUNDS = 2
 """Times that friction is bounded by the pressing forces of the round before, which at first are those with any friction."""
 _RELUCTANCE = 0.3
@@ -36,10 +35,10 @@ _TORQUE = 0.3
 def contact_forces(
     contacts: ContactSet, mass: FloatArray, centre: FloatArray, gravity: tuple[float, float, float], asked: BoolArray | None = None
 ) -> FloatArray:
-    """The force (n,) in newtons with which each contact presses, NaN where it can't be known.
+    """The normal force (n,) of each contact [N], NaN if it is unknown.
 
-    mass: (o,) of the bodies that physics moves [kg], 0 of those that hold whatever lies on them, NaN where it is unknown. centre: (o, 3) of
-    mass [m, world]. asked: (n,) the contacts that count, None for all: others are only known where they hang together with these.
+    mass: (o,) of the bodies that physics moves [kg], 0 for fixed ones, NaN if unknown. centre: (o, 3) of
+    mass [m, world]. asked: (n,) the contacts of interest, None for all; others have a force only if they are connected to these.
     """
     forces = np.full(len(contacts), np.nan)
     movable = mass > 0
@@ -56,7 +55,7 @@ def contact_forces(
 
 
 def _groups(pairs: IntArray, movable: BoolArray) -> IntArray:
-    """A label (o,) for each object, the same for movable ones that hang together."""
+    """A label (o,) for each object, the same for connected movable ones."""
     label = np.arange(len(movable))
     between = pairs[movable[pairs].all(axis=1)]
     while True:
@@ -71,7 +70,7 @@ def _groups(pairs: IntArray, movable: BoolArray) -> IntArray:
 def _of_group(
     contacts: ContactSet, rows: IntArray, bodies: IntArray, mass: FloatArray, centre: FloatArray, gravity: FloatArray
 ) -> FloatArray:
-    """The pressing forces of the contacts ``rows`` between ``bodies`` that hang together; NaN at bodies that they do not balance."""
+    """The normal forces of the contacts ``rows`` between connected ``bodies``; NaN at bodies that are not balanced."""
     place = np.full(len(mass), -1)
     place[bodies] = np.arange(len(bodies))
     strength = float(np.linalg.norm(gravity))
@@ -107,7 +106,7 @@ def _of_group(
 
 
 def _balanced(matrix: FloatArray, target: FloatArray, count: int, most: FloatArray) -> FloatArray:
-    """Pressing forces at 4 points and friction in 2 directions (6 * count,) that come nearest to the target.
+    """Normal forces at 4 points and friction in 2 directions (6 * count,) that come nearest to the target.
 
     ``most``: of friction (2 * count,).
     """

@@ -1,4 +1,4 @@
-"""Temporary sources: impact templates that still sound, attached to the two bodies that hit each other."""
+"""Temporary sources: active impact templates, attached to the two bodies that hit each other."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _UNMOVED = 1e-5
 
 @dataclass(frozen=True, slots=True)
 class Templates:
-    """What impacts between ``objects``, by name, play by the rules of ``settings``; ``plain`` where materials are unknown."""
+    """Signals of impacts between ``objects``, by name, by the rules of ``settings``; ``plain`` if materials are unknown."""
 
     settings: ContactSettings
     objects: Mapping[str, HapticObject]
@@ -78,8 +78,8 @@ class Sounding:
 
 @dataclass(frozen=True, slots=True)
 class FrameImpacts:
-    """What sounds in a frame that begins at ``start`` [s]; ``poses`` (k, 2, 3, 4) of the bodies of each impact at its end, and of those
-    that slide or roll, as ``rubbed`` says; ``shots``: of sources with triggers."""
+    """The active impacts, triggers and rubbing contacts of a frame that begins at ``start`` [s]; ``poses`` (k, 2, 3, 4) of the bodies of
+    each impact at its end, and of those that slide or roll, as ``rubbed`` says; ``shots``: of sources with triggers."""
 
     start: float
     sounding: tuple[Sounding, ...]
@@ -88,13 +88,13 @@ class FrameImpacts:
     rubbed: Rubbed | None = None
 
     def stands(self, transforms: FloatArray) -> bool:
-        """Whether these bodies are at ``transforms`` (n, 4, 4) where they were."""
+        """Whether these bodies are unmoved at ``transforms`` (n, 4, 4)."""
         poses = _touched_poses(self.sounding, self.rubbed, transforms)
         return bool(np.allclose(poses, self.poses, rtol=0.0, atol=_UNMOVED * max(1.0, float(np.abs(poses).max(initial=0.0)))))
 
 
 class ImpactSources:
-    """The sources of impacts while their templates sound, for the listeners that feel them last: ``late`` seconds, by name."""
+    """The sources of active impacts; ``late``: their largest delay at the listeners [s], by name."""
 
     def __init__(self) -> None:
         self.late: Mapping[str, float] = {}
@@ -107,22 +107,22 @@ class ImpactSources:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the sources, which say between what and when."""
+        """Names of the sources, made from their objects and times."""
         return tuple(sounding.source.name for sounding in self._sounding)
 
     def kept(self, start: float, transforms: FloatArray, shots: tuple[Shot, ...], rubbed: Rubbed | None) -> FrameImpacts | None:
-        """What sounds in the frame from ``start`` [s], for `recall`; None where nothing does."""
+        """The state of the frame from ``start`` [s], for `recall`; None if nothing is active."""
         if not self._sounding and not shots and rubbed is None:
             return None
         return FrameImpacts(start, tuple(self._sounding), _touched_poses(self._sounding, rubbed, transforms), shots, rubbed)
 
     def recall(self, kept: FrameImpacts, templates: Templates) -> tuple[Impact, ...]:
-        """Have the impacts of a frame sound again, by these ``templates``; return those that it began."""
+        """Restore the impacts of a frame with these ``templates``; return those that it began."""
         self._sounding = [sounding.playing(templates) for sounding in kept.sounding]
         return tuple(sounding.impact for sounding in kept.sounding if sounding.impact.time > kept.start)
 
     def end_before(self, time: float) -> None:
-        """Drop the sources whose templates have ended by ``time`` [s], wherever they are felt."""
+        """Drop the sources whose templates have ended by ``time`` [s], including delays at listeners."""
         self._sounding = [item for item in self._sounding if item.end + self.late.get(item.source.name, 0.0) > time]
 
     def add(self, impacts: Sequence[Impact], names: Sequence[str], transforms: FloatArray, templates: Templates) -> None:

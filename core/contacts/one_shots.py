@@ -1,4 +1,4 @@
-"""One-shots: what sources with triggers play, as temporary sources that move with them."""
+"""One-shots: temporary sources for the triggers of sources, which move with these."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from ..signals import DEFAULT_IMPACT, Signal
 from .shapes import pose_matrix
 
 Places = Mapping[str, FloatArray]
-"""The positions (3,) of objects' origins now, by their names."""
+"""The current positions (3,) of objects' origins, by name."""
 Hit = tuple[tuple[str, str], float, float]
-"""An impact: objects, onset [s] and part of the full energy."""
+"""An impact: objects, onset [s] and fraction of the full energy."""
 
 _NEAR = 1e-6
 """Metres from the boundary of a region within which a point is in it: poses are float32."""
@@ -27,8 +27,8 @@ _NEAR = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Shot:
-    """A trigger of a ``source``, by name, at ``onset`` [s] with ``strength`` in [0, 1]; ``by``: the object that struck it, then this is the
-    part of the full energy. ``on``, ``object``: of the trigger."""
+    """A trigger of a ``source``, by name, at ``onset`` [s] with ``strength`` in [0, 1]; ``by``: the striking object, in which case strength
+    is the fraction of the full energy. ``on``, ``object``: of the trigger."""
 
     source: str
     onset: float
@@ -44,7 +44,7 @@ class Shot:
 
 
 def known_shots(source: Source, first: float = -math.inf, last: float = math.inf) -> list[Shot]:
-    """Those of triggers at given times, from ``first`` to ``last`` [s]."""
+    """The shots of triggers at given times, from ``first`` to ``last`` [s]."""
     shots = []
     for trigger in source.triggers or ():
         strengths, by = trigger.strengths or repeat(1.0), trigger.by or repeat("")
@@ -53,7 +53,7 @@ def known_shots(source: Source, first: float = -math.inf, last: float = math.inf
 
 
 class OneShots:
-    """The shots that still sound. ``late`` [s]: by how much the listeners feel a source later, by its name."""
+    """The active shots. ``late``: delay of a source at the listeners [s], by name."""
 
     def __init__(self) -> None:
         self.late: Mapping[str, float] = {}
@@ -64,21 +64,21 @@ class OneShots:
         self._levels: dict[str, float] = {}
 
     def clear(self) -> None:
-        """Forget what was found and where things were."""
+        """Drop all shots and positions."""
         self.late, self.sounding = {}, ()
         self._found.clear()
         self._paths.clear()
         self._levels.clear()
 
     def recall(self, kept: Iterable[Shot], sources: Sequence[Source]) -> None:
-        """Have these sound again, as far as ``sources`` still have such triggers."""
+        """Restore these shots if ``sources`` still have their triggers."""
         known = {shot for source in sources for shot in known_shots(source)}
         now = {(source.name, trigger.on, trigger.object) for source in sources for trigger in source.triggers or ()}
         self._recalled = {s for s in kept if (s in known if s.on is TriggerKind.TIMES else (s.source, s.on, s.object) in now)}
         self._found = list(self._recalled)
 
     def follow(self, sources: Sequence[Source], start: float | None, time: float, places: Places, hits: Sequence[Hit]) -> None:
-        """Find the triggers between ``start`` [s], None where no frame came before, and ``time``."""
+        """Find the triggers between ``start`` [s], None for the first frame, and ``time``."""
         before, paths, self._levels, self._paths = self._levels, self._paths, {}, {}
         for source, number, trigger in ((s, k, trigger) for s in sources for k, trigger in enumerate(s.triggers or ())):
             found = Shot(source.name, time, on=trigger.on, object=trigger.object)
@@ -100,7 +100,7 @@ class OneShots:
     def sources(
         self, sources: Sequence[Source], start: float, time: float, objects: Sequence[HapticObject], settings: ContactSettings
     ) -> tuple[Source, ...]:
-        """The temporary sources that sound from ``start`` to ``time`` [s]."""
+        """The temporary sources that are active from ``start`` to ``time`` [s]."""
         material = {item.name: item.material for item in objects} if self._found or any(source.triggers for source in sources) else {}
         playing: dict[str, tuple[Shot, Source]] = {}
         for source in sources:
@@ -121,7 +121,7 @@ class OneShots:
 
 
 def _played(shot: Shot, template: Signal, carrier: str, material: Mapping[str, str], settings: ContactSettings) -> tuple[Signal, float]:
-    """The signal and the amplitude of a shot; those of a blow by the rule of the two objects."""
+    """The signal and the amplitude of a shot; for an impact by the rule of the two objects."""
     if not shot.by:
         return template, shot.strength
     rule = settings.impact_rule(*((name, material.get(name, "")) for name in (carrier, shot.by)))
@@ -129,9 +129,9 @@ def _played(shot: Shot, template: Signal, carrier: str, material: Mapping[str, s
 
 
 def entry(path: Sequence[FloatArray], half: FloatArray) -> float | None:
-    """Where a point comes into a box of edges 2 ``half`` (3,), as part of the way from the last but one of the places (3,) of its ``path``
-    to the last; None where it does not, or was in it before. Exact for constant acceleration over the last three places, which are equally
-    far apart in time; whether it passes a box is decided on the straight line."""
+    """Time at which a point enters a box of edges 2 ``half`` (3,), as a fraction of the last interval of its ``path`` of positions (3,);
+    None if it does not, or was inside before. Exact for constant acceleration over the last three places, which are equally far apart in
+    time; whether it passes a box is decided on the straight line."""
     if len(path) < 2 or np.any(np.minimum(path[-2], path[-1]) > half + _NEAR) or np.any(np.maximum(path[-2], path[-1]) < -half - _NEAR):
         return None
     start, way = path[-2], path[-1] - path[-2]

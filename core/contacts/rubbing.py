@@ -1,14 +1,14 @@
-"""Sources of objects that slide or roll on each other.
+"""Temporary sources of sliding and rolling contacts.
 
-A contact slides at the speed that the material points of its two bodies have relative to each other along the surface, the part that turns
-about the normal included, and rolls at the rate of the relative rotation about the other axes times the distance from the contact to the
-middle of the body that turns faster, by less than half a turn a frame; the other one is taken for flat. Rolling bodies creep a little even
-where they do not slip.
 
-The tone of a contact is a function of the path over the surface. A path has no beginning that every frame knows, so it is measured in
-blocks of frames: in each from zero on, and turned by what the block before left over of a whole cycle, which falls to nothing until the
-block's end. So the tone goes through from block to block, at most half a cycle a block too high or low, and a frame depends on nothing
-before the block before its own: traced from any frame before that one on, it is the same to the bit.
+The sliding speed of a contact is the relative speed of its two material points along the surface, including rotation about the normal. The
+rolling speed is the rate of the relative rotation about the other axes (less than half a turn per frame) times the distance from the
+contact to the middle of the faster rotating body; the other body is assumed flat. Rolling bodies creep slightly even without slip.
+
+The phase of a contact's tone is a function of the path length over the surface. To limit the dependence on earlier frames, the length is
+accumulated in blocks of frames, from zero in each. The fraction of a cycle that remains from the block before is added as a phase offset,
+which decreases to zero over the block. The tone is therefore continuous across blocks with an error of at most half a cycle per block, and
+a frame depends only on its own block and the one before: tracing from any earlier frame gives identical bits.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ _PIVOT = 2.0 / 3.0
 
 
 _NAMES = ("{0} sliding on {1}", "{1} sliding on {0}"), ("{0} rolling on {1}", "{1} rolling on {0}")
-"""Of what slides and what rolls, in even and in odd frames: a source plays for two frames, and the next one begins meanwhile."""
+"""Names of sliding and rolling sources in even and in odd frames: a source plays for two frames and overlaps the next one."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Moving:
-    """Touching bodies that move along each other in a frame, numbered ``rows``; ``speeds`` [m/s] of sliding and of rolling, ``force`` [N],
-    NaN where it is unknown."""
+    """Contacts ``rows`` of bodies that slide or roll in a frame; ``speeds`` [m/s] of sliding and of rolling, ``force`` [N],
+    NaN if unknown."""
 
     rows: tuple[int, int]
     names: tuple[str, str]
@@ -56,8 +56,8 @@ class _Moving:
 
 @dataclass(frozen=True, slots=True)
 class Rubbed:
-    """What slides and rolls in a frame from ``start`` [s] on for ``step`` [s]; ``paths`` [m] in its block of frames and in the one before,
-    by names and whether it rolls; ``last``: sources of the frame before."""
+    """Sliding and rolling contacts of a frame from ``start`` [s] on for ``step`` [s]; ``paths`` [m] in its block of frames and in the one
+    before, by names and whether it rolls; ``last``: sources of the frame before."""
 
     number: int = 0
     start: float = 0.0
@@ -73,14 +73,14 @@ class Rubbed:
 
 
 class Rubbing:
-    """Follows what slides and rolls from frame to frame; blocks end at frames whose number is a multiple of ``block``."""
+    """Follows sliding and rolling from frame to frame; blocks end at frames whose number is a multiple of ``block``."""
 
     def __init__(self, block: int) -> None:
         self._block = block
         self.clear()
 
     def clear(self) -> None:
-        """Forget all motion."""
+        """Drop all state."""
         self._before: FloatArray | None = None
         self._paths: dict[tuple[str, str, bool], tuple[float, float]] = {}  # as in `Rubbed`
         self._now = Rubbed()
@@ -88,7 +88,7 @@ class Rubbing:
 
     @property
     def kept(self) -> Rubbed | None:
-        """The frame that was followed last, for `recall`; None where nothing slides or rolls."""
+        """The frame that was followed last, for `recall`; None without sliding or rolling."""
         return self._now if self._now.moving or self._now.last else None
 
     def recall(self, kept: Rubbed) -> None:
@@ -96,7 +96,7 @@ class Rubbing:
         self._now, self._paths = kept, dict(kept.paths)
 
     def history(self) -> str:
-        """What later frames depend on beside poses."""
+        """The state that later frames depend on, except poses."""
         return repr((sorted(self._paths.items()), [(source.name, source.onset, source.amplitude) for source in self._sources]))
 
     def follow(
@@ -153,7 +153,7 @@ class Rubbing:
         return found
 
     def _cycles(self, item: _Moving, rolls: bool, speed: float, period: float) -> float:
-        """Phase of the tone, in cycles, in the middle of a piece, which is half a frame ago."""
+        """Phase of the tone, in cycles, in the middle of a piece, half a frame before its end."""
         path, earlier = self._now.paths[(*item.names, rolls)]
         left = earlier / period
         part = ((self._now.number - 1) % self._block + 1) / self._block

@@ -1,4 +1,4 @@
-"""Bodies as the tracker sees them."""
+"""Bodies, the input of the tracker."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from .shapes import Shape
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """An object as the tracker sees it. ``mass`` in kg, None where it has none. ``medium``: a volume (air, water) that touches what it
-    overlaps; a mesh then stands for its hull. ``material``: as tables of rules name it."""
+    """An object for the tracker. ``mass`` in kg, None if it has none. ``medium``: a volume (air, water) that touches what it
+    overlaps; a mesh then stands for its hull. ``material``: its name in tables of rules."""
 
     name: str
     shape: Shape

@@ -199,7 +199,7 @@ class ContactTracker:
         self._last_wanted: BoolArray | GainBound | None = None
 
     def history(self) -> tuple[FloatArray | IntArray | BoolArray, ...]:
-        """What later frames depend on beside the poses that they will have: motion, contacts, and impacts within the refractory time."""
+        """The state that later frames depend on, except their own poses: motion, contacts, and impacts within the refractory time."""
         pairs, since = self._pairs, self._history.times[-1] - self._refractory if self._history.times else 0.0
         touching = np.flatnonzero(pairs.touching)
         recent = np.array([(key, *last) for key, last in sorted(self._last_impact.items()) if last[0] >= since])

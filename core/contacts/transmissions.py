@@ -1,4 +1,4 @@
-"""The functions of found contacts, by a scene's table of rules."""
+"""Transmission functions of detected contacts, by a scene's table of rules."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .contact_set import ContactSet
 
 
 class TransmissionRules:
-    """What contacts between ``objects``, each given by name and material, pass on: by the ``table``, else by the function ``general``.
+    """Transmission functions of contacts between ``objects``, each given by name and material: from the ``table``, otherwise ``general``.
 
     Pairs are looked up once.
     """

@@ -53,7 +53,7 @@ class Mixdown:
         heard: bool = True,
     ) -> FloatArray | None:
         """The samples (l, n) from ``start`` to ``end`` [s], gains reaching those of ``propagation`` at the end; None without a
-        start, nobody listens, or they are not ``heard``. The next ones that are go on from the gains of this end."""
+        start or listeners, or if not ``heard``. The next rendered samples continue from the gains of this end."""
         mixes = listener_mixes(listeners)
         if self._renderer is None or self._renderer.listeners != mixes:
             self._renderer, self._last, self._skipped = Renderer(mixes, self.sample_rate) if mixes else None, None, False

@@ -1,4 +1,4 @@
-"""The area that two overlapping bodies have in common where their surfaces are made of many small faces: that of a section through it.
+"""Contact area of two overlapping bodies whose surfaces consist of many small faces, from a section through the overlap.
 
 Round bodies are given by hulls of many faces, of which any two that face each other are slivers. Where the bodies overlap, the plane across
 the normal, midway between their deepest points, cuts both; the area of what lies in both cuts is that of the contact. From the point
