@@ -32,7 +32,7 @@ SAMPLE_ITEMS = tuple((sample.name, sample.title, sample.description) for sample 
 
 
 class HAPTIC_OT_add_source_object(Edit, Operator):
-    """Add a haptic source at the 3D cursor: an empty on the active object where that is haptic, else a small body of its own"""
+    """Add a haptic source at the 3D cursor: an empty on the active object if that is haptic, otherwise a small body"""
 
     bl_label = "Add Haptic Source"
 
@@ -122,7 +122,7 @@ def _spread_as_front(scene: Scene, medium: Object, radius: float) -> None:
 
 
 class HAPTIC_OT_add_medium(Edit, Operator):
-    """Add a volume around the selected objects, or at the 3D cursor, through which everything that it overlaps is felt"""
+    """Add a medium around the selected objects, or at the 3D cursor; it transmits vibration between all objects that it overlaps"""
 
     bl_label = "Add Medium"
 
@@ -158,7 +158,7 @@ class HAPTIC_OT_add_medium(Edit, Operator):
 
 
 class HAPTIC_OT_add_sample(Edit, Operator):
-    """Open a sample scene beside the scenes of this file"""
+    """Add a sample scene to this file as a new scene"""
 
     bl_label = "Add Sample Scene"
 

@@ -11,7 +11,7 @@ from ..blender.polling import UNDO, Edit, poll_object_mode
 
 
 class HAPTIC_OT_bake(Edit, Operator):
-    """Trace the frame range in order and keep what is felt with the scene, to be played without tracing"""
+    """Trace the frame range in order and store the result in the file, to be played without tracing"""
 
     bl_label = "Bake Haptics"
 
@@ -47,7 +47,7 @@ class HAPTIC_OT_delete_bake(Edit, Operator):
 
 
 class HAPTIC_OT_keep_take(Edit, Operator):
-    """Keep this bake under a name; the next one takes a place of its own"""
+    """Store this bake under a name, so that the next one does not replace it"""
 
     bl_label = "Keep as Take"
 
@@ -64,7 +64,7 @@ class HAPTIC_OT_keep_take(Edit, Operator):
 
 
 class HAPTIC_OT_play_take(Edit, Operator):
-    """Play this take from the same place on, and compare it with the one played before"""
+    """Play this take from the current frame, and compare it with the one played before"""
 
     bl_label = "Play Take"
     bl_options = {*UNDO, "INTERNAL"}

@@ -52,7 +52,7 @@ class HAPTIC_OT_connect_device(Action, Operator):
 
 
 class HAPTIC_OT_disconnect_device(Action, Operator):
-    """Silence the device and let go of it"""
+    """Silence and disconnect the device"""
 
     bl_label = "Disconnect"
     bl_options = {"INTERNAL"}
@@ -64,7 +64,7 @@ class HAPTIC_OT_disconnect_device(Action, Operator):
 
 
 class HAPTIC_OT_copy_udev_rule(Action, Operator):
-    """Copy the line that lets you use this device; the panel says where to put it"""
+    """Copy the udev rule that permits the use of this device; the panel says where to put it"""
 
     bl_label = "Copy udev Rule"
     bl_options = {"INTERNAL"}
@@ -90,7 +90,7 @@ def _choices(self: Operator, context: Context | None) -> list[tuple[str, str, st
 
 
 class HAPTIC_OT_choose_actuator(Edit, Operator):
-    """What this listener is felt through; choose several, one after the other"""
+    """Actuator of this listener; choose several one after the other"""
 
     bl_label = "Actuator"
     bl_options = {*UNDO, "INTERNAL"}
@@ -126,7 +126,7 @@ class HAPTIC_OT_toggle_preview(Action, Operator):
 
 
 class HAPTIC_OT_panic(Action, Operator):
-    """Silence every device at once and let go of it, and switch the preview off"""
+    """Silence and disconnect all devices at once, and switch the preview off"""
 
     bl_label = "Stop All Output"
 

@@ -29,7 +29,7 @@ def _poll_material(cls: type[Operator], context: Context) -> bool:
 
 
 class HAPTIC_OT_apply_material(Edit, Operator):
-    """Make objects of a material; they share it: a change of the material changes them all"""
+    """Assign a material to objects; they share it, so that editing it changes all of them"""
 
     bl_label = "Apply Material"
 
@@ -78,7 +78,7 @@ class HAPTIC_OT_guess_material(Edit, Operator):
 
 
 class HAPTIC_OT_physical_materials(Edit, Operator):
-    """Let all haptic objects that are made of a preset spread and damp vibration as measured, by their size"""
+    """Give all haptic objects with a preset material the spreading and damping of measured materials, by their size"""
 
     bl_label = "Physical Materials"
 
@@ -116,7 +116,7 @@ class HAPTIC_OT_set_bodies(Edit, Operator):
 
 
 class HAPTIC_OT_new_material(Edit, Operator):
-    """Put a new material into the library, with the values of the active object, which is then made of it"""
+    """Add a material with the values of the active object to the library, and assign it to that object"""
 
     bl_label = "New Material"
 
@@ -129,7 +129,7 @@ class HAPTIC_OT_new_material(Edit, Operator):
 
 
 class HAPTIC_OT_copy_material(Edit, Operator):
-    """Copy the active material of the library, to edit the copy without touching what is made of the original"""
+    """Duplicate the active material of the library, without its objects"""
 
     bl_label = "Copy Material"
 
@@ -141,7 +141,7 @@ class HAPTIC_OT_copy_material(Edit, Operator):
 
 
 class HAPTIC_OT_remove_material(Edit, Operator):
-    """Take the active material out of the library; what is made of it keeps its values"""
+    """Remove the active material from the library; its objects keep their values"""
 
     bl_label = "Remove Material"
 
@@ -156,7 +156,7 @@ class HAPTIC_OT_remove_material(Edit, Operator):
 
 
 class HAPTIC_OT_unlink_material(Edit, Operator):
-    """Give the active object values of its own, which are those of its material now"""
+    """Give the active object its own values, initially those of its material"""
 
     bl_label = "Own Values"
 

@@ -32,8 +32,8 @@ class HAPTIC_OT_make_objects(Edit, Operator):
     bl_label = "Make Haptic"
     bl_options = {*UNDO, "PRESET"}
 
-    guess: switch("Guess Materials", "Choose materials by the objects' names, shapes and masses, where these tell them", True)
-    physics: switch("Add Physics", "Let the objects fall and collide: what is wide and flat carries the others, everything else falls")
+    guess: switch("Guess Materials", "Choose materials by the names, shapes and masses of the objects", True)
+    physics: switch("Add Physics", "Make the objects rigid bodies: wide and flat ones are passive, all others fall")
 
     poll = classmethod(poll_selected)
 
@@ -75,7 +75,7 @@ class HAPTIC_OT_add_source(Edit, Operator):
         "Signal",
         "What the source emits",
         (
-            ("AUTO", "By Name", "What a thing of this name emits: a jackhammer blows, an engine hums; a sine where the name tells nothing"),
+            ("AUTO", "By Name", "Guess the signal from the name: a jackhammer blows, an engine hums; a sine for other names"),
             ("SINE", "Sine", "A pure vibration"),
             ("PULSE", "Pulse Train", "Regular blows, like those of a jackhammer"),
             ("NOISE", "Noise", "A rough, random vibration"),
@@ -129,7 +129,7 @@ class HAPTIC_OT_add_listener(Edit, Operator):
 
 
 class HAPTIC_OT_clear(Edit, Operator):
-    """Take all haptic roles from the selected objects; their settings are kept for later"""
+    """Remove all haptic roles from the selected objects; their settings are kept"""
 
     bl_label = "Clear Haptics"
 

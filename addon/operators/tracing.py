@@ -19,7 +19,7 @@ _ITEMS = (*MODE_ITEMS, ("NEXT", "Next", "The one after the current: HT, SD, MD, 
 
 
 class HAPTIC_OT_trace_frame(Action, Operator):
-    """Trace the current frame again, reading everything anew"""
+    """Read the whole scene again and trace the current frame"""
 
     bl_label = "Trace This Frame"
 

@@ -116,7 +116,7 @@ class HAPTIC_PT_textures(ClosedPanel, Panel):
     bl_idname = "HAPTIC_PT_textures"
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Sliding and Rolling"
-    bl_description = "What objects play that slide or roll on each other: nothing where no rule fits, the most specific rule counts"
+    bl_description = "Textures of objects that slide or roll on each other; none without a matching rule, and the most specific rule counts"
 
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)

@@ -15,13 +15,13 @@ FUNCTIONS = {
     "exponential": ("Exponential", "e^(-α d): fades with distance alone"),
     "haptic_tracing": ("Haptic Tracing", "K e^(-max(K, ε) d) with K = (1 - κ) ρ: fades with distance as the two properties say"),
     "expression": ("Expression", "Your own formula of x, d, kappa, rho, epsilon"),
-    "physical": ("Physical", "Spreads and fades as measured materials do, by loss factor, wave speed and kind of wave"),
+    "physical": ("Physical", "Spreading and damping of measured materials, by loss factor, wave speed and wave type"),
     "conduction": ("Conduction", "e^(-m d) with m = √(2 h / (k t)): fades as heat does that leaks into the air on its way"),
     "impedance": (
         "Impedance",
         "2 √(Z1 Z2) / (Z1 + Z2), Z density times speed, of two physical materials; else everything",
     ),
-    "resilient": ("Resilient Layer", "What a mass on a spring passes on: everything up to its resonance, less and less above it"),
+    "resilient": ("Resilient Layer", "Transmissibility of a mass on a spring: everything up to its resonance, less and less above it"),
     "normal_force": ("Pressing Force", "(F / reference)^exponent, at most 1, with the force that presses resting objects together"),
 }
 """Title and description of each function of the core, by its name. Files store a choice as its index in this order."""
@@ -101,7 +101,7 @@ class ContactParameters(FunctionParameters):
     )
     fall_off: number(
         "Fall-Off (dB)",
-        "Decibels per octave that are lost far above the resonance; 12 is that of a spring",
+        "Loss per octave far above the resonance, in decibels; 12 for a spring",
         12,
         (0, 48),
         update=edited("fall_off"),

@@ -12,4 +12,4 @@ class HapticGltfProperties(PropertyGroup):
 
     use_extras: switch("Haptics", "Roles, haptic properties, functions and contacts, in the extras of nodes", True)
     use_material: switch("MPEG Haptic Material", "Haptic materials of meshes as an extension of ISO/IEC 23090-14")
-    material_name: text("Name", "Of that extension: drafts of the standard differ", "MPEG_haptic_material", maxlen=60)
+    material_name: text("Name", "Name of that extension, because drafts of the standard differ", "MPEG_haptic_material", maxlen=60)

@@ -11,16 +11,16 @@ from .imported import Imported
 from .kinds import choice, limited, number, switch, text
 
 MIXING_ITEMS = (
-    ("cumulative", "Cumulative", "Adds all signals up and holds the sum at the ceiling"),
+    ("cumulative", "Cumulative", "Sums all signals and limits the sum to the ceiling"),
     ("weighted", "Weighted", "Averages the signals by the priorities of their sources"),
     ("strongest", "Strongest", "Only the strongest signal is felt"),
     ("power", "Power", "Adds up energies: the root of the sum of squares"),
-    ("custom", "Custom", "Your own formula of what the other methods give"),
+    ("custom", "Custom", "Your own formula from the results of the other methods"),
 )
 EXTENT_ITEMS = (
-    (Extent.NONE.value, "Point", "Feels what arrives at its origin; the radius changes nothing"),
-    (Extent.STRONGEST.value, "Strongest", "Feels what touches it within its radius as if it touched its origin"),
-    (Extent.MEAN_POWER.value, "Mean Power", "Feels the mean of the power over its volume, as skin that adds up what reaches it"),
+    (Extent.NONE.value, "Point", "Feels what arrives at its origin, whatever the radius"),
+    (Extent.STRONGEST.value, "Strongest", "Contacts within the radius count as if they were at the origin"),
+    (Extent.MEAN_POWER.value, "Mean Power", "Feels the mean of the power over its volume"),
 )
 BODY_PART_ITEMS = (
     ("NONE", "None", "Not a part of the body"),
@@ -63,7 +63,7 @@ class HapticListenerProperties(Imported, PropertyGroup):
     )
     use_wish: switch("Wish", "Fulfil Wishes brings this listener to the wished level", options=set())
     wish: limited("Level (dB)", "The level that this listener shall have, in decibels of full scale", -20.0, (-90.0, 0.0), options=set())
-    gain: limited("Gain", "Makes this listener feel more or less; can be animated", 1.0, (0.0, 10.0), soft_max=2.0, update=edited("gain"))
+    gain: limited("Gain", "Factor of this listener's mixed signal; can be animated", 1.0, (0.0, 10.0), soft_max=2.0, update=edited("gain"))
     mixing: choice("Mixing", "How signals that arrive together are combined", MIXING_ITEMS, update=changed)
     mixing_expression: text(
         "Formula",

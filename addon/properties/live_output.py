@@ -37,10 +37,10 @@ class HapticDeviceProperties(PropertyGroup):
     curve: limited(
         "Curve", "Exponent of strength; below 1 lifts weak signals", 1.0, (0.1, 4.0), soft_min=0.3, soft_max=2.0, update=_device_changed
     )
-    ceiling: share("Ceiling", "The device is never driven harder than this part of what is safe for it", 1.0, update=_device_changed)
+    ceiling: share("Ceiling", "The device is never driven above this fraction of its safe maximum", 1.0, update=_device_changed)
     offset: limited(
         "Latency Offset (ms)",
-        "Holds touch back, in milliseconds, where the picture is slow; below 0 brings it forward",
+        "Delays touch, in milliseconds, if the display is slow; negative values advance it",
         0.0,
         (-50.0, 1000.0),
         soft_max=200.0,

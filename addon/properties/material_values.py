@@ -44,7 +44,7 @@ def wave_speed(**more: Any) -> FloatProperty:
 
 def use_bands(**more: Any) -> BoolProperty:
     """Whether frequency bands are attenuated differently."""
-    return switch("Frequency Bands", "High frequencies fade faster than low ones, as the values per band say", **more)
+    return switch("Frequency Bands", "Attenuate each frequency band by its own value per metre", **more)
 
 
 def band_decays(**more: Any) -> FloatVectorProperty:

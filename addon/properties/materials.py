@@ -111,7 +111,7 @@ class HapticMaterial(PropertyGroup):
     rho: material_values.rho(options=set(), update=_material_changed)
     use_delay: switch(
         "Delay",
-        "Signals take their time through this material, as its wave speed says; costs time to trace",
+        "Delay signals by this material's wave speed; makes tracing slower",
         options=set(),
         update=_material_changed,
     )

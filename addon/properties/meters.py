@@ -35,4 +35,4 @@ class HapticMetersProperties(PropertyGroup):
         default="BOTTOM_LEFT",
         update=view_changed,
     )
-    sort_path: switch("Sort by Loss", "List the objects of a path by what they lose, the most first; else in their order")
+    sort_path: switch("Sort by Loss", "Sort the objects of a path by loss, largest first, instead of in path order")

@@ -33,7 +33,7 @@ class PreferenceProperties:
     overlay_size: limited(
         "Overlay Size", "How large nodes, lines and labels are in the viewport", 1.0, (0.5, 3.0), subtype="FACTOR", update=view_changed
     )
-    default_device: text("Default Device", "What Connect Device takes: a part of its name; empty for the first device that is found")
+    default_device: text("Default Device", "Part of the name of the device that Connect Device uses; empty for the first device found")
     keep_awake: switch(
         "Keep Devices Awake", "When playback ends, hold devices at zero instead of releasing them, so that they do not fall asleep"
     )

@@ -60,12 +60,12 @@ def full_energy(key: str, **more: Any) -> FloatProperty:
 
 def refractory(key: str, **more: Any) -> FloatProperty:
     """The refractory time, as the property ``key``."""
-    words = "After an impact the same two objects make no other for so many seconds, however they bounce"
+    words = "Time in seconds after an impact in which the same two objects make no further impact"
     return number("Refractory (s)", words, 0.1, (0, 2), precision=3, update=edited(key), **more)
 
 
 SIGNAL_ITEMS = (
-    ("MATERIALS", "By Material", "As the materials that meet: metal on stone rings, wood on soil thuds; plain where unknown"),
+    ("MATERIALS", "By Material", "By the two materials: metal on stone rings, wood on soil thuds; plain if unknown"),
     ("PLAIN", "Plain", "A short knock of 150 Hz, whatever meets"),
 )
 """Choices of the signal of impacts."""
@@ -112,10 +112,10 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
     decay: _curve(
         "Decay", "Part of its decay time that the signal has in the weakest collisions, and in those of full energy", 1.0, 0.01, 1.0
     )
-    brightness: _curve("Brightness", "What is left above 100 Hz in the weakest collisions, and in those of full energy", 1.0, 0.0, 1.0)
+    brightness: _curve("Brightness", "Gain above 100 Hz in the weakest collisions, and in those of full energy", 1.0, 0.0, 1.0)
     bend: limited(
         "Bend",
-        "How these values go from weak to full: 1 with the energy, 0.5 with the speed of the blow",
+        "How these values change from weak to full: 1 with the energy, 0.5 with the speed of the impact",
         1.0,
         (0.1, 10.0),
         options=set(),
@@ -123,7 +123,7 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
     )
     variation: share(
         "Variation",
-        "How much one blow differs from the next: so much higher or lower, shorter and weaker at most",
+        "Largest relative variation of impacts: higher or lower, shorter and weaker",
         0.0,
         soft_max=0.3,
         options=set(),
@@ -156,9 +156,9 @@ class HapticTexture(RuleScope, Imported, PropertyGroup):
         subtype="DISTANCE",
         precision=4,
     )
-    sliding: _texture("sliding", "Sliding", "Amplitude of what slides at full force and speed", 0.5, (0.0, 1.0))
-    rolling: _texture("rolling", "Rolling", "Amplitude of what rolls at full force and speed: how rough it is to a wheel", 0.2, (0.0, 1.0))
-    noise: _texture("noise", "Noise", "Part of the power that is noise about the tone: more on less regular surfaces", 0.5, (0.0, 1.0))
+    sliding: _texture("sliding", "Sliding", "Amplitude of sliding at full force and speed", 0.5, (0.0, 1.0))
+    rolling: _texture("rolling", "Rolling", "Amplitude of rolling at full force and speed", 0.2, (0.0, 1.0))
+    noise: _texture("noise", "Noise", "Fraction of the power that is noise around the tone; higher for irregular surfaces", 0.5, (0.0, 1.0))
     bandwidth: _texture("bandwidth", "Bandwidth", "How wide the noise is, relative to the frequency of the tone", 0.5, (0.05, 4.0))
     stick_speed: _texture(
         "stick_speed",
@@ -172,7 +172,7 @@ class HapticTexture(RuleScope, Imported, PropertyGroup):
     full_force: _texture(
         "full_force",
         "Full Force (N)",
-        "Force between them, in newtons, at which the amplitude is the full one; it goes with the root of the force",
+        "Force in newtons at which the amplitude reaches its full value; it grows with the square root of the force",
         100.0,
         (1e-3, 1e9),
         soft_max=1e4,
@@ -180,7 +180,7 @@ class HapticTexture(RuleScope, Imported, PropertyGroup):
     full_speed: _texture(
         "full_speed",
         "Full Speed",
-        "Speed at which the amplitude is the full one; it goes with the power 3/4 of the speed, of what rolls 3/2",
+        "Speed at which the amplitude reaches its full value; it grows with the speed to the power 3/4 for sliding, 3/2 for rolling",
         1.0,
         (1e-3, 1e3),
         unit="VELOCITY",

@@ -61,7 +61,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
     )
     epsilon: number(
         "Epsilon (ε, 1/m)",
-        "How much vibration fades per metre at least, also where a material would carry it any distance. The paper's ε",
+        "Least attenuation per metre, also of materials that would transmit without loss. The paper's ε",
         0.1,
         (0.0, 1.0),
         precision=3,
@@ -78,7 +78,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
     )
     patch_points: switch(
         "Contact Points",
-        "Signals pass at each corner of where two objects lie on each other, instead of in its middle; the sum stays the same",
+        "One contact at each corner of the contact patch of two objects, instead of one at its centre; their shares add up to 1",
         update=changed,
     )
     impacts: switch("Impacts", "Collisions make temporary sources that play the impact signal once", True, update=changed)
@@ -89,8 +89,8 @@ class HapticSceneProperties(Imported, PropertyGroup):
         "Energy",
         "The energy that a collision is judged by",
         (
-            ("kinetic", "Of Both Motions", "What both objects bring along, moving as they do over the ground"),
-            ("normal", "Of the Blow", "What comes together at the contact: the same however fast both travel side by side"),
+            ("kinetic", "Of Both Motions", "Kinetic energy of both objects: ½ m₁ v₁² + ½ m₂ v₂²"),
+            ("normal", "Of the Blow", "Energy of the relative motion along the contact normal: ½ μ v² with the reduced mass μ"),
         ),
         update=changed,
     )

@@ -69,9 +69,9 @@ class HapticSoundProperties(PropertyGroup):
     )
     strip: text("Strip", "One sound strip; empty for all that are not muted", options=set(), update=_edited)
     loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning", True, options=set(), update=_edited)
-    carrier: choice("Carrier", "What vibrates as strongly as the sound is loud", CARRIERS, options=set(), update=_edited)
+    carrier: choice("Carrier", "The vibration whose amplitude follows the sound", CARRIERS, options=set(), update=_edited)
     frequency: _setting(
-        "Frequency (Hz)", "Of the carrier, in hertz; where it follows the pitch, that of sounds without one", 160.0, (10.0, 1000.0)
+        "Frequency (Hz)", "Frequency of the carrier in hertz; if it follows the pitch, that of sounds without pitch", 160.0, (10.0, 1000.0)
     )
     device: text(
         "Device",

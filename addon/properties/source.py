@@ -50,7 +50,7 @@ class HapticSourceProperties(Imported, PropertyGroup):
     sound: PointerProperty(type=HapticSoundProperties)
     decay: limited(
         "Decay Time (s)",
-        "The source wears off from the first frame on: after so many seconds it is 37% as strong; 0 keeps it up",
+        "Time constant of an exponential decay from the first frame on: after this many seconds the amplitude is 37%; 0 means no decay",
         0.0,
         (0.0, 1e6),
         soft_max=60.0,

@@ -31,7 +31,7 @@ THERMAL = Modality(
     functions=("conduction", "exponential", "linear", "constant", "expression"),
     object_values=(
         Quantity("conductivity", "Conductivity", "How well heat is conducted: steel 50, stone 2.8, wood 0.15", "W/(m·K)", 1.0, 0.01, 500.0),
-        Quantity("thickness", "Thickness", "Extent across the way of the heat; thick things carry it further", "m", 0.1, 0.001, 10.0),
+        Quantity("thickness", "Thickness", "Extent perpendicular to the heat flow", "m", 0.1, 0.001, 10.0),
         Quantity("exchange", "Heat Loss", "What a face gives off to air: 5 still, 10 a calm room, 25 wind", "W/(m²·K)", 10.0, 0.1, 200.0),
     ),
     source_value=Quantity("temperature", "Temperature", "How much warmer than the room the source is", "K", 60.0, -100.0, 1000.0),
