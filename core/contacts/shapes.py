@@ -21,19 +21,14 @@ MAX_TRIANGLES = 500_000
 """Largest collision mesh; a larger one collides as its hull."""
 
 
-def _length(key: str, value: float, least: float = 0.0) -> float:
+def _length(key: str, value: float, positive: bool = False) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float, np.floating, np.integer)):
         raise ValueError(f"{key}: expected a number, got {value!r}")
-    if not (math.isfinite(value) and value >= least):
-        raise ValueError(f"{key}: must be finite and >= {least:g} m, got {float(value)!r}")
-    return float(value)
-
-
-def _positive(key: str, value: float) -> float:
-    length = _length(key, value)
-    if length == 0:
+    if not (math.isfinite(value) and value >= 0):
+        raise ValueError(f"{key}: must be finite and >= 0 m, got {float(value)!r}")
+    if positive and value == 0:
         raise ValueError(f"{key}: must be greater than 0 m")
-    return length
+    return float(value)
 
 
 def points_array(key: str, value: ArrayLike) -> FloatArray:
@@ -84,8 +79,7 @@ class Shape:
     def __post_init__(self) -> None:
         for item in fields(self):
             if item.type == "float":
-                check = _positive if item.name in self.positive else _length
-                object.__setattr__(self, item.name, check(item.name, getattr(self, item.name)))
+                object.__setattr__(self, item.name, _length(item.name, getattr(self, item.name), item.name in self.positive))
 
     @property
     def margin(self) -> float:
@@ -127,7 +121,7 @@ class Box(Shape):
             x, y, z = self.size
         except (TypeError, ValueError):
             raise ValueError(f"size: expected three lengths, got {self.size!r}") from None
-        object.__setattr__(self, "size", (_positive("size", x), _positive("size", y), _positive("size", z)))
+        object.__setattr__(self, "size", tuple(_length("size", length, True) for length in (x, y, z)))
         Shape.__post_init__(self)
 
     def core_bounds(self) -> FloatArray:

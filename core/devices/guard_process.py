@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import pickle
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -21,7 +22,6 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from ..arrays import FloatArray
-from .liveness import is_running
 from .status import Output, Status, stop_together
 
 HEARTBEAT = 0.010
@@ -35,6 +35,7 @@ _URGENCY = 5
 
 Order = tuple[int, str, tuple[Any, ...]]
 """An output's number, the name of a method (or ``open`` or ``quieten``) and its arguments."""
+_CRASHES = sum(1 << member.value - 1 for member in signal.Signals if member.name in ("SIGSEGV", "SIGBUS", "SIGILL", "SIGFPE", "SIGABRT"))
 
 
 class Service:
@@ -154,3 +155,25 @@ def main(program: int) -> None:
     statuses = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is no status
     Service(os.fdopen(os.dup(0), "rb"), statuses, program).run()
+
+
+def is_running(process: int) -> bool:
+    """Whether a process runs, by its id. True if unknown; Windows has no stopped processes."""
+    if sys.platform.startswith("linux"):
+        return _runs_on_linux(process)
+    if sys.platform == "darwin":
+        state = subprocess.run(["/bin/ps", "-o", "state=", "-p", str(process)], capture_output=True, text=True).stdout
+        return state[:1] not in ("T", "Z", "")
+    return True
+
+
+def _runs_on_linux(process: int) -> bool:
+    """An exit is detected before the process is gone and its pipes are closed, which takes long if it frees much memory: it then has no
+    address space. In a crash, the main thread runs a handler with the signal blocked, or a core dump is announced."""
+    try:
+        lines = Path(f"/proc/{process}/status").read_text(encoding="ascii", errors="replace").splitlines()
+    except OSError:
+        return False
+    fields = dict(line.split(":\t", 1) for line in lines if ":\t" in line)
+    crashing = fields.get("CoreDumping") == "1" or bool(int(fields.get("SigBlk", "0"), 16) & _CRASHES)
+    return fields.get("State", "R")[:1] not in "TtZX" and not crashing and "VmSize" in fields

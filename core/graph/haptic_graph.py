@@ -468,10 +468,9 @@ def _check(
     for key in ("positions", "area", "depth", "normal"):
         if not np.isfinite(getattr(contacts, key)).all():
             raise ValueError(f"contacts: {key} must be finite")
-    if not ((contacts.share >= 0) & (contacts.share <= 1)).all():
-        raise ValueError("contacts: share must lie in [0, 1]")
-    if not ((contacts.weight >= 0) & (contacts.weight <= 1)).all():
-        raise ValueError("contacts: weight must lie in [0, 1]")
+    for key, values in (("share", contacts.share), ("weight", contacts.weight)):
+        if not ((values >= 0) & (values <= 1)).all():
+            raise ValueError(f"contacts: {key} must lie in [0, 1]")
 
 
 def _canonical(contacts: ContactSet) -> ContactSet:
