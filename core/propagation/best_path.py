@@ -202,6 +202,7 @@ class _Trees:
         rows, columns = np.unique(pairs[:, 0]), np.unique(pairs[:, 1])
         row, column = rows.searchsorted(pairs[:, 0]), columns.searchsorted(pairs[:, 1])
         nodes, listeners = [graph.sources[number].nodes for number in rows.tolist()], graph.listener_nodes[columns]
+        starts = np.array([(ends[0], ends[-1]) for ends in nodes]).T
         alike: dict[int, list[int]] = {}
         for place, number in enumerate(rows.tolist()):
             alike.setdefault(id(views[number]), []).append(place)
@@ -211,20 +212,18 @@ class _Trees:
         first, backwards = np.zeros(len(rows), dtype=np.int64), np.zeros(len(rows), dtype=np.bool_)
         for places in alike.values():
             first[places] = len(self.roots)
-            sources = [nodes[place] for place in places]
             if len(places) <= len(columns):
                 first[places] += np.arange(len(places))
-                roots, targets = sources, listeners
+                roots, targets = [nodes[place] for place in places], listeners
             else:
                 backwards[places] = True
-                roots, targets = [(node,) for node in listeners.tolist()], np.unique([node for ends in sources for node in ends])
+                roots, targets = [(node,) for node in listeners.tolist()], np.unique(starts[:, places])
             self.roots += roots
             self.targets += [targets] * len(roots)
             self.views += [views[int(rows[places[0]])]] * len(roots)
         self.backwards = backwards[row]
         self.tree = first[row] + np.where(self.backwards, column, 0)
-        starts = np.array([(ends[0], ends[-1]) for ends in nodes]).T[:, row]
-        self.ends = np.where(self.backwards, starts, listeners[column])
+        self.ends = np.where(self.backwards, starts[:, row], listeners[column])
 
 
 def _search_row(
