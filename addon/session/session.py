@@ -37,14 +37,15 @@ from .sessions import Session, Traced, known, problems_in
 
 @dataclass(frozen=True, slots=True)
 class _Begun:
-    """A frame that is being traced: its reading, and the times of reading and of Blender's evaluation [ms]."""
+    """A frame that is being traced: its reading, the time of reading [ms], and the times of Blender's evaluation and of waiting for the
+    frame before [ms] as ``statistics``."""
 
     serial: int
     reading: Reading
     modalities: tuple[ModalityScene, ...]
     errors: tuple[str, ...]
     read_milliseconds: float
-    blender_milliseconds: float
+    statistics: dict[str, float]
 
 
 _serials = itertools.count(1)
@@ -153,10 +154,10 @@ def _resume(session: Session) -> None:
         _submit(session, begun, replace(frame, continuous=False))
 
 
-def _submit(session: Session, begun: _Begun, frame: Frame) -> None:
-    """Queue the trace of a frame and of its derived values on the worker."""
+def _submit(session: Session, begun: _Begun, frame: Frame, released: FrameResult | None = None) -> None:
+    """Queue the trace of a frame and of its derived values on the worker, which also frees the result ``released``."""
     session.job = begun, frame
-    session.begun = worker.submit(_step, session, begun, frame)
+    session.begun = worker.submit(_step, session, begun, frame, released)
     if session.derived:
         worker.submit(_follow, session)
 
@@ -204,7 +205,7 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False, plays: bool = 
     session = of(scene)
     session.interrupted = None
     _finish(scene, session)
-    session.previous = session.result
+    released, session.previous = session.previous, session.result
     if session.version != revisions.authored():
         session.reader.forget()
         session.version = revisions.authored()
@@ -232,11 +233,12 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False, plays: bool = 
     session.frame, session.frame_seconds = scene.frame_current if whole else None, step
     session.serial = next(_serials)
     read_milliseconds = 1000 * (time.perf_counter() - started)
-    begun = _Begun(session.serial, reading, others, errors, read_milliseconds, 1000 * sessions.evaluation_seconds())
+    times = {"blender_milliseconds": 1000 * sessions.evaluation_seconds(), "waited_milliseconds": session.waited_milliseconds}
+    begun = _Begun(session.serial, reading, others, errors, read_milliseconds, times)
     session.begun_at = time.monotonic()
     heard = not (live and continuous) or plays or session.asked or shows_samples(session)
     session.asked = not continuous
-    _submit(session, begun, frame_of(scene, reading, continuous, recall, exact, heard))
+    _submit(session, begun, frame_of(scene, reading, continuous, recall, exact, heard), released)
 
 
 def keep_impacts(scene: Scene) -> None:
@@ -266,8 +268,9 @@ def _restore_impacts(scene: Scene, session: Session, reading: Reading) -> None:
     session.is_restored = True
 
 
-def _step(session: Session, begun: _Begun, frame: Frame) -> Traced:
-    """Trace a frame; called on the worker. Raises ValueError, which names the object, if a designer's expression gives no valid gain."""
+def _step(session: Session, begun: _Begun, frame: Frame, released: FrameResult | None) -> Traced:
+    """Trace a frame; called on the worker, where ``released`` is freed with the job. Raises ValueError, which names the object, if a
+    designer's expression gives no valid gain."""
     try:
         try:
             result = session.tracer.step(frame)
@@ -281,7 +284,7 @@ def _step(session: Session, begun: _Begun, frame: Frame) -> Traced:
         result = replace(
             result,
             milliseconds={"read": begun.read_milliseconds, **result.milliseconds},
-            statistics={**result.statistics, "blender_milliseconds": begun.blender_milliseconds},
+            statistics={**result.statistics, **begun.statistics},
         )
         samples = session.history.all() if frame.heard else np.zeros((len(result.listeners), 0))
         errors = begun.errors + errors
@@ -314,9 +317,8 @@ def _finish(scene: Scene, session: Session) -> None:
     except (worker.Cancelled, CancelledError):  # by a render, on its own thread
         _interrupted(session, resume=True)
         return
-    waited = 1000 * (time.perf_counter() - started)
-    session.result = replace(traced.result, statistics={**traced.result.statistics, "waited_milliseconds": waited})
-    session.shown = replace(traced, result=session.result)
+    session.waited_milliseconds = 1000 * (time.perf_counter() - started)
+    session.result, session.shown = traced.result, traced
     session.problems = problems_in(traced)
 
 

@@ -59,6 +59,7 @@ class Session:
     result: FrameResult | None = None
     previous: FrameResult | None = None
     problems: tuple[Problem, ...] = ()
+    waited_milliseconds: float = 0.0  # for the trace of the last frame that was waited for
     frame: int | None = None
     frame_seconds: float = 0.0
     version: int = -1
