@@ -7,6 +7,7 @@ from bpy.types import AddonPreferences, Context, KeyMapItem, UILayout
 
 from ..blender.extension import ROOT
 from ..properties.preferences import PreferenceProperties
+from .drawing import settings_layout
 
 _KEYMAPS = ("3D View", "Screen")
 
@@ -15,9 +16,7 @@ class HapticTracingPreferences(PreferenceProperties, AddonPreferences):
     bl_idname = ROOT
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = settings_layout(self)
         column = layout.column(heading="Display")
         column.prop(self, "gain_unit")
         column.prop(self, "overlay_size")
