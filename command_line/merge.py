@@ -8,8 +8,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
-import numpy as np
-
 from ..core.arrays import FloatArray
 from ..core.formats import registry
 from ..core.formats.export import Export
@@ -126,6 +124,6 @@ def _tracks(parts: Sequence[Part]) -> Tracks:
 
 def _rendered(mixdown: Mixdown, before: float | None, frame: HeardFrame) -> _Rendered:
     block = mixdown.render(before, frame.time, frame.sources, frame.listeners, frame.propagation)
-    amplitudes = np.array([source.amplitude for source in frame.sources]).reshape(-1, 1)
     first = sample_index(frame.time if before is None else before, mixdown.sample_rate)
-    return _Rendered(frame.number, frame.sources, frame.listeners, frame.propagation.gain * amplitudes, block, first, mixdown.sample_rate)
+    gains = frame.propagation.arriving(frame.sources)
+    return _Rendered(frame.number, frame.sources, frame.listeners, gains, block, first, mixdown.sample_rate)

@@ -10,8 +10,6 @@ from __future__ import annotations
 from hashlib import sha256
 from time import perf_counter
 
-import numpy as np
-
 from .collisions import CollisionDetector, Collisions, Frame
 from .contacts.tracker import STILL, ContactSettings
 from .graph.haptic_graph import ObjectTable, build_graph
@@ -91,7 +89,7 @@ class Tracer:
             propagation=propagation,
             sources=inputs.sources,
             listeners=frame.listeners,
-            gains=propagation.gain * np.array([source.amplitude for source in inputs.sources]).reshape(-1, 1),
+            gains=propagation.arriving(inputs.sources),
             impacts=collisions.impacts,
             block=block,
             first_sample=sample_index(self._start, self.sample_rate),

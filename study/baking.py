@@ -55,7 +55,7 @@ class ModeRendering:
         return replace(
             result,
             propagation=propagation,
-            gains=propagation.gain * np.array([source.amplitude for source in result.sources]).reshape(-1, 1),
+            gains=propagation.arriving(result.sources),
             block=block,
             warnings=propagation.warnings,
         )

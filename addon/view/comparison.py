@@ -20,9 +20,8 @@ def mode_gains(mode: Mode, traced: Traced, choice: None = None, before: FloatArr
     result, settings = traced.result, traced.settings
     if mode is settings.mode:
         return np.asarray(result.gains.max(axis=0, initial=0.0))
-    amplitude = np.array([source.amplitude for source in result.sources]).reshape(-1, 1)
-    gain = propagate(result.graph, replace(settings, mode=mode)).gain * amplitude
-    return np.asarray(gain.max(axis=0, initial=0.0))
+    arriving = propagate(result.graph, replace(settings, mode=mode)).arriving(result.sources)
+    return np.asarray(arriving.max(axis=0, initial=0.0))
 
 
 _GAINS: dict[Mode, Derived[None, FloatArray]] = {mode: Derived(partial(mode_gains, mode)) for mode in Mode}

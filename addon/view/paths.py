@@ -65,7 +65,7 @@ def listener_path(traced: Traced, question: _Question, before: ListenerPath | No
     hops: tuple[Hop, ...] = ()
     if nodes and traced.settings.mode in (Mode.HT, Mode.SD):
         graph = distance_only(result.graph) if traced.settings.mode is Mode.SD else result.graph
-        hops = tuple(Hop(*loss) for loss in object_losses(graph, nodes))
+        hops = tuple(Hop(*loss) for loss in object_losses(graph.in_band(graph.sources[row].band), nodes))
     source = result.sources[row]
     return ListenerPath(question.listener, source, float(result.gains[row, column]), 20 * math.log10(source.amplitude), hops)
 

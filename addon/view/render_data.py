@@ -214,15 +214,18 @@ _LEAST = 1e-300
 def path_steps(
     result: FrameResult, graph: HapticGraph, mode: Mode, paths: Mapping[tuple[int, int], Sequence[int]]
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """The connections of paths: their nodes (m, 2), the signal at either end (m, 2), amplitude included, and the metres from the source
-    at either end (m, 2)."""
+    """The connections of paths: their nodes (m, 2), the signal at either end (m, 2), amplitude included, in the source's leading band, and
+    the metres from the source at either end (m, 2)."""
     steps = np.array([step for nodes in paths.values() for step in itertools.pairwise(nodes)], dtype=np.int64).reshape(-1, 2)
     counts = np.array([len(nodes) - 1 for nodes in paths.values()], dtype=np.int64)
     length = distances(graph.node_position[steps[:, 0]], graph.node_position[steps[:, 1]])
     if mode in (Mode.MD, Mode.MN):
         factor = np.array([result.propagation.gain[pair] for pair in paths], dtype=np.float64)
     else:
-        factor = _connection_gains(graph, steps, length)
+        bands = np.repeat(np.array([graph.sources[source].band for source, _ in paths]), counts)
+        factor = np.empty(len(steps))
+        for band in set(bands.tolist()):
+            factor[bands == band] = _connection_gains(graph.in_band(band), steps[bands == band], length[bands == band])
     amplitude = np.array([result.sources[source].amplitude for source, _ in paths])
     cost = -np.log(np.maximum(factor, _LEAST))
     after = _running_sums(cost, counts)

@@ -7,14 +7,14 @@ are too many.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..graph.contact_patches import merge_patches
-from ..graph.haptic_graph import HapticGraph
+from ..graph.haptic_graph import HapticGraph, SourceNodes
 from ..scene.values import Settings
 from .best_path import crossings_of, most_connections
 from .connections import LARGEST, SLACK, amplifying, cost_limit
@@ -33,7 +33,7 @@ class Spread:
 
     Attributes:
         gain: (n,) largest product of gains from any source to the node times the source's amplitude; 0 if nothing arrives. A source's
-            own node has its amplitude.
+            own node has its amplitude. The gains are those of each source's leading band where functions use bands.
         predecessor: (n,) the node before it; -1 at sources and where nothing arrives. Where no gain exceeds 1, following predecessors never
             lowers the gain.
     """
@@ -58,16 +58,22 @@ def _merged_spread(graph: HapticGraph, settings: Settings, sources: Collection[s
     result = Spread(np.zeros(graph.node_count), np.full(graph.node_count, -1, dtype=np.int64))
     emitting = [s for s in graph.sources if s.amplitude > 0 and (sources is None or s.name in sources)]
     at_once = max(1, ROWS_AT_ONCE // max(graph.node_count, 1))
-    for first in range(0, len(emitting), at_once):
-        part = emitting[first : first + at_once]
-        cost, came_from = _strongest(graph, [source.nodes for source in part], settings)
-        gain = np.array([source.amplitude for source in part])[:, None] * np.exp(np.minimum(-cost, math.log(LARGEST)))
-        best = gain.argmax(axis=0)[None, :]
-        strongest = np.take_along_axis(gain, best, axis=0)[0]
-        stronger = strongest > result.gain
-        result.gain[stronger] = strongest[stronger]
-        result.predecessor[stronger] = np.take_along_axis(came_from, best, axis=0)[0][stronger]
+    for band in sorted({source.band for source in emitting}):
+        in_band, alike = graph.in_band(band), [source for source in emitting if source.band == band]
+        for first in range(0, len(alike), at_once):
+            _add_strongest(result, in_band, alike[first : first + at_once], settings)
     return result
+
+
+def _add_strongest(result: Spread, graph: HapticGraph, sources: Sequence[SourceNodes], settings: Settings) -> None:
+    """Take over what arrives from ``sources`` where it is stronger."""
+    cost, came_from = _strongest(graph, [source.nodes for source in sources], settings)
+    gain = np.array([source.amplitude for source in sources])[:, None] * np.exp(np.minimum(-cost, math.log(LARGEST)))
+    best = gain.argmax(axis=0)[None, :]
+    strongest = np.take_along_axis(gain, best, axis=0)[0]
+    stronger = strongest > result.gain
+    result.gain[stronger] = strongest[stronger]
+    result.predecessor[stronger] = np.take_along_axis(came_from, best, axis=0)[0][stronger]
 
 
 def _strongest(graph: HapticGraph, roots: list[tuple[int, ...]], settings: Settings) -> tuple[FloatArray, IntArray]:

@@ -102,13 +102,12 @@ def _mix(name: str, mixing: str, expression: str, s_max: float, limiter: bool) -
     return ListenerMix(name, method, s_max, limiter=limiter)
 
 
-def ducked(sources: Sequence[Source], listeners: Sequence[Listener], gain: FloatArray) -> FloatArray:
-    """Gain factors (s, l) of sources while one of higher priority arrives.
+def ducked(sources: Sequence[Source], listeners: Sequence[Listener], level: FloatArray) -> FloatArray:
+    """Gain factors (s, l) of sources that arrive with ``level`` (s, l), while one of higher priority does.
 
     If that has a level of at least `DUCKS` at the listener, the attenuation is the listener's ``ducking`` [dB]; it decreases over the 6 dB
     below.
     """
-    level = gain * np.array([source.amplitude for source in sources]).reshape(-1, 1)
     depth = np.clip(2.0 * level / DUCKS - 1.0, 0.0, 1.0)
     priority = np.array([source.priority for source in sources])
     strongest = np.array([depth[priority > own].max(axis=0, initial=0.0) for own in priority]).reshape(depth.shape)
@@ -122,7 +121,7 @@ def source_voices(
     listener_gain = np.array([item.gain for item in listeners])
     gains = propagation.gain if propagation.band_gain is None else propagation.band_gain
     if any(item.ducking for item in listeners):
-        factor = ducked(sources, listeners, propagation.gain)
+        factor = ducked(sources, listeners, propagation.arriving(sources))
         gains = gains * (factor if gains.ndim == 2 else factor[:, :, None])
     return [
         Voice(

@@ -239,11 +239,12 @@ def test_physical_materials_follow_from_preset_and_size(add_box, traced):
     assert bpy.ops.haptic.physical_materials() == {"FINISHED"}
     result = traced()
     names = [source.name for source in result.sources], [listener.name for listener in result.listeners]
-    for name, preset in (("Beam", "steel"), ("Hose", "rubber")):
+    # A new source emits 60 Hz. Steel loses less than half a decibel over ten metres, and therefore passes all bands like the lowest one.
+    for name, preset, band in (("Beam", "steel", 0), ("Hose", "rubber", 1)):
         damping, size = DAMPING[preset], bpy.data.objects[name].dimensions
         assert bpy.data.objects[name].haptics.wave == "rod"
         assert bpy.data.objects[name].haptics.extent == pytest.approx(max(size))
-        alpha = np.pi * BAND_CENTRES[0] * damping.loss_factor / damping.speed
+        alpha = np.pi * BAND_CENTRES[band] * damping.loss_factor / damping.speed
         gain = result.gains[names[0].index(f"{name} source"), names[1].index(f"{name} listener")]
         assert gain == pytest.approx(np.exp(-4 * alpha), rel=1e-5)
 

@@ -1,0 +1,75 @@
+"""What is drawn and listed of a tone that passes objects which damp by frequency: its own gains, against closed forms."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from haptic_tracing.addon.session.sessions import Traced
+from haptic_tracing.addon.view.paths import ListenerPath, _Question, listener_path
+from haptic_tracing.addon.view.render_data import Options, listener_gains, path_steps
+from haptic_tracing.core.propagation.spread import spread
+from haptic_tracing.core.scene.bands import BAND_EDGES
+from haptic_tracing.core.scene.functions import Spectrum
+from haptic_tracing.core.scene.values import Mode, Source
+from haptic_tracing.core.signals import Sine
+
+from .conftest import BRIDGE, traced
+
+DECAYS = (0.0, 0.1, 0.3, 0.6, 1.1, 1.7)
+"""1/m, on top of the 0.4 1/m of each part of the bridge."""
+TO_WALKER = 2.5, 2.0, 2.0
+"""Metres in deck, pier and ground."""
+AMPLITUDE = 0.5
+
+
+def rumbling_bridge(*frequencies):
+    """The bridge with a tone per frequency where the truck is."""
+    objects = tuple(
+        dataclasses.replace(item, propagation=dataclasses.replace(item.propagation, spectrum=Spectrum(band_decays=DECAYS)))
+        if item.name in ("deck", "pier", "ground")
+        else item
+        for item in BRIDGE.objects
+    )
+    sources = tuple(Source(f"tone {f:g} Hz", "deck", (-1.5, 0, 1), AMPLITUDE, signal=Sine(f)) for f in frequencies)
+    return traced(dataclasses.replace(BRIDGE, objects=objects, sources=sources))
+
+
+def loss_per_metre(frequency):
+    return 0.4 + DECAYS[int(np.searchsorted(BAND_EDGES, frequency, side="right")) - 1]
+
+
+@pytest.mark.parametrize("frequency", [30.0, 50.0, 100.0, 200.0])
+def test_gains_are_those_of_the_tone(frequency):
+    result = rumbling_bridge(frequency)
+    walker = [listener.name for listener in result.listeners].index("walker")
+    expected = AMPLITUDE * math.exp(-loss_per_metre(frequency) * sum(TO_WALKER))
+    assert result.gains[0, walker] == pytest.approx(expected, rel=1e-12)
+    settings = dataclasses.replace(BRIDGE.settings, threshold=0.0)
+    node = result.graph.listener_nodes[walker]
+    assert spread(result.graph, settings).gain[node] == pytest.approx(expected, rel=1e-12)
+    pair = 0, walker
+    _, gain, _ = path_steps(result, result.graph, Mode.HT, {pair: result.propagation.best_path[pair]})
+    assert gain[-1, 1] == pytest.approx(expected, rel=1e-12)
+
+
+def test_losses_of_a_path_add_up_to_the_gain_beside_them():
+    result = rumbling_bridge(100.0)
+    path = listener_path(Traced(1, result, BRIDGE.settings, np.zeros((len(result.listeners), 0))), _Question("walker", ""))
+    assert isinstance(path, ListenerPath)
+    assert [hop.object for hop in path.hops] == ["deck", "pier", "ground"]
+    per_metre = 20 * math.log10(math.e) * loss_per_metre(100.0)
+    assert [hop.loss for hop in path.hops] == pytest.approx([per_metre * metres for metres in TO_WALKER], rel=1e-9)
+    assert path.best_gain == pytest.approx(20 * math.log10(path.gain), abs=1e-9)
+
+
+def test_each_tone_arrives_in_its_own_band():
+    result = rumbling_bridge(30.0, 200.0)
+    walker = [listener.name for listener in result.listeners].index("walker")
+    low, high = (AMPLITUDE * math.exp(-loss_per_metre(frequency) * sum(TO_WALKER)) for frequency in (30.0, 200.0))
+    assert result.gains[:, walker] == pytest.approx([low, high], rel=1e-12)
+    assert listener_gains(result, Options())[walker] == pytest.approx(low, rel=1e-12)
+    chosen = dataclasses.replace(BRIDGE.settings, threshold=0.0)
+    gains = [spread(result.graph, chosen, {source.name}).gain[result.graph.listener_nodes[walker]] for source in result.sources]
+    assert gains == pytest.approx([low, high], rel=1e-12)
+    assert spread(result.graph, chosen).gain[result.graph.listener_nodes[walker]] == pytest.approx(low, rel=1e-12)
