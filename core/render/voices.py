@@ -16,6 +16,8 @@ _CHUNK = 4096
 """Samples of a signal are rendered in runs that begin at multiples of this, so that they are bit-identical for any division into frames."""
 _BRIEF = 2 * _CHUNK
 """Signals of at most so many samples are rendered whole, for the same reason."""
+_TOGETHER = 16
+"""Most signals that are rendered at once: enough to outweigh the overhead, few enough for the processor's cache."""
 
 
 class Voice(NamedTuple):
@@ -126,7 +128,7 @@ def sample_brief(streams: Sequence[Stream]) -> None:
     for stream in streams:
         if stream.is_brief and stream._first == stream._last:
             alike.setdefault(id(stream.signal), []).append(stream)
-    for some in alike.values():
+    for some in [every[k : k + _TOGETHER] for every in alike.values() for k in range(0, len(every), _TOGETHER)]:
         signal, rate = some[0].signal, some[0].sample_rate
         onset = np.array([stream.onset for stream in some])
         first = np.ceil(onset * rate)
