@@ -49,32 +49,13 @@ def split_bands(samples: FloatArray, sample_rate: float) -> FloatArray:
     the bands is the signal itself, to rounding. The filters are symmetric: no delay, no change of phase.
     """
     reach = bank_reach(sample_rate)
-    within = slice(reach, len(samples) - reach)
-    return _between(_low_passed(samples, len(samples), sample_rate)[:, within], samples[within])
-
-
-def split_sound(samples: FloatArray, sample_rate: float) -> FloatArray:
-    """Return the bands of all there is of a sound, shape (n,), with what follows it while the filters still hear it: shape
-    (6, n + bank_reach)."""
-    count = len(samples) + bank_reach(sample_rate)
-    padded = np.zeros(count)
-    padded[: len(samples)] = samples
-    # What the filters look ahead for comes out last and is dropped.
-    return _between(_low_passed(samples, count + bank_reach(sample_rate), sample_rate)[:, :count], padded)
-
-
-def _low_passed(samples: FloatArray, least: int, sample_rate: float) -> FloatArray:
-    """Return what the low-passes at the inner edges leave of samples that repeat after `least` or a few more, silent between."""
-    size = -(-least // 512) * 512  # few sizes, whose spectra are kept
-    return np.asarray(np.fft.irfft(np.fft.rfft(samples, size) * _low_pass_spectra(sample_rate, size), size))
-
-
-def _between(low: FloatArray, samples: FloatArray) -> FloatArray:
-    """Return the bands between the low-passes of some samples."""
-    bands = np.empty((len(low) + 1, len(samples)))
+    count = len(samples) - 2 * reach
+    size = -(-len(samples) // 512) * 512  # few sizes, whose spectra are kept
+    low = np.fft.irfft(np.fft.rfft(samples, size) * _low_pass_spectra(sample_rate, size), size)[:, reach : reach + count]
+    bands = np.empty((len(low) + 1, count))
     bands[0] = low[0]
     np.subtract(low[1:], low[:-1], out=bands[1:-1])
-    np.subtract(samples, low[-1], out=bands[-1])
+    np.subtract(samples[reach : reach + count], low[-1], out=bands[-1])
     return bands
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..scene.bands import BAND_COUNT
 from ..signals import Automation, Sampled, Signal, Sine
-from .filter_bank import bank_reach, split_bands, split_sound
+from .filter_bank import bank_reach, split_bands
 
 _CHUNK = 4096
 """Samples of a signal are rendered in runs that begin at multiples of this, so that they are bit-identical for any division into frames."""
@@ -118,7 +118,12 @@ class Stream:
 
     def take(self, first: int, samples: FloatArray) -> None:
         """Take over the samples of a brief signal, shape (n,), from number `first` on, which are all there is of it."""
-        self._known = samples[None, :] if self.row_count == 1 else split_sound(samples, self.sample_rate)
+        self._known = samples[None, :]
+        if self.row_count > 1:
+            reach = bank_reach(self.sample_rate)
+            padded = np.zeros(len(samples) + 3 * reach)  # the filters still hear it for a while
+            padded[reach : reach + len(samples)] = samples
+            self._known = split_bands(padded, self.sample_rate)
         self._first, self._last = first, first + self._known.shape[1]
 
 
