@@ -58,7 +58,8 @@ def add(name, mesh, location, size):
 
 
 def steps(window):
-    text = (Path(__file__).parent / "tutorial.md").read_text(encoding="utf-8")
+    written = (Path(__file__).parent / "tutorial.md").read_text(encoding="utf-8")
+    text = re.sub(r"(?<=[^\n|])\n(?=[^\n|])", " ", written)  # a paragraph in a line, wherever its lines are broken
     scene = bpy.context.scene
     session, colours = window.module("addon.session.session"), window.module("addon.view.colour_map")
     bpy.data.objects.remove(bpy.data.objects["Cube"])
