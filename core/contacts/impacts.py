@@ -12,6 +12,7 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from .motion import Paths
+from .narrow.frames import turned, turned_back
 from .settings import ImpactEnergy
 
 SLOWEST = 0.05
@@ -141,8 +142,8 @@ def _gaps(pose: FloatArray, end: FloatArray, pairs: IntArray, nodes: FloatArray,
     gap = np.zeros(len(pairs))
     for side, node in enumerate(nodes):
         then, now = pose[:, pairs[:, side]], end[:, pairs[:, side]]
-        local = np.einsum("ijp,ip->jp", now[:9].reshape(3, 3, -1), node - now[9:])
-        moved = np.einsum("ijp,jp->ip", then[:9].reshape(3, 3, -1), local) + then[9:] - node
+        local = turned_back(now[:9].reshape(3, 3, -1), node - now[9:])
+        moved = turned(then[:9].reshape(3, 3, -1), local) + then[9:] - node
         gap += (2 * side - 1) * (moved * normal).sum(axis=0)
     return gap
 

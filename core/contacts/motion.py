@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from .narrow.frames import dot, product
 
 _DEPTH = 3
 """Number of poses stored before the current one."""
@@ -55,7 +56,7 @@ class Paths:
         poses = np.empty_like(start)
         poses[9:] = start[9:] + (velocity + self.acceleration[:, bodies] * (np.asarray(time) / 2)) * time
         turn = rotations(spin * time)
-        poses[:9] = np.einsum("ijp,jkp->ikp", turn, start[:9].reshape(3, 3, -1)).reshape(9, -1)
+        poses[:9] = product(turn, start[:9].reshape(3, 3, -1)).reshape(9, -1)
         return poses
 
     def velocities(self, bodies: IntArray, time: FloatArray | float) -> FloatArray:
@@ -205,13 +206,13 @@ class MotionHistory:
 
 def _squared(vectors: FloatArray) -> FloatArray:
     """Squared lengths (n,) of vectors (3, n)."""
-    return np.asarray(np.einsum("ip,ip->p", vectors, vectors))
+    return dot(vectors, vectors)
 
 
 def spins(start: FloatArray, end: FloatArray, time: float) -> FloatArray:
     """Angular velocities (3, n) that turn the one poses into the others within ``time``, by less than half a turn."""
     a, b = start[:9].reshape(3, 3, -1), end[:9].reshape(3, 3, -1)
-    turn = np.einsum("ikp,jkp->ijp", b, a)
+    turn = product(b, a.transpose(1, 0, 2))
     twist = np.stack([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
     sine = np.sqrt(_squared(twist)) / 2
     angle = np.arctan2(sine, (turn[0, 0] + turn[1, 1] + turn[2, 2] - 1) / 2)

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray
 from .impacts import SLOWEST, Hits
 from .motion import Paths
-from .narrow.frames import relative_pose
+from .narrow.frames import cross, dot, relative_pose, turned
 from .narrow.narrow_phase import NarrowPhase
 
 _TOUCH = 1e-4
@@ -121,14 +121,13 @@ class _MovingPairs:
         first, second = self._poses(time)
         found = self._narrow.query(self._pairs, *relative_pose(first, second), np.full(len(time), _AROUND))
         turn = first[:9].reshape(3, 3, -1)
-        normal = (turn * found.normal).sum(axis=1)
-        centre = (turn * found.centre).sum(axis=1) + first[9:]
+        normal, centre = turned(turn, found.normal), turned(turn, found.centre) + first[9:]
         speeds = []
         for k, pose in ((0, first), (1, second)):
             bodies = self._pairs[:, k]
             arm = centre - pose[9:]
-            speeds.append(self._paths.velocities(bodies, time) + np.cross(self._paths.spin[:, bodies], arm, axis=0))
-        return found.distance, normal.T, centre.T, ((speeds[0] - speeds[1]) * normal).sum(axis=0)
+            speeds.append(self._paths.velocities(bodies, time) + cross(self._paths.spin[:, bodies], arm))
+        return found.distance, normal.T, centre.T, dot(speeds[0] - speeds[1], normal)
 
     def first_touch(self, start: FloatArray, end: FloatArray) -> FloatArray:
         """Times (k,) at which the distance, ``start`` > 0 at first and ``end`` at last, vanishes, by regula falsi (Illinois) from the time
@@ -180,9 +179,9 @@ class _MovingPairs:
             distance, normal = self._narrow.directed_clearances(moving._pairs, *relative_pose(first, second), moving._limit)
             touching = distance <= _TOUCH
             result[active[touching]] = now[touching]
-            outward = np.einsum("ijp,jp->ip", first[:9].reshape(3, 3, -1), normal)
+            outward = turned(first[:9].reshape(3, 3, -1), normal)
             relative = self._paths.velocities(a[active], now) - self._paths.velocities(b[active], now)
-            speed = np.maximum((relative * outward).sum(axis=0), 0.0) + bending[active] * (duration - now) + turning[active]
+            speed = np.maximum(dot(relative, outward), 0.0) + bending[active] * (duration - now) + turning[active]
             time[active] = now + np.maximum(distance, _TOUCH / 2) / np.maximum(speed, 1e-9)
             active = active[~touching & (time[active] <= duration)]
         return result

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from time import perf_counter
 
 import numpy as np
@@ -16,7 +16,7 @@ from .gain_bound import GainBound
 from .impacts import Hits, Impact, confirmed, impact_energies, landings
 from .motion import MotionHistory, Paths
 from .narrow.body_patches import PairPatches
-from .narrow.frames import relative_pose
+from .narrow.frames import added, dot, relative_pose, turned, turned_back
 from .narrow.narrow_phase import NarrowPhase
 from .settings import Body, ContactSettings, ImpactEnergy, Motion
 from .time_of_impact import TimeOfImpact
@@ -329,9 +329,9 @@ class ContactTracker:
         """Lowest and highest corners (3, k) of bounding boxes of ``bodies`` (k,) in ``pose`` (12, k), grown so that they overlap wherever
         two bodies can touch."""
         turn = pose[:9].reshape(3, 3, -1)
-        centre = np.einsum("ijp,jp->ip", turn, self._middle.take(bodies, axis=1)) + pose[9:]
+        centre = turned(turn, self._middle.take(bodies, axis=1)) + pose[9:]
         grow = (self.settings.tolerance + self.settings.slack) / 2 + 2 * STILL
-        half = np.einsum("ijp,jp->ip", np.abs(turn), self._extent.take(bodies, axis=1)) + grow
+        half = turned(np.abs(turn), self._extent.take(bodies, axis=1)) + grow
         return centre - half, centre + half
 
     def _unchanged(self, warnings: tuple[Message, ...]) -> FrameContacts:
@@ -389,7 +389,7 @@ class ContactTracker:
         if paths is not None:
             speed = paths.fastest()
             if turning:
-                speed += np.sqrt(np.einsum("ip,ip->p", paths.spin, paths.spin)) * self._arm
+                speed += np.sqrt(dot(paths.spin, paths.spin)) * self._arm
             energy = self._energies(speed)
             fast = np.flatnonzero(energy >= least / 2)
             if len(fast) == 0:
@@ -568,7 +568,7 @@ class ContactTracker:
         pairs.version[0, rows], pairs.version[1, rows] = self._version[larger], self._version[smaller]
         limit: FloatArray = np.where(before[rows], self.settings.tolerance + self.settings.slack, self.settings.tolerance)
         turn, offset = relative_pose(self._pose.take(larger, axis=1), self._pose.take(smaller, axis=1))
-        place = np.einsum("ijp,jp->ip", turn, self._middle.take(smaller, axis=1)) + offset
+        place = turned(turn, self._middle.take(smaller, axis=1)) + offset
         stays = self._stays(rows, turn, place, self._radius[smaller], limit, before[rows])
         if stays.any():
             asked = np.flatnonzero(~stays)
@@ -580,7 +580,7 @@ class ContactTracker:
         values[_DISTANCE], values[_AREA] = found.distance, found.area
         gap = found.normal * (found.distance / 2)
         values[_ON_LARGER] = found.centre - gap
-        values[_ON_SMALLER] = np.einsum("ijp,ip->jp", turn, found.centre + gap - offset)
+        values[_ON_SMALLER] = turned_back(turn, found.centre + gap - offset)
         pairs.values[:, rows] = values
         pairs.known[rows] = True
         pairs.touching[rows] = found.distance <= limit
@@ -594,8 +594,8 @@ class ContactTracker:
         """Which of the pairs ``rows`` are unchanged: touching and not moved relative to each other, or still too far apart to touch."""
         pairs = self._pairs
         values = pairs.values[: _ON_LARGER.start].take(rows, axis=1)
-        travel, change = place - values[_PLACE], turn.reshape(9, -1) - values[_TURN]
-        motion = np.sqrt(np.einsum("ip,ip->p", travel, travel)) + radius * np.sqrt(np.einsum("ip,ip->p", change, change) / 2)
+        travel, change = place - values[_PLACE], turn - values[_TURN].reshape(3, 3, -1)
+        motion = np.sqrt(dot(travel, travel)) + radius * np.sqrt(added(dot(change, change)) / 2)
         apart = pairs.values[_DISTANCE, rows] - motion > limit
         return np.asarray(pairs.known[rows] & np.where(before, motion <= self._same, apart) & (pairs.touching[rows] == before))
 
@@ -604,24 +604,19 @@ class ContactTracker:
         depth."""
         numbers, points = np.stack([larger, smaller], axis=1), self.settings.patch_points
         medium = self._medium[larger] | self._medium[smaller]
-        inside, others = np.flatnonzero(medium), np.flatnonzero(~medium)
-        if len(inside) == 0:
+        if not medium.any():
             return self._narrow.query(numbers, turn, offset, limit, points)
+        inside, others = np.flatnonzero(medium), np.flatnonzero(~medium)
         found = self._narrow.query(numbers[others], turn[..., others], offset[:, others], limit[others], points)
-        count = len(medium)
-        distance, normal, centre, area = np.zeros(count), np.zeros((3, count)), np.empty((3, count)), np.zeros(count)
-        distance[others], normal[:, others], centre[:, others], area[others] = found.distance, found.normal, found.centre, found.area
-        distance[inside] = self._narrow.gaps(numbers[inside], turn[..., inside], offset[:, inside], limit[inside])
-        normal[2, inside] = 1.0
+        distance = self._narrow.gaps(numbers[inside], turn[..., inside], offset[:, inside], limit[inside])
         a, b = larger[inside], smaller[inside]
         middle = (np.maximum(self._low[:, a], self._low[:, b]) + np.minimum(self._high[:, a], self._high[:, b])) / 2
         pose = self._pose[:, a]
-        centre[:, inside] = (pose[:9].reshape(3, 3, -1) * (middle - pose[9:])[:, None]).sum(axis=0)
-        if not points:
-            return PairPatches(distance, normal, centre, area)
-        solid = iter(found.corners)
-        corners = tuple(centre[None, :, k] if medium[k] else next(solid) for k in range(count))
-        return PairPatches(distance, normal, centre, area, corners)
+        centre, normal = turned_back(pose[:9].reshape(3, 3, -1), middle - pose[9:]), np.tile([[0.0], [0.0], [1.0]], len(inside))
+        wet = PairPatches(distance, normal, centre, np.zeros(len(inside)))
+        result, solid = PairPatches.joined(len(medium), (others, found), (inside, wet)), iter(found.corners)
+        corners = tuple(result.centre[None, :, k] if medium[k] else next(solid) for k in range(len(medium)) if points)
+        return replace(result, corners=corners)
 
     def _contact_set(self, rows: IntArray) -> ContactSet:
         """Contacts of pairs ``rows``: one each at the centre of its patch, or one per point of it."""
@@ -629,11 +624,8 @@ class ContactTracker:
         larger, smaller, key, values = pairs.larger[rows], pairs.smaller[rows], pairs.key[rows], pairs.values.take(rows, axis=1)
         pose_l, pose_s = self._pose.take(larger, axis=1), self._pose.take(smaller, axis=1)
         turn = pose_l[:9].reshape(3, 3, -1)
-        normal = np.einsum("ijp,jp->ip", turn, values[_NORMAL])
-        ends = [
-            np.einsum("ijp,jp->ip", turn, values[_ON_LARGER]) + pose_l[9:],
-            np.einsum("ijp,jp->ip", pose_s[:9].reshape(3, 3, -1), values[_ON_SMALLER]) + pose_s[9:],
-        ]
+        normal = turned(turn, values[_NORMAL])
+        ends = [_placed(pose_l, values[_ON_LARGER]), _placed(pose_s, values[_ON_SMALLER])]
         count = max(len(self.bodies), 1)
         flipped = larger != key // count
         normal *= np.where(flipped, -1.0, 1.0)
@@ -675,11 +667,11 @@ class ContactTracker:
         if not np.any(near < 1):
             return near
         touch = 1.0 - _smooth_step((distance - rest) / max(rest, 1e-300))
-        ways = values[_NORMAL], np.einsum("ijp,ip->jp", turn, values[_NORMAL])
+        ways = values[_NORMAL], turned_back(turn, values[_NORMAL])
         faces = []
         for bodies, way in zip((larger, smaller), ways, strict=True):
             x, y, z = self._extent.take(bodies, axis=1)
-            faces.append(4 * (np.abs(way) * np.stack([y * z, z * x, x * y])).sum(axis=0))
+            faces.append(4 * dot(np.abs(way), np.stack([y * z, z * x, x * y])))
         area = values[_AREA]
         facing = area / np.maximum(area + _FACING * np.minimum(*faces), 1e-300)
         facing = np.where(self._narrow.is_box[larger] & self._narrow.is_box[smaller], facing, 1.0)
@@ -717,10 +709,10 @@ class ContactTracker:
         found = self._narrow.query(np.stack([larger, smaller], axis=1), *placed, limit, corners=True)
         of = np.repeat(np.arange(len(rows)), [len(corners) for corners in found.corners])
         turn = pose[:9].reshape(3, 3, -1)[..., of]
-        points = np.einsum("ijp,pj->ip", turn, np.concatenate(found.corners)) + pose[9:, of]
+        points = turned(turn, np.concatenate(found.corners).T) + pose[9:, of]
         keys = pairs.key[rows]
         flipped = larger != keys // len(self.bodies)
-        normal = np.einsum("ijp,jp->ip", turn, found.normal[:, of]) * np.where(flipped[of], -1.0, 1.0)
+        normal = turned(turn, found.normal[:, of]) * np.where(flipped[of], -1.0, 1.0)
         gap = normal * (found.distance[of] / 2)
         old = np.stack([_placed(pose, last[_ON_LARGER, rows]), _placed(other, last[_ON_SMALLER, rows])])
         old = np.where(flipped, old[::-1], old)[..., of]
@@ -764,7 +756,7 @@ def _from_impacts(bound: GainBound, impacts: Sequence[Impact]) -> GainBound:
 
 def _placed(pose: FloatArray, points: FloatArray) -> FloatArray:
     """World positions (3, k) of points (3, k) of bodies in ``pose`` (12, k)."""
-    return np.asarray(np.einsum("ijp,jp->ip", pose[:9].reshape(3, 3, -1), points) + pose[9:])
+    return turned(pose[:9].reshape(3, 3, -1), points) + pose[9:]
 
 
 def _smooth_step(x: FloatArray) -> FloatArray:

@@ -33,6 +33,15 @@ class PairPatches:
     area: FloatArray
     corners: tuple[FloatArray, ...] = ()
 
+    @classmethod
+    def joined(cls, count: int, *parts: tuple[IntArray, PairPatches]) -> PairPatches:
+        """Patches of ``count`` pairs from those of some of them, without corners."""
+        result = cls(np.empty(count), np.empty((3, count)), np.empty((3, count)), np.empty(count))
+        for rows, part in parts:
+            result.distance[rows], result.area[rows] = part.distance, part.area
+            result.normal[:, rows], result.centre[:, rows] = part.normal, part.centre
+        return result
+
 
 @dataclass(frozen=True, slots=True)
 class CoreContacts:
@@ -109,7 +118,7 @@ def _outlines(points: list[list[FloatArray]], normal: FloatArray) -> tuple[Float
     """Corners of the convex hull of each patch in its plane, at most ``MAX_PATCH_POINTS`` of them."""
     each = [np.concatenate(parts) if parts else np.zeros((0, 3)) for parts in points]
     of = np.repeat(np.arange(len(each)), [len(every) for every in each])
-    flat = np.stack([np.einsum("ip,pi->p", axis[:, of], np.concatenate(each)) for axis in contact_plane(normal)], axis=1)
+    flat = np.stack([dot(axis[:, of], np.concatenate(each).T) for axis in contact_plane(normal)], axis=1)
     rounded = np.round(flat, 5).tolist()
     outlines, begin = [], 0
     for every in each:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
-from .frames import COLUMN, pick
+from .frames import COLUMN, dot, pick, turned, turned_back
 
 FACE_PREFERENCE = 1e-6
 """Metres by which an axis of two edges must be better than that of a face to be chosen."""
@@ -29,8 +29,20 @@ _PARALLEL = 1e-8
 FIRST_EDGE_AXIS = 6
 """Number of the first axis that belongs to two edges."""
 
-NEXT = np.array([1, 2, 0])
-AFTER = np.array([2, 0, 1])
+TURN = np.array([0, 1, 2, 0, 1, 2])
+_TURNS = (3 * TURN[:5, None] + TURN[:5]).reshape(-1)
+
+
+def _arrangement(i: int, j: int) -> list[int]:
+    """Rows of rotation, offset and half extents of two boxes arranged for edges ``i`` and ``j``, whose axes come first, the others in
+    turn: columns of the rotation, offset, half extents of the first and of the second."""
+    of_a, of_b = TURN[i : i + 3].tolist(), TURN[j : j + 3].tolist()
+    return [3 * m + n for n in of_b for m in of_a] + [first + m for first in (9, 12) for m in of_a] + [15 + n for n in of_b]
+
+
+_ARRANGED = np.array([_arrangement(i, j) for i in range(3) for j in range(3)]).T.copy()
+_BACK = np.array([[(c - i) % 3 for i in range(3) for _ in range(3)] for c in range(3)])
+"""Where each coordinate stands among those that begin with ``i``, per pair of edges."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,29 +56,36 @@ class BestAxes:
 
 def best_axes(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> BestAxes:
     """The axis of greatest separation of each pair."""
+    count = offset.shape[1]
     size = np.abs(rotation)
-    offset_b = np.einsum("ijp,ip->jp", rotation, offset)
-    separation = np.empty((15, offset.shape[1]))
-    np.subtract(np.abs(offset), half_a + np.einsum("ijp,jp->ip", size, half_b), out=separation[:3])
-    np.subtract(np.abs(offset_b), half_b + np.einsum("ijp,ip->jp", size, half_a), out=separation[3:6])
-    # Axis i of the first x axis j of the second: e_i x r_j, with r_j column j of the rotation.
-    turned_1, turned_2 = rotation[NEXT], rotation[AFTER]
-    along = offset[AFTER, None] * turned_1
-    along -= offset[NEXT, None] * turned_2
-    extent = half_a[NEXT, None] * size[AFTER]
-    extent += half_a[AFTER, None] * size[NEXT]
-    extent += half_b[NEXT] * size[:, AFTER] + half_b[AFTER] * size[:, NEXT]
+    separation = np.empty((15, count))
+    of_a, of_b, edges = separation[:3], separation[3:FIRST_EDGE_AXIS], separation[FIRST_EDGE_AXIS:].reshape(3, 3, -1)
+    np.abs(offset, out=of_a)
+    of_a -= half_a
+    of_a -= turned(size, half_b)
+    np.abs(turned_back(rotation, offset), out=of_b)
+    of_b -= half_b
+    of_b -= turned_back(size, half_a)
+    # Axis i of the first x axis j of the second: e_i x r_j, with r_j column j of the rotation. Rows repeated in turn, to be sliced.
+    ways, sizes = rotation.take(TURN[:5], axis=0), size.reshape(9, -1).take(_TURNS, axis=0).reshape(5, 5, -1)
+    turned_1, turned_2 = ways[1:4], ways[2:]
+    offset, half_a, half_b = (vector.take(TURN[:5], axis=0) for vector in (offset, half_a, half_b))
+    along = offset[2:, None] * turned_1
+    along -= offset[1:4, None] * turned_2
+    extent = half_a[1:4, None] * sizes[2:, :3]
+    extent += half_a[2:, None] * sizes[1:4, :3]
+    extent += half_b[1:4] * sizes[:3, 2:]
+    extent += half_b[2:] * sizes[:3, 1:4]
     # The length of the axis from its components: 1 - size^2 is not that of float32 rotations, nor 0 for parallel edges.
-    squared = np.multiply(turned_1, turned_1, out=turned_1)
-    squared += np.multiply(turned_2, turned_2, out=turned_2)
-    edges = separation[FIRST_EDGE_AXIS:].reshape(3, 3, -1)
+    ways *= ways
+    squared = turned_1 + turned_2
     np.subtract(np.abs(along, out=along), extent, out=edges)
     edges /= np.sqrt(np.maximum(squared, _PARALLEL))
     edges -= FACE_PREFERENCE
     np.copyto(edges, -np.inf, where=squared < _PARALLEL)
     axis = separation.argmax(axis=0)
     distance = pick(separation, axis)
-    distance += np.where(axis < FIRST_EDGE_AXIS, 0.0, FACE_PREFERENCE)
+    distance += FACE_PREFERENCE * (axis >= FIRST_EDGE_AXIS)
     return BestAxes(distance, axis)
 
 
@@ -83,31 +102,37 @@ class EdgePoints:
 
 def edge_points(axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> EdgePoints:
     """The nearest points of the two edges that belong to each ``axis`` (p,) of two edges."""
-    i, j = (axis - FIRST_EDGE_AXIS) // 3, (axis - FIRST_EDGE_AXIS) % 3
-    way = pick(rotation.reshape(9, -1), 3 * COLUMN + j)  # (3, p): direction of the second's edge
-    of_i = i == COLUMN
-    normal = np.where(NEXT[i] == COLUMN, -pick(way, AFTER[i]), np.where(of_i, 0.0, pick(way, NEXT[i])))
-    length = np.sqrt(np.einsum("ip,ip->p", normal, normal))
-    normal /= np.where(np.einsum("ip,ip->p", normal, offset) < 0, -length, length)
-    on_a = np.where(of_i, 0.0, np.where(normal < 0, -half_a, half_a))
-    on_b = np.where(j == COLUMN, 0.0, np.where(np.einsum("ijp,ip->jp", rotation, normal) < 0, half_b, -half_b))
-    on_b = np.einsum("ijp,jp->ip", rotation, on_b) + offset
+    pair, count = axis - FIRST_EDGE_AXIS, len(axis)
+    number = np.arange(count)
+    rows = np.concatenate([rotation.reshape(9, -1), offset, half_a, half_b]).reshape(-1)
+    arranged = rows.take(_ARRANGED.take(pair, axis=1) * count + number)
+    ways, offset, half_a, half_b = arranged[:9].reshape(3, 3, -1), arranged[9:12], arranged[12:15], arranged[15:]
+    way = ways[0]
+    found = np.zeros((3, 3, count))
+    normal, on_a, on_b = found
+    np.negative(way[2], out=normal[1])
+    normal[2] = way[1]
+    length = np.sqrt(way[1] * way[1] + way[2] * way[2])
+    normal /= np.where(normal[1] * offset[1] + normal[2] * offset[2] < 0, -length, length)
+    np.copyto(on_a[1:], np.where(normal[1:] < 0, -half_a[1:], half_a[1:]))
+    corner = np.where(ways[1:, 1] * normal[1] + ways[1:, 2] * normal[2] < 0, half_b[1:], -half_b[1:])
+    np.add(ways[1] * corner[0] + ways[2] * corner[1], offset, out=on_b)
     between = on_b - on_a
-    along_i, along_j, slant = pick(between, i), np.einsum("ip,ip->p", between, way), pick(way, i)
+    along_i, along_j, slant = between[0], dot(between, way), way[0]
     area = 1.0 - slant * slant
     s, t = (along_i - slant * along_j) / area, (slant * along_i - along_j) / area
-    most_s, most_t = pick(half_a, i), pick(half_b, j)
-    within = (np.abs(s) <= most_s * (1 + EDGE_TOLERANCE)) & (np.abs(t) <= most_t * (1 + EDGE_TOLERANCE))
-    on_a = np.where(of_i, np.clip(s, -most_s, most_s), on_a)
-    on_b += way * np.clip(t, -most_t, most_t)
-    return EdgePoints(normal, on_a, on_b, within)
+    within = (np.abs(s) <= half_a[0] * (1 + EDGE_TOLERANCE)) & (np.abs(t) <= half_b[0] * (1 + EDGE_TOLERANCE))
+    on_a[0] = np.minimum(np.maximum(s, -half_a[0]), half_a[0])
+    on_b += way * np.minimum(np.maximum(t, -half_b[0]), half_b[0])
+    normal, first, second = found.reshape(3, -1).take(_BACK.take(pair, axis=1) * count + number, axis=1)
+    return EdgePoints(normal, first, second, within)
 
 
 def axis_normals(axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> FloatArray:
     """Unit normals (3, p) from first to second along each ``axis`` (p,)."""
     k = axis % 3
     normal = np.where(axis < 3, k == COLUMN, pick(rotation.reshape(9, -1), 3 * COLUMN + k))
-    normal *= np.where(np.einsum("ip,ip->p", normal, offset) < 0, -1.0, 1.0)
+    normal *= np.where(dot(normal, offset) < 0, -1.0, 1.0)
     edges = np.flatnonzero(axis >= FIRST_EDGE_AXIS)
     if len(edges):
         boxes = rotation[..., edges], offset[:, edges], half_a[:, edges], half_b[:, edges]

@@ -55,8 +55,7 @@ class BoxPairs:
         self._all = bool(self.is_box.all())
         self._placed = table.placed
         # By body, for those that are boxes.
-        self._half, self._sharp_half = table.half[:, first], table.sharp_half[:, first]
-        self._radius, self._sharp_radius = table.radius[first], table.sharp_radius[first]
+        self._sizes = np.stack([np.vstack([table.half, table.radius]), np.vstack([table.sharp_half, table.sharp_radius])])[..., first]
         self._authored = table.is_box[first]
         self._turn, self._shift = table.rotation[..., first], table.offset[:, first]
         self._outline = table.outline[:, first]
@@ -76,17 +75,8 @@ class BoxPairs:
             offset = turned_back(turn_a, offset + turned(rotation, shift) - self._shift[:, first])
             rotation = relative(turn_a, product(rotation, turn_b))
         sharp = self._authored[first] & self._authored[second]
-        some, every = bool(sharp.any()), bool(sharp.all())
-        size = []
-        for body in (first, second):
-            half, radius = self._half.take(body, axis=1), self._radius[body]
-            if some:
-                sharp_half, sharp_radius = self._sharp_half.take(body, axis=1), self._sharp_radius[body]
-                half = sharp_half if every else np.where(sharp, sharp_half, half)
-                radius = sharp_radius if every else np.where(sharp, sharp_radius, radius)
-            size.append((half, radius))
-        (half_a, radius_a), (half_b, radius_b) = size
-        return Boxes(rows, rotation, offset, half_a, half_b, radius_a, radius_b)
+        size_a, size_b = (np.where(sharp, sizes[1], sizes[0]) for sizes in (self._sizes.take(body, axis=2) for body in (first, second)))
+        return Boxes(rows, rotation, offset, size_a[:3], size_b[:3], size_a[3], size_b[3])
 
     def clearances(self, boxes: Boxes) -> FloatArray:
         """Separations (k,) along the best axes: lower bounds on the distances that are positive only if those are."""
@@ -103,17 +93,12 @@ class BoxPairs:
         best = best_axes(*placed)
         return best.distance - (boxes.radius_a + boxes.radius_b), axis_normals(best.axis, *placed)
 
-    def write_patches(self, boxes: Boxes, pairs: IntArray, limit: FloatArray, result: PairPatches) -> IntArray:
-        """Write the distances and patches of boxes into ``result``.
-
-        Returns:
-            The numbers of the other pairs.
-        """
-        rows = boxes.rows
+    def patches(self, boxes: Boxes, pairs: IntArray, limit: FloatArray) -> PairPatches:
+        """Patches of ``boxes``, those of ``pairs`` (k, 2) of bodies."""
         radius = boxes.radius_a + boxes.radius_b
-        found = _contacts(boxes, limit[rows] + radius)
+        found = _contacts(boxes, limit + radius)
         area, normal, centre = found.area, found.normal, found.centre
-        first, second = pairs[rows].T
+        first, second = pairs.T
         if np.any(radius > 0):
             area = area * self._flatness(first, second, boxes, normal)
             centre = centre + normal * ((boxes.radius_a - boxes.radius_b) / 2)
@@ -121,11 +106,7 @@ class BoxPairs:
             turn = self._turn[..., first]
             normal = turned(turn, normal)
             centre = turned(turn, centre) + self._shift[:, first]
-        result.distance[rows] = found.distance - radius
-        result.normal[:, rows], result.centre[:, rows], result.area[rows] = normal, centre, area
-        others = np.ones(len(pairs), dtype=np.bool_)
-        others[rows] = False
-        return np.flatnonzero(others)
+        return PairPatches(found.distance - radius, normal, centre, area)
 
     def _flatness(self, first: IntArray, second: IntArray, boxes: Boxes, normal: FloatArray) -> FloatArray:
         """Area (k,) of the smaller of the two faces divided by that of its core, so that rounded edges within a box do not reduce the

@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
-from .box_axes import AFTER, FIRST_EDGE_AXIS, NEXT, best_axes, edge_points
+from .box_axes import FIRST_EDGE_AXIS, TURN, best_axes, edge_points
 from .frames import dot, pick, turned, turned_back
 from .manifold import PATCH_GAP, patch_gap
 from .parallelogram import overlap
@@ -40,7 +40,7 @@ def _arrangement(axis: int, facing: int) -> list[int]:
     the face's box and of the other; the face's directions and its box's place in the frame of the first.
     """
     k = axis % 3
-    own, other = (int(NEXT[k]), int(AFTER[k]), k), (int(NEXT[facing]), int(AFTER[facing]), facing)
+    own, other = TURN[k + 1 : k + 4].tolist(), TURN[facing + 1 : facing + 4].tolist()
     if axis < 3:
         seen = [3 * m + n for n in other for m in own] + [_OFFSET + m for m in own]
         halves = [_HALF_A + m for m in own] + [_HALF_B + n for n in other]

@@ -160,7 +160,7 @@ def segment_to_box(start: FloatArray, end: FloatArray, rotation: FloatArray, cen
     times = np.sort(np.concatenate([np.zeros((1, count)), crossings, np.ones((1, count))]), axis=0)
     points = a[:, None] + way[:, None] * times
     excess = points - np.clip(points, -half[:, None], half[:, None])
-    slope = np.einsum("ikn,in->kn", excess, way)
+    slope = dot(excess, way[:, None])
     # The first piece at whose end the derivative is no longer negative holds the minimum.
     late = np.argmax(slope >= 0, axis=0)
     late = np.where((slope >= 0).any(axis=0), late, len(times) - 1)

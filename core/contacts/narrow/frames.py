@@ -19,13 +19,19 @@ def dot(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.asarray(terms[0] + terms[1] if len(terms) == 2 else terms[0] + terms[1] + terms[2])
 
 
+def added(terms: FloatArray) -> FloatArray:
+    """Sums (..., n) of terms (..., k, n), one after the other."""
+    return np.asarray(terms.cumsum(axis=-2)[..., -1, :])
+
+
 def turned(rotation: FloatArray, vector: FloatArray) -> FloatArray:
     """``rotation @ vector`` of rotations (3, 3, n) and vectors (3, n) or (3, k, n)."""
-    if vector.ndim > 2:
-        rotation = rotation[:, :, None]
-    result = rotation[:, 0] * vector[0]
-    result += rotation[:, 1] * vector[1]
-    result += rotation[:, 2] * vector[2]
+    if vector.ndim == 2:
+        terms = rotation * vector
+        return np.asarray(terms[:, 0] + terms[:, 1] + terms[:, 2])
+    result = rotation[:, 0, None] * vector[0]
+    result += rotation[:, 1, None] * vector[1]
+    result += rotation[:, 2, None] * vector[2]
     return np.asarray(result)
 
 

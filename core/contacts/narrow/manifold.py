@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
-from .frames import cross, dot, turned
+from .frames import added, cross, dot, turned
 
 PATCH_GAP = 0.001
 """Metres beyond the least gap up to which two surfaces belong to the patch. A body of 1 m at rest that trembles by 1e-4 rad keeps its whole
@@ -87,7 +87,7 @@ def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patche
     start, end = (np.concatenate([piece[k] for piece in pieces], axis=1) for k in range(2))
     used = np.concatenate([piece[2] for piece in pieces])
     # Leave out where the gap is larger; the cut closes the outline from where it goes out to where it comes in.
-    from_gap, to_gap = (level + np.einsum("ikn,in->kn", ends, slope) for ends in (start, end))
+    from_gap, to_gap = (level + dot(ends, slope[:, None]) for ends in (start, end))
     least_gap = np.where(used, np.minimum(from_gap, to_gap), np.inf).min(axis=0)
     top = np.where(np.isinf(least_gap), 0.0, least_gap) + patch_gap(np.sqrt(dot(slope, slope)))
     rise = to_gap - from_gap
@@ -116,11 +116,11 @@ def _area_and_centre(
 ) -> tuple[FloatArray, FloatArray]:
     """Area (n,) and centre (2, n) inside the boundary pieces that are ``used`` (k, n), from ``start`` to ``end`` (2, k, n), with a straight
     line from the one that ``leaves`` to the one that ``enters``."""
-    out, back = (end * leaves).sum(axis=1), (start * enters).sum(axis=1)
+    out, back = added(end * leaves), added(start * enters)
     closing = out[0] * back[1] - out[1] * back[0]
     turns = np.where(used, start[0] * end[1] - start[1] * end[0], 0.0)
-    area = (turns.sum(axis=0) + closing) / 2
-    moment = (np.einsum("ikn,kn->in", start + end, turns) + (out + back) * closing) / 6
+    area = (added(turns) + closing) / 2
+    moment = (added((start + end) * turns) + (out + back) * closing) / 6
     # Cancellation can move the centre of a sliver far away: clip it to the corners' bounds.
     least = np.where(used, np.minimum(start, end), np.inf).min(axis=1)
     most = np.where(used, np.maximum(start, end), -np.inf).max(axis=1)
@@ -130,7 +130,7 @@ def _area_and_centre(
 def _plane(polygon: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Slope (2, n) and value at the origin (n,) of the plane z(x, y) of each polygon (3, k, n)."""
     rays = polygon[:, 1:] - polygon[:, :1]
-    normal = cross(rays[:, :-1], rays[:, 1:]).sum(axis=1)
+    normal = added(cross(rays[:, :-1], rays[:, 1:]))
     steep = 1e-6 * np.sqrt(dot(normal, normal)) + 1e-300
     upright = np.where(np.abs(normal[2]) > steep, normal[2], np.copysign(steep, normal[2]))
     slope = -normal[:2] / upright
@@ -140,7 +140,7 @@ def _plane(polygon: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _counter_clockwise(polygon: FloatArray) -> FloatArray:
     """Polygons (2, k, n), those that run clockwise reversed."""
     following = np.roll(polygon, -1, axis=1)
-    area = (polygon[0] * following[1] - polygon[1] * following[0]).sum(axis=0)
+    area = added(polygon[0] * following[1] - polygon[1] * following[0])
     return np.where(area < 0, polygon[:, ::-1], polygon)
 
 
@@ -162,8 +162,7 @@ def _moved(lines: FloatArray, outwards: FloatArray) -> FloatArray:
 
 def _clipped(start: FloatArray, end: FloatArray, lines: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
     """The part of each segment (2, k, n) that satisfies all lines (3, m, n), and whether there is one (k, n)."""
-    f0 = np.einsum("ikn,imn->kmn", start, lines[:2]) + lines[2]
-    f1 = np.einsum("ikn,imn->kmn", end, lines[:2]) + lines[2]
+    f0, f1 = (dot(ends[:, :, None], lines[:2, None]) + lines[2] for ends in (start, end))
     out0, out1 = f0 < 0, f1 < 0
     crossing = out0 != out1
     t = np.divide(f0, f0 - f1, out=np.zeros_like(f0), where=crossing)

@@ -46,20 +46,15 @@ class NarrowPhase:
     def query(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray, corners: bool = False) -> PairPatches:
         """Distances and patches of ``pairs`` (p, 2). Distances up to ``limit`` (p,) metres are exact; beyond, they are lower bounds.
         ``corners``: give the points of the patches, too."""
-        count = len(pairs)
-        result = PairPatches(np.empty(count), np.empty((3, count)), np.empty((3, count)), np.empty(count), ())
-        others = np.arange(count)
         boxes = None if corners else self._boxes.chosen(pairs, rotation, offset)
-        if boxes is not None:
-            others = self._boxes.write_patches(boxes, pairs, limit, result)
-        if len(others) == 0:
-            return result
-        found = self._general(pairs[others], rotation[..., others], offset[:, others], limit[others], corners)
-        if len(others) == count:
+        if boxes is None:
+            return self._general(pairs, rotation, offset, limit, corners)
+        found = self._boxes.patches(boxes, pairs[boxes.rows], limit[boxes.rows])
+        if len(boxes.rows) == len(pairs):
             return found
-        result.distance[others], result.area[others] = found.distance, found.area
-        result.normal[:, others], result.centre[:, others] = found.normal, found.centre
-        return result
+        others = _others(boxes.rows, len(pairs))
+        rest = self._general(pairs[others], rotation[..., others], offset[:, others], limit[others], corners)
+        return PairPatches.joined(len(pairs), (boxes.rows, found), (others, rest))
 
     def clearances(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> FloatArray:
         """Signed distances (p,), or lower bounds on them that are positive only if the distance is. Cheaper than `query`. Beyond ``limit``
@@ -70,9 +65,7 @@ class NarrowPhase:
         distance = np.empty(len(pairs))
         distance[boxes.rows] = self._boxes.clearances(boxes)
         if len(boxes.rows) < len(pairs):
-            rest = np.ones(len(pairs), dtype=np.bool_)
-            rest[boxes.rows] = False
-            others = np.flatnonzero(rest)
+            others = _others(boxes.rows, len(pairs))
             distance[others] = self.directed_clearances(pairs[others], rotation[..., others], offset[:, others], limit[others])[0]
         return distance
 
@@ -153,6 +146,13 @@ class NarrowPhase:
         if len(rows):
             gap = separation.distance - rows.radius_a - rows.radius_b + np.where(known, 0.0, patch.gap)
             found.append(core_contacts(rows, separation.normal, gap, patch, corners))
+
+
+def _others(rows: IntArray, count: int) -> IntArray:
+    """The numbers up to ``count`` that are not among ``rows``."""
+    others = np.ones(count, dtype=np.bool_)
+    others[rows] = False
+    return np.flatnonzero(others)
 
 
 def _together(groups: list[tuple[CorePairs, AxisSeparation]]) -> tuple[CorePairs, AxisSeparation]:

@@ -12,7 +12,7 @@ import numpy as np
 from ...arrays import BoolArray, FloatArray
 from .box_axes import FACE_PREFERENCE, FIRST_EDGE_AXIS, best_axes, edge_points
 from .closed_forms import Separation
-from .frames import COLUMN, cross, dot, pick, relative, turned, turned_back
+from .frames import COLUMN, added, cross, dot, pick, relative, turned, turned_back
 
 _ON_FACE = 1e-9
 """Metres beyond the edge of a face within which a point counts as over it."""
@@ -74,8 +74,8 @@ def box_to_triangle(rotation: FloatArray, centre: FloatArray, half: FloatArray, 
     scale = np.sqrt(dot(edges, edges)).max(axis=0)
     usable = length > 1e-6 * np.concatenate([scale[None] ** 2, np.ones((3, count)), np.repeat(scale[None], 9, axis=0)])
     axes /= np.where(usable, length, 1.0)
-    heights = np.einsum("ian,ikn->akn", axes, local)
-    extent = np.einsum("ian,in->an", np.abs(axes), half)
+    heights = dot(axes[:, :, None], local[:, None])
+    extent = dot(np.abs(axes), half[:, None])
     low, high = heights.min(axis=1), heights.max(axis=1)
     # From the box to the triangle along +axis and along -axis.
     ahead, behind = low - extent, -high - extent
@@ -86,10 +86,10 @@ def box_to_triangle(rotation: FloatArray, centre: FloatArray, half: FloatArray, 
     best = preferred.argmax(axis=0)
     distance = pick(distance, best)
     normal = axes[:, best, np.arange(count)] * pick(sign, best)
-    first = _support(normal, half, local.mean(axis=1))
-    corner_heights = np.einsum("in,ikn->kn", normal, local)
+    first = _support(normal, half, added(local) / 3)
+    corner_heights = dot(normal[:, None], local)
     lowest = corner_heights <= corner_heights.min(axis=0) + 1e-7
-    second = np.einsum("kn,ikn->in", lowest / lowest.sum(axis=0), local)
+    second = added(local * (lowest / lowest.sum(axis=0)))
 
     near_box = second - normal * distance
     over_box = (np.abs(near_box) <= half + _ON_FACE).all(axis=0)
