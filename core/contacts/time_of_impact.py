@@ -56,26 +56,26 @@ class TimeOfImpact:
         far = travel > (self._thickness[a] + self._thickness[b]) / 4
         moving = _MovingPairs(self._narrow, paths, pairs, travel + np.minimum(self._radius[a], self._radius[b]))
         expected = moving.clearances(np.full(len(pairs), paths.duration))
-        rows = np.flatnonzero(far | (expected <= _TOUCH))
+        rows = (far | (expected <= _TOUCH)).nonzero()[0]
         if len(rows) == 0:
             return Hits.none()
         moving, pairs, far, expected = moving.chosen(rows), pairs[rows], far[rows], expected[rows]
         a, b = pairs.T
         start, actual = moving.at_either_end()
         after = np.where(start <= _TOUCH, 0.0, np.inf)
-        slow = np.flatnonzero(~far & (start > _TOUCH))
+        slow = (~far & (start > _TOUCH)).nonzero()[0]
         if len(slow):
             after[slow] = moving.chosen(slow).first_touch(start[slow], expected[slow])
-        fast = np.flatnonzero(far & (start > _TOUCH))
+        fast = (far & (start > _TOUCH)).nonzero()[0]
         if len(fast):
             after[fast] = moving.chosen(fast).advanced(self._radius[a[fast]] + self._radius[b[fast]])
-        met = np.flatnonzero(after <= paths.duration)
+        met = (after <= paths.duration).nonzero()[0]
         if len(met) == 0:
             return Hits.none()
         moving, after = moving.chosen(met), after[met]
         distance, normal, centre, approach = moving.patches(after)
         passes = far[met]
-        fast = np.flatnonzero(passes)
+        fast = passes.nonzero()[0]
         if len(fast):
             first, second = self._thickness[a[met[fast]]], self._thickness[b[met[fast]]]
             within = (first + second) / np.maximum(approach[fast], SLOWEST)

@@ -201,7 +201,7 @@ class ContactTracker:
     def history(self) -> tuple[FloatArray | IntArray | BoolArray, ...]:
         """The state that later frames depend on, except their own poses: motion, contacts, and impacts within the refractory time."""
         pairs, since = self._pairs, self._history.times[-1] - self._refractory if self._history.times else 0.0
-        touching = np.flatnonzero(pairs.touching)
+        touching = pairs.touching.nonzero()[0]
         recent = np.array([(key, *last) for key, last in sorted(self._last_impact.items()) if last[0] >= since])
         pair_state = (pairs.key[touching], pairs.struck[touching], pairs.values[:, touching])
         return *self._history.history(), *pair_state, self._airborne, recent
@@ -264,7 +264,7 @@ class ContactTracker:
             self._history.disturb(~lively)
         elif wanted is not None:
             pairs = self._pairs
-            late = np.flatnonzero(~pairs.looked & (lively[pairs.larger] | lively[pairs.smaller]))
+            late = (~pairs.looked & (lively[pairs.larger] | lively[pairs.smaller])).nonzero()[0]
             if self._catch_up(late):
                 paths, able = self._near_pairs(moved, impacts)
         result = self._contacts(time, wanted, paths, lively, able, warnings)
@@ -301,7 +301,7 @@ class ContactTracker:
             self._lost = False
             return np.zeros(0, dtype=np.int64), ()
         self._before = (self._low.copy(), self._high.copy())
-        moved = np.flatnonzero(differs.any(axis=1))
+        moved = differs.any(axis=1).nonzero()[0]
         poses = flat[moved]
         finite = np.isfinite(poses).all(axis=1)
         lost = moved[~finite]
@@ -391,7 +391,7 @@ class ContactTracker:
             if turning:
                 speed += np.sqrt(dot(paths.spin, paths.spin)) * self._arm
             energy = self._energies(speed)
-            fast = np.flatnonzero(energy >= least / 2)
+            fast = (energy >= least / 2).nonzero()[0]
             if len(fast) == 0:
                 paths = None
         if paths is not None:
@@ -408,7 +408,7 @@ class ContactTracker:
         a, b = self._near_larger, self._near_smaller
         # To enter a medium is not to hit it.
         solid = ~(self._medium[a] | self._medium[b])
-        return paths, np.flatnonzero(solid & (rapid[a] | rapid[b]) & (energy[a] + energy[b] >= least))
+        return paths, (solid & (rapid[a] | rapid[b]) & (energy[a] + energy[b] >= least)).nonzero()[0]
 
     def _widen(self, low: FloatArray, high: FloatArray, moved: IntArray) -> None:
         """Enlarge the wide bounds to contain the bounds ``low`` to ``high`` again, and find the pairs whose wide bounds overlap."""
@@ -454,11 +454,11 @@ class ContactTracker:
             striking = np.zeros(len(met), dtype=np.bool_)
             striking[able] = True
             looked |= striking[met]
-        self._catch_up(np.flatnonzero(looked & ~pairs.looked))
+        self._catch_up((looked & ~pairs.looked).nonzero()[0])
         before = pairs.touching & pairs.looked
         apart = ~pairs.touching & pairs.looked
         last = pairs.values.copy()
-        self._look(np.flatnonzero(looked & ~fresh), before)
+        self._look((looked & ~fresh).nonzero()[0], before)
 
         hits = None
         if paths is not None and len(able):
@@ -466,7 +466,7 @@ class ContactTracker:
         impacts = self._impacts(time, hits, paths)
         if impacts and isinstance(wanted, GainBound) and wanted.from_impacts:
             asked |= self._asked(_from_impacts(wanted, impacts), fresh)
-            rows = np.flatnonzero(asked & ~looked)
+            rows = (asked & ~looked).nonzero()[0]
             self._catch_up(rows[~pairs.looked[rows]])
             before[rows] = pairs.touching[rows]
             last[_DISTANCE, rows] = pairs.values[_DISTANCE, rows]
@@ -481,7 +481,7 @@ class ContactTracker:
         began = key[reported & apart] if not first_frame else key[:0]
         lost = touched[~_among(touched, key[pairs.touching | ~looked])]
         return FrameContacts(
-            contacts=self._reported_contacts(np.flatnonzero(reported)),
+            contacts=self._reported_contacts(reported.nonzero()[0]),
             began=self._numbers(began),
             ended=self._numbers(lost),
             impacts=impacts,
@@ -511,7 +511,7 @@ class ContactTracker:
         the last frame."""
         pairs = self._pairs
         key, near = pairs.key, self._near[able]
-        pivoting = np.flatnonzero(before & pairs.touching & looked & ~fresh & _among(key, near))
+        pivoting = (before & pairs.touching & looked & ~fresh & _among(key, near)).nonzero()[0]
         able = able[~_among(near, struck)]
         arrived = key[pairs.touching & looked & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
         hits = self._hits(paths, able, arrived[_among(arrived, self._near[able])])
@@ -550,7 +550,7 @@ class ContactTracker:
         if not isinstance(wanted, GainBound):
             return np.asarray(wanted[pairs.larger] | wanted[pairs.smaller])
         asked = np.zeros(len(pairs.key), dtype=np.bool_)
-        possible = np.flatnonzero(~fresh | pairs.touching)
+        possible = (~fresh | pairs.touching).nonzero()[0]
         a, b = pairs.larger[possible], pairs.smaller[possible]
         # A contact node lies on its own body, and so up to the tolerance outside the other.
         around = self.settings.tolerance + self.settings.slack
@@ -571,7 +571,7 @@ class ContactTracker:
         place = turned(turn, self._middle.take(smaller, axis=1)) + offset
         stays = self._stays(rows, turn, place, self._radius[smaller], limit, before[rows])
         if stays.any():
-            asked = np.flatnonzero(~stays)
+            asked = (~stays).nonzero()[0]
             rows, larger, smaller, limit = rows[asked], larger[asked], smaller[asked], limit[asked]
             turn, offset, place = turn.take(asked, axis=2), offset.take(asked, axis=1), place.take(asked, axis=1)
         found = self._patches(larger, smaller, turn, offset, limit)
@@ -606,7 +606,7 @@ class ContactTracker:
         medium = self._medium[larger] | self._medium[smaller]
         if not medium.any():
             return self._narrow.query(numbers, turn, offset, limit, points)
-        inside, others = np.flatnonzero(medium), np.flatnonzero(~medium)
+        inside, others = medium.nonzero()[0], (~medium).nonzero()[0]
         found = self._narrow.query(numbers[others], turn[..., others], offset[:, others], limit[others], points)
         distance = self._narrow.gaps(numbers[inside], turn[..., inside], offset[:, inside], limit[inside])
         a, b = larger[inside], smaller[inside]
@@ -625,7 +625,7 @@ class ContactTracker:
         pose_l, pose_s = self._pose.take(larger, axis=1), self._pose.take(smaller, axis=1)
         turn = pose_l[:9].reshape(3, 3, -1)
         normal = turned(turn, values[_NORMAL])
-        ends = [_placed(pose_l, values[_ON_LARGER]), _placed(pose_s, values[_ON_SMALLER])]
+        ends = np.stack([_placed(pose_l, values[_ON_LARGER]), _placed(pose_s, values[_ON_SMALLER])])
         count = max(len(self.bodies), 1)
         flipped = larger != key // count
         normal *= np.where(flipped, -1.0, 1.0)
@@ -761,7 +761,7 @@ def _placed(pose: FloatArray, points: FloatArray) -> FloatArray:
 
 def _smooth_step(x: FloatArray) -> FloatArray:
     """0 up to 0, 1 from 1 on, and a cubic with continuous slope in between."""
-    inside = np.clip(x, 0.0, 1.0)
+    inside = np.minimum(np.maximum(x, 0.0), 1.0)
     return np.asarray(inside * inside * (3.0 - 2.0 * inside))
 
 

@@ -100,6 +100,8 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
         normal[:, owner[order]] = normals[:, order]
         whole = length > 0.1 * total
         normal[:, whole] = mean[:, whole] / length[whole]
+        alone = np.bincount(owner, minlength=count)[owner] == 1
+        normal[:, owner[alone]], centre[:, owner[alone]] = normals[:, alone], centres[:, alone]
     if not corners:
         return PairPatches(distance, normal, centre, area)
     points: list[list[FloatArray]] = [[] for _ in range(count)]

@@ -38,9 +38,8 @@ def _contacts(boxes: Boxes, limit: FloatArray) -> BoxContacts:
     found = []
     for k in range(parts):
         part = slice(count * k // parts, count * (k + 1) // parts)
-        found.append(
-            box_contacts(boxes.rotation[..., part], boxes.offset[:, part], boxes.half_a[:, part], boxes.half_b[:, part], limit[part])
-        )
+        placed = boxes.rotation[..., part], boxes.offset[:, part], boxes.half_a[:, part], boxes.half_b[:, part]
+        found.append(box_contacts(*placed, limit[part]))
     if parts == 1:
         return found[0]
     return BoxContacts(*(np.concatenate([getattr(part, f.name) for part in found], axis=-1) for f in fields(BoxContacts)))
@@ -66,7 +65,7 @@ class BoxPairs:
         if self._all:
             rows = np.arange(len(pairs))
         else:
-            rows = np.flatnonzero(self.is_box[first] & self.is_box[second])
+            rows = (self.is_box[first] & self.is_box[second]).nonzero()[0]
             if len(rows) == 0:
                 return None
             first, second, rotation, offset = first[rows], second[rows], rotation[..., rows], offset[:, rows]

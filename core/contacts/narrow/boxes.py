@@ -7,7 +7,7 @@ pairs are computed together.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -74,7 +74,7 @@ def box_contacts(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, h
     """Contacts of boxes: rotation (3, 3, p) and centre (3, p) of the second in the frame of the first, half extents (3, p) > 0. Beyond
     ``limit`` (p,) only a lower bound on the distance is given."""
     best = best_axes(rotation, offset, half_a, half_b)
-    near = np.flatnonzero(best.distance <= limit)
+    near = (best.distance <= limit).nonzero()[0]
     count = len(limit)
     if len(near) == count > 0:
         return _near_contacts(best.distance, best.axis, rotation, offset, half_a, half_b)
@@ -98,7 +98,7 @@ def _near_contacts(
     distance: FloatArray, axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
 ) -> BoxContacts:
     """Contacts of boxes with their ``distance`` along their best ``axis``, which is overwritten."""
-    edges = np.flatnonzero(axis >= FIRST_EDGE_AXIS)
+    edges = (axis >= FIRST_EDGE_AXIS).nonzero()[0]
     boxes = rotation, offset, half_a, half_b
     if len(edges):
         crossing = _rows(edges, *boxes)
@@ -120,8 +120,7 @@ def _near_contacts(
         lying = found.centre.copy()
         found.centre[:, edges] = middle
         lying[:, edges] = np.where(patched, lying[:, edges], middle)
-    lying = _with_nearest_corners(found, lying, share, *boxes)
-    return BoxContacts(found.distance, found.normal, lying, found.area, found.exact)
+    return replace(found, centre=_with_nearest_corners(found, lying, share, *boxes))
 
 
 def _faces(
@@ -245,7 +244,7 @@ def _with_nearest_corners(
     Completes the contacts that are not exact: boxes apart whose nearest points are a corner of one and any point of the other. Parallel
     edges that face each other are equally near all along; the centre is the mean of all the corners that are as near.
     """
-    rows = np.flatnonzero((share > 0) | ~found.exact)
+    rows = ((share > 0) | ~found.exact).nonzero()[0]
     if len(rows) == 0:
         return centre
     corners = _Corners.of(*_rows(rows, rotation, offset, half_a, half_b))

@@ -43,7 +43,7 @@ class Patches:
 def patch_gap(slope: FloatArray) -> FloatArray:
     """Largest gap [m] within a patch of faces at a ``slope`` (rise over run): ``PATCH_GAP`` where they are parallel, smoothly less where
     they are tipped, so that the patch stays near the line or point where they touch."""
-    tipped = np.clip((slope - _LYING) / (_TIPPED - _LYING), 0.0, 1.0)
+    tipped = np.minimum(np.maximum((slope - _LYING) / (_TIPPED - _LYING), 0.0), 1.0)
     return np.asarray(PATCH_GAP - (PATCH_GAP - _LINE_GAP) * tipped * tipped * (3.0 - 2.0 * tipped))
 
 

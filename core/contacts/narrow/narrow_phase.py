@@ -52,7 +52,7 @@ class NarrowPhase:
         found = self._boxes.patches(boxes, pairs[boxes.rows], limit[boxes.rows])
         if len(boxes.rows) == len(pairs):
             return found
-        others = _others(boxes.rows, len(pairs))
+        others = np.delete(np.arange(len(pairs)), boxes.rows)
         rest = self._general(pairs[others], rotation[..., others], offset[:, others], limit[others], corners)
         return PairPatches.joined(len(pairs), (boxes.rows, found), (others, rest))
 
@@ -65,7 +65,7 @@ class NarrowPhase:
         distance = np.empty(len(pairs))
         distance[boxes.rows] = self._boxes.clearances(boxes)
         if len(boxes.rows) < len(pairs):
-            others = _others(boxes.rows, len(pairs))
+            others = np.delete(np.arange(len(pairs)), boxes.rows)
             distance[others] = self.directed_clearances(pairs[others], rotation[..., others], offset[:, others], limit[others])[0]
         return distance
 
@@ -118,7 +118,7 @@ class NarrowPhase:
         if closed:
             rows, separated = _together(closed)
             points = self._table.kind[rows.first] == Kind.POINT
-            for chosen in (np.flatnonzero(points), np.flatnonzero(~points)):
+            for chosen in (points.nonzero()[0], (~points).nonzero()[0]):
                 if len(chosen):
                     part = AxisSeparation(chosen_of(separated.separation, chosen), separated.exact[chosen])
                     self._finish(rows.chosen(chosen), part, limit, distance, found, corners)
@@ -133,7 +133,7 @@ class NarrowPhase:
         np.minimum.at(distance, rows.owner[~near], gap[~near])
         if not near.any():
             return
-        chosen = np.flatnonzero(near)
+        chosen = near.nonzero()[0]
         rows = rows.chosen(chosen)
         separation, known = chosen_of(separated.separation, chosen), separated.exact[chosen]
         patch = self._patches.patches(rows, separation)
@@ -146,13 +146,6 @@ class NarrowPhase:
         if len(rows):
             gap = separation.distance - rows.radius_a - rows.radius_b + np.where(known, 0.0, patch.gap)
             found.append(core_contacts(rows, separation.normal, gap, patch, corners))
-
-
-def _others(rows: IntArray, count: int) -> IntArray:
-    """The numbers up to ``count`` that are not among ``rows``."""
-    others = np.ones(count, dtype=np.bool_)
-    others[rows] = False
-    return np.flatnonzero(others)
 
 
 def _together(groups: list[tuple[CorePairs, AxisSeparation]]) -> tuple[CorePairs, AxisSeparation]:

@@ -50,7 +50,7 @@ def overlap(centre: FloatArray, sides: FloatArray, within: FloatArray) -> Overla
     middle = integrals[1:] / (3.0 * integrals[0] + _LEAST)
     middle += lowest[:2]
     found = lowest[2] < _NOWHERE
-    thin = np.flatnonzero((area <= _THIN) & found)
+    thin = ((area <= _THIN) & found).nonzero()[0]
     if len(thin):
         middle[:, thin] = _middle_of_edges(centre.take(thin, axis=1), sides.take(thin, axis=2))
     return Overlap(area, np.minimum(np.maximum(middle, -1.0), 1.0), lowest[2], found)

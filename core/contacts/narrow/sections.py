@@ -13,7 +13,7 @@ import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from .cores import CoreTable, Kind
-from .frames import dot, turned_back
+from .frames import added, dot, turned_back
 
 _ANGLES = 2 * np.pi * np.arange(24) / 24
 _POLE = np.array([[0.36], [0.48], [0.8]])
@@ -36,14 +36,14 @@ def directions(normal: FloatArray) -> FloatArray:
     # The mirror that maps the pole to the opposite of a normal maps what is around the one to what is around the other.
     mirror = normal + _POLE
     mirror = mirror / np.sqrt(np.maximum(dot(mirror, mirror), 1e-12))
-    return np.asarray(_AROUND[:, :, None] - 2 * mirror[:, None] * np.einsum("ik,in->kn", _AROUND, mirror)[None])
+    return np.asarray(_AROUND[:, :, None] - 2 * mirror[:, None] * dot(_AROUND[:, :, None], mirror[:, None]))
 
 
 def section_area(reaches: Sequence[FloatArray]) -> FloatArray:
     """Area (n,) of what two sections have in common that reach so far (k, n) [m] around a point in both: that of the polygon of the places
     reached, so never more than there is."""
     both = np.minimum(*reaches)
-    return np.asarray((both * np.roll(both, 1, axis=0)).sum(axis=0) * (np.sin(_ANGLES[1]) / 2))
+    return np.asarray(added(both * np.roll(both, 1, axis=0)) * (np.sin(_ANGLES[1]) / 2))
 
 
 def reach(table: CoreTable, core: IntArray, rotation: FloatArray, centre: FloatArray, point: FloatArray, around: FloatArray) -> FloatArray:

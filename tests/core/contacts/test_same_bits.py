@@ -1,4 +1,4 @@
-"""The same poses give the same bits, wherever in memory they and everything else happen to lie."""
+"""The same poses give the same bits, wherever in memory they and everything else happen to lie, and whatever is computed with them."""
 
 from __future__ import annotations
 
@@ -13,6 +13,11 @@ from haptic_tracing.core.contacts.shapes import ConvexHull, Shape
 
 sys.path.insert(0, str(Path(__file__).parent))
 import bullet_pairs
+
+PAIRS = [
+    pytest.param(*pair, marks=pytest.mark.slow) if {"cylinder", "hull", "mesh", "pyramid"} & set(pair) else pair
+    for pair in bullet_pairs.PAIRS
+]
 
 
 def elsewhere(array: np.ndarray, offset: int) -> np.ndarray:
@@ -45,20 +50,35 @@ def distinct(shapes: list[Shape], rotation: np.ndarray, offset: np.ndarray, repe
     return len(answers)
 
 
-@pytest.mark.parametrize(
-    ("name_a", "name_b"),
-    [
-        pytest.param(*pair, marks=pytest.mark.slow) if {"cylinder", "hull", "mesh", "pyramid"} & set(pair) else pair
-        for pair in bullet_pairs.PAIRS
-    ],
-)
-def test_contacts_do_not_depend_on_places_in_memory(name_a: str, name_b: str) -> None:
+def recorded(name_a: str, name_b: str) -> tuple[np.ndarray, np.ndarray]:
+    """Rotations and offsets of pairs of bodies, nearer than they were recorded, so that many overlap."""
     with np.load(Path(__file__).parent / "bullet_pairs.npz") as answers:
         matrices = bullet_pairs.matrices(answers[f"{name_a} {name_b} poses"][:40])
     poses = [np.concatenate([m[:, :3, :3].reshape(-1, 9).T, m[:, :3, 3].T]) for m in (matrices[:, 0], matrices[:, 1])]
-    # Nearer than they were recorded, so that many overlap.
     poses[1][9:] = poses[0][9:] + 0.8 * (poses[1][9:] - poses[0][9:])
-    assert distinct([bullet_pairs.SHAPES[name_a], bullet_pairs.SHAPES[name_b]], *relative_pose(*poses), 8) == 1
+    return relative_pose(*poses)
+
+
+@pytest.mark.parametrize(("name_a", "name_b"), PAIRS)
+def test_contacts_do_not_depend_on_places_in_memory(name_a: str, name_b: str) -> None:
+    assert distinct([bullet_pairs.SHAPES[name_a], bullet_pairs.SHAPES[name_b]], *recorded(name_a, name_b), 8) == 1
+
+
+@pytest.mark.parametrize(("name_a", "name_b"), PAIRS)
+def test_contacts_do_not_depend_on_what_is_computed_with_them(name_a: str, name_b: str) -> None:
+    """One by one, by twos, by sevens and all together."""
+    rotation, offset = recorded(name_a, name_b)
+    narrow = NarrowPhase([bullet_pairs.SHAPES[name_a], bullet_pairs.SHAPES[name_b]])
+
+    def found(rows: slice) -> np.ndarray:
+        turn, shift = rotation[..., rows].copy(), offset[:, rows].copy()
+        answer = narrow.query(np.tile([[0, 1]], (shift.shape[1], 1)), turn, shift, np.full(shift.shape[1], 0.1))
+        return np.concatenate([answer.distance[None], answer.normal, answer.centre, answer.area[None]])
+
+    together = found(slice(None))
+    for size in (1, 2, 7):
+        parts = [found(slice(begin, begin + size)) for begin in range(0, offset.shape[1], size)]
+        np.testing.assert_array_equal(np.concatenate(parts, axis=1), together)
 
 
 @pytest.mark.slow
