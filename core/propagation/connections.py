@@ -20,7 +20,6 @@ SLACK = 1e-9
 
 LARGEST = 1e300
 """Largest gain and sum; larger ones are clamped, as lower bounds."""
-_LARGEST_LOG = math.log(LARGEST)
 
 PAIRS_EVALUATED = 1 << 18
 """Most intra-connections of one object that are evaluated to find gains above 1 if the bounds of its function allow them."""
@@ -28,7 +27,7 @@ PAIRS_EVALUATED = 1 << 18
 
 def bounded_exp(x: float) -> float:
     """``exp(x)``, at most `LARGEST`."""
-    return math.exp(x) if x < _LARGEST_LOG else LARGEST
+    return math.exp(x) if x < math.log(LARGEST) else LARGEST
 
 
 def cost_of(gain: FloatArray) -> FloatArray:
@@ -89,10 +88,8 @@ class PathConnections:
         constant, varying = self._graph.table.costs(self._object, self._distance)
         terms[self._inside, 0], terms[self._inside, 1] = constant, varying
         terms[self._across, 0] = self._graph.transmission_loss[self._contact]
-        flat = terms.reshape(-1)
-        kept = flat.nonzero()[0]
-        values, ends = flat[kept].tolist(), kept.searchsorted(2 * self._ends - 2).tolist()
-        return [_exact_sum(values[first:end]) for first, end in zip([0, *ends], ends, strict=False)]
+        flat = terms.reshape(-1).tolist()
+        return [_exact_sum(flat[2 * first : 2 * end - 2]) for first, end in zip(self._begins.tolist(), self._ends.tolist(), strict=True)]
 
     def bands(self) -> FloatArray:
         """Gain of each path in each band (p, bands), relative to its plain gain."""

@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray, ranges
 from ..graph.haptic_graph import HapticGraph
 from .connections import intra_costs
 
@@ -189,17 +189,14 @@ def _relax_cheapest(work: _Relaxation, row: IntArray, node: IntArray, cost: Floa
         row, node, cost, base = row[kept], node[kept], cost[kept], base[kept]
     if len(row):
         size = work.others[node]
-        ends = size.cumsum()
-        if ends[-1] > BATCH:
+        if size.sum() > BATCH:
             order = np.lexsort((node, row, cost))
-            ends = size[order].cumsum()
-            now = max(1, int(ends.searchsorted(BATCH, side="right")))
-            later, order, ends = order[now:], order[:now], ends[:now]
+            now = max(1, int(size[order].cumsum().searchsorted(BATCH, side="right")))
+            later, order = order[now:], order[:now]
             batches.append((row[later], node[later], cost[later]))
             row, node, cost, base, size = row[order], node[order], cost[order], base[order], size[order]
         which = np.arange(len(row)).repeat(size)
-        other = np.arange(ends[-1])
-        other += (work.first[node] - ends + size)[which]
+        other = ranges(work.first[node], size)
         other += other >= node[which]  # all nodes of the object but the entry itself
         batches.append(_relax(work, row, node, cost, base, which, other))
     if len(batches) == 1:

@@ -116,16 +116,6 @@ class Stream:
         times = np.arange(first, last) / rate
         return bands * ((times >= self.onset) & (times < self.end))
 
-    def take(self, first: int, samples: FloatArray) -> None:
-        """Take over the samples of a brief signal, shape (n,), from number `first` on, which are all there is of it."""
-        self._known = samples[None, :]
-        if self.row_count > 1:
-            reach = bank_reach(self.sample_rate)
-            padded = np.zeros(len(samples) + 3 * reach)  # the filters still hear it for a while
-            padded[reach : reach + len(samples)] = samples
-            self._known = split_bands(padded, self.sample_rate)
-        self._first, self._last = first, first + self._known.shape[1]
-
 
 def sample_brief(streams: Sequence[Stream]) -> None:
     """Render those of some streams that are brief and have not been rendered, all that play one signal at once."""
@@ -134,13 +124,18 @@ def sample_brief(streams: Sequence[Stream]) -> None:
         if stream.is_brief and stream._first == stream._last:
             alike.setdefault(id(stream.signal), []).append(stream)
     for some in [every[k : k + _TOGETHER] for every in alike.values() for k in range(0, len(every), _TOGETHER)]:
-        signal, rate = some[0].signal, some[0].sample_rate
+        signal, rate, reach = some[0].signal, some[0].sample_rate, bank_reach(some[0].sample_rate)
         onset = np.array([stream.onset for stream in some])
         first = np.ceil(onset * rate)
         times = (np.arange(int(signal.duration * rate) + 1) + first[:, None]) / rate - onset[:, None]
         samples = signal.at(times.reshape(-1), 1.0 / rate).reshape(times.shape)
         for stream, number, row in zip(some, first.tolist(), samples, strict=True):
-            stream.take(int(number), row)
+            stream._known = row[None, :]
+            if stream.row_count > 1:
+                padded = np.zeros(len(row) + 3 * reach)  # the filters still hear it for a while
+                padded[reach : reach + len(row)] = row
+                stream._known = split_bands(padded, rate)
+            stream._first, stream._last = int(number), int(number) + stream._known.shape[1]
 
 
 def _is_recorded(signal: Signal) -> bool:
