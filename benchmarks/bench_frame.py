@@ -10,9 +10,9 @@ Blender's own frame without, `on` that of the frame with tracing, `cost` the med
 same of the two Blenders without tracing: no cost below it is known. `CPU` is the cost in CPU time, of all threads: what tracing costs where
 there is no second core. `handler` is what the add-on's frame handler takes of it: reading, and waiting where the last frame is still being
 traced. 4 sources are on bodies, 10 listeners on others; all contacts that signals reach are wanted. As in new scenes, impacts are found,
-and each makes one more source; not with `--no-impacts`. No meter and no device asks for samples, so that none are rendered. Settled bodies
-lie asleep on the ground with one source at the edge; beyond reading the transforms, Blender waits for the rest of the handler, and all
-other stages pass beside it.
+and each makes one more source; not with `--no-impacts`. The samples of every frame are rendered, as for the meters that a new scene shows.
+Settled bodies lie asleep on the ground with one source at the edge; beyond reading the transforms, Blender waits for the rest of the
+handler, and all other stages pass beside it.
 
 ``--materials`` prints another table: what tracing costs in CPU time where the bodies are of measured materials (stone on soil, contacts by
 impedance), their plain gain without bands first, then in bands, with sources of one band and of four.

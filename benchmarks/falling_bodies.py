@@ -171,6 +171,8 @@ def _play(scene: bpy.types.Scene, numbers: Sequence[int]) -> tuple[np.ndarray, n
     """Seconds of each frame, of CPU time of all threads in it, and what was traced."""
     seconds, worked, results = np.empty(len(numbers)), np.empty(len(numbers)), []
     for k, number in enumerate(numbers):
+        if (own := session.of(scene)) is not None:
+            own.asked = True  # for samples, as meters ask, which a new scene shows
         begun, working = time.perf_counter(), time.process_time()
         scene.frame_set(number)
         seconds[k], worked[k] = time.perf_counter() - begun, time.process_time() - working
