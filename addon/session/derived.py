@@ -63,8 +63,8 @@ class Background(Generic[Value]):
 
         Args:
             key: the values that the result depends on.
-           compute: makes the value of ``key`` from the one before, on the worker thread; it must not access Blender.
-           may_start: False keeps the last value although the key has changed.
+            compute: makes the value of ``key`` from the one before, on the worker thread; it must not access Blender.
+            may_start: False keeps the last value although the key has changed.
         """
         self.shown = time.monotonic()
         error, self._error = self._error, None
@@ -110,7 +110,7 @@ class Derived(Generic[Choice, Value]):
 
     Args:
         compute: makes the value of a frame, a choice of the user and the value before, on the worker thread; it must not access Blender.
-       every_frame: compute directly after each frame is traced. Otherwise slow values are computed when no more frames follow.
+        every_frame: compute directly after each frame is traced. Otherwise slow values are computed when no more frames follow.
         hears: it is made of samples, so that these must be rendered while it is shown.
     """
 
