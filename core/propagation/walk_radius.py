@@ -188,6 +188,8 @@ class WalkOperator:
                     low = max(low, self._lower_bound(vector, (1 - PRECISE) * high))
                     if low >= (1 - PRECISE) * high:
                         break
+            if not applied.any():  # nothing passes through any object on a cycle
+                break
             vector = vector / vector.max() + applied / applied.max()  # the mean of two steps: a cycle alone would oscillate
         return WalkRadius(low, high if len(inside) else 0.0)
 
@@ -276,7 +278,7 @@ class WalkOperator:
 
         vector, ratio = contracted
         bound = (self._crossing * vector)[self._other_side]
-        total = np.zeros(listeners)
+        total, rest = np.zeros(listeners), np.zeros(listeners)
         for _ in range(TERMS):
             total += arriving(term)
             term = (self._crossing * self._inside(term))[self._other_side]
@@ -286,8 +288,8 @@ class WalkOperator:
                 positive = term > 0
                 rest = arriving(bound) * (float(np.max(term[positive] / bound[positive])) / (1 - ratio) * (1 + 1e-9))
                 if np.all(rest <= NEGLIGIBLE * total):
-                    return total, rest
-        return None
+                    break
+        return (total, rest) if ratio < 1 else None
 
 
 @dataclass(frozen=True, slots=True)
