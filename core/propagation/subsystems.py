@@ -39,8 +39,12 @@ LIGHTEST = 1e-100
 BISECTIONS = 60
 """Steps to the length over which a function of several terms damps."""
 
-SAMPLES, REFINED = 65, 6
-"""Distances at which a function without a closed form is evaluated, to find where it damps, and how often the interval is narrowed."""
+SAMPLES, REFINED = 1025, 12
+"""Distances at which a function without a closed form is evaluated, to find where it damps, and how often at most the interval is
+narrowed."""
+
+ROUNDING = 1e-14
+"""Relative width of that interval at which it is narrow enough: energies depend on the length, and their certified bounds do not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,4 +250,6 @@ def _sampled_length(table: ObjectTable, index: int, extent: float) -> float:
         if len(below) == 0 or below[0] == 0:
             return math.inf if high == extent else high
         low, high = float(along[below[0] - 1]), float(along[below[0]])
+        if high - low <= ROUNDING * high:
+            break
     return high

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from energy_reference import energy_gain
 from haptic_tracing.core.contacts.shapes import Box, rotation_matrix
-from haptic_tracing.core.graph.haptic_graph import graph_of_scene
+from haptic_tracing.core.graph.haptic_graph import ObjectTable, graph_of_scene
 from haptic_tracing.core.propagation import conjugate_gradients, energy_balance, propagate, subsystems
 from haptic_tracing.core.propagation.conjugate_gradients import PowerBalance, solve
-from haptic_tracing.core.scene.functions import Constant, Exponential, Identity, Linear
+from haptic_tracing.core.scene.functions import Constant, Exponential, Expression, Identity, Linear
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, Strategy
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
@@ -82,6 +82,7 @@ def test_parts_that_do_not_touch_and_objects_that_block():
 @given(SEEDS, st.floats(0.3, 20), st.booleans(), st.sampled_from([2, energy_balance.DENSE]))
 @example(1, 4.0, False, 2)  # regions of an object that lets nothing through over their size
 @example(1, 4.0, False, energy_balance.DENSE)
+@example(7676, 8.0, False, 2)  # regions by a function without a closed form, whose length counts to the last digits
 def test_within_its_bound_of_the_definition(seed, size, shaped, dense):
     """The documented equations once more in plain loops, with large objects in regions, whose couplings are a matrix from ``dense`` of them
     on; 0 exactly where nothing arrives."""
@@ -174,6 +175,18 @@ def test_refining_a_patch_changes_nothing(points):
         return HapticScene(objects, patch + other, (Source("s", "a"),), (Listener("l", "c", (1, 1, 0)),))
 
     assert gain(scene(points)) == pytest.approx(gain(scene(1)), rel=1e-12)
+
+
+@pytest.mark.parametrize("extent", [4.0, 10.65, 1e4])
+@pytest.mark.parametrize(
+    ("function", "length"),
+    [(Linear(range=3.0), 3 - 3 / math.e), (Expression(expression="x / (1 + d)"), math.e - 1), (Expression(expression="exp(-d**2)"), 1.0)],
+)
+def test_length_over_which_a_function_without_a_closed_form_damps(function, length, extent):
+    """To rounding, however small a part of the object that is."""
+    table = ObjectTable.of((HapticObject("a", 0, 1, function),), 0.1)
+    found = subsystems.damping_lengths(table, np.array([0]), np.array([extent]))
+    assert found[0] == pytest.approx(length, rel=1e-14)
 
 
 def row_of_pillars(ground: HapticObject) -> list[float]:
