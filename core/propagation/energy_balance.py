@@ -244,7 +244,11 @@ class _Assembly:
         return a, b, value * loss[:, a] * loss[:, b], blocks
 
     def _attached(self, nodes: list[int]) -> _Attachments:
-        """Ends at ``nodes`` and the subsystems of their objects: the nearest ones, by arriving energy, have the largest shares."""
+        """Ends at ``nodes`` and the subsystems of their objects: the nearest ones, by arriving energy, have the largest shares.
+
+        Those of a listener with an extent are by what arrives at its centre, or the nearest has all if nothing does: so a larger extent
+        does not move it to regions with less energy.
+        """
         graph, parts = self._graph, self._parts
         node = np.array(nodes, dtype=np.int64)
         index = graph.node_object[node]
@@ -254,14 +258,19 @@ class _Assembly:
         which = np.arange(len(node)).repeat(size)
         region = ranges(begin, size)
         away = distances(graph.node_position[node[which]], parts.centre[region])
-        if graph.reach is not None:
-            away = np.maximum(away - graph.reach[node[which]], 0.0)
         there = self._squares(index[which], away)
+        arriving = there[0]
+        if graph.reach is not None:
+            there = self._squares(index[which], np.maximum(away - graph.reach[node[which]], 0.0))
+            at_centre, shortest = np.zeros(len(node)), np.full(len(node), np.inf)
+            np.maximum.at(at_centre, which, arriving)
+            np.minimum.at(shortest, which, away)
+            arriving = np.where((at_centre[which] == 0) & (away == shortest[which]), there[0], arriving)
         at_once = self._squares(index, np.zeros(len(index)))[:, which]
         energy = np.minimum(1.0, np.divide(there, at_once, out=np.zeros_like(there), where=at_once > 0))
         nearest = np.zeros(len(node))
-        np.maximum.at(nearest, which, there[0])
-        share = np.divide(there[0], nearest[which], out=np.zeros(len(which)), where=nearest[which] > 0) ** STRAIGHTEST * parts.mass[region]
+        np.maximum.at(nearest, which, arriving)
+        share = np.divide(arriving, nearest[which], out=np.zeros(len(which)), where=nearest[which] > 0) ** STRAIGHTEST * parts.mass[region]
         total = np.bincount(which, weights=share, minlength=len(node))
         share = np.divide(share, total[which], out=np.zeros(len(which)), where=total[which] > 0)
         return _Attachments(first, size, region, share, energy * np.where(self._passes[:, region], share, 0.0))

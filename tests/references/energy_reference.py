@@ -138,17 +138,21 @@ class Balance:
     def attached(self, node: int) -> dict[int, tuple[float, float]]:
         """Share and energy of an end by subsystem of its object."""
         index, place = int(self.graph.node_object[node]), self.graph.node_position[node]
-        here = [region for region in self.regions if region[0] == index]
-        arriving = {r: self.squared(index, math.dist(place, self.centre[r])) for r in here}
-        if not here or max(arriving.values()) == 0:
+        reach = 0.0 if self.graph.reach is None else float(self.graph.reach[node])
+        away = {r: math.dist(place, self.centre[r]) for r in self.regions if r[0] == index}
+        here = list(away)
+        arriving = {r: self.squared(index, away[r]) for r in here}
+        felt = {r: self.squared(index, max(0.0, away[r] - reach)) for r in here}
+        if not here or max(felt.values()) == 0:
             return {}
+        if max(arriving.values()) == 0:  # the nearest region alone
+            arriving = {r: float(away[r] == min(away.values())) for r in here}
         nearest = max(arriving.values())
         share = {r: (arriving[r] / nearest) ** 4 * self.mass[r] for r in here}
         total = sum(share.values())
         at_once = self.squared(index, 0.0)
         return {
-            self.number[r]: (share[r] / total, share[r] / total * min(1.0, arriving[r] / at_once) * self.passes[self.number[r]])
-            for r in here
+            self.number[r]: (share[r] / total, share[r] / total * min(1.0, felt[r] / at_once) * self.passes[self.number[r]]) for r in here
         }
 
 
@@ -170,7 +174,8 @@ def energy_gain(graph: HapticGraph, row: int, column: int, band: int | None = No
             power[k] += energy / len(sources)
         if graph.node_object[node] == graph.node_object[listener]:
             index = int(graph.node_object[node])
-            straight = balance.squared(index, math.dist(graph.node_position[node], graph.node_position[listener]))
+            away = math.dist(graph.node_position[node], graph.node_position[listener])
+            straight = balance.squared(index, max(0.0, away - (0.0 if graph.reach is None else float(graph.reach[listener]))))
             left, spread = 1.0, 0.0
             if any(region[0] == index for region in balance.regions):
                 inside = {k: 1 / balance.squared(index, balance.distance[balance.regions[k]]) for k in put_in if balance.passes[k]}

@@ -10,9 +10,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from energy_reference import energy_gain
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene.functions import Exponential
+from haptic_tracing.core.scene.functions import Exponential, Linear
 from haptic_tracing.core.scene.functions.physical import Physical, Wave
 from haptic_tracing.core.scene.values import (
     Contact,
@@ -25,7 +26,7 @@ from haptic_tracing.core.scene.values import (
     Source,
     Strategy,
 )
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from level_properties import WELL_POSED, check_bounded, check_shown, check_steady, pile_scene
 from path_reference import METRIC, OTHER, connected_scene, recursive_paths
@@ -95,6 +96,7 @@ def test_the_best_path_is_that_to_the_best_point(seed):
 @pytest.mark.parametrize("strategy", list(Strategy))
 @settings(max_examples=15, deadline=None, derandomize=True)
 @given(SEEDS)
+@example(460)  # a listener of 1 m on an object of 3 m in regions
 def test_monotone_in_the_radius_and_a_point_at_0(strategy, seed):
     scene = connected_scene(seed, extra=2, listeners=3, size=3.0)
     chosen = replace(EVERYTHING, strategy=strategy)
@@ -105,6 +107,35 @@ def test_monotone_in_the_radius_and_a_point_at_0(strategy, seed):
     gains = [point, *(propagate(graph_of_scene(extended(scene, radius)), chosen).gain for radius in (0.01, 0.1, 1.0, 50.0))]
     for smaller, larger in itertools.pairwise(gains):
         assert (smaller <= larger * (1 + 1e-9) + (1e-6 if strategy is Strategy.ENERGY_BALANCE else 0.0)).all()
+
+
+@pytest.mark.slow
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(SEEDS, st.sampled_from([0.1, 1.0, 50.0]))
+def test_energy_balance_by_its_definition(seed, radius):
+    """Also by functions that let nothing through beyond a distance."""
+    graph = graph_of_scene(extended(connected_scene(seed, (*METRIC, *OTHER, *OTHER), extra=3, size=6.0), radius))
+    result = propagate(graph, replace(EVERYTHING, strategy=Strategy.ENERGY_BALANCE))
+    for column in range(len(graph.listeners)):
+        exact = energy_gain(graph, 0, column)
+        assert abs(result.gain[0, column] - exact) <= result.error_bound[0, column] + 1e-9 * exact
+
+
+def test_energy_balance_on_a_plate_never_falls_with_the_radius():
+    """The listener is near a source, and stays there: neither spread over a plate that is silent elsewhere, nor lost by a function of
+    finite range that has no gain at its centre."""
+    places = {f"p{k}": (2.0 * k, 0.0, 0.0) for k in range(8)}
+    contacts = tuple(Contact(("plate", name), (place, place)) for name, place in places.items())
+    pillars = tuple(HapticObject(name, 0.0, 1.0, Exponential(alpha=0.1)) for name in places)
+    for function, away in ((Exponential(alpha=1.0), 0.5), (Linear(range=3.0), 5.0)):
+        plate = HapticObject("plate", 0, 1, function)
+        scene = HapticScene((plate, *pillars), contacts, (Source("s", "p0"),), (Listener("l", "plate", (0.0, away, 0.0)),))
+        chosen = replace(EVERYTHING, strategy=Strategy.ENERGY_BALANCE)
+        results = [propagate(graph_of_scene(extended(scene, radius)), chosen) for radius in (0.0, 0.5, 2.0, 4.0, 8.0, 20.0)]
+        for smaller, larger in itertools.pairwise(results):
+            assert (smaller.gain - smaller.error_bound <= larger.gain + larger.error_bound).all()
+        at_contact = replace(scene, listeners=(scene.listeners[0].moved((0.0, 0.0, 0.0)),))
+        assert results[-1].gain[0, 0] > 0.9 * propagate(graph_of_scene(at_contact), chosen).gain[0, 0]
 
 
 @pytest.mark.parametrize("strategy", list(Strategy))
