@@ -197,7 +197,7 @@ def solved(total: list[float], couplings: dict[tuple[int, int], float], power: l
         energy, residual = [mpmath.mpf(0)] * len(total), [mpmath.mpf(part) for part in power]
         for _ in range(40):
             scale = max(abs(part) for part in residual)
-            if scale <= 1e-25 * max(power):
+            if scale <= mpmath.mpf(max(power)) * 1e-25:  # no double: it may be below all of them
                 return energy
             step = np.linalg.solve(matrix, [float(part / scale) for part in residual])
             energy = [known + scale * mpmath.mpf(float(part)) for known, part in zip(energy, step, strict=True)]
