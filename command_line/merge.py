@@ -13,6 +13,7 @@ from ..core.formats import registry
 from ..core.formats.export import Export
 from ..core.formats.tracks.listener_tracks import Tracks
 from ..core.formats.tracks.track_recorder import TrackRecorder
+from ..core.render.arrival import arriving
 from ..core.render.mixdown import Mixdown
 from ..core.render.renderer import sample_index
 from ..core.scene.values import Listener, Source
@@ -125,5 +126,5 @@ def _tracks(parts: Sequence[Part]) -> Tracks:
 def _rendered(mixdown: Mixdown, before: float | None, frame: HeardFrame) -> _Rendered:
     block = mixdown.render(before, frame.time, frame.sources, frame.listeners, frame.propagation)
     first = sample_index(frame.time if before is None else before, mixdown.sample_rate)
-    gains = frame.propagation.arriving(frame.sources)
+    gains = arriving(frame.sources, frame.propagation)
     return _Rendered(frame.number, frame.sources, frame.listeners, gains, block, first, mixdown.sample_rate)

@@ -15,6 +15,7 @@ from .contacts.tracker import STILL, ContactSettings
 from .graph.haptic_graph import ObjectTable, build_graph
 from .propagation import propagate
 from .propagation.reuse import Inputs, Propagated
+from .render.arrival import arriving
 from .render.frame_result import FrameResult
 from .render.mixdown import Mixdown
 from .render.renderer import SAMPLE_RATE, sample_index
@@ -89,7 +90,7 @@ class Tracer:
             propagation=propagation,
             sources=inputs.sources,
             listeners=frame.listeners,
-            gains=propagation.arriving(inputs.sources),
+            gains=arriving(inputs.sources, propagation),
             impacts=collisions.impacts,
             block=block,
             first_sample=sample_index(self._start, self.sample_rate),

@@ -17,6 +17,7 @@ from ..addon.view.render_data import Options
 from ..core.arrays import FloatArray
 from ..core.formats.tracks.track_recorder import TrackRecorder
 from ..core.propagation import propagate
+from ..core.render.arrival import arriving
 from ..core.render.frame_result import FrameResult
 from ..core.render.mixdown import Mixdown
 from ..core.render.renderer import SAMPLE_RATE
@@ -55,7 +56,7 @@ class ModeRendering:
         return replace(
             result,
             propagation=propagation,
-            gains=propagation.arriving(result.sources),
+            gains=arriving(result.sources, propagation),
             block=block,
             warnings=propagation.warnings,
         )

@@ -10,6 +10,7 @@ from bpy.types import Scene
 
 from ...core.arrays import FloatArray
 from ...core.propagation import propagate
+from ...core.render.arrival import arriving
 from ...core.scene.values import Mode
 from ..session.derived import Derived, Latest
 from ..session.sessions import Traced
@@ -20,8 +21,8 @@ def mode_gains(mode: Mode, traced: Traced, choice: None = None, before: FloatArr
     result, settings = traced.result, traced.settings
     if mode is settings.mode:
         return np.asarray(result.gains.max(axis=0, initial=0.0))
-    arriving = propagate(result.graph, replace(settings, mode=mode)).arriving(result.sources)
-    return np.asarray(arriving.max(axis=0, initial=0.0))
+    gain = arriving(result.sources, propagate(result.graph, replace(settings, mode=mode)))
+    return np.asarray(gain.max(axis=0, initial=0.0))
 
 
 _GAINS: dict[Mode, Derived[None, FloatArray]] = {mode: Derived(partial(mode_gains, mode)) for mode in Mode}

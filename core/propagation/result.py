@@ -9,8 +9,6 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..message import Message
-from ..scene.spectra import leading_band
-from ..scene.values import Source
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,14 +41,6 @@ class Propagation:
     taps: Mapping[tuple[int, int], tuple[tuple[float, float], ...]] = field(default_factory=dict)
     warnings: tuple[Message, ...] = ()
     statistics: Mapping[str, int | float] = field(default_factory=dict)
-
-    def arriving(self, sources: Sequence[Source]) -> FloatArray:
-        """Amplitude (s, l) with which each source arrives at each listener: its own times its gain, which is that of its leading band
-        (`core.scene.spectra.leading_band`) where functions use bands."""
-        gain = self.gain
-        if self.band_gain is not None:
-            gain = self.band_gain[np.arange(len(sources)), :, [leading_band(source) for source in sources]]
-        return np.asarray(gain * np.array([source.amplitude for source in sources]).reshape(-1, 1))
 
     def latest(self, names: Sequence[str]) -> dict[str, float]:
         """The longest delay [s] of each source, by its name, at the listeners that it reaches; nothing where there are no delays."""

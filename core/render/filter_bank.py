@@ -59,6 +59,11 @@ def split_bands(samples: FloatArray, sample_rate: float) -> FloatArray:
     return bands
 
 
+def bank_spectra(sample_rate: float, size: int) -> FloatArray:
+    """Return the gains of the bands for the frequencies of transforms of `size` samples, shape (6, size // 2 + 1)."""
+    return np.diff(_low_pass_spectra(sample_rate, size), axis=0, prepend=0.0, append=1.0)
+
+
 @lru_cache(maxsize=16)
 def _low_pass_spectra(sample_rate: float, size: int) -> FloatArray:
     """Return the low-passes' spectra for transforms of `size`, centred on sample 0, where a symmetric filter's spectrum is real."""

@@ -32,7 +32,7 @@ class FrameResult:
     """One traced frame.
 
     ``objects``: names in the order that ``contacts`` and ``graph`` number them. ``sources`` (s) include the temporary ones made by
-    impacts; ``gains`` (s, l) are the amplitudes that arrive, see `Propagation.arriving`. ``block`` (l, n): the rendered samples of the
+    impacts; ``gains`` (s, l) are the amplitudes that arrive, see `core.render.arrival`. ``block`` (l, n): the rendered samples of the
     frame's interval, the first at sample number ``first_sample`` of ``sample_rate``; None if nothing was rendered. ``milliseconds`` per
     stage: read, broad, narrow, graph, propagate, mix. ``statistics``: counts of computed and skipped work. ``before``: the state at the
     start of the block; None for the first one. ``shots``: those of sources with triggers, which are temporary sources of their names.

@@ -11,6 +11,7 @@ from ..arrays import FloatArray
 from ..propagation import Propagation
 from ..scene.values import Listener, Source, SourceKind
 from ..signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Signal
+from .arrival import arriving
 from .frame_result import FrameResult, Sounding
 from .mixing import MixingExpression, MixingMethod
 from .renderer import SAMPLE_RATE, ListenerMix, Renderer
@@ -121,7 +122,7 @@ def source_voices(
     listener_gain = np.array([item.gain for item in listeners])
     gains = propagation.gain if propagation.band_gain is None else propagation.band_gain
     if any(item.ducking for item in listeners):
-        factor = ducked(sources, listeners, propagation.arriving(sources))
+        factor = ducked(sources, listeners, arriving(sources, propagation))
         gains = gains * (factor if gains.ndim == 2 else factor[:, :, None])
     return [
         Voice(

@@ -31,8 +31,13 @@ def leading_band(source: Source) -> int:
     return int((energies > _STRONG * energies.sum()).argmax())
 
 
+def emitted(source: Source) -> Signal:
+    """The signal of a source, the default of its kind without one."""
+    return source.signal or (DEFAULT_PERSISTENT if source.kind is SourceKind.PERSISTENT else DEFAULT_IMPACT)
+
+
 def _energies(source: Source) -> FloatArray:
-    return _signal_energies(source.signal or (DEFAULT_PERSISTENT if source.kind is SourceKind.PERSISTENT else DEFAULT_IMPACT))
+    return _signal_energies(emitted(source))
 
 
 @lru_cache(maxsize=256)

@@ -1,0 +1,55 @@
+"""Amplitudes with which sources arrive at listeners, as they are rendered."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..propagation.result import Propagation
+from ..scene.bands import BAND_COUNT
+from ..scene.spectra import emitted
+from ..scene.values import Source
+from ..signals import Signal
+from .filter_bank import bank_spectra
+from .renderer import SAMPLE_RATE
+
+_RATE = 2000
+"""Samples of the first second of a signal: enough for the frequencies of all bands."""
+
+
+def arriving(sources: Sequence[Source], propagation: Propagation) -> FloatArray:
+    """Amplitude (s, l) of each source at each listener: its own times its gain.
+
+    Where functions use bands, that is the RMS gain of the first second of its signal through the filters of the bands; of a tone, its gain.
+    """
+    amplitude = np.array([source.amplitude for source in sources]).reshape(-1, 1)
+    if propagation.band_gain is None:
+        return np.asarray(propagation.gain * amplitude)
+    gain = propagation.band_gain
+    power = np.array([_band_power(emitted(source)) for source in sources]).reshape(-1, 1, BAND_COUNT, BAND_COUNT)
+    squared = ((gain[:, :, :, None] * power).sum(axis=2) * gain).sum(axis=2)
+    return np.asarray(np.sqrt(np.maximum(squared, 0.0)) * amplitude)
+
+
+@lru_cache(maxsize=256)
+def _band_power(signal: Signal) -> FloatArray:
+    """Products (bands, bands) of the signal's parts in two bands each, in the mean and relative to its power; silence counts as a tone in
+    the lowest band."""
+    spectrum = np.abs(np.fft.rfft(signal.sample(0, _RATE, _RATE))) ** 2
+    spectrum[1:-1] *= 2.0
+    total = spectrum.sum()
+    if not total:
+        return np.diag(np.eye(BAND_COUNT)[0])
+    power = (_products() * spectrum).sum(axis=-1) / total
+    power.setflags(write=False)
+    return np.asarray(power)
+
+
+@lru_cache(maxsize=1)
+def _products() -> FloatArray:
+    """Products (bands, bands, f) of the gains of two bands each, hertz by hertz."""
+    response = bank_spectra(SAMPLE_RATE, round(SAMPLE_RATE))[:, : _RATE // 2 + 1]
+    return np.asarray(response[:, None] * response)
