@@ -87,7 +87,7 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
             Sample(
                 "sliding_and_rolling",
                 "Sliding and Rolling",
-                92,
+                52,
                 "A file, a ball, a shoe, a crate and a wheel sound at their contacts, at the period of what they pass over",
                 about=("hand", "upper_leg"),
             ),

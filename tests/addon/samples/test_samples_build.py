@@ -68,6 +68,7 @@ def test_built_twice_is_identical_and_has_what_tracing_and_a_picture_need(build,
         scene = build_sample(name)
     assert described(scene) == first
     names = [row[0] for row in first]
+    assert SAMPLES[name].objects == pytest.approx(len(names), rel=0.1)  # for the progress shown while it is built
     assert len(set(names)) == len(names)
     assert [n for n in names if re.search(r"\.\d{3}$", n)] == []
     assert [m.name for m in bpy.data.materials if re.search(r"\.\d{3}$", m.name)] == []
