@@ -35,7 +35,7 @@ def in_blender(result):
     bands = result.propagation.band_gain
     bands = np.ones((*result.gains.shape, 6)) * result.propagation.gain[..., None] if bands is None else bands
     return {
-        (source.name, listener.name): (result.gains[s, i], bands[s, i])
+        (source.name, listener.name): (source.amplitude * result.propagation.gain[s, i], bands[s, i])
         for s, source in enumerate(result.sources)
         for i, listener in enumerate(result.listeners)
     }

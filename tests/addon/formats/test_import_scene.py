@@ -54,7 +54,7 @@ def gains_of(scene):
 def gains_in_blender(traced):
     result = traced()
     return {
-        (source.name, listener.name): result.gains[s, i]
+        (source.name, listener.name): source.amplitude * result.propagation.gain[s, i]
         for s, source in enumerate(result.sources)
         for i, listener in enumerate(result.listeners)
     }

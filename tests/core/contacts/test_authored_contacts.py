@@ -56,6 +56,6 @@ def test_a_tracer_follows_what_is_authored_from_frame_to_frame():
         for number, (authored, expected) in enumerate(((None, 1.0), (functions, 0.5), (nothing, 0.0), (None, 1.0))):
             frame = Frame(number, number / 25, objects, (source,), (listener,), Settings(), bodies, transforms, authored=authored)
             result = tracer.step(frame)
-            np.testing.assert_allclose(result.gains, [[expected]], rtol=1e-12)
+            np.testing.assert_allclose(result.propagation.gain, [[expected]], rtol=1e-12)
             if authored is functions:
                 np.testing.assert_allclose(result.propagation.band_gain[0, 0], 0.5 * np.array([1, 1, 1, 0.5, 0.25, 0]), rtol=1e-12)
