@@ -79,7 +79,7 @@ def cumulative(signals: FloatArray, s_max: float = math.inf) -> FloatArray:
 
 def weighted(signals: FloatArray, weights: FloatArray, s_max: float = math.inf) -> FloatArray:
     """Return the sum over `signals` times their priorities `weights`, shape (n_signals,), kept within ±s_max."""
-    return saturated(weights @ signals, s_max)
+    return saturated(np.einsum("v,vn->n", weights, signals), s_max)
 
 
 def strongest(signals: FloatArray, s_max: float = math.inf) -> FloatArray:

@@ -53,14 +53,14 @@ class DirectPaths:
         count = self._rows.shape[2]
         factors = self._factors.transpose(0, 2, 1, 3).reshape(terms, listeners, voices * bands)
         rows = self._rows.reshape(voices * bands, count)
-        # Terms for all samples are summed in one product.
+        # Terms for all samples are summed in one product. (`einsum` computes on this thread; BLAS would start others, which stay busy.)
         whole = sum(len(curve) == count for curve in self._curves)
-        sums = (factors[:whole].reshape(whole * listeners, voices * bands) @ rows).reshape(whole, listeners, count)
+        sums = np.einsum("lv,vn->ln", factors[:whole].reshape(whole * listeners, voices * bands), rows).reshape(whole, listeners, count)
         total: FloatArray = sums[0]
         for term, curve in zip(sums[1:], self._curves[1:], strict=False):
             total += term * curve
         for factor, curve in zip(factors[whole:], self._curves[whole:], strict=True):
-            total[:, : len(curve)] += factor @ rows[:, : len(curve)] * curve
+            total[:, : len(curve)] += np.einsum("lv,vn->ln", factor, rows[:, : len(curve)]) * curve
         return total
 
     def at_listeners(self, listeners: list[int]) -> FloatArray:
@@ -73,7 +73,7 @@ class DirectPaths:
         for term, curve in enumerate(self._curves[1:], 1):
             np.multiply(self._rows[:, :, : len(curve)], curve, out=rows[:, term, :, : len(curve)])
             rows[:, term, :, len(curve) :] = 0.0
-        return np.matmul(factors, rows.reshape(voices, terms * bands, count), out=_scratch(voices, len(listeners), count))
+        return np.einsum("vlt,vtn->vln", factors, rows.reshape(voices, terms * bands, count), out=_scratch(voices, len(listeners), count))
 
 
 class DelayedPaths:
@@ -164,7 +164,7 @@ def _travelled_between_samples(stream: Stream, times: FloatArray, factors: Float
     result = np.zeros(times.shape)
     for factor, curve in zip(factors, curves, strict=True):
         count = len(curve)
-        weighed = (factor @ polynomials.reshape(len(rows), -1)).reshape(len(factor), *polynomials.shape[1:])
+        weighed = np.einsum("pb,bnd->pnd", factor, polynomials)
         for path, polynomial, at, power in zip(result, weighed, places, powers, strict=True):
             near = polynomial[at][:count] if isinstance(at, slice) else polynomial[at[:count]]
             path[:count] += np.einsum("nd,nd->n", near, power[:count]) * curve

@@ -49,8 +49,8 @@ class TonePaths:
         """Return the sum over voices, shape (n_listeners, count)."""
         listeners = len(self._runs[0])
         alike, width, _, voices = self._places.shape
-        places = self._places.reshape(alike, width, 2 * voices).transpose(0, 2, 1)
-        sums = [(runs.reshape(alike, -1, 2 * voices) @ places).reshape(listeners, -1) for runs in self._runs]
+        places = self._places.reshape(alike, width, 2 * voices)
+        sums = [np.einsum("arv,awv->arw", runs.reshape(alike, -1, 2 * voices), places).reshape(listeners, -1) for runs in self._runs]
         total: FloatArray = sums[0][:, : self._count]
         for some, curve in zip(sums[1:], self._curves[1:], strict=True):
             total[:, : len(curve)] += some[:, : len(curve)] * curve

@@ -77,15 +77,15 @@ def local_polynomials(samples: FloatArray) -> FloatArray:
     `interpolate` to 1e-6, and need no weights per phase, which is efficient for many positions in the same samples (Farrow, 1988).
     """
     windows = sliding_window_view(samples, 2 * ZERO_CROSSINGS, axis=1)
-    return np.asarray(windows.reshape(-1, 2 * ZERO_CROSSINGS) @ _kernel_polynomials()).reshape(*windows.shape[:2], _TERMS)
+    return np.asarray(np.einsum("knw,dw->knd", windows, _kernel_polynomials()))
 
 
 @lru_cache(maxsize=1)
 def _kernel_polynomials() -> FloatArray:
-    """Return the kernel's weights as polynomials in 2 p - 1 that fit at the Chebyshev nodes, shape (32, 9)."""
+    """Return the kernel's weights as polynomials in 2 p - 1 that fit at the Chebyshev nodes, shape (9, 32)."""
     nodes = np.cos(np.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
     weights = kernel_weights((nodes + 1.0) / 2.0)
-    return np.asarray(np.linalg.solve(np.vander(nodes, _TERMS, increasing=True), weights)).T.copy()
+    return np.asarray(np.linalg.solve(np.vander(nodes, _TERMS, increasing=True), weights))
 
 
 def resample(samples: FloatArray, rate: float, new_rate: float) -> FloatArray:
