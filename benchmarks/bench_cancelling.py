@@ -14,7 +14,6 @@ import time
 from collections.abc import Callable
 
 os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
-os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
 from haptic_tracing.addon.session import worker

@@ -23,7 +23,6 @@ from typing import Any
 from unittest import mock
 
 os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
-os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import bpy
 import haptic_tracing

@@ -18,7 +18,6 @@ from types import SimpleNamespace
 from typing import Any
 
 os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
-os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import bpy
 import haptic_tracing

@@ -8,10 +8,6 @@ of five runs; `median` and `worst` are the milliseconds of one frame.
 
 from __future__ import annotations
 
-import os
-
-os.environ["OPENBLAS_NUM_THREADS"] = "1"
-
 import argparse
 import time
 from collections.abc import Callable

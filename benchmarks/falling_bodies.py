@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from multiprocessing.connection import Connection
 
 os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
-os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import bpy
 import haptic_tracing
