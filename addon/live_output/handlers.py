@@ -118,13 +118,6 @@ def load_pre(*_: Any) -> None:
         preview.switch_off()
 
 
-@persistent
-def exit_pre(*_: Any) -> None:
-    """Blender exits. If it is a module of Python, Python has ended before, with `atexit`, and cleared this module's names."""
-    if _state is not None:
-        stop_everything()
-
-
 def choices(result: Any) -> dict[str, str]:
     """The actuators chosen for the listeners of a frame, by name; without automatic choices. Cached until a change."""
     key = (revisions.actuators(), tuple(listener.name for listener in result.listeners))
@@ -154,7 +147,8 @@ def set_preview_volume(volume: float) -> None:
         preview.set_volume(volume)
 
 
-def stop_everything() -> None:
+@persistent
+def stop_everything(*_: Any) -> None:
     """Silence and disconnect everything, waiting at most a second."""
     if not _is_used():
         return
@@ -173,7 +167,7 @@ _HANDLERS: dict[str, Callable[..., None]] = {
     "redo_post": choose_again,
     "load_post": choose_again,
     "render_pre": rest,
-    "exit_pre": exit_pre,
+    "exit_pre": stop_everything,
 }
 
 

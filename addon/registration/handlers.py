@@ -107,16 +107,9 @@ def saving(*_: Any) -> None:
 
 @persistent
 def cancel(*_: Any) -> None:
-    """Before an undo: cancel the running trace, which becomes obsolete."""
+    """Before an undo, or before Blender exits: cancel the running trace, which becomes obsolete."""
     if is_loaded(session):
         session.cancel()
-
-
-@persistent
-def exit_pre(*_: Any) -> None:
-    """Blender exits. If it is a module of Python, Python has ended before and cleared this module's names."""
-    if cancel is not None:
-        cancel()
 
 
 @persistent
@@ -172,7 +165,7 @@ _HANDLERS: dict[str, Callable[..., None]] = {
     "undo_post": reread,
     "redo_post": reread,
     "render_pre": render_pre,
-    "exit_pre": exit_pre,
+    "exit_pre": cancel,
 }
 
 

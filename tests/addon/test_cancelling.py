@@ -34,7 +34,7 @@ def disable():
 
 
 def leave():
-    handlers.exit_pre()  # Blender calls its exit handlers only when it ends
+    handlers.cancel()  # Blender calls its exit handlers only when it ends
 
 
 @pytest.fixture
