@@ -11,7 +11,7 @@ from typing import Any
 from bpy.props import CollectionProperty, PointerProperty
 from bpy.types import NodeTree, PropertyGroup
 
-from .callbacks import changed
+from .callbacks import changed, updating
 from .kinds import limited, share, switch
 
 AMPLITUDE, FREQUENCY = "Amplitude", "Frequency"
@@ -22,22 +22,24 @@ LONGEST = 3600.0
 """Longest drawn signal [s]."""
 
 
+@updating()
 class HapticEmphasis(PropertyGroup):
     """A transient of a drawn signal: a short burst at a relative time, with strength and sharpness."""
 
-    place: share("Place", "Where in the signal it begins: 0 is the beginning, 1 the end", 0.0, update=changed)
-    strength: share("Strength", "Amplitude of the burst, which is added to the envelope", 1.0, update=changed)
-    sharpness: share("Sharpness", "From a dull thud of 65 Hz to a sharp click of 300 Hz, as phones play it", 0.5, update=changed)
+    place: share("Place", "Where in the signal it begins: 0 is the beginning, 1 the end", 0.0)
+    strength: share("Strength", "Amplitude of the burst, which is added to the envelope", 1.0)
+    sharpness: share("Sharpness", "From a dull thud of 65 Hz to a sharp click of 300 Hz, as phones play it", 0.5)
 
 
+@updating()
 class HapticDrawing(PropertyGroup):
     """Properties of a node group that is a drawn signal."""
 
     is_signal: switch("Is Signal", "This node group is a drawn signal", options={"HIDDEN"})
-    duration: limited("Duration (s)", "How long the drawn signal lasts", 1.0, (0.02, LONGEST), soft_max=10.0, update=changed)
-    lowest: limited("Lowest (Hz)", "Frequency at the bottom of the curve", 40.0, HERTZ, update=changed)
-    highest: limited("Highest (Hz)", "Frequency at the top of the curve", 300.0, HERTZ, update=changed)
-    loops: switch("Loop", "Play it again and again", update=changed)
+    duration: limited("Duration (s)", "How long the drawn signal lasts", 1.0, (0.02, LONGEST), soft_max=10.0)
+    lowest: limited("Lowest (Hz)", "Frequency at the bottom of the curve", 40.0, HERTZ)
+    highest: limited("Highest (Hz)", "Frequency at the top of the curve", 300.0, HERTZ)
+    loops: switch("Loop", "Play it again and again")
     emphases: CollectionProperty(type=HapticEmphasis)
 
 

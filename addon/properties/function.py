@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from bpy.props import EnumProperty
 
-from .callbacks import edited
 from .kinds import choice, number, share, text
 from .physical import PhysicalParameters
 
@@ -50,34 +49,20 @@ CONTACT_PARAMETERS = {
 
 def function_property(names: tuple[str, ...], default: str) -> EnumProperty:
     """The choice of one of the functions ``names``."""
-    return choice(
-        "Function",
-        "How the signal fades on its way through",
-        tuple((name, *FUNCTIONS[name]) for name in names),
-        default=default,
-        update=edited("function"),
-    )
+    return choice("Function", "How the signal fades on its way through", tuple((name, *FUNCTIONS[name]) for name in names), default=default)
 
 
 class FunctionParameters:
     """Mixin: the parameters of all functions of objects."""
 
-    alpha: number(
-        "Alpha (1/m)",
-        "Attenuation per metre; 0.2 is the paper's distance-only function",
-        0.2,
-        (0.0, 5.0),
-        precision=3,
-        update=edited("alpha"),
-    )
-    range: number("Range", "Distance from which on nothing is felt", 10.0, (0.001, 100.0), unit="LENGTH", update=edited("range"))
-    constant: share("Gain", "The gain over any distance", 0.5, update=edited("constant"))
+    alpha: number("Alpha (1/m)", "Attenuation per metre; 0.2 is the paper's distance-only function", 0.2, (0.0, 5.0), precision=3)
+    range: number("Range", "Distance from which on nothing is felt", 10.0, (0.001, 100.0), unit="LENGTH")
+    constant: share("Gain", "The gain over any distance", 0.5)
     expression: text(
         "Expression",
         "Formula of x (the signal), d (metres), kappa, rho, epsilon. Functions: exp, log, sqrt, tanh, atan, sin, cos, abs, min, max, where",
         "x * exp(-0.2 * d)",
         maxlen=500,
-        update=edited("expression"),
     )
 
 
@@ -85,28 +70,15 @@ class ContactParameters(FunctionParameters):
     """Mixin: the parameters of the functions of contacts."""
 
     stiffness: number(
-        "Stiffness (N/m)",
-        "Stiffness of the layer: a foam mat under a chair's leg 10,000, a rubber pad 1,000,000",
-        1e5,
-        (1e-3, 1e8),
-        update=edited("stiffness"),
+        "Stiffness (N/m)", "Stiffness of the layer: a foam mat under a chair's leg 10,000, a rubber pad 1,000,000", 1e5, (1e-3, 1e8)
     )
-    load: number("Load", "Mass that the layer carries", 10.0, (1e-6, 1e4), unit="MASS", update=edited("load"))
+    load: number("Load", "Mass that the layer carries", 10.0, (1e-6, 1e4), unit="MASS")
     layer_loss: number(
         "Loss Factor",
         "Damping of the layer: rubber 0.1, foam 0.2; a greater one softens the resonance and passes more far above it",
         0.2,
         (0.0, 1.0),
-        update=edited("layer_loss"),
     )
-    fall_off: number(
-        "Fall-Off (dB)",
-        "Loss per octave far above the resonance, in decibels; 12 for a spring",
-        12,
-        (0, 48),
-        update=edited("fall_off"),
-    )
-    reference: number("Reference (N)", "Force in newtons from which on everything passes", 10, (1e-6, 1e4), update=edited("reference"))
-    exponent: number(
-        "Exponent", "1/3: stiffness of smooth round bodies (Hertz); 1: of rough ones", 1 / 3, (0, 4), precision=3, update=edited("exponent")
-    )
+    fall_off: number("Fall-Off (dB)", "Loss per octave far above the resonance, in decibels; 12 for a spring", 12, (0, 48))
+    reference: number("Reference (N)", "Force in newtons from which on everything passes", 10, (1e-6, 1e4))
+    exponent: number("Exponent", "1/3: stiffness of smooth round bodies (Hertz); 1: of rough ones", 1 / 3, (0, 4), precision=3)

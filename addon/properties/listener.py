@@ -6,7 +6,7 @@ from bpy.types import Context, PropertyGroup
 
 from ...core.scene.body import BODY_PARTS
 from ...core.scene.choices import MOST_DUCKING, Extent
-from .callbacks import changed, edited
+from .callbacks import changed, edited, updating
 from .imported import Imported
 from .kinds import choice, limited, number, switch, text
 
@@ -46,46 +46,43 @@ def _radius_edited(self: HapticListenerProperties, context: Context) -> None:
     edited("radius")(self, context)
 
 
+@updating()
 class HapticListenerProperties(Imported, PropertyGroup):
     """A haptic listener, which receives signals at a point of the body."""
 
     enabled: switch("Haptic Listener", "Signals are received at this object's origin", update=_enabled_edited)
-    muted: switch("Mute", "Keep the listener but let it feel nothing", options=set(), update=changed)
-    solo: switch("Solo", "Let only listeners that are solo feel something", options=set(), update=changed)
-    body_part: choice("Body Part", "The place on the body that this listener stands for", BODY_PART_ITEMS, default="NONE", update=changed)
+    muted: switch("Mute", "Keep the listener but let it feel nothing", options=set())
+    solo: switch("Solo", "Let only listeners that are solo feel something", options=set())
+    body_part: choice("Body Part", "The place on the body that this listener stands for", BODY_PART_ITEMS, default="NONE")
     radius: number("Radius", "Radius of the listener's bounding volume", 0.05, (0.0, 0.5), unit="LENGTH", update=_radius_edited)
     extent: choice(
         "Extent",
         "What the listener feels of its bounding volume. New listeners feel the strongest; those of earlier files are points",
         EXTENT_ITEMS,
         default=Extent.NONE.value,
-        update=changed,
     )
-    use_wish: switch("Wish", "Fulfil Wishes brings this listener to the wished level", options=set())
-    wish: limited("Level (dB)", "The level that this listener shall have, in decibels of full scale", -20.0, (-90.0, 0.0), options=set())
-    gain: limited("Gain", "Factor of this listener's mixed signal; can be animated", 1.0, (0.0, 10.0), soft_max=2.0, update=edited("gain"))
-    mixing: choice("Mixing", "How signals that arrive together are combined", MIXING_ITEMS, update=changed)
+    use_wish: switch("Wish", "Fulfil Wishes brings this listener to the wished level", options=set(), update=None)
+    wish: limited(
+        "Level (dB)", "The level that this listener shall have, in decibels of full scale", -20.0, (-90.0, 0.0), options=set(), update=None
+    )
+    gain: limited("Gain", "Factor of this listener's mixed signal; can be animated", 1.0, (0.0, 10.0), soft_max=2.0)
+    mixing: choice("Mixing", "How signals that arrive together are combined", MIXING_ITEMS)
     mixing_expression: text(
         "Formula",
         "The mix, sample by sample, of sum, weighted, strongest and power (what the other methods give) and s_max (the ceiling)",
         "s_max * tanh(sum / s_max)",
         maxlen=500,
-        update=changed,
     )
-    s_max: limited(
-        "Ceiling", "No sample of the mixed signal is stronger than this", 1.0, (0.01, 1.0), subtype="FACTOR", update=edited("s_max")
-    )
+    s_max: limited("Ceiling", "No sample of the mixed signal is stronger than this", 1.0, (0.01, 1.0), subtype="FACTOR")
     ducking: limited(
         "Ducking (dB)",
         "Sources are turned down by so many decibels while one of higher priority arrives here",
         0.0,
         (0.0, MOST_DUCKING),
         soft_max=24.0,
-        update=edited("ducking"),
     )
     limiter: switch(
         "Limiter",
         "Turns a mix that would exceed the ceiling down, ahead of its peaks, instead of cutting it off, which distorts. "
         "All listeners then feel 5 ms later",
-        update=changed,
     )

@@ -7,6 +7,7 @@ from bpy.types import Context, PropertyGroup
 
 from ..changes.events import device_adjusted, preview_volume_changed
 from ..changes.revisions import mark_actuators
+from .callbacks import updating
 from .kinds import limited, share, switch, text
 
 
@@ -22,22 +23,16 @@ def _volume_changed(self: HapticLiveOutputProperties, context: Context) -> None:
     preview_volume_changed(self.preview_volume)
 
 
+@updating(_device_changed)
 class HapticDeviceProperties(PropertyGroup):
     """The adjustment of one device; its name is the device's key."""
 
-    gain: limited("Gain", "Makes everything on this device stronger or weaker", 1.0, (0.0, 4.0), soft_max=2.0, update=_device_changed)
+    gain: limited("Gain", "Makes everything on this device stronger or weaker", 1.0, (0.0, 4.0), soft_max=2.0)
     floor: limited(
-        "Floor",
-        "Least strength at which the actuator moves: the weakest signal starts there",
-        0.0,
-        (0.0, 0.9),
-        subtype="FACTOR",
-        update=_device_changed,
+        "Floor", "Least strength at which the actuator moves: the weakest signal starts there", 0.0, (0.0, 0.9), subtype="FACTOR"
     )
-    curve: limited(
-        "Curve", "Exponent of strength; below 1 lifts weak signals", 1.0, (0.1, 4.0), soft_min=0.3, soft_max=2.0, update=_device_changed
-    )
-    ceiling: share("Ceiling", "The device is never driven above this fraction of its safe maximum", 1.0, update=_device_changed)
+    curve: limited("Curve", "Exponent of strength; below 1 lifts weak signals", 1.0, (0.1, 4.0), soft_min=0.3, soft_max=2.0)
+    ceiling: share("Ceiling", "The device is never driven above this fraction of its safe maximum", 1.0)
     offset: limited(
         "Latency Offset (ms)",
         "Delays touch, in milliseconds, if the display is slow; negative values advance it",
@@ -45,7 +40,6 @@ class HapticDeviceProperties(PropertyGroup):
         (-50.0, 1000.0),
         soft_max=200.0,
         precision=0,
-        update=_device_changed,
     )
     imported: text("Imported", "What an imported file says beyond these properties", options={"HIDDEN"})
 

@@ -1,4 +1,4 @@
-"""Properties that haptic materials and their objects share; each user adds its own callback and options."""
+"""Properties that haptic materials and their objects share; each user adds its own options."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ NAMES = ("kappa", "rho", "wave_speed", "use_bands", "band_decays", "conductivity
 
 
 def kappa(**more: Any) -> FloatProperty:
-    """The property κ; ``more``: its callback and options."""
+    """The property κ; ``more``: its options."""
     return share(
         "Kappa (κ)",
         "A higher κ passes on less, but over a longer distance; 1 passes on nothing. The paper's transmissibility: as its "

@@ -23,7 +23,7 @@ from bpy.types import Context, Object, PropertyGroup, Scene
 from ...core.scene.bands import BAND_COUNT
 from ..blender.progress import progress
 from . import material_values
-from .callbacks import edited
+from .callbacks import updating
 from .kinds import choice, limited, switch, text
 
 TARGET_ITEMS = (
@@ -99,34 +99,29 @@ def unique_name(name: str, taken: set[str]) -> str:
 
 
 def _bound(name: str, default: float) -> FloatProperty:
-    return limited(name, "Bound of (1 - κ) ρ for Fulfil Wishes", default, (0.001, 1.0), precision=3, options=set())
+    return limited(name, "Bound of (1 - κ) ρ for Fulfil Wishes", default, (0.001, 1.0), precision=3, options=set(), update=None)
 
 
+@updating(_material_changed)
 class HapticMaterial(PropertyGroup):
     """A material of the scene's library."""
 
     name: text("Name", "Name of the material in this scene's library", update=_material_renamed)
     known_as: StringProperty(options={"HIDDEN"})
-    kappa: material_values.kappa(options=set(), update=_material_changed)
-    rho: material_values.rho(options=set(), update=_material_changed)
-    use_delay: switch(
-        "Delay",
-        "Delay signals by this material's wave speed; makes tracing slower",
-        options=set(),
-        update=_material_changed,
-    )
-    wave_speed: material_values.wave_speed(options=set(), update=_material_changed)
-    use_bands: material_values.use_bands(options=set(), update=_material_changed)
-    band_decays: material_values.band_decays(options=set(), update=_material_changed)
+    kappa: material_values.kappa(options=set())
+    rho: material_values.rho(options=set())
+    use_delay: switch("Delay", "Delay signals by this material's wave speed; makes tracing slower", options=set())
+    wave_speed: material_values.wave_speed(options=set())
+    use_bands: material_values.use_bands(options=set())
+    band_decays: material_values.band_decays(options=set())
     conductivity: limited(
         "Conductivity (W/(m·K))",
         "How well heat is conducted, in W/(m·K): steel 50, stone 2.8, wood 0.15",
         1.0,
         (0.01, 500.0),
         options=set(),
-        update=_material_changed,
     )
-    is_free: switch("Free", "Fulfil Wishes may change κ and ρ of this material", options=set())
+    is_free: switch("Free", "Fulfil Wishes may change κ and ρ of this material", options=set(), update=None)
     least_k: _bound("Least", 0.01)
     most_k: _bound("Most", 0.99)
 
@@ -140,12 +135,13 @@ def _chosen(self: HapticObjectMaterial, context: Context) -> None:
         write_values(obj, values_of(material))
 
 
+@updating()
 class HapticObjectMaterial(PropertyGroup):
     """The material of an object, and the values that only materials have."""
 
     name: text("Material", "The material of the scene's library that this object is made of", options=set(), update=_chosen)
-    use_bands: material_values.use_bands(update=edited("use_bands"))
-    band_decays: material_values.band_decays(update=edited("band_decays"))
+    use_bands: material_values.use_bands()
+    band_decays: material_values.band_decays()
 
     def drop_imported(self, name: str) -> None:
         """See `HapticObjectProperties.drop_imported`."""

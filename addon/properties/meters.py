@@ -4,24 +4,22 @@ from __future__ import annotations
 
 from bpy.types import PropertyGroup
 
-from .callbacks import view_changed
+from .callbacks import updating, view_changed
 from .kinds import choice, switch
 
 
+@updating(view_changed)
 class HapticMetersProperties(PropertyGroup):
     """The meters of a scene."""
 
-    show: switch("Meters", "Draw meters over the 3D viewport: how much each listener feels", True, update=view_changed)
-    show_scope: switch(
-        "Scope", "Draw the last second of the selected listener, or of the one that feels the most", True, update=view_changed
-    )
-    show_body: switch("Body", "Draw a body whose parts light up where they feel something", True, update=view_changed)
+    show: switch("Meters", "Draw meters over the 3D viewport: how much each listener feels", True)
+    show_scope: switch("Scope", "Draw the last second of the selected listener, or of the one that feels the most", True)
+    show_body: switch("Body", "Draw a body whose parts light up where they feel something", True)
     show_lane: switch(
         "Timeline of Touch",
         "Draw over Timeline and Dope Sheet what each listener feels: waves and impacts of the frames baked or played, and in "
         "orange the threshold of feeling",
         True,
-        update=view_changed,
     )
     corner: choice(
         "Corner",
@@ -33,6 +31,5 @@ class HapticMetersProperties(PropertyGroup):
             ("TOP_RIGHT", "Top Right", ""),
         ),
         default="BOTTOM_LEFT",
-        update=view_changed,
     )
-    sort_path: switch("Sort by Loss", "Sort the objects of a path by loss, largest first, instead of in path order")
+    sort_path: switch("Sort by Loss", "Sort the objects of a path by loss, largest first, instead of in path order", update=None)

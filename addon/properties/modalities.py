@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, FloatProperty, PointerProperty
 from bpy.types import PropertyGroup
 
 from ...core.modalities import MODALITIES, Modality, Quantity
-from .callbacks import changed, edited
+from .callbacks import changed, updating
 from .function import FunctionParameters, function_property
 from .imported import drop
 
@@ -16,8 +16,8 @@ SHOWN: tuple[Modality, ...] = tuple(modality for modality in MODALITIES.values()
 """The modalities other than vibration, which has its own properties and panels."""
 
 
-def _property(quantity: Quantity, name: str) -> Any:
-    """The property ``name`` for a quantity."""
+def _property(quantity: Quantity) -> Any:
+    """The property of a quantity."""
     unit = "" if quantity.unit in ("", "m") else quantity.unit
     return FloatProperty(
         name=f"{quantity.title} ({unit})" if unit else quantity.title,
@@ -26,7 +26,6 @@ def _property(quantity: Quantity, name: str) -> Any:
         min=quantity.low,
         max=quantity.high,
         unit="LENGTH" if quantity.unit == "m" else "NONE",
-        update=edited(name),
     )
 
 
@@ -34,19 +33,16 @@ def _object_group(modality: Modality) -> type[PropertyGroup]:
     """The properties of an object, and of a source, for a modality."""
     annotations = {
         "function": function_property(tuple(modality.functions), modality.default_function),
-        **{quantity.name: _property(quantity, quantity.name) for quantity in modality.object_values},
-        "is_source": BoolProperty(name="Source", description="This object emits it", default=False, update=changed),
-        "source_value": _property(modality.source_value, "source_value"),
+        **{quantity.name: _property(quantity) for quantity in modality.object_values},
+        "is_source": BoolProperty(name="Source", description="This object emits it", default=False),
+        "source_value": _property(modality.source_value),
     }
 
     def drop_imported(self: PropertyGroup, name: str) -> None:
         drop(self.id_data.haptics, "numbers", f"{modality.name}.{name}")
 
-    return type(
-        f"Haptic{modality.name.title()}Object",
-        (FunctionParameters, PropertyGroup),
-        {"__annotations__": annotations, "__doc__": modality.description, "__module__": __name__, "drop_imported": drop_imported},
-    )
+    members = {"__annotations__": annotations, "__doc__": modality.description, "__module__": __name__, "drop_imported": drop_imported}
+    return updating()(type(f"Haptic{modality.name.title()}Object", (FunctionParameters, PropertyGroup), members))
 
 
 def _scene_group(modality: Modality) -> type[PropertyGroup]:

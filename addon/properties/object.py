@@ -6,7 +6,7 @@ from bpy.props import PointerProperty
 from bpy.types import Object, PropertyGroup
 
 from . import bake, live_output, material_values, materials, modalities
-from .callbacks import changed, edited
+from .callbacks import changed, updating
 from .function import PARAMETERS, VIBRATION_FUNCTIONS, FunctionParameters, function_property
 from .imported import Imported, drop
 from .kinds import switch
@@ -24,17 +24,16 @@ _OF_THE_FUNCTION = {
 """Properties that define an object's modulation function."""
 
 
+@updating()
 class HapticObjectProperties(Imported, FunctionParameters, PhysicalParameters, PropertyGroup):
     """A haptic object, which transmits signals."""
 
-    enabled: switch("Haptic Object", "Vibration passes through this object", update=changed)
-    kappa: material_values.kappa(update=edited("kappa"))
-    rho: material_values.rho(update=edited("rho"))
-    wave_speed: material_values.wave_speed(update=edited("wave_speed"))
+    enabled: switch("Haptic Object", "Vibration passes through this object")
+    kappa: material_values.kappa()
+    rho: material_values.rho()
+    wave_speed: material_values.wave_speed()
     function: function_property(VIBRATION_FUNCTIONS, "haptic_tracing")
-    medium: switch(
-        "Medium", "A volume such as air or water: it touches everything that it overlaps", translation_context="Haptics", update=changed
-    )
+    medium: switch("Medium", "A volume such as air or water: it touches everything that it overlaps", translation_context="Haptics")
     source: PointerProperty(type=HapticSourceProperties)
     listener: PointerProperty(type=HapticListenerProperties)
     material: PointerProperty(type=materials.HapticObjectMaterial)

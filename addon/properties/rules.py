@@ -11,7 +11,7 @@ from typing import Any
 from bpy.props import CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from bpy.types import PropertyGroup
 
-from .callbacks import changed, edited
+from .callbacks import updating
 from .drawing import drawing_property
 from .function import TRANSMISSIONS, ContactParameters, function_property
 from .imported import Imported
@@ -32,36 +32,34 @@ SIDE_ITEMS = (
 
 
 def _kind(name: str) -> EnumProperty:
-    return choice(name, "What this rule is for", SIDE_ITEMS, options=set(), update=changed)
+    return choice(name, "What this rule is for", SIDE_ITEMS, options=set())
 
 
 def _name() -> StringProperty:
-    return text("Name", "Name of the object or material, or a pattern", options=set(), update=changed)
+    return text("Name", "Name of the object or material, or a pattern", options=set())
 
 
 def _curve(name: str, description: str, weak: float, low: float, high: float) -> FloatVectorProperty:
     """A value for the weakest impacts and for those of full energy."""
-    return FloatVectorProperty(
-        name=name, description=description, size=2, default=(weak, 1.0), min=low, max=high, options=set(), update=changed
-    )
+    return FloatVectorProperty(name=name, description=description, size=2, default=(weak, 1.0), min=low, max=high, options=set())
 
 
-def least_energy(key: str, **more: Any) -> FloatProperty:
-    """The property ``key`` for the least energy E_min of an impact [J]."""
+def least_energy(**more: Any) -> FloatProperty:
+    """The least energy E_min of an impact [J]."""
     words = "Collisions weaker than this, in joules, make no source; 5 J is a light contact"
-    return number("Least Energy (J)", words, 5.0, (0.0, 100.0), update=edited(key), **more)
+    return number("Least Energy (J)", words, 5.0, (0.0, 100.0), **more)
 
 
-def full_energy(key: str, **more: Any) -> FloatProperty:
-    """E_max, as the property ``key``."""
+def full_energy(**more: Any) -> FloatProperty:
+    """The energy E_max of an impact that plays its signal at full strength [J]."""
     words = "A collision of this energy, in joules, plays the impact signal at full strength"
-    return number("Full Energy (J)", words, 100.0, (0.001, 1000.0), update=edited(key), **more)
+    return number("Full Energy (J)", words, 100.0, (0.001, 1000.0), **more)
 
 
-def refractory(key: str, **more: Any) -> FloatProperty:
-    """The refractory time, as the property ``key``."""
+def refractory(**more: Any) -> FloatProperty:
+    """The refractory time [s]."""
     words = "Time in seconds after an impact in which the same two objects make no further impact"
-    return number("Refractory (s)", words, 0.1, (0, 2), precision=3, update=edited(key), **more)
+    return number("Refractory (s)", words, 0.1, (0, 2), precision=3, **more)
 
 
 SIGNAL_ITEMS = (
@@ -86,6 +84,7 @@ class TableRows:
     active: IntProperty(name="Active Rule", default=0, min=0, options=set())
 
 
+@updating()
 class HapticImpactRule(RuleScope, Imported, PropertyGroup):
     """The rule for impacts between some objects."""
 
@@ -99,14 +98,13 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
             ("DRAWN", "Drawn", "A signal that was drawn for a source, once"),
         ),
         options=set(),
-        update=changed,
     )
-    filepath: text("File", "The file with the vibration that impacts play", subtype="FILE_PATH", options=set(), update=changed)
+    filepath: text("File", "The file with the vibration that impacts play", subtype="FILE_PATH", options=set())
     drawing: drawing_property()
-    use_limits: switch("Own Energies", "These collisions need other energies than others of the scene", options=set(), update=changed)
-    least_energy: least_energy("least_energy", options=set())
-    full_energy: full_energy("full_energy", options=set())
-    refractory: refractory("refractory", options=set())
+    use_limits: switch("Own Energies", "These collisions need other energies than others of the scene", options=set())
+    least_energy: least_energy(options=set())
+    full_energy: full_energy(options=set())
+    refractory: refractory(options=set())
     gain: _curve("Gain", "Amplitude of the weakest collisions, and of those of full energy", 0.0, 0.0, 1.0)
     pitch: _curve("Pitch", "How many times as fast the signal plays in the weakest collisions, and in those of full energy", 1.0, 0.25, 4.0)
     decay: _curve(
@@ -119,19 +117,11 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
         1.0,
         (0.1, 10.0),
         options=set(),
-        update=edited("bend"),
     )
     variation: share(
-        "Variation",
-        "Largest relative variation of impacts: higher or lower, shorter and weaker",
-        0.0,
-        soft_max=0.3,
-        options=set(),
-        update=edited("variation"),
+        "Variation", "Largest relative variation of impacts: higher or lower, shorter and weaker", 0.0, soft_max=0.3, options=set()
     )
-    seed: IntProperty(
-        name="Seed", description="Another number gives other variations", default=0, min=0, max=10**9, options=set(), update=changed
-    )
+    seed: IntProperty(name="Seed", description="Another number gives other variations", default=0, min=0, max=10**9, options=set())
 
 
 class HapticImpactTable(TableRows, PropertyGroup):
@@ -140,15 +130,15 @@ class HapticImpactTable(TableRows, PropertyGroup):
     items: CollectionProperty(type=HapticImpactRule)  # type: ignore[assignment]  # in place of items() of bpy_struct
 
 
-def _texture(key: str, name: str, words: str, default: float, span: tuple[float, float], **more: Any) -> FloatProperty:
-    return limited(name, words, default, span, options=set(), update=edited(key), **more)
+def _texture(name: str, words: str, default: float, span: tuple[float, float], **more: Any) -> FloatProperty:
+    return limited(name, words, default, span, options=set(), **more)
 
 
+@updating()
 class HapticTexture(RuleScope, Imported, PropertyGroup):
     """The texture of some objects that slide or roll on each other."""
 
     period: _texture(
-        "period",
         "Period",
         "From one ridge or grain of the surface to the next: at 1 m/s, 5 mm give 200 Hz",
         0.005,
@@ -156,12 +146,11 @@ class HapticTexture(RuleScope, Imported, PropertyGroup):
         subtype="DISTANCE",
         precision=4,
     )
-    sliding: _texture("sliding", "Sliding", "Amplitude of sliding at full force and speed", 0.5, (0.0, 1.0))
-    rolling: _texture("rolling", "Rolling", "Amplitude of rolling at full force and speed", 0.2, (0.0, 1.0))
-    noise: _texture("noise", "Noise", "Fraction of the power that is noise around the tone; higher for irregular surfaces", 0.5, (0.0, 1.0))
-    bandwidth: _texture("bandwidth", "Bandwidth", "How wide the noise is, relative to the frequency of the tone", 0.5, (0.05, 4.0))
+    sliding: _texture("Sliding", "Amplitude of sliding at full force and speed", 0.5, (0.0, 1.0))
+    rolling: _texture("Rolling", "Amplitude of rolling at full force and speed", 0.2, (0.0, 1.0))
+    noise: _texture("Noise", "Fraction of the power that is noise around the tone; higher for irregular surfaces", 0.5, (0.0, 1.0))
+    bandwidth: _texture("Bandwidth", "How wide the noise is, relative to the frequency of the tone", 0.5, (0.05, 4.0))
     stick_speed: _texture(
-        "stick_speed",
         "Stick Below",
         "Below this speed the surfaces stick and slip, the slower the more; 0: they do not",
         0.0,
@@ -170,7 +159,6 @@ class HapticTexture(RuleScope, Imported, PropertyGroup):
         precision=3,
     )
     full_force: _texture(
-        "full_force",
         "Full Force (N)",
         "Force in newtons at which the amplitude reaches its full value; it grows with the square root of the force",
         100.0,
@@ -178,7 +166,6 @@ class HapticTexture(RuleScope, Imported, PropertyGroup):
         soft_max=1e4,
     )
     full_speed: _texture(
-        "full_speed",
         "Full Speed",
         "Speed at which the amplitude reaches its full value; it grows with the speed to the power 3/4 for sliding, 3/2 for rolling",
         1.0,
@@ -193,6 +180,7 @@ class HapticTextureTable(TableRows, PropertyGroup):
     items: CollectionProperty(type=HapticTexture)  # type: ignore[assignment]  # in place of items() of bpy_struct
 
 
+@updating()
 class HapticTransmissionRule(RuleScope, ContactParameters, Imported, PropertyGroup):
     """The transmission function of contacts between some objects."""
 

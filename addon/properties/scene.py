@@ -6,7 +6,7 @@ from bpy.props import IntProperty, PointerProperty
 from bpy.types import PropertyGroup
 
 from . import bake, gltf, live_output, materials, meters, modalities, rules
-from .callbacks import changed, edited, view_changed
+from .callbacks import changed, updating, view_changed
 from .imported import Imported
 from .kinds import choice, limited, number, share, switch, text
 
@@ -18,17 +18,17 @@ MODE_ITEMS = (
 )
 
 
+@updating()
 class HapticSceneProperties(Imported, PropertyGroup):
     """How a scene is traced and shown."""
 
-    tracing: switch("Trace", "Trace haptics at every frame while the timeline plays or objects move", True, update=changed)
-    mode: choice("Mode", "The rendering", MODE_ITEMS, update=changed)
+    tracing: switch("Trace", "Trace haptics at every frame while the timeline plays or objects move", True)
+    mode: choice("Mode", "The rendering", MODE_ITEMS)
     localise: share(
         "Localise",
         "Blends from what touching objects carry everywhere (0) to only the listener nearest to each source (1). "
         "Part of the people in the paper's study liked to feel a source in one place",
         0.0,
-        update=edited("localise"),
     )
     strategy: choice(
         "Strategy",
@@ -40,7 +40,6 @@ class HapticSceneProperties(Imported, PropertyGroup):
             ("all_paths", "All Paths", "The sum of everything that arrives", 2),
             ("energy_balance", "Energy Balance", "Steady state of the energy that flows through all contacts; for dense piles", 3),
         ),
-        update=changed,
     )
     max_connections: IntProperty(
         name="Max Connections",
@@ -48,7 +47,6 @@ class HapticSceneProperties(Imported, PropertyGroup):
         default=32,
         min=0,
         soft_max=128,
-        update=changed,
     )
     threshold: limited(
         "Threshold",
@@ -57,7 +55,6 @@ class HapticSceneProperties(Imported, PropertyGroup):
         (0.0, 1.0),
         soft_max=0.1,
         precision=4,
-        update=edited("threshold"),
     )
     epsilon: number(
         "Epsilon (ε, 1/m)",
@@ -65,26 +62,16 @@ class HapticSceneProperties(Imported, PropertyGroup):
         0.1,
         (0.0, 1.0),
         precision=3,
-        update=edited("epsilon"),
     )
-    contact_tolerance: number(
-        "Contact Tolerance",
-        "Objects closer than this touch",
-        0.01,
-        (0.0, 0.1),
-        unit="LENGTH",
-        precision=4,
-        update=edited("contact_tolerance"),
-    )
+    contact_tolerance: number("Contact Tolerance", "Objects closer than this touch", 0.01, (0.0, 0.1), unit="LENGTH", precision=4)
     patch_points: switch(
         "Contact Points",
         "One contact at each corner of the contact patch of two objects, instead of one at its centre; their shares add up to 1",
-        update=changed,
     )
-    impacts: switch("Impacts", "Collisions make temporary sources that play the impact signal once", True, update=changed)
-    impact_signal: choice("Signal", "What impacts feel like", rules.SIGNAL_ITEMS, update=changed)
-    minimum_energy: rules.least_energy("minimum_energy")
-    maximum_energy: rules.full_energy("maximum_energy")
+    impacts: switch("Impacts", "Collisions make temporary sources that play the impact signal once", True)
+    impact_signal: choice("Signal", "What impacts feel like", rules.SIGNAL_ITEMS)
+    minimum_energy: rules.least_energy()
+    maximum_energy: rules.full_energy()
     impact_energy: choice(
         "Energy",
         "The energy that a collision is judged by",
@@ -92,9 +79,8 @@ class HapticSceneProperties(Imported, PropertyGroup):
             ("kinetic", "Of Both Motions", "Kinetic energy of both objects: ½ m₁ v₁² + ½ m₂ v₂²"),
             ("normal", "Of the Blow", "Energy of the relative motion along the contact normal: ½ μ v² with the reduced mass μ"),
         ),
-        update=changed,
     )
-    refractory_time: rules.refractory("refractory_time")
+    refractory_time: rules.refractory()
     impact_table: PointerProperty(type=rules.HapticImpactTable)
     transmission_table: PointerProperty(type=rules.HapticTransmissionTable)
     textures: PointerProperty(type=rules.HapticTextureTable)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bpy.props import PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 
-from .callbacks import changed, edited
+from .callbacks import updating
 from .drawing import HERTZ, drawing_property
 from .imported import Imported
 from .kinds import choice, limited, number, share, switch, text
@@ -24,17 +24,18 @@ SIGNAL_ITEMS = (
 
 
 def _name(name: str, description: str) -> StringProperty:
-    return text(name, description, options=set(), update=changed)
+    return text(name, description, options=set())
 
 
+@updating()
 class HapticSourceProperties(Imported, PropertyGroup):
     """A haptic source, which emits a signal."""
 
-    enabled: switch("Haptic Source", "This object emits a haptic signal", update=changed)
-    muted: switch("Mute", "Keep the source but silence it", update=changed)
-    solo: switch("Solo", "Silence all sources that are not solo, and impacts", options=set(), update=changed)
-    amplitude: share("Amplitude", "Strength of the emitted signal; can be animated", 1.0, update=edited("amplitude"))
-    signal: choice("Signal", "What the source emits", SIGNAL_ITEMS, default="SINE", update=changed)
+    enabled: switch("Haptic Source", "This object emits a haptic signal")
+    muted: switch("Mute", "Keep the source but silence it")
+    solo: switch("Solo", "Silence all sources that are not solo, and impacts", options=set())
+    amplitude: share("Amplitude", "Strength of the emitted signal; can be animated", 1.0)
+    signal: choice("Signal", "What the source emits", SIGNAL_ITEMS, default="SINE")
     frequency: limited(
         "Frequency (Hz)",
         "Vibrations or blows per second, in hertz; the skin feels 20 to 1000 Hz, best around 250 Hz",
@@ -42,11 +43,10 @@ class HapticSourceProperties(Imported, PropertyGroup):
         HERTZ,
         soft_min=10.0,
         soft_max=500.0,
-        update=changed,
     )
     drawing: drawing_property()
-    envelope: share("Envelope", "Amplitude of the drawn signal where F-curves draw it instead of a curve", 1.0, update=changed)
-    filepath: text("WAV File", "The recorded signal, looped", subtype="FILE_PATH", update=changed)
+    envelope: share("Envelope", "Amplitude of the drawn signal where F-curves draw it instead of a curve", 1.0)
+    filepath: text("WAV File", "The recorded signal, looped", subtype="FILE_PATH")
     sound: PointerProperty(type=HapticSoundProperties)
     decay: limited(
         "Decay Time (s)",
@@ -55,28 +55,22 @@ class HapticSourceProperties(Imported, PropertyGroup):
         (0.0, 1e6),
         soft_max=60.0,
         precision=3,
-        update=changed,
     )
     priority: number(
         "Priority",
         "Weight of this source where a listener mixes by priority; where one ducks, higher ones turn lower ones down",
         1.0,
         (0.0, 10.0),
-        update=edited("priority"),
     )
-    one_shot: switch("Once per Trigger", "Silent, but for its signal each time that one of its triggers goes off", update=changed)
+    one_shot: switch("Once per Trigger", "Silent, but for its signal each time that one of its triggers goes off")
     trigger: share(
-        "Trigger",
-        "Plays at each keyframe above 0, as strongly as that says; with a driver, in each frame in which it rises above 0",
-        0.0,
-        update=changed,
+        "Trigger", "Plays at each keyframe above 0, as strongly as that says; with a driver, in each frame in which it rises above 0", 0.0
     )
     trigger_markers: _name("Markers", "Plays at the timeline markers of this name; * stands for any characters, ? for one")
     trigger_hit: switch(
         "When Hit",
         "Plays at each impact of the haptic object, with the blow's energy, as the rule for impacts of the two says",
         options=set(),
-        update=changed,
     )
     trigger_object: _name("Passing", "Plays when the origin of this haptic object comes into the region; Car* is all of these, empty any")
     trigger_region: _name("Region", "The object whose bounding box is the region; what is flat is a plane that is passed from either side")
